@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "batten/cli/cloud_arguments.h"
+
+#include <sstream>
+
+#include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+std::pair<std::string, std::string> SplitAssignment(const std::string& flag, const std::string& text) {
+  const size_t sign = text.find('=');
+  if (sign == std::string::npos || sign == 0 || sign + 1 == text.size()) {
+    throw UsageError(flag + ": '" + text + "' is not of the form name=value");
+  }
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+}  // namespace
+
+void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
+  command.add_option("--columns", arguments.columns,
+                     "Which column is what, by number or header name: x=2,y=3,z=4 (also u v nx ny nz w)")
+      ->type_name("x=A,y=B,...");
+  command.add_option("--where", arguments.where, "Keep only rows whose column has the value: label=1 or 4=1")
+      ->type_name("COLUMN=VALUE");
+  command.add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
+      ->type_name("NUMBERS");
+  command.add_option("--format", arguments.format,
+                     "Format of files whose name does not tell, or of '-' (pcd ply text; json step)")
+      ->type_name("FORMAT");
+}
+
+CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
+  CloudReadOptions options;
+  options.format = arguments.format;
+  std::stringstream columns(arguments.columns);
+  for (std::string entry; std::getline(columns, entry, ',');) {
+    const auto [role, column] = SplitAssignment("--columns", entry);
+    options.columns[role] = column;
+  }
+  for (const std::string& text : arguments.where) {
+    const auto [column, value] = SplitAssignment("--where", text);
+    options.where.push_back({column, ParseNumbers("--where", value).at(0)});
+  }
+  if (!arguments.box.empty()) {
+    const std::vector<double> numbers = ParseNumbers("--box", arguments.box);
+    if (numbers.size() != 6) {
+      throw UsageError("--box: 6 numbers are needed (xmin,ymin,zmin,xmax,ymax,zmax), not " +
+                       std::to_string(numbers.size()));
+    }
+    for (int d = 0; d < 3; ++d) {
+      if (numbers[d] > numbers[d + 3]) throw UsageError("--box: a minimum exceeds its maximum");
+    }
+    options.box = Eigen::AlignedBox3d(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]),
+                                      Eigen::Vector3d(numbers[3], numbers[4], numbers[5]));
+  }
+  const Progress progress = MakeProgress(quiet);
+  options.progress = [progress](double fraction) { Report(progress, "read", fraction); };
+  return options;
+}
+
+}  // namespace batten

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Flags that say which columns and rows of a cloud file are wanted.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "batten/io/read_cloud.h"
+
+namespace batten {
+
+struct CloudArguments {
+  std::string columns, box;
+  std::vector<std::string> where;
+  std::string format;  // for clouds whose name does not tell
+};
+void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
+
+// Throws UsageError naming the flag and what is wrong with its value.
+CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet);
+
+}  // namespace batten

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// batten compare: how far points are from a geometry.
+#include <memory>
+#include <type_traits>
+
+#include "batten/cli/cloud_arguments.h"
+#include "batten/cli/fit_output.h"
+#include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
+#include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/distances.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+struct Arguments {
+  std::string geometry, cloud_path;
+  CloudArguments cloud;
+  OutputArguments output;
+  CommonFlags flags;
+  WorkFlags work;
+  double tolerance = 0;
+};
+
+// The same shape with its control points moved.
+template <typename Curve>
+Curve Moved(const Curve& curve, const Eigen::Vector3d& shift) {
+  return Curve(curve.basis(), curve.control_points().colwise() + shift.head<Curve::Point::RowsAtCompileTime>(),
+               curve.weights());
+}
+NurbsSurface Moved(const NurbsSurface& surface, const Eigen::Vector3d& shift) { return surface.Translated(shift); }
+
+template <typename Curve>
+void Describe(const Curve& curve, GeometrySummary& summary) {
+  summary.kind = "curve";
+  summary.degree = {curve.basis().degree()};
+  summary.control_points = {curve.basis().size()};
+  summary.rational = curve.rational();
+  summary.closed = {false};
+}
+void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
+  summary.kind = "surface";
+  summary.degree = {surface.basis_u().degree(), surface.basis_v().degree()};
+  summary.control_points = {surface.size_u(), surface.size_v()};
+  summary.rational = surface.rational();
+  summary.closed = {false, false};
+}
+
+int Run(const Arguments& a, bool has_tolerance) {
+  const auto start = std::chrono::steady_clock::now();
+  CheckOutputArguments(a.output);
+  if (has_tolerance && !(a.tolerance > 0)) throw UsageError("--tolerance must be positive");
+  CheckWritable(a.output.residuals);
+  for (const std::string& path : a.output.reports) CheckWritable(path);
+  const bool word_is_geometry = a.cloud.format == "json" || a.cloud.format == "step";
+  const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
+  CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
+  if (word_is_geometry) read.format.clear();
+  const CloudFile file = ReadCloud({a.cloud_path}, read);
+  const PointCloud& cloud = file.cloud;
+
+  FitReport report;
+  ThreadPool pool(a.work.threads);
+  report.threads = pool.threads();
+  report.seconds.read = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Progress progress = MakeProgress(a.flags.quiet);
+
+  // Several geometries: every point belongs to the nearest.
+  PointDistances nearest;
+  for (size_t g = 0; g < geometry.size(); ++g) {
+    Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
+    PointDistances found = std::visit(
+        [&](const auto& shape) { return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool); },
+        geometry[g]);
+    if (g == 0) {
+      nearest = std::move(found);
+      continue;
+    }
+    if (found.parameters.rows() > nearest.parameters.rows()) {
+      nearest.parameters.conservativeResizeLike(Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
+    }
+    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+      if (std::abs(found.distances[k]) >= std::abs(nearest.distances[k])) continue;
+      nearest.distances[k] = found.distances[k];
+      nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
+    }
+  }
+  report.seconds.project = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+                           report.seconds.read;
+
+  const MergedCloud merged = MergeDuplicates(cloud);
+  CloudStatisticsOptions statistics;
+  statistics.find_outliers = false;
+  statistics.seed = a.work.seed;
+  const CloudStatistics measured =
+      MeasureCloud(merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
+  report.input.files = {a.cloud_path};
+  report.input.points = file.points_in_file - file.filtered;
+  report.input.used = cloud.size();
+  report.input.non_finite = file.non_finite;
+  report.input.duplicates = merged.duplicates;
+  report.input.spacing = measured.spacing;
+  report.input.noise = measured.noise;
+  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  report.input.origin = cloud.origin();
+  std::visit([&](const auto& shape) { Describe(shape, report.geometry); }, geometry.front());
+  if (geometry.size() > 1) {
+    report.warnings.push_back(a.geometry + " holds " + std::to_string(geometry.size()) +
+                              " geometries: distances are to the nearest, the summary describes the first");
+  }
+  const std::optional<double> tolerance = has_tolerance ? std::optional(a.tolerance) : std::nullopt;
+  report.error = report.error_all = Summarise(nearest.distances, tolerance);
+  report.optimize.why = "a comparison fits nothing";
+  report.termination = has_tolerance && report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
+                                                                          : Termination::kStalled;
+  const auto write_start = std::chrono::steady_clock::now();
+  WriteResiduals(a.output.residuals, cloud, nearest.distances, nearest.parameters,
+                 Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(cloud.size(), false));
+  const auto end = std::chrono::steady_clock::now();
+  report.seconds.write = std::chrono::duration<double>(end - write_start).count();
+  report.seconds.total = std::chrono::duration<double>(end - start).count();
+  WriteReports(report, {a.output, a.flags, a.geometry, Eigen::Vector3d::Zero()});
+  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
+}
+
+}  // namespace
+
+void AddCompareCommand(CLI::App& app, Action& action) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App& command = *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+  command.add_option("CLOUD", a->cloud_path, "Points: .pcd .ply .xyz ...")->required();
+  CLI::Option* tolerance =
+      command.add_option("--tolerance", a->tolerance, "Exit code 3 when a point is farther than this [none]");
+  AddCloudArguments(command, a->cloud);
+  AddOutputArguments(command, a->output);
+  AddWorkFlags(command, a->work);
+  AddCommonFlags(command, a->flags);
+  command.footer(
+      "Examples:\n"
+      "  batten compare part.step scan.ply\n"
+      "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply");
+  command.callback([a, tolerance, &action] {
+    action = [a, given = tolerance->count() > 0] { return Run(*a, given); };
+  });
+}
+
+}  // namespace batten

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// What fits and comparisons leave besides the geometry: report, residuals, the line on the terminal.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "batten/cli/program.h"
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/point_cloud.h"
+
+namespace batten {
+
+struct OutputArguments {
+  std::vector<std::string> reports;
+  std::string residuals;
+  std::string unit = "mm";
+};
+void AddOutputArguments(CLI::App& command, OutputArguments& arguments);
+
+// Refuses file names and units nothing can be written as, before any work is done. Throws UsageError.
+void CheckOutputArguments(const OutputArguments& arguments);
+
+// Refuses a file that could not be written in the end: a missing folder, no permission. Throws
+// WriteError.
+void CheckWritable(const std::string& path);
+
+// Resident memory at its highest, in bytes.
+std::int64_t PeakMemory();
+
+struct ReportTarget {
+  const OutputArguments& arguments;
+  const CommonFlags& flags;
+  std::string geometry_file;
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+};
+
+// Writes the reports asked for and prints warnings and the result line, or the report as JSON.
+void WriteReports(const FitReport& report, const ReportTarget& target);
+
+// Every point with its signed distance, foot parameters and whether it was set aside: PLY or CSV by the
+// extension.
+void WriteResiduals(const std::string& path,
+                    const PointCloud& cloud,
+                    const Eigen::VectorXd& distances,
+                    const Eigen::MatrixXd& parameters,
+                    const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers);
+
+}  // namespace batten

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: MIT
+# PCL's libraries one by one, as targets PclParts::<name>. PCL's own package file insists on finding
+# VTK, Qt and MPI and links 29 of their libraries; batten needs four of PCL's and none of those.
+#   find_package(PclParts COMPONENTS common io ...)
+file(GLOB _pcl_roots /usr/include/pcl-* /usr/local/include/pcl-*)
+find_path(PclParts_INCLUDE_DIR pcl/point_types.h HINTS ${_pcl_roots})
+set(_required PclParts_INCLUDE_DIR)
+foreach(_part IN LISTS PclParts_FIND_COMPONENTS)
+  find_library(PclParts_${_part}_LIBRARY pcl_${_part})
+  list(APPEND _required PclParts_${_part}_LIBRARY)
+  if(PclParts_${_part}_LIBRARY AND NOT TARGET PclParts::${_part})
+    add_library(PclParts::${_part} UNKNOWN IMPORTED)
+    set_target_properties(PclParts::${_part} PROPERTIES
+      IMPORTED_LOCATION ${PclParts_${_part}_LIBRARY}
+      INTERFACE_INCLUDE_DIRECTORIES ${PclParts_INCLUDE_DIR}
+      INTERFACE_LINK_LIBRARIES Eigen3::Eigen)
+  endif()
+endforeach()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(PclParts REQUIRED_VARS ${_required})
+mark_as_advanced(PclParts_INCLUDE_DIR)

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/fit_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "batten/fitting/statistics.h"
+
+namespace batten {
+const char* Name(Termination termination) {
+  switch (termination) {
+    case Termination::kToleranceReached: return "tolerance_reached";
+    case Termination::kNoiseReached: return "noise_reached";
+    case Termination::kMaxControlPoints: return "max_control_points";
+    case Termination::kMaxIterations: return "max_iterations";
+    case Termination::kStalled: return "stalled";
+    case Termination::kCancelled: return "cancelled";
+  }
+  return "";
+}
+
+ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
+                       std::optional<double> tolerance,
+                       const Eigen::Array<bool, Eigen::Dynamic, 1>& mask) {
+  std::vector<double> values;
+  values.reserve(static_cast<size_t>(signed_distances.size()));
+  for (Eigen::Index k = 0; k < signed_distances.size(); ++k) {
+    if (mask.size() == 0 || mask[k]) values.push_back(signed_distances[k]);
+  }
+  ErrorSummary result;
+  result.tolerance = tolerance;
+  result.points = static_cast<Eigen::Index>(values.size());
+  if (values.empty()) return result;
+  result.signed_p5 = Quantile(values, 0.05);
+  result.signed_p95 = Quantile(values, 0.95);
+  double sum = 0, squares = 0;
+  for (double& value : values) {
+    value = std::abs(value);
+    sum += value;
+    squares += value * value;
+    result.max = std::max(result.max, value);
+    if (tolerance && value > *tolerance) ++result.out_of_tolerance;
+  }
+  const double count = static_cast<double>(values.size());
+  result.mean = sum / count;
+  result.rms = std::sqrt(squares / count);
+  result.within_tolerance = 1 - static_cast<double>(result.out_of_tolerance) / count;
+  result.p50 = Quantile(values, 0.50);
+  result.p95 = Quantile(values, 0.95);
+  result.p99 = Quantile(values, 0.99);
+  return result;
+}
+
+std::string FitReport::OneLine() const {
+  std::string net, degrees;
+  for (const int n : geometry.control_points) net += (net.empty() ? "" : " x ") + std::to_string(n);
+  for (const int p : geometry.degree) degrees += (degrees.empty() ? "" : ",") + std::to_string(p);
+  char text[512];
+  std::snprintf(text, sizeof text, "%s of degree %s, %s control points: rms %.4g, max %.4g over %lld of %lld points",
+                geometry.kind.c_str(), degrees.c_str(), net.c_str(), error.rms, error.max,
+                static_cast<long long>(error.points), static_cast<long long>(input.points));
+  std::string line = text;
+  if (error.tolerance) {
+    std::snprintf(text, sizeof text, "; %lld out of tolerance %.4g",
+                  static_cast<long long>(error.out_of_tolerance), *error.tolerance);
+    line += text;
+  }
+  return line + " (" + Name(termination) + ")";
+}
+
+}  // namespace batten

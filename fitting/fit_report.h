@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// What a fit or a comparison says of itself: numbers, never prose alone.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace batten {
+
+// How a fit ended. The geometry returned is the best seen in every case.
+enum class Termination {
+  kToleranceReached,   // every used point is within the tolerance
+  kNoiseReached,       // more freedom would only follow the noise
+  kMaxControlPoints,   // the limit on control points, or what the data carry, is used up
+  kMaxIterations,
+  kStalled,            // another round changes nothing
+  kCancelled,
+};
+
+// The word the report uses, as in "tolerance_reached".
+const char* Name(Termination termination);
+
+// Orthogonal distances of points to a geometry, in the data's units. Signed values are along the
+// surface normal (curves: not signed, both zero).
+struct ErrorSummary {
+  double rms = 0, mean = 0, max = 0, p50 = 0, p95 = 0, p99 = 0, signed_p5 = 0, signed_p95 = 0;
+  std::optional<double> tolerance;
+  double within_tolerance = 1;    // fraction of the points; 1 without a tolerance
+  Eigen::Index out_of_tolerance = 0;  // their number
+  Eigen::Index points = 0;
+};
+
+// From signed distances; `mask` (empty: all) chooses points.
+ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
+                       std::optional<double> tolerance,
+                       const Eigen::Array<bool, Eigen::Dynamic, 1>& mask = {});
+
+// What was read and what preparation found.
+struct InputSummary {
+  std::vector<std::string> files;
+  Eigen::Index points = 0;      // read, before anything was dropped
+  Eigen::Index used = 0;        // that the fit rests on
+  Eigen::Index non_finite = 0;  // dropped
+  Eigen::Index duplicates = 0;  // merged into another point's weight
+  Eigen::Index outliers = 0;    // set aside
+  double spacing = 0;           // mean distance of neighbours
+  double noise = 0;             // estimated standard deviation
+  Eigen::Vector3d box_min = Eigen::Vector3d::Zero(), box_max = Eigen::Vector3d::Zero();  // world
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+};
+
+struct GeometrySummary {
+  std::string kind;  // "surface" or "curve"
+  std::string base;  // "plane", …; empty in comparisons
+  std::vector<int> degree;
+  std::vector<int> control_points;
+  bool rational = false;
+  std::vector<bool> closed;
+  int trims = 0;
+};
+
+// The joint stage.
+struct OptimizeSummary {
+  bool ran = false;
+  std::string why;
+  int iterations = 0;
+  double rms_before = 0, rms_after = 0;
+};
+
+// One round of fitting.
+struct RoundSummary {
+  std::string stage;  // "cross-validation", "robust", "refine", "joint"
+  int control_points_u = 0, control_points_v = 0;
+  double rms = 0, max = 0;
+  double score = 0;  // the stage's own criterion; see the documentation of the stage
+  double seconds = 0;
+};
+
+struct StageSeconds {
+  double read = 0, prepare = 0, parameterize = 0, solve = 0, project = 0, refine = 0, optimize = 0,
+         write = 0, total = 0;
+};
+
+struct FitReport {
+  InputSummary input;
+  GeometrySummary geometry;
+  ErrorSummary error;      // over the used points
+  ErrorSummary error_all;  // over all finite points
+  OptimizeSummary optimize;
+  Termination termination = Termination::kNoiseReached;
+  std::vector<RoundSummary> iterations;
+  StageSeconds seconds;
+  std::vector<std::string> warnings;
+  int threads = 1;
+
+  // None without a tolerance.
+  std::optional<bool> tolerance_reached() const {
+    if (!error.tolerance) return std::nullopt;
+    return error.out_of_tolerance == 0;
+  }
+
+  // One sentence for a terminal or a log.
+  std::string OneLine() const;
+};
+
+}  // namespace batten

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/fitting_problem.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "batten/fitting/block_banded_matrix.h"
+#include "batten/fitting/fairness.h"
+#include "batten/fitting/normal_equations.h"
+
+namespace batten {
+namespace {
+
+[[noreturn]] void Reject(const std::string& rule) {
+  throw std::invalid_argument("FittingProblem: " + rule);
+}
+
+// From outer-inner order to v fastest: nothing to do when u is outside, a transposition otherwise.
+Eigen::MatrixXd InNetOrder(const Eigen::MatrixXd& solution, bool u_outside, int size_u, int size_v) {
+  Eigen::MatrixXd net(solution.cols(), solution.rows());
+  for (int i = 0; i < size_u; ++i) {
+    for (int j = 0; j < size_v; ++j) {
+      const Eigen::Index from = u_outside ? Eigen::Index{i} * size_v + j : Eigen::Index{j} * size_u + i;
+      net.col(Eigen::Index{i} * size_v + j) = solution.row(from).transpose();
+    }
+  }
+  return net;
+}
+
+}  // namespace
+
+FittingProblem::FittingProblem(SplineBasis basis_u,
+                               SplineBasis basis_v,
+                               std::shared_ptr<const FittingData> data,
+                               double smoothing)
+    : basis_u_(std::move(basis_u)),
+      basis_v_(std::move(basis_v)),
+      data_(std::move(data)),
+      smoothing_(smoothing) {
+  if (!data_) Reject("no data");
+  const Eigen::Index m = data_->parameters.cols();
+  if (data_->values.cols() != m) Reject("values and parameters differ in number");
+  if (data_->weights.size() != 0 && data_->weights.size() != m) Reject("weights and parameters differ in number");
+  if (!data_->values.allFinite() || !data_->parameters.allFinite()) Reject("data are not finite");
+  if (data_->weights.size() != 0 && !(data_->weights.minCoeff() >= 0)) Reject("a weight is negative");
+  if (!(smoothing_ >= 0)) Reject("smoothing is negative");
+  if (m > 0) {
+    const Eigen::Vector2d low = data_->parameters.rowwise().minCoeff();
+    const Eigen::Vector2d high = data_->parameters.rowwise().maxCoeff();
+    if (low[0] < basis_u_.lower() || high[0] > basis_u_.upper() || low[1] < basis_v_.lower() ||
+        high[1] > basis_v_.upper()) {
+      Reject("a parameter lies outside the domain");
+    }
+  }
+}
+
+FittingProblem FittingProblem::WithBases(SplineBasis basis_u, SplineBasis basis_v) const {
+  return FittingProblem(std::move(basis_u), std::move(basis_v), data_, smoothing_);
+}
+
+FittingProblem FittingProblem::WithWeights(Eigen::VectorXd weights) const {
+  auto data = std::make_shared<FittingData>(*data_);
+  data->weights = std::move(weights);
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
+}
+
+LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
+  const bool u_outside = problem.basis_u().size() >= problem.basis_v().size();
+  const SplineBasis& outer = u_outside ? problem.basis_u() : problem.basis_v();
+  const SplineBasis& inner = u_outside ? problem.basis_v() : problem.basis_u();
+  const Eigen::VectorXd outer_parameters = problem.data().parameters.row(u_outside ? 0 : 1);
+  const Eigen::VectorXd inner_parameters = problem.data().parameters.row(u_outside ? 1 : 0);
+  const CellOrder order(outer, inner, outer_parameters, inner_parameters);
+  const NormalEquations equations(outer, inner, outer_parameters, inner_parameters,
+                                  problem.data().values, problem.data().weights, order, pool);
+  const FairnessForm fairness(outer, inner);
+
+  LinearSolution result;
+  const double unit = equations.trace() / fairness.Trace();
+  // Rounding alone makes a semidefinite matrix look indefinite; this keeps it away from that.
+  const double jitter = 4 * std::numeric_limits<double>::epsilon() * equations.trace() / problem.unknowns();
+  double lambda = problem.smoothing() * unit;
+  Eigen::MatrixXd solution;
+  for (int attempt = 0;; ++attempt) {
+    BlockBandedMatrix matrix(outer.size(), inner.size(), outer.degree());
+    equations.AddTo(matrix);
+    if (lambda > 0) fairness.AddTo(matrix, lambda);
+    matrix.AddToDiagonal(jitter);
+    if (matrix.Factor()) {
+      solution = equations.rhs();
+      matrix.Solve(solution);
+      if (solution.allFinite()) break;
+    }
+    if (attempt == 16) throw std::runtime_error("SolveLinear: the normal matrix can't be factored");
+    lambda = std::max(10 * lambda, 1e-12 * unit);
+    result.regularised = true;
+  }
+  // zᵀz − 2cᵀb + cᵀAc with (A + λP)c = b, so cᵀAc = cᵀb − λ cᵀPc.
+  double squares = equations.squares();
+  for (Eigen::Index d = 0; d < solution.cols(); ++d) {
+    squares -= solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(solution.col(d));
+  }
+  result.residual_squares = std::max(squares, 0.0);
+  result.coefficients = InNetOrder(solution, u_outside, problem.basis_u().size(), problem.basis_v().size());
+  return result;
+}
+
+Eigen::MatrixXd EvaluateAt(const FittingProblem& problem,
+                           const Eigen::MatrixXd& coefficients,
+                           ThreadPool& pool) {
+  const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
+  const Eigen::Matrix2Xd& uv = problem.data().parameters;
+  const int p = bu.degree(), q = bv.degree();
+  Eigen::MatrixXd values(coefficients.rows(), uv.cols());
+  pool.For(uv.cols(), 2048, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    double Nu[kMaxDegree + 1], Nv[kMaxDegree + 1];
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const int su = bu.Span(uv(0, k)), sv = bv.Span(uv(1, k));
+      bu.Values(su, uv(0, k), Nu);
+      bv.Values(sv, uv(1, k), Nv);
+      for (Eigen::Index d = 0; d < coefficients.rows(); ++d) {
+        double sum = 0;
+        for (int r = 0; r <= p; ++r) {
+          const Eigen::Index row = Eigen::Index{su - p + r} * bv.size() + sv - q;
+          double inner = 0;
+          for (int s = 0; s <= q; ++s) inner += Nv[s] * coefficients(d, row + s);
+          sum += Nu[r] * inner;
+        }
+        values(d, k) = sum;
+      }
+    }
+  });
+  return values;
+}
+
+}  // namespace batten

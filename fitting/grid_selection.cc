@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/grid_selection.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace batten {
+namespace {
+
+constexpr double kEndCellWidth = 1.6;
+constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothing to judge by
+constexpr int kRisesToStop = 3;
+constexpr int kCellsAtLeastTried = 8;
+// A finer grid must gain more than sampling the noise makes scores differ by.
+constexpr double kGainInStandardErrors = 0.5;
+
+class Search {
+ public:
+  Search(const FittingProblem& problem, const GridLimits& limits, ThreadPool& pool)
+      : problem_(problem), limits_(limits), pool_(pool) {
+    points_ = static_cast<double>(problem.size());
+    if (problem.data().weights.size() > 0) {
+      points_ = static_cast<double>((problem.data().weights.array() > 0).count());
+    }
+    length_u_ = problem.basis_u().upper() - problem.basis_u().lower();
+    length_v_ = problem.basis_v().upper() - problem.basis_v().lower();
+    const double extent = problem.data().values.cwiseAbs().maxCoeff();
+    exact_ = points_ * std::pow(1e-9 * extent, 2);
+  }
+
+  int Unknowns(int cells_u, int cells_v) const {
+    return (cells_u + limits_.degree_u) * (cells_v + limits_.degree_v);
+  }
+
+  bool Allowed(int cells_u, int cells_v) const {
+    if (cells_u < 1 || cells_v < 1) return false;
+    if (cells_u == 1 && cells_v == 1) return true;
+    const int n = Unknowns(cells_u, cells_v);
+    return n <= limits_.max_control_points && n * kPointsPerControlPoint <= points_;
+  }
+
+  // Cells of nearly equal sides, cells² of them or so.
+  std::pair<int, int> Square(double cells) const {
+    const double root = std::sqrt(length_u_ / length_v_);
+    return {std::max(1, static_cast<int>(std::lround(cells * root))),
+            std::max(1, static_cast<int>(std::lround(cells / root)))};
+  }
+
+  double Score(int cells_u, int cells_v) {
+    const auto [known, fresh] = scores_.try_emplace({cells_u, cells_v}, 0.0);
+    if (!fresh) return known->second;
+    const auto start = std::chrono::steady_clock::now();
+    const SplineBasis &bu = problem_.basis_u(), &bv = problem_.basis_v();
+    const LinearSolution solution = SolveLinear(
+        problem_.WithBases(FittingBasis(limits_.degree_u, cells_u, bu.lower(), bu.upper()),
+                           FittingBasis(limits_.degree_v, cells_v, bv.lower(), bv.upper())),
+        pool_);
+    const double freedom = std::max(1.0, points_ - Unknowns(cells_u, cells_v));
+    // Below the rounding of exact data, finer grids have nothing left to gain.
+    const double squares = std::max(solution.residual_squares, exact_);
+    known->second = points_ * squares / (freedom * freedom);
+    RoundSummary round;
+    round.stage = "cross-validation";
+    round.control_points_u = cells_u + limits_.degree_u;
+    round.control_points_v = cells_v + limits_.degree_v;
+    round.rms = std::sqrt(solution.residual_squares / points_);
+    round.score = known->second;
+    round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    rounds.push_back(round);
+    return known->second;
+  }
+
+  // Whether grid b is worth its further control points against a.
+  bool Better(std::pair<int, int> b, std::pair<int, int> a) {
+    const double score_a = Score(a.first, a.second), score_b = Score(b.first, b.second);
+    const double more = Unknowns(b.first, b.second) - Unknowns(a.first, a.second);
+    const double error = score_a * std::sqrt(2 * std::abs(more)) / points_;
+    return more > 0 ? score_b < score_a - kGainInStandardErrors * error
+                    : score_b < score_a + kGainInStandardErrors * error;
+  }
+
+  std::vector<RoundSummary> rounds;
+
+ private:
+  const FittingProblem& problem_;
+  const GridLimits& limits_;
+  ThreadPool& pool_;
+  double points_, length_u_, length_v_, exact_;
+  std::map<std::pair<int, int>, double> scores_;
+};
+
+}  // namespace
+
+SplineBasis FittingBasis(int degree, int cells, double lower, double upper) {
+  std::vector<double> breaks{lower};
+  const double end = cells >= 3 ? kEndCellWidth : 1;
+  const double unit = (upper - lower) / (cells >= 2 ? cells - 2 + 2 * end : 1);
+  for (int i = 1; i < cells; ++i) breaks.push_back(lower + unit * (end + i - 1));
+  breaks.push_back(upper);
+  return SplineBasis::Clamped(degree, breaks);
+}
+
+GridChoice ChooseGrid(const FittingProblem& problem,
+                      const GridLimits& limits,
+                      ThreadPool& pool,
+                      const Progress& progress) {
+  Search search(problem, limits, pool);
+  std::pair<int, int> best{1, 1};
+  double cells = 1;
+  int rises = 0;
+  double previous = search.Score(1, 1);
+  for (;;) {
+    cells = cells < 6 ? cells + 1 : std::max(cells + 1, std::round(cells * 1.22));
+    const std::pair<int, int> grid = search.Square(cells);
+    if (!search.Allowed(grid.first, grid.second)) break;
+    const double score = search.Score(grid.first, grid.second);
+    rises = score >= previous ? rises + 1 : 0;
+    previous = score;
+    if (search.Better(grid, best)) best = grid;
+    Report(progress, "solve", std::min(0.9, cells / 40));
+    if (rises >= kRisesToStop && cells >= kCellsAtLeastTried) break;
+  }
+  // Along each direction alone, then both, with steps that shrink to one cell.
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (const double share : {0.2, 0.1, 0.0}) {
+      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}}) {
+        const int step_u = std::max(1, static_cast<int>(share * best.first));
+        const int step_v = std::max(1, static_cast<int>(share * best.second));
+        const std::pair<int, int> grid{best.first + du * step_u, best.second + dv * step_v};
+        if (!search.Allowed(grid.first, grid.second) || !search.Better(grid, best)) continue;
+        best = grid;
+        moved = true;
+      }
+    }
+    Report(progress, "solve", 0.95);
+  }
+  return {best.first, best.second, search.Score(best.first, best.second), std::move(search.rounds)};
+}
+
+}  // namespace batten

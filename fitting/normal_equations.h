@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// The normal equations of a scattered least-squares problem, gathered knot cell by knot cell.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "batten/fitting/block_banded_matrix.h"
+#include "batten/geometry/spline_basis.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten {
+
+// Points in the order of the knot cells their parameters lie in.
+class CellOrder {
+ public:
+  // `outer` and `inner` hold one parameter a point, inside the bases' domains. O(m).
+  CellOrder(const SplineBasis& outer_basis,
+            const SplineBasis& inner_basis,
+            const Eigen::VectorXd& outer,
+            const Eigen::VectorXd& inner);
+
+  struct Cell {
+    int outer_span, inner_span;
+    Eigen::Index begin, end;  // in points()
+  };
+  const std::vector<Cell>& cells() const { return cells_; }         // those that hold points
+  const std::vector<Eigen::Index>& points() const { return points_; }  // sorted by cell, then by index
+  int cell_count() const { return cell_count_; }                    // empty ones included
+
+ private:
+  std::vector<Cell> cells_;
+  std::vector<Eigen::Index> points_;
+  int cell_count_;
+};
+
+// A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis functions
+// at a point's parameters and z its values. Sums are kept a cell at a time, so the result does not
+// depend on the number of threads. O(m (p+1)² (q+1)² / 4).
+class NormalEquations {
+ public:
+  // values: d × m; weights: empty for ones.
+  NormalEquations(const SplineBasis& outer_basis,
+                  const SplineBasis& inner_basis,
+                  const Eigen::VectorXd& outer,
+                  const Eigen::VectorXd& inner,
+                  const Eigen::MatrixXd& values,
+                  const Eigen::VectorXd& weights,
+                  const CellOrder& order,
+                  ThreadPool& pool);
+
+  // Adds A; the bandwidth must be the outer degree, the block size the inner basis' size.
+  void AddTo(BlockBandedMatrix& matrix) const;
+
+  const Eigen::MatrixXd& rhs() const { return rhs_; }  // n × d
+  double squares() const { return squares_; }          // Σ w |z|²
+  double trace() const { return trace_; }              // of A
+
+ private:
+  int degree_outer_, degree_inner_;
+  std::vector<CellOrder::Cell> cells_;
+  std::vector<double> grams_;  // a cell: products of pairs of outer × pairs of inner functions
+  Eigen::MatrixXd rhs_;
+  double squares_ = 0, trace_ = 0;
+};
+
+}  // namespace batten

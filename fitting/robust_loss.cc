@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/robust_loss.h"
+
+#include <cmath>
+#include <vector>
+
+#include "batten/fitting/statistics.h"
+
+namespace batten {
+namespace {
+
+constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTukeyTuning = 4.685;
+
+}  // namespace
+
+double LossValue(Loss loss, double residual, double scale) {
+  const double r = std::abs(residual);
+  if (loss == Loss::kNone || !(scale > 0)) return r * r / 2;
+  switch (loss) {
+    case Loss::kNone: break;
+    case Loss::kHuber: {
+      const double knee = kHuberTuning * scale;
+      return r <= knee ? r * r / 2 : knee * (r - knee / 2);
+    }
+    case Loss::kCauchy: {
+      const double c = kCauchyTuning * scale;
+      return c * c / 2 * std::log1p((r / c) * (r / c));
+    }
+    case Loss::kTukey: {
+      const double c = kTukeyTuning * scale;
+      const double rest = r < c ? 1 - (r / c) * (r / c) : 0;
+      return c * c / 6 * (1 - rest * rest * rest);
+    }
+  }
+  return r * r / 2;
+}
+
+double LossWeight(Loss loss, double residual, double scale) {
+  const double r = std::abs(residual);
+  switch (loss) {
+    case Loss::kNone: return 1;
+    case Loss::kHuber: {
+      const double knee = kHuberTuning * scale;
+      return r <= knee ? 1 : knee / r;
+    }
+    case Loss::kCauchy: {
+      const double t = r / (kCauchyTuning * scale);
+      return 1 / (1 + t * t);
+    }
+    case Loss::kTukey: {
+      const double t = r / (kTukeyTuning * scale);
+      return t < 1 ? (1 - t * t) * (1 - t * t) : 0;
+    }
+  }
+  return 1;
+}
+
+Eigen::VectorXd LossWeights(Loss loss, const Eigen::VectorXd& residuals, double scale) {
+  if (!(scale > 0)) return Eigen::VectorXd::Ones(residuals.size());  // exact data: nothing to bound
+  return residuals.unaryExpr([&](double r) { return LossWeight(loss, r, scale); });
+}
+
+double RobustScale(const Eigen::VectorXd& residuals) {
+  std::vector<double> magnitudes(residuals.begin(), residuals.end());
+  for (double& r : magnitudes) r = std::abs(r);
+  return kMadToSigma * Median(std::move(magnitudes));
+}
+
+}  // namespace batten

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Order statistics that the fitting stages share.
+#pragma once
+
+#include <vector>
+
+namespace batten {
+
+// From the median of absolute deviations to the standard deviation of a normal distribution.
+inline constexpr double kMadToSigma = 1.482602218505602;
+
+// The value at a fraction of the sorted sample, linear between neighbours; NaN of an empty sample.
+// Takes a copy because it reorders. O(n).
+double Quantile(std::vector<double> values, double fraction);
+inline double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
+
+}  // namespace batten

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// A tensor-product NURBS surface in space.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "batten/geometry/spline_basis.h"
+
+namespace batten {
+
+// A point of a surface with its first and second partial derivatives.
+struct SurfaceJet {
+  Eigen::Vector3d point, du, dv, duu, duv, dvv;
+};
+
+// All partial derivatives up to a total order, at one parameter.
+class SurfaceDerivatives {
+ public:
+  SurfaceDerivatives(int order, Eigen::Matrix4Xd columns)
+      : order_(order), columns_(std::move(columns)) {}
+  int order() const { return order_; }
+  // ∂^(k+l)S / ∂u^k ∂v^l, for k + l ≤ order.
+  Eigen::Vector3d operator()(int k, int l) const {
+    return columns_.col(k * (order_ + 1) + l).head<3>();
+  }
+
+ private:
+  int order_;
+  Eigen::Matrix4Xd columns_;
+};
+
+// S(u,v) = Σ N_i(u) N_j(v) w_ij P_ij / Σ N_i(u) N_j(v) w_ij on the product of the bases' domains.
+// A value: editing returns a new one. Parameters outside the domain are taken at its nearest edge.
+// [Piegl & Tiller 1997, §4.4]
+class NurbsSurface {
+ public:
+  // Control point (i,j) is column i·size_v + j (v runs fastest), Euclidean, in the data's units; no
+  // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite and
+  // weights are positive.
+  NurbsSurface(SplineBasis basis_u,
+               SplineBasis basis_v,
+               Eigen::Matrix3Xd control_points,
+               Eigen::VectorXd weights = {});
+
+  const SplineBasis& basis_u() const { return basis_u_; }
+  const SplineBasis& basis_v() const { return basis_v_; }
+  int size_u() const { return basis_u_.size(); }
+  int size_v() const { return basis_v_.size(); }
+  const Eigen::Matrix3Xd& control_points() const { return control_points_; }
+  const Eigen::VectorXd& weights() const { return weights_; }
+  bool rational() const { return rational_; }  // weights differ
+  Eigen::Vector3d control_point(int i, int j) const { return control_points_.col(i * size_v() + j); }
+
+  Eigen::Vector3d At(double u, double v) const;
+
+  // Point, first and second derivatives, without allocating. Right-continuous at knots.
+  SurfaceJet JetAt(double u, double v) const;
+
+  // Every partial derivative up to the total order. [A3.6, A4.4]
+  SurfaceDerivatives Derivatives(double u, double v, int order) const;
+
+  // The unit normal S_u × S_v / |…|; none where the two are parallel or vanish.
+  std::optional<Eigen::Vector3d> NormalAt(double u, double v) const;
+
+  // The surface moved by `shift`.
+  NurbsSurface Translated(const Eigen::Vector3d& shift) const;
+
+  bool operator==(const NurbsSurface&) const = default;
+
+ private:
+  SplineBasis basis_u_, basis_v_;
+  Eigen::Matrix3Xd control_points_;
+  Eigen::VectorXd weights_;
+  bool rational_;
+};
+
+// The unit normal of a jet; none where S_u and S_v are parallel to rounding, or vanish.
+std::optional<Eigen::Vector3d> UnitNormal(const SurfaceJet& jet);
+
+}  // namespace batten

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// The B-spline functions N_0 … N_{n-1} of one degree over one knot vector.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace batten {
+
+// The highest degree batten works with: OpenCASCADE's own limit, so that everything can be exported.
+inline constexpr int kMaxDegree = 25;
+
+// The B-spline functions N_0 … N_{n-1} of degree p over the knots u_0 ≤ … ≤ u_{n+p}.
+//  (1) On the closed domain [u_p, u_n]: N_i ≥ 0 and Σ N_i = 1.
+//  (2) N_i vanishes outside [u_i, u_{i+p+1}].
+// n counts functions (control points); Piegl & Tiller write n + 1. Knots may be clamped or not.
+// [Piegl & Tiller 1997, §2.2]
+class SplineBasis {
+ public:
+  // Throws std::invalid_argument unless 1 ≤ degree ≤ kMaxDegree, the knots are finite and
+  // non-decreasing, n > degree, the domain is not empty, and no interior knot is repeated more than
+  // degree times (end knots: degree + 1).
+  SplineBasis(int degree, std::vector<double> knots);
+
+  // The clamped basis with simple interior knots at the inner of the increasing `breaks`.
+  static SplineBasis Clamped(int degree, std::span<const double> breaks);
+
+  // The clamped basis of `size` functions with equal spans on [lower, upper].
+  static SplineBasis Uniform(int degree, int size, double lower, double upper);
+
+  int degree() const { return degree_; }
+  int size() const { return static_cast<int>(knots_.size()) - degree_ - 1; }
+  const std::vector<double>& knots() const { return knots_; }
+  double lower() const { return knots_[degree_]; }
+  double upper() const { return knots_[size()]; }
+
+  // The index i with u_i ≤ u < u_{i+1} among the spans of the domain; parameters outside are taken
+  // at the nearest end, and the upper end belongs to the last non-empty span. O(log n). [A2.1]
+  int Span(double u) const;
+
+  // Every span of positive length inside the domain, in increasing order.
+  std::vector<int> Spans() const;
+
+  // The p+1 functions that do not vanish on `span`: values[r] = N_{span-p+r}(u). [A2.2]
+  void Values(int span, double u, double* values) const;
+
+  // Their derivatives: values[k·(p+1)+r] = d^k N_{span-p+r} / du^k for k = 0 … order, all zero for
+  // k > p. Right-continuous at knots because `span` says which piece is meant. [A2.3]
+  void Derivatives(int span, double u, int order, double* values) const;
+
+  // Greville abscissa (u_{i+1} + … + u_{i+p}) / p: with these as control points the spline is u.
+  double Greville(int i) const;
+
+  // The parameter of the domain nearest to u.
+  double Clamp(double u) const;
+
+  // How often the value stands in the knot vector, exactly.
+  int Multiplicity(double knot) const;
+
+  bool operator==(const SplineBasis&) const = default;
+
+ private:
+  int degree_;
+  std::vector<double> knots_;
+};
+
+}  // namespace batten

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+constexpr size_t kBufferBytes = size_t{1} << 20;
+
+// The temporary files that exist now.
+struct Register {
+  std::mutex mutex;
+  std::set<std::string> paths;
+};
+
+Register& OpenFiles() {
+  static Register files;
+  return files;
+}
+
+void Enter(const std::string& path) {
+  const std::lock_guard lock(OpenFiles().mutex);
+  OpenFiles().paths.insert(path);
+}
+
+void Leave(const std::string& path) {
+  const std::lock_guard lock(OpenFiles().mutex);
+  OpenFiles().paths.erase(path);
+}
+
+void WriteAll(int descriptor, std::string_view text, const std::string& target) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      throw WriteError(target, std::string("can't be written: ") + std::strerror(errno));
+    }
+    text.remove_prefix(static_cast<size_t>(written));
+  }
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
+  if (target_ == "-") return;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(target_, ignored)) {
+    throw WriteError(target_, "is a directory, not a file to write");
+  }
+  // Beside the target, so that the rename stays on one file system; the ending stays the target's,
+  // because libraries choose by it.
+  const std::filesystem::path path(target_);
+  temporary_ = (path.parent_path() / (".batten-XXXXXX" + path.extension().string())).string();
+  descriptor_ = ::mkostemps(temporary_.data(), static_cast<int>(path.extension().string().size()), O_CLOEXEC);
+  if (descriptor_ < 0) {
+    const int reason = errno;
+    temporary_.clear();
+    throw WriteError(target_, std::string("can't be written: ") + std::strerror(reason));
+  }
+  Enter(temporary_);
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  Leave(temporary_);
+}
+
+void AtomicFile::RemoveTemporaries() {
+  const std::lock_guard lock(OpenFiles().mutex);
+  for (const std::string& path : OpenFiles().paths) ::unlink(path.c_str());
+}
+
+void AtomicFile::Flush() {
+  WriteAll(descriptor_, buffer_, target_);
+  buffer_.clear();
+}
+
+void AtomicFile::Write(std::string_view text) {
+  buffer_.append(text);
+  if (descriptor_ >= 0 && buffer_.size() >= kBufferBytes) Flush();
+}
+
+void AtomicFile::Commit() {
+  if (target_ == "-") {
+    WriteAll(STDOUT_FILENO, buffer_, "standard output");
+    buffer_.clear();
+    return;
+  }
+  Flush();
+  // mkostemps makes files private; give the mode that an ordinary new file would have.
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::fchmod(descriptor_, 0666 & ~mask);
+  if (::close(std::exchange(descriptor_, -1)) != 0) {
+    throw WriteError(target_, std::string("can't be written: ") + std::strerror(errno));
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    throw WriteError(target_, std::string("can't be written: ") + std::strerror(errno));
+  }
+  Leave(temporary_);
+  temporary_.clear();
+}
+
+}  // namespace batten

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/file_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+struct KnownWord {
+  std::string_view word;  // an extension without its dot, or a format word
+  FileFormat format;
+};
+constexpr std::array kKnown{
+    KnownWord{"pcd", FileFormat::kPcd},
+    KnownWord{"ply", FileFormat::kPly},
+    KnownWord{"xyz", FileFormat::kXyz},
+    KnownWord{"csv", FileFormat::kCsv},
+    KnownWord{"text", FileFormat::kText},
+    KnownWord{"txt", FileFormat::kText},
+    KnownWord{"asc", FileFormat::kText},
+    KnownWord{"pts", FileFormat::kText},
+    KnownWord{"xy", FileFormat::kText},
+    KnownWord{"dat", FileFormat::kText},
+    KnownWord{"json", FileFormat::kJson},
+    KnownWord{"step", FileFormat::kStep},
+    KnownWord{"stp", FileFormat::kStep},
+};
+
+struct UnsupportedWord {
+  std::string_view word, advice;
+};
+constexpr std::array kUnsupported{
+    UnsupportedWord{"laz",
+                    "decompress it with `laszip` to .las, then convert that to .ply or .xyz"},
+    UnsupportedWord{"e57", "export it as .ply, .pcd or .xyz from the scanner's program"},
+    UnsupportedWord{"3dm", "export it as .step from Rhino"},
+    UnsupportedWord{"g2", "export it as .step from a program that reads GoTools files"},
+    UnsupportedWord{"brep", "export it as .step from OpenCASCADE or FreeCAD"},
+    UnsupportedWord{"las", "not in this version; convert it to .ply, .pcd or .xyz"},
+    UnsupportedWord{"obj", "not in this version; convert it to .ply"},
+    UnsupportedWord{"stl", "not in this version; convert it to .ply"},
+    UnsupportedWord{"off", "not in this version; convert it to .ply"},
+    UnsupportedWord{"glb", "not in this version; use .step or .json"},
+    UnsupportedWord{"iges", "not in this version; use .step or .json"},
+    UnsupportedWord{"igs", "not in this version; use .step or .json"},
+};
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return text;
+}
+
+std::optional<FileFormat> Known(std::string_view word) {
+  for (const KnownWord& known : kKnown) {
+    if (known.word == word) return known.format;
+  }
+  return std::nullopt;
+}
+
+FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
+  if (const auto format = Known(word)) return *format;
+  for (const UnsupportedWord& unsupported : kUnsupported) {
+    if (unsupported.word == word) {
+      throw UsageError(subject + ": ." + word +
+                       " files are not supported: " + std::string(unsupported.advice));
+    }
+  }
+  throw UsageError(
+      subject + ": unknown format '" + word +
+      "'; known are pcd, ply, text, xyz, csv, json and step (say which with --format)");
+}
+
+}  // namespace
+
+FileFormat FormatOf(const std::string& path, const std::string& format) {
+  if (!format.empty()) return FormatOfWord(Lower(format), path);
+  if (path == "-") throw UsageError("-: standard input and output need --format");
+  const std::string extension = Lower(std::filesystem::path(path).extension().string());
+  // The word "text" is no extension.
+  if (extension.size() < 2 || extension == ".text") {
+    throw UsageError(path + ": the name does not say the format; say it with --format" +
+                     " (pcd, ply, text, xyz, csv, json, step)");
+  }
+  return FormatOfWord(extension.substr(1), path);
+}
+
+const char* FormatName(FileFormat format) {
+  switch (format) {
+    case FileFormat::kPcd:
+      return "pcd";
+    case FileFormat::kPly:
+      return "ply";
+    case FileFormat::kText:
+      return "text";
+    case FileFormat::kXyz:
+      return "xyz";
+    case FileFormat::kCsv:
+      return "csv";
+    case FileFormat::kJson:
+      return "json";
+    case FileFormat::kStep:
+      return "step";
+  }
+  return "?";
+}
+
+bool IsGeometryFormat(FileFormat format) {
+  return format == FileFormat::kJson || format == FileFormat::kStep;
+}
+
+bool IsCloudFormat(FileFormat format) { return !IsGeometryFormat(format); }
+
+bool IsTextFormat(FileFormat format) {
+  return format == FileFormat::kText || format == FileFormat::kXyz || format == FileFormat::kCsv;
+}
+
+bool IsReadable(FileFormat) { return true; }
+
+bool IsWritable(FileFormat) { return true; }
+
+}  // namespace batten

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Which format a file has, by its name or by a word.
+#pragma once
+
+#include <string>
+
+namespace batten {
+
+enum class FileFormat {
+  kPcd,   // .pcd
+  kPly,   // .ply
+  kText,  // .txt .asc .pts .xy .dat: numbers in rows
+  kXyz,   // .xyz: the same
+  kCsv,   // .csv: the same; written with commas and a header line
+  kJson,  // .json: geometry
+  kStep,  // .step .stp: geometry
+};
+
+// The format named by the word `format` (pcd, ply, text, xyz, csv, json, step; any case) or, when
+// that is empty, by the extension of the path. Throws UsageError saying what to do where the word
+// or extension is unknown or known but not supported, and where the path "-" comes without a word.
+FileFormat FormatOf(const std::string& path, const std::string& format = "");
+
+// The word that names the format.
+const char* FormatName(FileFormat format);
+
+// What files of the format hold: points, or curves and surfaces. Each is one or the other.
+bool IsCloudFormat(FileFormat format);
+bool IsGeometryFormat(FileFormat format);
+
+// Rows of numbers as text, whatever the extension.
+bool IsTextFormat(FileFormat format);
+
+// What this version reads and writes.
+bool IsReadable(FileFormat format);
+bool IsWritable(FileFormat format);
+
+}  // namespace batten

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/geometry_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "batten/io/atomic_file.h"
+#include "batten/io/geometry_json.h"
+#include "batten/io/read_error.h"
+#include "batten/io/step_reader.h"
+#include "batten/io/step_writer.h"
+#include "batten/io/whole_file.h"
+
+namespace batten {
+namespace {
+
+enum class Format { kJson, kStep };
+
+// From the format word, or else the extension.
+Format FormatOf(const std::string& path, const std::string& word) {
+  std::string name = word;
+  if (word.empty()) {
+    if (path == "-") throw UsageError("-: a format (json or step) must be named");
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (extension.size() > 1) name = extension.substr(1);
+  }
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  if (name == "json") return Format::kJson;
+  if (name == "step" || name == "stp") return Format::kStep;
+  if (name == "iges" || name == "igs") {
+    throw UsageError(path + ": IGES is not in this version; use .step or .json");
+  }
+  const std::string what = word.empty() ? (name.empty() ? "a name without an extension"
+                                                        : "the extension ." + name)
+                                        : "the format \"" + word + "\"";
+  throw UsageError(path + ": " + what + " is not one of geometry; use .json or .step");
+}
+
+}  // namespace
+
+std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options) {
+  switch (FormatOf(path, options.format)) {
+    case Format::kJson:
+      return ParseGeometryJson(ReadWholeFile(path), path == "-" ? "standard input" : path);
+    case Format::kStep: return ReadStep(path);
+  }
+  return {};
+}
+
+void WriteGeometry(const std::vector<Geometry>& geometry,
+                   const std::string& path,
+                   const GeometryWriteOptions& options) {
+  switch (FormatOf(path, options.format)) {
+    case Format::kJson: {
+      const std::string text = ToGeometryJson(geometry);
+      AtomicFile file(path);
+      file.Write(text);
+      file.Commit();
+      return;
+    }
+    case Format::kStep: return WriteStep(geometry, path, options.unit);
+  }
+}
+
+}  // namespace batten

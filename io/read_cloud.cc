@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/read_cloud.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "batten/io/cloud_filter.h"
+#include "batten/io/file_format.h"
+#include "batten/io/pcd_reader.h"
+#include "batten/io/ply_reader.h"
+#include "batten/io/read_error.h"
+#include "batten/io/text_reader.h"
+
+namespace batten {
+namespace {
+
+CloudPart ReadPart(const std::string& path,
+                   FileFormat format,
+                   const CloudReadOptions& options,
+                   std::function<void(double)> progress) {
+  ByteSource source(path, std::move(progress));
+  if (source.Peek(1).empty()) throw ReadError(source.name(), "is empty");
+  CloudPart part = format == FileFormat::kPcd   ? ReadPcd(source, options)
+                   : format == FileFormat::kPly ? ReadPly(source, options)
+                                                : ReadText(source, options);
+  if (part.rows == 0) throw ReadError(source.name(), "holds no usable point: it has no rows");
+  return part;
+}
+
+// Every path must be a file of points before the first is read.
+std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
+                                     const std::string& word) {
+  std::vector<FileFormat> formats;
+  for (const std::string& path : paths) {
+    formats.push_back(FormatOf(path, word));
+    if (!IsCloudFormat(formats.back())) {
+      throw UsageError(path + ": a " + FormatName(formats.back()) +
+                       " file holds geometry, not points");
+    }
+  }
+  return formats;
+}
+
+}  // namespace
+
+CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options) {
+  if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
+  const std::vector<FileFormat> formats = CloudFormats(paths, options.format);
+  CloudFile file;
+  std::vector<CloudPart> parts;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    std::function<void(double)> progress;
+    if (options.progress) {
+      progress = [&, k](double fraction) {
+        options.progress((static_cast<double>(k) + fraction) / static_cast<double>(paths.size()));
+      };
+    }
+    parts.push_back(ReadPart(paths[k], formats[k], options, std::move(progress)));
+    file.points_in_file += parts.back().rows;
+    file.non_finite += parts.back().non_finite;
+    file.filtered += parts.back().filtered;
+  }
+  file.fields = parts.front().fields;
+  if (file.non_finite + file.filtered == file.points_in_file) {
+    throw ReadError(paths.front() == "-" ? "standard input" : paths.front(),
+                    fmt::format("{} no usable point ({} rows, {} not finite, {} filtered out)",
+                                paths.size() > 1 ? "this and the other files hold" : "holds",
+                                file.points_in_file,
+                                file.non_finite,
+                                file.filtered));
+  }
+  file.cloud = JoinParts(std::move(parts));
+  return file;
+}
+
+}  // namespace batten

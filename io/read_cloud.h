@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Point clouds from files.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/point_cloud.h"
+
+namespace batten {
+
+// Keeps the rows whose column holds exactly the value (in the column's own precision).
+struct RowFilter {
+  std::string column;  // 1-based number, or name in the header
+  double value = 0;
+};
+
+struct CloudReadOptions {
+  // A format word as FormatOf takes it; empty: by extension. Needed for standard input.
+  std::string format;
+
+  // Role (x y z u v nx ny nz w) → column, by 1-based number or by name in the header. Roles left
+  // out are found by their usual names; x y z else are the first three columns of a text file. With
+  // x and y given but no z the cloud is plane.
+  std::map<std::string, std::string> columns;
+
+  // Rows must match all of these.
+  std::vector<RowFilter> where;
+
+  // Only points inside, borders included. World coordinates, the data's units.
+  std::optional<Eigen::AlignedBox3d> box;
+
+  // Gets the fraction read from time to time; may throw to cancel, and what it throws passes
+  // through.
+  std::function<void(double fraction)> progress;
+};
+
+// What was read. points_in_file = cloud.size() + non_finite + filtered.
+struct CloudFile {
+  PointCloud cloud;                 // finite points only, in the order of the files
+  Eigen::Index points_in_file = 0;  // rows or vertices in the files, kept or not
+  Eigen::Index non_finite = 0;  // dropped because a number they need is NaN, infinite or missing
+  Eigen::Index filtered = 0;    // dropped by `where` or `box`
+  std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
+};
+
+// Reads PCD, PLY and text. Several files become one cloud that keeps what all of them hold
+// (normals, weights, colours, parameters). Coordinates stay double from the file on; the origin is
+// split off at the end (PointCloud::FromWorld). The path "-" is standard input.
+//
+// Memory grows with the points that have been read, never with what a header promises.
+//
+// Throws ReadError where a file can't be used, a coordinate is beyond 1e150, a weight is not
+// positive, or no point is left; UsageError where the options ask for a column or format that is
+// not there.
+CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options = {});
+
+}  // namespace batten

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/report_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace batten {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json Vector(const Eigen::Vector3d& value) {
+  return Json::array({Number(value.x()), Number(value.y()), Number(value.z())});
+}
+
+Json Input(const InputSummary& input, const ReportContext& context) {
+  return {{"files", input.files},
+          {"points", input.points},
+          {"used", input.used},
+          {"non_finite", input.non_finite},
+          {"duplicates", input.duplicates},
+          {"outliers", input.outliers},
+          {"spacing", Number(input.spacing)},
+          {"noise", Number(input.noise)},
+          {"bounding_box", Json::array({Vector(input.box_min), Vector(input.box_max)})},
+          {"origin", Vector(input.origin)},
+          {"shift", Vector(context.shift)},
+          {"unit", context.unit}};
+}
+
+Json Shape(const GeometrySummary& geometry, const std::string& file) {
+  return {{"kind", geometry.kind},
+          {"base", geometry.base},
+          {"degree", geometry.degree},
+          {"control_points", geometry.control_points},
+          {"rational", geometry.rational},
+          {"closed", geometry.closed},
+          {"trims", geometry.trims},
+          {"file", file}};
+}
+
+Json Error(const ErrorSummary& error) {
+  return {{"rms", Number(error.rms)},
+          {"mean", Number(error.mean)},
+          {"max", Number(error.max)},
+          {"p50", Number(error.p50)},
+          {"p95", Number(error.p95)},
+          {"p99", Number(error.p99)},
+          {"signed_p5", Number(error.signed_p5)},
+          {"signed_p95", Number(error.signed_p95)},
+          {"tolerance", error.tolerance ? Number(*error.tolerance) : Json(nullptr)},
+          {"within_tolerance", Number(error.within_tolerance)},
+          {"out_of_tolerance", error.out_of_tolerance},
+          {"points", error.points},
+          {"kind", "orthogonal"}};
+}
+
+Json Optimize(const OptimizeSummary& optimize) {
+  return {{"ran", optimize.ran},
+          {"why", optimize.why},
+          {"iterations", optimize.iterations},
+          {"rms_before", Number(optimize.rms_before)},
+          {"rms_after", Number(optimize.rms_after)}};
+}
+
+Json Rounds(const std::vector<RoundSummary>& rounds, bool curve) {
+  Json result = Json::array();
+  for (const RoundSummary& round : rounds) {
+    Json control_points = Json::array({round.control_points_u});
+    if (!curve) control_points.push_back(round.control_points_v);
+    result.push_back({{"stage", round.stage},
+                      {"control_points", std::move(control_points)},
+                      {"rms", Number(round.rms)},
+                      {"max", Number(round.max)},
+                      {"score", Number(round.score)},
+                      {"seconds", Number(round.seconds)}});
+  }
+  return result;
+}
+
+Json Seconds(const StageSeconds& seconds) {
+  return {{"read", Number(seconds.read)},
+          {"prepare", Number(seconds.prepare)},
+          {"parameterize", Number(seconds.parameterize)},
+          {"solve", Number(seconds.solve)},
+          {"project", Number(seconds.project)},
+          {"refine", Number(seconds.refine)},
+          {"optimize", Number(seconds.optimize)},
+          {"write", Number(seconds.write)},
+          {"total", Number(seconds.total)}};
+}
+
+}  // namespace
+
+std::string ToReportJson(const FitReport& report, const ReportContext& context) {
+  const Json json = {{"schema", "batten-report-1"},
+                     {"command", context.command},
+                     {"input", Input(report.input, context)},
+                     {"geometry", Shape(report.geometry, context.file)},
+                     {"error", Error(report.error)},
+                     {"error_all", Error(report.error_all)},
+                     {"optimize", Optimize(report.optimize)},
+                     {"termination", Name(report.termination)},
+                     {"tolerance_reached", OrNull(report.tolerance_reached())},
+                     {"iterations", Rounds(report.iterations, report.geometry.kind == "curve")},
+                     {"seconds", Seconds(report.seconds)},
+                     {"peak_memory_bytes", context.peak_memory_bytes},
+                     {"threads", report.threads},
+                     {"warnings", report.warnings},
+                     {"version", context.version}};
+  // File names need not be UTF-8; what is not becomes the replacement character.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace batten

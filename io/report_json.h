@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The report of a fit or a comparison as JSON text.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "batten/fitting/fit_report.h"
+
+namespace batten {
+
+// What the program knows beyond the fit itself.
+struct ReportContext {
+  std::string command;                              // the command line
+  std::string file;                                 // the geometry file the report is about
+  std::string unit = "mm";                          // of the data
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates written
+  std::int64_t peak_memory_bytes = 0;
+  std::string version;                              // of the program
+};
+
+// The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the shortest
+// form that reads back bit by bit; one that is not finite, for which JSON has no form, as null.
+std::string ToReportJson(const FitReport& report, const ReportContext& context);
+
+}  // namespace batten

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/step_writer.h"
+
+#include <APIHeaderSection_MakeHeader.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <Interface_Static.hxx>
+#include <Precision.hxx>
+#include <STEPControl_Controller.hxx>
+#include <STEPControl_Writer.hxx>
+#include <ShapeFix_ShapeTolerance.hxx>
+#include <Standard_Failure.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepData_Protocol.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepData_StepWriter.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TopoDS_Shape.hxx>
+#include <XSControl_WorkSession.hxx>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <iterator>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <variant>
+
+#include "batten/io/atomic_file.h"
+#include "batten/io/occt_convert.h"
+#include "batten/io/occt_session.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+// The word OpenCASCADE knows a unit by.
+const char* OcctUnit(const std::string& unit) {
+  static constexpr struct {
+    const char *name, *word;
+  } kUnits[] = {{"mm", "MM"}, {"cm", "CM"},     {"m", "M"},   {"km", "KM"}, {"um", "UM"},
+                {"in", "INCH"}, {"inch", "INCH"}, {"ft", "FT"}, {"mi", "MI"}, {"mil", "MIL"},
+                {"uin", "UIN"}};
+  const auto* found = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& known) {
+    return unit == known.name;
+  });
+  if (found != std::end(kUnits)) return found->word;
+  std::string names;
+  for (const auto& known : kUnits) names += (names.empty() ? "" : ", ") + std::string(known.name);
+  throw UsageError("unit \"" + unit + "\" is not one of " + names);
+}
+
+// A natural boundary, degenerate and seam edges included.
+TopoDS_Shape ToShape(const NurbsSurface& surface) {
+  const Handle(Geom_BSplineSurface) bspline = ToOcct(surface);
+  BRepBuilderAPI_MakeFace face(bspline, Precision::Confusion());
+  if (!face.IsDone()) throw Standard_Failure("no face can be built on the surface");
+  return face.Shape();
+}
+
+template <int Dim>
+TopoDS_Shape ToShape(const NurbsCurve<Dim>& curve) {
+  const Handle(Geom_BSplineCurve) bspline = ToOcct(curve);
+  BRepBuilderAPI_MakeEdge edge(bspline);
+  if (!edge.IsDone()) throw Standard_Failure("no edge can be built on the curve");
+  return edge.Shape();
+}
+
+// The diagonal of the control points' bounding box.
+double SizeOf(const Geometry& geometry) {
+  return std::visit(
+      [](const auto& one) {
+        const auto& points = one.control_points();
+        return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+      },
+      geometry);
+}
+
+// The shape with the smallest tolerance, by powers of ten from OpenCASCADE's own 1e-7 to a millionth of
+// its size, at which it is valid: with large coordinates or high degrees rounding exceeds 1e-7.
+TopoDS_Shape ValidShape(const Geometry& geometry) {
+  const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
+  const double size = SizeOf(geometry);
+  for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(shape).IsValid();) {
+    tolerance *= 10;
+    if (!(tolerance <= 1e-6 * size)) {
+      throw Standard_Failure("its B-rep is not valid (too small, or folded onto its own boundary)");
+    }
+    ShapeFix_ShapeTolerance().SetTolerance(shape, tolerance);
+  }
+  return shape;
+}
+
+// "2024-05-31T12:00:00" in UTC, of SOURCE_DATE_EPOCH where it holds seconds since 1970, else of 0.
+std::string TimeStamp() {
+  std::int64_t seconds = 0;
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+    std::int64_t given = 0;
+    const char* end = epoch + std::strlen(epoch);
+    const auto [stop, error] = std::from_chars(epoch, end, given);
+    constexpr std::int64_t kYear10000 = 253402300800;
+    if (error == std::errc() && stop == end && given >= 0 && given < kYear10000) seconds = given;
+  }
+  const std::time_t time = static_cast<std::time_t>(seconds);
+  std::tm utc = {};
+  ::gmtime_r(&time, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+  return text;
+}
+
+Handle(TCollection_HAsciiString) Text(const std::string& text) {
+  return new TCollection_HAsciiString(text.c_str());
+}
+
+void SetHeader(const Handle(StepData_StepModel) & model) {
+  APIHeaderSection_MakeHeader header(model);
+  header.SetName(Text("batten"));
+  header.SetTimeStamp(Text(TimeStamp()));
+  header.SetAuthorValue(1, Text("batten"));
+  header.SetOrganizationValue(1, Text(""));
+  header.SetPreprocessorVersion(Text("batten"));
+  header.SetOriginatingSystem(Text("batten"));
+  header.SetAuthorisation(Text(""));
+  header.SetDescriptionValue(1, Text("NURBS fitted by batten"));
+}
+
+// "batten-1", "batten-2", …: OpenCASCADE's own names count the products of the whole process.
+void NameProducts(const Handle(StepData_StepModel) & model) {
+  int count = 0;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(i));
+    if (product.IsNull()) continue;
+    const auto name = Text("batten-" + std::to_string(++count));
+    product->SetId(name);
+    product->SetName(name);
+  }
+}
+
+// A real number as STEP wants it, with a decimal point, in the shortest form that reads back exactly.
+std::string ShortestReal(double value) {
+  char digits[40];
+  std::string text(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+  const size_t exponent = text.find('e');
+  if (exponent != std::string::npos) text[exponent] = 'E';
+  if (text.find('.') == std::string::npos) text.insert(std::min(exponent, text.size()), 1, '.');
+  return text;
+}
+
+// The text with every real number, which OpenCASCADE wrote with 17 digits and an exponent, in its
+// shortest form. Strings stay as they are.
+std::string WithShortestReals(const std::string& text) {
+  std::string result;
+  result.reserve(text.size());
+  bool quoted = false;
+  for (size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '\'') quoted = !quoted;
+    const bool starts = !quoted && (c == '-' || (c >= '0' && c <= '9'));
+    const size_t end = starts ? std::min(text.find_first_not_of("0123456789.E+-", i), text.size())
+                              : i + 1;
+    const std::string_view token = std::string_view(text).substr(i, end - i);
+    double value = 0;
+    const bool real = starts && token.find('E') != token.npos &&
+                      std::from_chars(token.data(), token.data() + token.size(), value).ptr ==
+                          token.data() + token.size();
+    result += real ? ShortestReal(value) : std::string(token);
+    i = end;
+  }
+  return result;
+}
+
+std::string ToStep(const std::vector<Geometry>& geometry, const char* unit) {
+  STEPControl_Controller::Init();
+  Interface_Static::SetCVal("write.step.schema", "AP214IS");
+  Interface_Static::SetCVal("write.step.unit", unit);
+  Interface_Static::SetCVal("xstep.cascade.unit", unit);
+  Interface_Static::SetCVal("write.step.product.name", "batten");
+  STEPControl_Writer writer;
+  for (const Geometry& one : geometry) {
+    if (writer.Transfer(ValidShape(one), STEPControl_AsIs) != IFSelect_RetDone) {
+      throw Standard_Failure("OpenCASCADE does not translate the shape to STEP");
+    }
+  }
+  const Handle(StepData_StepModel) model = writer.Model();
+  SetHeader(model);
+  NameProducts(model);
+  StepData_StepWriter text(model);
+  text.FloatWriter().SetFormat("%.16E");
+  text.FloatWriter().SetZeroSuppress(false);
+  text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  if (!text.Print(stream)) throw Standard_Failure("OpenCASCADE does not write the model");
+  return WithShortestReals(std::move(stream).str());
+}
+
+}  // namespace
+
+void WriteStep(const std::vector<Geometry>& geometry,
+               const std::string& path,
+               const std::string& unit) {
+  if (geometry.empty()) throw std::invalid_argument("WriteStep: there is no geometry");
+  const char* word = OcctUnit(unit);
+  AtomicFile file(path);
+  try {
+    const OcctSession session;
+    file.Write(ToStep(geometry, word));
+  } catch (const Standard_Failure& failure) {
+    throw WriteError(path, std::string("can't become STEP: ") + failure.GetMessageString());
+  }
+  file.Commit();
+}
+
+}  // namespace batten

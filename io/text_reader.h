@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Points from text: .xyz .txt .csv .asc .pts .xy .dat.
+#pragma once
+
+#include "batten/io/byte_source.h"
+#include "batten/io/cloud_filter.h"
+#include "batten/io/read_cloud.h"
+
+namespace batten {
+
+// One point a line. A first line that does not begin with a number names the columns (or, with
+// another number of words and no x and y among them, is a title); one that holds nothing but a
+// count (.pts) says how many rows must follow at least. A first row of two columns makes a plane
+// cloud, and then every row has two. A UTF-8 byte order mark is passed over. Throws ReadError
+// naming the line, UsageError for a column that is not there.
+CloudPart ReadText(ByteSource& source, const CloudReadOptions& options);
+
+}  // namespace batten

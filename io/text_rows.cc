@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/text_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
+
+bool IsDelimiter(char c) { return c == ',' || c == ';'; }
+
+const char* SkipBlanks(const char* at, const char* end) {
+  while (at < end && IsBlank(*at)) ++at;
+  return at;
+}
+
+// At the end of the line, or where a comment begins.
+bool AtEnd(const char* at, const char* end) {
+  return at == end || *at == '#' || (*at == '/' && end - at > 1 && at[1] == '/');
+}
+
+bool EndsField(const char* at, const char* end) {
+  return AtEnd(at, end) || IsBlank(*at) || IsDelimiter(*at);
+}
+
+// The end of the field that starts at `at`; a quoted one may hold separators.
+const char* FieldEnd(const char* at, const char* end) {
+  if (at < end && *at == '"') {
+    const char* closing = std::find(at + 1, end, '"');
+    if (closing != end) at = closing;
+  }
+  while (!EndsField(at, end)) ++at;
+  return at;
+}
+
+std::string_view Unquoted(std::string_view field) {
+  if (field.size() >= 2 && (field.front() == '"' || field.front() == '\'') &&
+      field.back() == field.front()) {
+    field = field.substr(1, field.size() - 2);
+    while (!field.empty() && IsBlank(field.front())) field.remove_prefix(1);
+    while (!field.empty() && IsBlank(field.back())) field.remove_suffix(1);
+  }
+  return field;
+}
+
+// What std::from_chars leaves out: a leading plus, quotes, empty fields, and numbers beyond double.
+std::optional<double> UnusualNumber(std::string_view field) {
+  field = Unquoted(field);
+  if (field.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (field.front() == '+') {
+    field.remove_prefix(1);
+    if (field.starts_with('-')) return std::nullopt;
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (end != field.data() + field.size() || error == std::errc::invalid_argument)
+    return std::nullopt;
+  if (error == std::errc::result_out_of_range) {
+    // Too small becomes zero; too large the largest double, which the filter refuses by its size.
+    constexpr double kLargest = std::numeric_limits<double>::max();
+    value = std::clamp(std::strtod(std::string(field).c_str(), nullptr), -kLargest, kLargest);
+  }
+  return value;
+}
+
+}  // namespace
+
+bool LineReader::Next(std::string_view& line) {
+  std::string_view bytes = source_.Peek(1);
+  const void* newline = std::memchr(bytes.data(), '\n', bytes.size());
+  if (newline == nullptr) {
+    bytes = source_.Peek(kLongestLine + 1);
+    if (bytes.empty()) return false;
+    newline = std::memchr(bytes.data(), '\n', bytes.size());
+  }
+  const std::size_t length =
+      newline == nullptr ? bytes.size() : static_cast<const char*>(newline) - bytes.data();
+  ++number_;
+  if (length > kLongestLine) {
+    throw ReadError::AtLine(
+        source_.name(), number_, fmt::format("longer than {} bytes; is this text?", kLongestLine));
+  }
+  line = bytes.substr(0, length);
+  source_.Skip(static_cast<std::int64_t>(length) + (newline == nullptr ? 0 : 1));
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return true;
+}
+
+bool HoldsContent(std::string_view line) {
+  const char* end = line.data() + line.size();
+  return !AtEnd(SkipBlanks(line.data(), end), end);
+}
+
+std::vector<std::string_view> SplitFields(std::string_view line) {
+  std::vector<std::string_view> fields;
+  const char* at = line.data();
+  const char* end = at + line.size();
+  bool after_delimiter = false;
+  for (;;) {
+    at = SkipBlanks(at, end);
+    if (AtEnd(at, end)) break;
+    const char* field_end = FieldEnd(at, end);
+    fields.push_back(Unquoted({at, static_cast<std::size_t>(field_end - at)}));
+    at = SkipBlanks(field_end, end);
+    after_delimiter = at < end && IsDelimiter(*at);
+    if (after_delimiter) ++at;
+  }
+  if (after_delimiter) fields.emplace_back();
+  return fields;
+}
+
+bool IsNumber(std::string_view field) { return UnusualNumber(field).has_value(); }
+
+std::string Quoted(std::string_view text) {
+  constexpr std::size_t kShown = 24;
+  std::string result = "'";
+  for (const char c : text.substr(0, kShown)) {
+    const auto byte = static_cast<unsigned char>(c);
+    result += byte >= 0x20 && byte < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
+  }
+  return result + (text.size() > kShown ? "…'" : "'");
+}
+
+RowParser::RowParser(std::string file, const std::vector<int>& columns, int exact_fields)
+    : file_(std::move(file)),
+      slots_(columns.empty() ? 0 : columns.back() + 1, -1),
+      exact_fields_(exact_fields) {
+  for (std::size_t c = 0; c < columns.size(); ++c) slots_[columns[c]] = static_cast<int>(c);
+}
+
+void RowParser::Parse(std::string_view line, std::int64_t number, RowBatch& batch) const {
+  const char* at = line.data();
+  const char* const end = at + line.size();
+  double* const row = batch.values.data() + batch.rows;
+  bool after_delimiter = false;
+  for (std::size_t field = 0; field < slots_.size(); ++field) {
+    at = SkipBlanks(at, end);
+    if (AtEnd(at, end) && !after_delimiter) {
+      throw ReadError::AtLine(
+          file_, number, fmt::format("expected {} columns, found {}", slots_.size(), field));
+    }
+    const char* field_end = nullptr;
+    if (slots_[field] < 0) {
+      field_end = FieldEnd(at, end);
+    } else {
+      double& value = row[static_cast<std::size_t>(slots_[field]) * RowBatch::kRows];
+      const auto [parsed, error] = std::from_chars(at, end, value);
+      field_end = parsed;
+      if (error != std::errc() || !EndsField(parsed, end)) {
+        field_end = FieldEnd(at, end);
+        const std::string_view text(at, static_cast<std::size_t>(field_end - at));
+        const auto unusual = UnusualNumber(text);
+        if (!unusual)
+          throw ReadError::AtLine(file_, number, "expected a number, found " + Quoted(text));
+        value = *unusual;
+      }
+    }
+    at = SkipBlanks(field_end, end);
+    after_delimiter = at < end && IsDelimiter(*at);
+    if (after_delimiter) ++at;
+  }
+  if (exact_fields_ > 0 && !AtEnd(SkipBlanks(at, end), end)) {
+    throw ReadError::AtLine(
+        file_, number, fmt::format("expected {} columns as above, found more", exact_fields_));
+  }
+  batch.places[batch.rows++] = number;
+}
+
+void ReadTextRows(LineReader& lines,
+                  std::int64_t count,
+                  const std::vector<int>& columns,
+                  CloudFilter& filter) {
+  const RowParser parser(lines.source().name(), columns);
+  RowBatch batch(columns.size());
+  std::string_view line;
+  for (std::int64_t row = 0; row < count;) {
+    if (!lines.Next(line)) {
+      throw ReadError::AtLine(lines.source().name(),
+                              lines.number(),
+                              fmt::format("the file ends after {} of {} points", row, count));
+    }
+    if (!HoldsContent(line)) continue;
+    parser.Parse(line, lines.number(), batch);
+    ++row;
+    if (batch.rows == RowBatch::kRows) filter.Take(batch);
+  }
+  filter.Take(batch);
+}
+
+}  // namespace batten

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Lines of a text and the numbers on them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "batten/io/byte_source.h"
+#include "batten/io/cloud_filter.h"
+#include "batten/io/row_batch.h"
+
+namespace batten {
+
+// No line of points is longer; garbage without line ends stops here.
+inline constexpr std::size_t kLongestLine = std::size_t{1} << 16;
+
+// The lines of a file, one after the other, without "\n" or "\r\n".
+class LineReader {
+ public:
+  explicit LineReader(ByteSource& source) : source_(source) {}
+
+  // The next line, valid until the next call; false at the end of the file. Throws ReadError where
+  // a line is longer than kLongestLine.
+  bool Next(std::string_view& line);
+
+  // Of the line last returned, from 1.
+  std::int64_t number() const { return number_; }
+
+  ByteSource& source() { return source_; }
+
+ private:
+  ByteSource& source_;
+  std::int64_t number_ = 0;
+};
+
+// Whether a line holds more than blanks and a comment (from # or // on).
+bool HoldsContent(std::string_view line);
+
+// The fields of a line as RowParser sees them, comment left out and quotes stripped.
+std::vector<std::string_view> SplitFields(std::string_view line);
+
+// Whether the field is a number, or one of the words nan and inf, or empty.
+bool IsNumber(std::string_view field);
+
+// A piece of the file fit for a message: short, in quotes, unprintable bytes as \xNN.
+std::string Quoted(std::string_view text);
+
+// Reads rows of numbers. Fields are separated by blanks and tabs, or by one comma or semicolon with
+// blanks around; between two of these an empty field stands for NaN. Columns that are not asked for
+// may hold anything.
+class RowParser {
+ public:
+  // `columns`: the fields (0-based, increasing) that go into the columns of a batch. With
+  // `exact_fields` > 0 a row with more fields than that is refused.
+  RowParser(std::string file, const std::vector<int>& columns, int exact_fields = 0);
+
+  // Appends the row to the batch. Throws ReadError quoting what is no number, or saying how many
+  // numbers are missing.
+  void Parse(std::string_view line, std::int64_t number, RowBatch& batch) const;
+
+ private:
+  std::string file_;
+  std::vector<int> slots_;  // for each field up to the last that is needed: its column, or −1
+  int exact_fields_;
+};
+
+// Hands the next `count` rows to the filter, skipping lines without content; for bodies of PLY and
+// PCD files. Throws ReadError where the file ends before.
+void ReadTextRows(LineReader& lines,
+                  std::int64_t count,
+                  const std::vector<int>& columns,
+                  CloudFilter& filter);
+
+}  // namespace batten

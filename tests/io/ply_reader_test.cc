@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <string>
+
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cloud_bytes.h"
+
+namespace batten {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// One vertex: a list comes before it, its properties have all sizes.
+template <class Bytes>
+std::string MixedPly(std::string_view format, Bytes bytes) {
+  std::string text =
+      "ply\r\nformat " + std::string(format) +
+      " 1.0\r\nobj_info x\r\nelement camera 2\r\nproperty float32 f\r\nproperty uchar c\r\n"
+      "element strip 2\r\nproperty list uint16 int32 indices\r\nproperty char q\r\n"
+      "element vertex 1\r\nproperty uint8 red\r\nproperty int16 z\r\nproperty uchar green\r\n"
+      "property float64 x\r\nproperty uchar blue\r\nproperty float y\r\nproperty float nx\r\n"
+      "property float ny\r\nproperty float nz\r\nproperty uint label\r\n"
+      "element face 1\r\nproperty list uchar int vertex_indices\r\nend_header\r\n";
+  for (int k = 0; k < 2; ++k) text += bytes(1.5f) + bytes(std::uint8_t{3});
+  text += bytes(std::uint16_t{3}) + bytes(1) + bytes(2) + bytes(3) + bytes(std::int8_t{-1});
+  text += bytes(std::uint16_t{0}) + bytes(std::int8_t{-1});
+  text += bytes(std::uint8_t{200}) + bytes(std::int16_t{-300}) + bytes(std::uint8_t{100}) +
+          bytes(5400000.123456789) + bytes(std::uint8_t{50}) + bytes(2.5f) + bytes(0.0f) +
+          bytes(0.0f) + bytes(1.0f) + bytes(std::uint32_t{4000000000});
+  return text + bytes(std::uint8_t{1}) + bytes(0);
+}
+
+void ExpectMixed(const CloudFile& file) {
+  ASSERT_EQ(file.cloud.size(), 1);
+  EXPECT_EQ(file.cloud.World(0), Eigen::Vector3d(5400000.123456789, 2.5, -300));
+  EXPECT_EQ(file.cloud.normals().col(0), Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(file.cloud.colours().col(0).cast<int>(), Eigen::Vector3i(200, 100, 50));
+  EXPECT_THAT(file.fields,
+              ElementsAre("red", "z", "green", "x", "blue", "y", "nx", "ny", "nz", "label"));
+}
+
+TEST(PlyReaderTest, ReadsAnyTypesInBothByteOrdersBehindOtherElements) {
+  CloudReadOptions options;
+  options.where = {{"label", 4e9}};
+  ExpectMixed(ReadBytes(
+      "a.ply", MixedPly("binary_little_endian", [](auto v) { return LittleEndian(v); }), options));
+  ExpectMixed(ReadBytes(
+      "a.ply", MixedPly("binary_big_endian", [](auto v) { return BigEndian(v); }), options));
+}
+
+TEST(PlyReaderTest, ReadsAscii) {
+  const CloudFile file =
+      ReadBytes("a.ply",
+                "ply\nformat ascii 1.0\nelement strip 2\nproperty list uchar int i\n"
+                "element vertex 2\nproperty float x\nproperty float y\n"
+                "property float red\nproperty float green\nproperty float blue\n"
+                "property double z\nend_header\n3 1 2 3\n0\n"
+                "1 2 1 0.5 0 3\n-4 5.5 0 0 0 0.06\n");
+  EXPECT_EQ(file.cloud.World(1), Eigen::Vector3d(-4, 5.5, 0.06));
+  EXPECT_EQ(file.cloud.colours().col(0).cast<int>(), Eigen::Vector3i(255, 128, 0));
+}
+
+TEST(PlyReaderTest, TakesParametersAndWeightsOnlyWhenAsked) {
+  const std::string text = PlyHeader("ascii",
+                                     1,
+                                     "property float x\nproperty float y\nproperty float "
+                                     "z\nproperty float s\nproperty float t\n"
+                                     "property float u\nproperty float v\nproperty float w\n") +
+                           "1 2 3 0.25 0.5 9 9 -7\n";
+  EXPECT_EQ(ReadBytes("a.ply", text).cloud.parameters().cols(), 0);
+  EXPECT_EQ(ReadBytes("a.ply", text).cloud.weights().size(), 0);
+  CloudReadOptions options;
+  options.columns = {{"u", "s"}, {"v", "t"}, {"w", "2"}};
+  const PointCloud cloud = ReadBytes("a.ply", text, options).cloud;
+  EXPECT_EQ(cloud.parameters().col(0), Eigen::Vector2d(0.25, 0.5));
+  EXPECT_EQ(cloud.weights()[0], 2);
+}
+
+TEST(PlyReaderTest, MatchesFloatsInTheirOwnPrecision) {
+  CloudReadOptions options;
+  options.where = {{"q", 0.1}};
+  std::string text =
+      PlyHeader("binary_little_endian", 1, std::string(kPlyDoubles) + "property float q\n");
+  text += LittleEndian(1.0) + LittleEndian(2.0) + LittleEndian(3.0) + LittleEndian(0.1f);
+  EXPECT_EQ(ReadBytes("a.ply", text, options).cloud.size(), 1);
+}
+
+TEST(PlyReaderTest, DropsAndCountsVerticesThatAreNotFinite) {
+  std::string text = PlyHeader("binary_big_endian", 3, kPlyDoubles);
+  for (const double z : {kNaN, 3.0, -std::numeric_limits<double>::infinity()}) {
+    text += BigEndian(1.0) + BigEndian(2.0) + BigEndian(z);
+  }
+  const CloudFile file = ReadBytes("a.ply", text);
+  EXPECT_EQ(file.cloud.size(), 1);
+  EXPECT_EQ(file.non_finite, 2);
+}
+
+TEST(PlyReaderTest, NamesTheByteOfANumberTooLarge) {
+  const std::string header = PlyHeader("binary_little_endian", 2, kPlyDoubles);
+  std::string text = header;
+  for (const double z : {1.0, 1e200})
+    text += LittleEndian(1.0) + LittleEndian(2.0) + LittleEndian(z);
+  EXPECT_THAT(FailureOf("a.ply", text),
+              AllOf(HasSubstr("byte " + std::to_string(header.size() + 24)), HasSubstr("1e+200")));
+}
+
+TEST(PlyReaderTest, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
+  for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    for (const long count :
+         {10L, 100'000'000L, 1'000'000'000L, 4'000'000'000L, 1'000'000'000'000L}) {
+      EXPECT_THAT(FailureOf("a.ply", PlyHeader(format, count, kPlyDoubles) + "1 2 3\n4 5 6\n"),
+                  HasSubstr("promises " + std::to_string(count)));
+    }
+  }
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 99'999'999'999'999L, kPlyDoubles)),
+              HasSubstr("'99999999999999'"));
+  EXPECT_THAT(
+      FailureOf("a.ply",
+                "ply\nformat binary_little_endian 1.0\nelement e 1000000000\n"
+                "property list uchar int i\nelement vertex 1\nproperty float x\nend_header\nabc"),
+      HasSubstr("element e"));
+  // A list that claims to be longer than the file.
+  EXPECT_THAT(
+      FailureOf("a.ply",
+                "ply\nformat binary_little_endian 1.0\nelement e 1\nproperty list uint double i\n"
+                "element vertex 1\nproperty float x\nend_header\n\xff\xff\xff\xff garbage"),
+      HasSubstr("ends after 0 of 1 of element e"));
+}
+
+TEST(PlyReaderTest, RefusesDamagedHeadersByLine) {
+  EXPECT_THAT(FailureOf("a.ply", "plx\n"), HasSubstr("line 1"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat ascii 1.0\n"), HasSubstr("end_header"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nend_header\n"), HasSubstr("no format"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat binary 1.0\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("'binary'")));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"), HasSubstr("line 3"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat ascii 1.0\nelement vertex -1\n"), HasSubstr("'-1'"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\n"),
+              HasSubstr("'real'"));
+  EXPECT_THAT(FailureOf("a.ply", "ply\nformat ascii 1.0\nelement face 0\nend_header\n"),
+              HasSubstr("no element vertex"));
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 1, "property float a\n") + "1\n"),
+              HasSubstr("no x and y"));
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 0, kPlyDoubles)), HasSubstr("no usable point"));
+}
+
+// Whatever is cut off: a reason, unless only the end of the last ASCII number is.
+TEST(PlyReaderTest, RefusesEveryTruncationOfABinaryFile) {
+  const std::string text = MixedPly("binary_little_endian", [](auto v) { return LittleEndian(v); });
+  const std::size_t after_vertices = 5;
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const std::string failure = FailureOf("a.ply", std::string_view(text).substr(0, size));
+    EXPECT_EQ(failure.empty(), size >= text.size() - after_vertices) << size;
+  }
+}
+
+}  // namespace
+}  // namespace batten

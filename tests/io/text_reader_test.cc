@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cloud_bytes.h"
+
+namespace batten {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// The two points (1, 2, 3) and (−4, 5.5, 0.06) of every spelling below.
+const Eigen::Matrix3Xd& TwoPoints() {
+  static const Eigen::Matrix3Xd points =
+      (Eigen::Matrix3Xd(3, 2) << 1, -4, 2, 5.5, 3, 0.06).finished();
+  return points;
+}
+
+TEST(TextReaderTest, TakesAnySeparatorCommentAndLineEnd) {
+  for (const char* text : {"1 2 3\n-4 5.5 .06\n",
+                           "1\t2\t3\n-4\t5.5\t0.06",
+                           "1,2,3\r\n-4,5.5,6e-2\r\n",
+                           "1; 2 ;3\n  -4;+5.5;6E-02  \n\n",
+                           "# x y z\n1 2 3 # first\n// more\n-4 5.5 0.06//second\n",
+                           "\xEF\xBB\xBFx,y,z\n1,2,3\n-4,5.5,0.06\n",
+                           "\xEF\xBB\xBF"
+                           "1 2 3\n-4 5.5 0.06\n",
+                           "\"X\";\"Y\";\"Z\"\n\"1\";\"2\";\"3\"\n-4;5.5;0.06\n",
+                           "2\n1 2 3 99\n-4 5.5 0.06 98\n",
+                           "A title of some words\n1 2 3\n-4 5.5 0.06\n",
+                           "1 2 3 wall\n-4 5.5 0.06 floor\n"}) {
+    const CloudFile file = ReadBytes("a.txt", text);
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << text;
+    EXPECT_EQ(file.cloud.dimension(), 3);
+    EXPECT_EQ(file.points_in_file, 2);
+  }
+}
+
+TEST(TextReaderTest, ReadsEveryTextExtensionAlike) {
+  for (const char* name : {"a.xyz", "a.txt", "a.CSV", "a.asc", "a.pts", "a.dat"}) {
+    EXPECT_EQ(World(ReadBytes(name, "1 2 3\n-4 5.5 .06\n").cloud), TwoPoints()) << name;
+  }
+  CloudReadOptions options;
+  options.format = "text";
+  EXPECT_EQ(World(ReadBytes("a.xyzl", "1 2 3 7\n-4 5.5 .06 8\n", options).cloud), TwoPoints());
+}
+
+TEST(TextReaderTest, FindsColumnsByTheHeaderWhateverTheirOrder) {
+  const CloudFile file = ReadBytes("a.csv",
+                                   "weight,Z,NX,ny,Normal_Z,Red,g,b,Y,x,v,U\n"
+                                   "2,3,0,0.6,0.8,255,128,0,2,1,0.2,0.1\n"
+                                   "4,0.06,1,0,0,1,2,3,5.5,-4,0.4,0.3\n");
+  const PointCloud& cloud = file.cloud;
+  EXPECT_EQ(World(cloud), TwoPoints());
+  EXPECT_EQ(cloud.normals().col(0), Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(cloud.weights(), Eigen::Vector2d(2, 4));
+  EXPECT_EQ(cloud.parameters().col(1), Eigen::Vector2d(0.3, 0.4));
+  EXPECT_EQ(cloud.colours().col(0).cast<int>(), Eigen::Vector3i(255, 128, 0));
+  EXPECT_THAT(file.fields, ::testing::Contains("Normal_Z"));
+}
+
+TEST(TextReaderTest, NamesFieldsByNumberWithoutAHeader) {
+  EXPECT_THAT(ReadBytes("a.xyz", "1 2 3 4\n").fields, ElementsAre("1", "2", "3", "4"));
+}
+
+TEST(TextReaderTest, TwoColumnsAreAPlaneCloud) {
+  const CloudFile file = ReadBytes("a.xy", "E387\n 1.0 0.5\n 0.25 -2\n");
+  EXPECT_EQ(file.cloud.dimension(), 2);
+  EXPECT_EQ(World(file.cloud).col(1), Eigen::Vector3d(0.25, -2, 0));
+  EXPECT_THAT(FailureOf("a.xy", "1 2\n3 4 5\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("2 columns")));
+}
+
+TEST(TextReaderTest, TakesTheColumnsAskedFor) {
+  CloudReadOptions options;
+  options.columns = {{"x", "4"}, {"y", "5"}, {"z", "2"}, {"u", "1"}, {"w", "3"}};
+  const CloudFile file = ReadBytes("a.xyz", "0.5 3 7 1 2\n0.25 0.06 8 -4 5.5\n", options);
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.cloud.parameters().row(0), Eigen::RowVector2d(0.5, 0.25));
+  EXPECT_EQ(file.cloud.parameters().row(1), Eigen::RowVector2d(0, 0));
+  EXPECT_EQ(file.cloud.weights(), Eigen::Vector2d(7, 8));
+
+  options.columns = {{"x", "b"}, {"y", "A"}};
+  const CloudFile plane = ReadBytes("a.csv", "a,b,c\n2,1,9\n", options);
+  EXPECT_EQ(plane.cloud.dimension(), 2);
+  EXPECT_EQ(World(plane.cloud).col(0), Eigen::Vector3d(1, 2, 0));
+}
+
+TEST(TextReaderTest, RefusesColumnsThatAreNotThereNamingThoseThatAre) {
+  const auto failure = [](std::map<std::string, std::string> columns,
+                          std::vector<RowFilter> where = {}) {
+    CloudReadOptions options;
+    options.columns = std::move(columns);
+    options.where = std::move(where);
+    const TemporaryFolder folder;
+    const std::string path = folder.With("a.csv", "east,north,label\n1,2,3\n");
+    try {
+      ReadCloud({path}, options);
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(failure({{"x", "4"}, {"y", "1"}}),
+              AllOf(HasSubstr("'4'"), HasSubstr("east, north, label")));
+  EXPECT_THAT(failure({{"x", "0"}, {"y", "1"}}), HasSubstr("'0'"));
+  EXPECT_THAT(failure({{"x", "up"}, {"y", "1"}}), HasSubstr("'up'"));
+  EXPECT_THAT(failure({{"x", "1"}}), HasSubstr("both x and y"));
+  EXPECT_THAT(failure({{"nx", "1"}}), HasSubstr("nx, ny and nz"));
+  EXPECT_THAT(failure({{"v", "1"}}), HasSubstr("column u"));
+  EXPECT_THAT(failure({{"q", "1"}}), HasSubstr("unknown role 'q'"));
+  EXPECT_THAT(failure({}, {{"class", 1}}), HasSubstr("'class'"));
+}
+
+TEST(TextReaderTest, DropsAndCountsRowsThatAreNotFinite) {
+  const CloudFile file =
+      ReadBytes("a.csv",
+                "x,y,z,nx,ny,nz\n1,2,3,0,0,1\nnan,2,3,0,0,1\n1,-inf,3,0,0,1\n1,,3,0,0,1\n"
+                "1,2,3,0,0,NaN\n1,2,3,0,0,\n-4,5.5,0.06,0,0,1\n");
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.non_finite, 5);
+  EXPECT_EQ(file.points_in_file, 7);
+}
+
+TEST(TextReaderTest, QuotesWhatIsNoNumberWithItsLine) {
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n\n4 5x 6\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("'5x'")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 +-5 6\n"), HasSubstr("'+-5'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 5/6 6\n"), HasSubstr("'5/6'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 5\n"), AllOf(HasSubstr("line 2"), HasSubstr("found 2")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n\x01\x02 5 6\n"), HasSubstr("'\\x01\\x02'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1\n2\n3\n"), HasSubstr("one column"));
+  const std::string failure = FailureOf("a.xyz", "1 2 3\n" + std::string(5000, 'q') + " 5 6\n");
+  EXPECT_LT(failure.size(), 200u);
+  EXPECT_THAT(failure, Not(HasSubstr("\n")));
+}
+
+TEST(TextReaderTest, RefusesNumbersTooLargeToCalculateWith) {
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 1e308 6\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("1e+308")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 -1e999 6\n"), HasSubstr("line 2"));
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 1e-999\n").cloud.World(0), Eigen::Vector3d(1, 2, 0));
+}
+
+TEST(TextReaderTest, RefusesWeightsThatAreNotPositive) {
+  EXPECT_THAT(FailureOf("a.csv", "x,y,z,w\n1,2,3,1\n1,2,3,0\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("weight 0")));
+}
+
+TEST(TextReaderTest, StopsEarlyInGarbage) {
+  EXPECT_THAT(FailureOf("a.xyz", std::string(1 << 22, 'a')), HasSubstr("longer than"));
+  EXPECT_THAT(FailureOf("a.xyz", std::string(1 << 22, '\0')), HasSubstr("line 1"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n" + std::string(1 << 22, ' ')), HasSubstr("line 2"));
+  EXPECT_THAT(FailureOf("a.xyz", std::string("\xFF\xFE") + "1"), HasSubstr("UTF-16"));
+  EXPECT_NE(FailureOf("a.xyz",
+                      std::string("\x7F"
+                                  "ELF\x02\x01\n\0\0\x13\n",
+                                  12)),
+            "");
+}
+
+TEST(TextReaderTest, HoldsAPtsCountAgainstItsRows) {
+  EXPECT_EQ(ReadBytes("a.pts", "2\n1 2 3\n-4 5.5 0.06\n").cloud.size(), 2);
+  EXPECT_THAT(FailureOf("a.pts", "1000000000\n1 2 3\n"), HasSubstr("1 of 1000000000 points"));
+}
+
+// Numbers across the border of the reader's blocks are whole.
+TEST(TextReaderTest, ReadsFilesOfManyBlocks) {
+  std::string text;
+  constexpr int kRows = 200'000;
+  for (int k = 0; k < kRows; ++k) {
+    text +=
+        std::to_string(k) + " " + std::to_string(k % 1013) + " " + std::string(k % 37, ' ') + "7\n";
+  }
+  const PointCloud cloud = ReadBytes("a.xyz", text).cloud;
+  ASSERT_EQ(cloud.size(), kRows);
+  for (int k = 0; k < kRows; ++k) ASSERT_EQ(cloud.World(k), Eigen::Vector3d(k, k % 1013, 7));
+}
+
+}  // namespace
+}  // namespace batten
