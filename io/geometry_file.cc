@@ -33,9 +33,9 @@ Format FormatOf(const std::string& path, const std::string& word) {
   if (name == "iges" || name == "igs") {
     throw UsageError(path + ": IGES is not in this version; use .step or .json");
   }
-  const std::string what = word.empty() ? (name.empty() ? "a name without an extension"
-                                                        : "the extension ." + name)
-                                        : "the format \"" + word + "\"";
+  const std::string what =
+      word.empty() ? (name.empty() ? "a name without an extension" : "the extension ." + name)
+                   : "the format \"" + word + "\"";
   throw UsageError(path + ": " + what + " is not one of geometry; use .json or .step");
 }
 
@@ -45,7 +45,8 @@ std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOp
   switch (FormatOf(path, options.format)) {
     case Format::kJson:
       return ParseGeometryJson(ReadWholeFile(path), path == "-" ? "standard input" : path);
-    case Format::kStep: return ReadStep(path);
+    case Format::kStep:
+      return ReadStep(path);
   }
   return {};
 }
@@ -61,7 +62,8 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
       file.Commit();
       return;
     }
-    case Format::kStep: return WriteStep(geometry, path, options.unit);
+    case Format::kStep:
+      return WriteStep(geometry, path, options.unit);
   }
 }
 

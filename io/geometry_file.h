@@ -19,9 +19,10 @@ struct GeometryReadOptions {
 };
 
 // Every curve and surface of a file, in its order and its own unit; at least one. The path "-" is
-// standard input and needs a format. Throws ReadError for a file that can't be used, UsageError for an
-// unknown format or extension.
-std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options = {});
+// standard input and needs a format. Throws ReadError for a file that can't be used, UsageError for
+// an unknown format or extension.
+std::vector<Geometry> ReadGeometry(const std::string& path,
+                                   const GeometryReadOptions& options = {});
 
 struct GeometryWriteOptions {
   std::string format;       // "json" or "step"; empty: by the path's extension

@@ -16,10 +16,25 @@ namespace {
 
 using Kind = JsonValue::Kind;
 
-const std::vector<std::string_view> kKnownNames = {
-    "shape",   "type",         "count",        "data",    "dimension", "degree",
-    "degree_u", "degree_v",    "knotvector",   "knotvector_u", "knotvector_v", "size",
-    "size_u",  "size_v",       "control_points", "points", "weights",  "trims", "periodic"};
+const std::vector<std::string_view> kKnownNames = {"shape",
+                                                   "type",
+                                                   "count",
+                                                   "data",
+                                                   "dimension",
+                                                   "degree",
+                                                   "degree_u",
+                                                   "degree_v",
+                                                   "knotvector",
+                                                   "knotvector_u",
+                                                   "knotvector_v",
+                                                   "size",
+                                                   "size_u",
+                                                   "size_v",
+                                                   "control_points",
+                                                   "points",
+                                                   "weights",
+                                                   "trims",
+                                                   "periodic"};
 
 constexpr double kLargestCoordinate = 1e150;
 
@@ -119,8 +134,8 @@ Eigen::Matrix<double, Dim, Eigen::Dynamic> ReadPoints(const Field& control_point
                std::to_string(Dim));
   }
   if (needed >= 0 && table.rows != needed) {
-    field.Fail(std::to_string(table.rows) + " points, but size_u x size_v = " +
-               std::to_string(needed) + " are needed");
+    field.Fail(std::to_string(table.rows) +
+               " points, but size_u x size_v = " + std::to_string(needed) + " are needed");
   }
   for (size_t i = 0; i < table.numbers.size(); ++i) {
     if (!(std::abs(table.numbers[i]) <= kLargestCoordinate)) {

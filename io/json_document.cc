@@ -33,7 +33,9 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     added.boolean = value;
     return Add(std::move(added));
   }
-  bool number_integer(number_integer_t value) override { return Number(static_cast<double>(value)); }
+  bool number_integer(number_integer_t value) override {
+    return Number(static_cast<double>(value));
+  }
   bool number_unsigned(number_unsigned_t value) override {
     return Number(static_cast<double>(value));
   }
@@ -94,7 +96,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     std::string place;
     for (const JsonValue& value : open_) {
       if (value.kind == Kind::kObject) {
-        if (!value.members.empty()) place += (place.empty() ? "" : ".") + value.members.back().first;
+        if (!value.members.empty())
+          place += (place.empty() ? "" : ".") + value.members.back().first;
       } else {
         place += '[' + std::to_string(Count(value)) + ']';
       }
@@ -208,14 +211,22 @@ const JsonValue* JsonValue::Find(std::string_view name) const {
 
 const char* Name(JsonValue::Kind kind) {
   switch (kind) {
-    case Kind::kNull: return "null";
-    case Kind::kBoolean: return "true or false";
-    case Kind::kNumber: return "a number";
-    case Kind::kText: return "a text";
-    case Kind::kNumbers: return "a list of numbers";
-    case Kind::kTable: return "a list of lists of numbers";
-    case Kind::kList: return "a list";
-    case Kind::kObject: return "an object";
+    case Kind::kNull:
+      return "null";
+    case Kind::kBoolean:
+      return "true or false";
+    case Kind::kNumber:
+      return "a number";
+    case Kind::kText:
+      return "a text";
+    case Kind::kNumbers:
+      return "a list of numbers";
+    case Kind::kTable:
+      return "a list of lists of numbers";
+    case Kind::kList:
+      return "a list";
+    case Kind::kObject:
+      return "an object";
   }
   return "";
 }

@@ -18,8 +18,8 @@ struct JsonValue {
   Kind kind = Kind::kNull;
   bool boolean = false;
   double number = 0;
-  std::int64_t columns = 0;      // of a table, which holds `numbers` row by row
-  std::int64_t rows = 0;         // of a table
+  std::int64_t columns = 0;  // of a table, which holds `numbers` row by row
+  std::int64_t rows = 0;     // of a table
   std::string text;
   std::vector<double> numbers;   // kNumbers (the empty list included) and kTable
   std::vector<JsonValue> items;  // kList: texts, booleans, objects and mixed lists

@@ -10,8 +10,8 @@
 
 namespace batten {
 
-// Knots, control points and weights as they are. Throws Standard_Failure for what OpenCASCADE does not
-// hold, such as distinct knots that differ by rounding only.
+// Knots, control points and weights as they are. Throws Standard_Failure for what OpenCASCADE does
+// not hold, such as distinct knots that differ by rounding only.
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<3>& curve);
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<2>& curve);  // at z = 0
 Handle(Geom_BSplineSurface) ToOcct(const NurbsSurface& surface);

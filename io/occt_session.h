@@ -9,9 +9,9 @@
 
 namespace batten {
 
-// OpenCASCADE's translators keep their settings in globals and report to the standard streams. While a
-// session lives no other thread has one, and nothing is printed; the embedding program's printers
-// return with its end.
+// OpenCASCADE's translators keep their settings in globals and report to the standard streams.
+// While a session lives no other thread has one, and nothing is printed; the embedding program's
+// printers return with its end.
 class OcctSession {
  public:
   OcctSession() : lock_(Mutex()), printers_(Message::DefaultMessenger()->Printers()) {

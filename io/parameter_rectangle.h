@@ -17,8 +17,8 @@ struct ParameterRectangle {
 // The domain of a surface; infinite for a plane.
 ParameterRectangle NaturalRectangle(const Geom_Surface& surface);
 
-// The rectangle that a face fills; none when it is trimmed by anything else or has holes. Sides within
-// 1e-7 of the natural ones, relative to the rectangle, are taken to be those.
+// The rectangle that a face fills; none when it is trimmed by anything else or has holes. Sides
+// within 1e-7 of the natural ones, relative to the rectangle, are taken to be those.
 std::optional<ParameterRectangle> RectangleOf(const TopoDS_Face& face);
 
 }  // namespace batten

@@ -17,11 +17,12 @@ struct ReportContext {
   std::string unit = "mm";                          // of the data
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates written
   std::int64_t peak_memory_bytes = 0;
-  std::string version;                              // of the program
+  std::string version;  // of the program
 };
 
-// The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the shortest
-// form that reads back bit by bit; one that is not finite, for which JSON has no form, as null.
+// The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the
+// shortest form that reads back bit by bit; one that is not finite, for which JSON has no form, as
+// null.
 std::string ToReportJson(const FitReport& report, const ReportContext& context);
 
 }  // namespace batten

@@ -24,7 +24,8 @@ std::string Damage(const Handle(StepData_StepModel) & model, int index) {
   return check->NbFails() > 0 ? check->CFail(1) : "it can't be read";
 }
 
-// Whether the entity is a curve on a surface that names no curve, which the translator does not expect.
+// Whether the entity is a curve on a surface that names no curve, which the translator does not
+// expect.
 bool LacksItsCurve(const Handle(Standard_Transient) & entity) {
   const auto pcurve = Handle(StepGeom_Pcurve)::DownCast(entity);
   if (pcurve.IsNull()) return false;

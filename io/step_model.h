@@ -8,7 +8,8 @@
 namespace batten {
 
 // OpenCASCADE's translator trusts its entities and crashes on damaged ones, so none may be: throws
-// ReadError naming `path` and the entity. Colours and layers are not translated; they may be damaged.
+// ReadError naming `path` and the entity. Colours and layers are not translated; they may be
+// damaged.
 void CheckStepModel(const Handle(StepData_StepModel) & model, const std::string& path);
 
 }  // namespace batten

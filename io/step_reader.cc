@@ -120,7 +120,8 @@ class Collector {
     double first = 0, last = 0;
     if (BRep_Tool::Degenerated(edge)) return;
     const std::string name = "edge " + std::to_string(++edges_);
-    if (BRep_Tool::Curve(edge, first, last).IsNull()) throw ReadError(path_, name + " has no curve");
+    if (BRep_Tool::Curve(edge, first, last).IsNull())
+      throw ReadError(path_, name + " has no curve");
     Keep(name, [&] { return ToNurbs(edge); });
   }
 

@@ -15,7 +15,7 @@ namespace batten {
 namespace {
 
 constexpr std::string_view kStart = "ISO-10303-21", kEnd = "END-ISO-10303-21";
-constexpr int kDeepest = 64;                        // nested lists
+constexpr int kDeepest = 64;                       // nested lists
 constexpr std::int64_t kLargestName = 2147483647;  // OpenCASCADE counts in int
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
@@ -189,7 +189,8 @@ class Scanner {
   void Enumeration() {
     ++at_;
     while (at_ < text_.size() && (IsLetter(text_[at_]) || IsDigit(text_[at_]))) ++at_;
-    if (at_ >= text_.size() || text_[at_] != '.') FailHere("an enumeration, as in .T., must stand here");
+    if (at_ >= text_.size() || text_[at_] != '.')
+      FailHere("an enumeration, as in .T., must stand here");
     ++at_;
   }
 

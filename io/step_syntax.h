@@ -7,10 +7,11 @@
 
 namespace batten {
 
-// Checks the exchange structure of ISO 10303-21 before OpenCASCADE sees it, whose parser hangs or reads
-// freed memory on some damaged files: sections, records, parameters, numbers; every instance defined
-// once; every reference to a defined one; no instance that refers to itself, however indirectly. Throws
-// ReadError naming `path` and the line. Linear time up to the sort of the instances.
+// Checks the exchange structure of ISO 10303-21 before OpenCASCADE sees it, whose parser hangs or
+// reads freed memory on some damaged files: sections, records, parameters, numbers; every instance
+// defined once; every reference to a defined one; no instance that refers to itself, however
+// indirectly. Throws ReadError naming `path` and the line. Linear time up to the sort of the
+// instances.
 void CheckStepSyntax(std::string_view text, const std::string& path);
 
 }  // namespace batten

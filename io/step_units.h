@@ -6,8 +6,8 @@
 
 namespace batten {
 
-// Makes the transfer that follows keep lengths as they stand in the file: the unit OpenCASCADE works in
-// becomes the file's first.
+// Makes the transfer that follows keep lengths as they stand in the file: the unit OpenCASCADE
+// works in becomes the file's first.
 void KeepNumbersOf(STEPControl_Reader& reader);
 
 }  // namespace batten

@@ -43,12 +43,19 @@ namespace {
 const char* OcctUnit(const std::string& unit) {
   static constexpr struct {
     const char *name, *word;
-  } kUnits[] = {{"mm", "MM"}, {"cm", "CM"},     {"m", "M"},   {"km", "KM"}, {"um", "UM"},
-                {"in", "INCH"}, {"inch", "INCH"}, {"ft", "FT"}, {"mi", "MI"}, {"mil", "MIL"},
+  } kUnits[] = {{"mm", "MM"},
+                {"cm", "CM"},
+                {"m", "M"},
+                {"km", "KM"},
+                {"um", "UM"},
+                {"in", "INCH"},
+                {"inch", "INCH"},
+                {"ft", "FT"},
+                {"mi", "MI"},
+                {"mil", "MIL"},
                 {"uin", "UIN"}};
-  const auto* found = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& known) {
-    return unit == known.name;
-  });
+  const auto* found = std::find_if(
+      std::begin(kUnits), std::end(kUnits), [&](const auto& known) { return unit == known.name; });
   if (found != std::end(kUnits)) return found->word;
   std::string names;
   for (const auto& known : kUnits) names += (names.empty() ? "" : ", ") + std::string(known.name);
@@ -81,8 +88,9 @@ double SizeOf(const Geometry& geometry) {
       geometry);
 }
 
-// The shape with the smallest tolerance, by powers of ten from OpenCASCADE's own 1e-7 to a millionth of
-// its size, at which it is valid: with large coordinates or high degrees rounding exceeds 1e-7.
+// The shape with the smallest tolerance, by powers of ten from OpenCASCADE's own 1e-7 to a
+// millionth of its size, at which it is valid: with large coordinates or high degrees rounding
+// exceeds 1e-7.
 TopoDS_Shape ValidShape(const Geometry& geometry) {
   const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
   const double size = SizeOf(geometry);
@@ -142,7 +150,8 @@ void NameProducts(const Handle(StepData_StepModel) & model) {
   }
 }
 
-// A real number as STEP wants it, with a decimal point, in the shortest form that reads back exactly.
+// A real number as STEP wants it, with a decimal point, in the shortest form that reads back
+// exactly.
 std::string ShortestReal(double value) {
   char digits[40];
   std::string text(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
@@ -162,8 +171,8 @@ std::string WithShortestReals(const std::string& text) {
     const char c = text[i];
     if (c == '\'') quoted = !quoted;
     const bool starts = !quoted && (c == '-' || (c >= '0' && c <= '9'));
-    const size_t end = starts ? std::min(text.find_first_not_of("0123456789.E+-", i), text.size())
-                              : i + 1;
+    const size_t end =
+        starts ? std::min(text.find_first_not_of("0123456789.E+-", i), text.size()) : i + 1;
     const std::string_view token = std::string_view(text).substr(i, end - i);
     double value = 0;
     const bool real = starts && token.find('E') != token.npos &&

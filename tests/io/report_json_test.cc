@@ -56,27 +56,66 @@ Words Keys(const Json& object) {
 
 TEST(ReportJsonTest, HasEveryFieldOfTheContractInItsOrder) {
   const Json json = Json::parse(ToReportJson(Example(), Context()));
-  const Words error = {"rms", "mean", "max", "p50", "p95", "p99", "signed_p5", "signed_p95",
-                       "tolerance", "within_tolerance", "out_of_tolerance", "points", "kind"};
+  const Words error = {"rms",
+                       "mean",
+                       "max",
+                       "p50",
+                       "p95",
+                       "p99",
+                       "signed_p5",
+                       "signed_p95",
+                       "tolerance",
+                       "within_tolerance",
+                       "out_of_tolerance",
+                       "points",
+                       "kind"};
   EXPECT_EQ(Keys(json),
-            (Words{"schema", "command", "input", "geometry", "error", "error_all", "optimize",
-                   "termination", "tolerance_reached", "iterations", "seconds",
-                   "peak_memory_bytes", "threads", "warnings", "version"}));
+            (Words{"schema",
+                   "command",
+                   "input",
+                   "geometry",
+                   "error",
+                   "error_all",
+                   "optimize",
+                   "termination",
+                   "tolerance_reached",
+                   "iterations",
+                   "seconds",
+                   "peak_memory_bytes",
+                   "threads",
+                   "warnings",
+                   "version"}));
   EXPECT_EQ(Keys(json["input"]),
-            (Words{"files", "points", "used", "non_finite", "duplicates", "outliers", "spacing",
-                   "noise", "bounding_box", "origin", "shift", "unit"}));
-  EXPECT_EQ(Keys(json["geometry"]),
-            (Words{"kind", "base", "degree", "control_points", "rational", "closed", "trims",
-                   "file"}));
+            (Words{"files",
+                   "points",
+                   "used",
+                   "non_finite",
+                   "duplicates",
+                   "outliers",
+                   "spacing",
+                   "noise",
+                   "bounding_box",
+                   "origin",
+                   "shift",
+                   "unit"}));
+  EXPECT_EQ(
+      Keys(json["geometry"]),
+      (Words{"kind", "base", "degree", "control_points", "rational", "closed", "trims", "file"}));
   EXPECT_EQ(Keys(json["error"]), error);
   EXPECT_EQ(Keys(json["error_all"]), error);
-  EXPECT_EQ(Keys(json["optimize"]),
-            (Words{"ran", "why", "iterations", "rms_before", "rms_after"}));
+  EXPECT_EQ(Keys(json["optimize"]), (Words{"ran", "why", "iterations", "rms_before", "rms_after"}));
   EXPECT_EQ(Keys(json["iterations"][0]),
             (Words{"stage", "control_points", "rms", "max", "score", "seconds"}));
   EXPECT_EQ(Keys(json["seconds"]),
-            (Words{"read", "prepare", "parameterize", "solve", "project", "refine", "optimize",
-                   "write", "total"}));
+            (Words{"read",
+                   "prepare",
+                   "parameterize",
+                   "solve",
+                   "project",
+                   "refine",
+                   "optimize",
+                   "write",
+                   "total"}));
 }
 
 TEST(ReportJsonTest, SaysWhatTheReportAndItsContextHold) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
@@ -14,8 +16,6 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -40,8 +40,8 @@ using ::testing::internal::GetCapturedStdout;
 
 constexpr unsigned kSeed = 20240531;
 
-// Reals are written with all their digits, so reading back may round a few times at most; the contract
-// is this, relative to the largest number.
+// Reals are written with all their digits, so reading back may round a few times at most; the
+// contract is this, relative to the largest number.
 constexpr double kStepPrecision = 1e-12;
 
 // The shape in a file, read by OpenCASCADE alone in the unit given in millimetres.
@@ -70,10 +70,16 @@ void ExpectKnots(const SplineBasis& basis, int count, Knot knot, Multiplicity mu
 void ExpectSame(const Geom_BSplineSurface& read, const NurbsSurface& surface) {
   ASSERT_EQ(read.UDegree(), surface.basis_u().degree());
   ASSERT_EQ(read.VDegree(), surface.basis_v().degree());
-  ExpectKnots(surface.basis_u(), read.NbUKnots(), [&](int i) { return read.UKnot(i); },
-              [&](int i) { return read.UMultiplicity(i); });
-  ExpectKnots(surface.basis_v(), read.NbVKnots(), [&](int i) { return read.VKnot(i); },
-              [&](int i) { return read.VMultiplicity(i); });
+  ExpectKnots(
+      surface.basis_u(),
+      read.NbUKnots(),
+      [&](int i) { return read.UKnot(i); },
+      [&](int i) { return read.UMultiplicity(i); });
+  ExpectKnots(
+      surface.basis_v(),
+      read.NbVKnots(),
+      [&](int i) { return read.VKnot(i); },
+      [&](int i) { return read.VMultiplicity(i); });
   const double scale = surface.control_points().cwiseAbs().maxCoeff();
   for (int i = 0; i < surface.size_u(); ++i) {
     for (int j = 0; j < surface.size_v(); ++j) {
@@ -95,8 +101,8 @@ void ExpectSame(const NurbsSurface& read, const NurbsSurface& surface) {
   EXPECT_TRUE(read.weights().isApprox(surface.weights(), kStepPrecision));
 }
 
-// Writes the surface, reads it by OpenCASCADE and by batten. Where OpenCASCADE makes closed surfaces
-// periodic, which the file does not say, only its validity is asked of it.
+// Writes the surface, reads it by OpenCASCADE and by batten. Where OpenCASCADE makes closed
+// surfaces periodic, which the file does not say, only its validity is asked of it.
 void ExpectExactInStep(const NurbsSurface& surface, double largest_tolerance = 1e-7) {
   const TemporaryFolder folder;
   WriteStep({surface}, folder.File("a.step"));
@@ -202,9 +208,7 @@ TEST(StepTest, PutsPlaneCurvesAtHeightZero) {
   EXPECT_TRUE(read.control_points().row(2).isZero(0));
 }
 
-TEST(StepTest, KeepsDegenerateAndSeamEdges) {
-  ExpectExactInStep(Sphere());
-}
+TEST(StepTest, KeepsDegenerateAndSeamEdges) { ExpectExactInStep(Sphere()); }
 
 TEST(StepTest, KeepsSurfacesWithCoincidingControlPoints) {
   Eigen::Matrix3Xd points(3, 16);
@@ -239,8 +243,12 @@ TEST(StepTest, DeclaresTheUnitAndNeverScales) {
   const struct {
     const char *unit, *name;
     double millimetres;
-  } units[] = {{"mm", "millimetre", 1}, {"m", "metre", 1000}, {"inch", "INCH", 25.4},
-               {"cm", "centimetre", 10}, {"ft", "FOOT", 304.8}, {"um", "micrometre", 1e-3}};
+  } units[] = {{"mm", "millimetre", 1},
+               {"m", "metre", 1000},
+               {"inch", "INCH", 25.4},
+               {"cm", "centimetre", 10},
+               {"ft", "FOOT", 304.8},
+               {"um", "micrometre", 1e-3}};
   for (const auto& [unit, name, millimetres] : units) {
     SCOPED_TRACE(unit);
     const TemporaryFolder folder;
@@ -293,8 +301,9 @@ TEST(StepTest, WritesTheSameBytesForTheSameGeometry) {
 TEST(StepTest, RefusesWhatHasNoValidBoundary) {
   const TemporaryFolder folder;
   // All control points in one place: every edge is a point.
-  const NurbsSurface point(
-      SplineBasis::Uniform(1, 2, 0, 1), SplineBasis::Uniform(1, 2, 0, 1), Eigen::Matrix3Xd::Zero(3, 4));
+  const NurbsSurface point(SplineBasis::Uniform(1, 2, 0, 1),
+                           SplineBasis::Uniform(1, 2, 0, 1),
+                           Eigen::Matrix3Xd::Zero(3, 4));
   EXPECT_THROW(WriteStep({point}, folder.File("a.step")), WriteError);
   EXPECT_THROW(WriteStep({}, folder.File("a.step")), std::invalid_argument);
   EXPECT_EQ(folder.Entries(), 0);
@@ -404,10 +413,10 @@ TEST(StepTest, TurnsAPeriodicTorusIntoClampedNurbs) {
   }
   for (int i = 0; i <= 10; ++i) {
     for (int j = 0; j <= 10; ++j) {
-      const double u = torus.basis_u().lower() +
-                       i / 10.0 * (torus.basis_u().upper() - torus.basis_u().lower());
-      const double v = torus.basis_v().lower() +
-                       j / 10.0 * (torus.basis_v().upper() - torus.basis_v().lower());
+      const double u =
+          torus.basis_u().lower() + i / 10.0 * (torus.basis_u().upper() - torus.basis_u().lower());
+      const double v =
+          torus.basis_v().lower() + j / 10.0 * (torus.basis_v().upper() - torus.basis_v().lower());
       const Eigen::Vector3d point = torus.At(u, v);
       EXPECT_NEAR(std::hypot(point.head<2>().norm() - 3, point.z()), 1, kStepPrecision * 10);
     }
