@@ -22,21 +22,30 @@ size_t EditDistance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-}  // namespace
-
-std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
-  constexpr size_t kLongestWord = 64;
-  if (word.size() > kLongestWord) return "";
+// The candidate fewest edits away, if that is fewer than `limit`.
+std::string NearestBelow(size_t limit, const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;
-  size_t best = std::max<size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
     const size_t distance = EditDistance(word, candidate);
-    if (distance < best) {
-      best = distance;
+    if (distance < limit) {
+      limit = distance;
       nearest = candidate;
     }
   }
   return nearest;
+}
+
+constexpr size_t kLongestWord = 64;
+
+}  // namespace
+
+std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
+  if (word.size() > kLongestWord) return "";
+  return NearestBelow(std::max<size_t>(2, word.size() / 3) + 1, word, candidates);
+}
+
+std::string NearestNameOfAll(const std::string& word, const std::vector<std::string>& candidates) {
+  return NearestBelow(2 * kLongestWord + 1, word.substr(0, kLongestWord), candidates);
 }
 
 }  // namespace batten

@@ -11,4 +11,7 @@ namespace batten {
 // when none is within a third of the word's length (at least two). [Damerau 1964, restricted]
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
 
+// The same however far away it is; empty only without candidates.
+std::string NearestNameOfAll(const std::string& word, const std::vector<std::string>& candidates);
+
 }  // namespace batten

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "batten/cli/program.h"
 
-#include <charconv>
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
 
 #include "batten/cli/nearest_name.h"
+#include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/read_error.h"
 
@@ -31,47 +35,108 @@ const CLI::App* Deepest(const CLI::App& app) {
   return deepest;
 }
 
-std::vector<std::string> Names(const CLI::App& command) {
+// "batten fit surface": the command as one types it.
+std::string TypedName(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* sub = &app; !sub->get_subcommands().empty();) {
+    sub = sub->get_subcommands().front();
+    name += " " + sub->get_name();
+  }
+  return name;
+}
+
+std::vector<std::string> FlagNames(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
   }
-  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
   return names;
 }
 
-std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
+std::vector<std::string> CommandNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(sub->get_name());
+  }
+  return names;
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
+  if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
+  std::vector<std::string> names = FlagNames(*Deepest(app));
+  const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
+  // One letter is taken for the first of a name.
+  if (flag.size() == 2) {
+    const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
+    if (found != names.end()) return text + "did you mean '" + *found + "'?";
+  }
+  const std::string near = NearestName(flag, names);
+  if (!near.empty()) return text + "did you mean '" + near + "'?";
+  return text + "the nearest known is '" + NearestNameOfAll(flag, names) + "' (--help lists all)";
+}
+
+std::string ExplainWord(const CLI::App& app, const std::string& word) {
   const CLI::App* command = Deepest(app);
-  const std::string word = extra.substr(0, extra.find('='));
-  const bool flag = !word.empty() && word[0] == '-';
-  const bool later = Contains(kLaterFlags, word) ||
-                     (!flag && command == &app && Contains(kLaterCommands, word)) ||
-                     (!flag && command->get_name() == "fit" && Contains(kLaterFits, word));
-  const std::string place = command == &app ? "" : " for '" + command->get_display_name() + "'";
-  if (later) return "'" + word + "' is not in this version";
-  const std::string nearest = NearestName(word, Names(*command));
-  std::string text = (flag ? "unknown flag '" : "unexpected argument '") + word + "'" + place;
-  if (!nearest.empty()) text += "; did you mean '" + nearest + "'?";
-  return text + " (--help lists what there is)";
+  const std::vector<std::string> commands = CommandNames(*command);
+  if (commands.empty()) {
+    return "unexpected argument '" + word + "' for '" + TypedName(app) + "' (--help shows what it takes)";
+  }
+  if (Contains(command == &app ? kLaterCommands : kLaterFits, word)) {
+    return "'" + TypedName(app) + " " + word + "' is not in this version";
+  }
+  const std::string near = NearestName(word, commands);
+  return "unknown command '" + TypedName(app) + " " + word + "'; " +
+         (near.empty() ? "known are " + Listed(commands) : "did you mean '" + near + "'?");
+}
+
+std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
+  const bool flag = extra.size() > 1 && extra[0] == '-';
+  return flag ? ExplainFlag(app, extra.substr(0, extra.find('='))) : ExplainWord(app, extra);
+}
+
+// Why the command line can't be used, in one sentence.
+std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
+  // A word nobody knows is the better explanation where there is one.
+  const std::vector<std::string> extras = app.remaining(true);
+  if (!extras.empty()) return ExplainExtra(app, extras.front());
+  const std::vector<std::string> commands = CommandNames(*Deepest(app));
+  if (!commands.empty()) {
+    return "usage: " + TypedName(app) + " COMMAND ...; commands are " + Listed(commands) + " (" + TypedName(app) +
+           " --help says more)";
+  }
+  return TypedName(app) + ": " + error.what() + " (--help lists what there is)";
 }
 
 int Parse(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    std::fputs(Deepest(app)->help().c_str(), stdout);
+    // Help on a command that is not there is no help.
+    const std::vector<std::string> extras = app.remaining(true);
+    const bool wants_command = !CommandNames(*Deepest(app)).empty();
+    if (wants_command && !extras.empty()) throw UsageError(ExplainExtra(app, extras.front()));
+    std::fputs(app.help().c_str(), stdout);
     return -1;
   } catch (const CLI::CallForVersion&) {
     std::printf("batten %s\n", Version());
     return -1;
   } catch (const CLI::ParseError& error) {
-    // A word nobody knows is the better explanation where there is one.
-    const std::vector<std::string> extras = app.remaining(true);
-    if (!extras.empty()) throw UsageError(ExplainExtra(app, extras.front()));
-    throw UsageError(std::string(error.what()) + " (--help lists what there is)");
+    throw UsageError(Explain(app, error));
   }
   return 0;
+}
+
+// Buffered output that does not arrive is an error too.
+int Flushed(int code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  PrintError(std::string("standard output: can't be written: ") + std::strerror(errno));
+  return kBadInput;
 }
 
 }  // namespace
@@ -86,40 +151,28 @@ void AddCommonFlags(CLI::App& command, CommonFlags& flags) {
 }
 
 void AddWorkFlags(CLI::App& command, WorkFlags& flags) {
-  command.add_option("--threads", flags.threads, "Threads to use [all cores]")
-      ->type_name("N")->check(CLI::Range(1, 1024));
-  command.add_option("--seed", flags.seed, "Seed of every random choice")->capture_default_str()->type_name("N");
+  constexpr int kMostThreads = 1024;
+  command
+      .add_option_function<std::string>(
+          "--threads",
+          [&flags](const std::string& text) {
+            flags.threads = static_cast<int>(ParseWhole("--threads", text, 1, kMostThreads));
+          },
+          "Threads to use [all cores]")
+      ->type_name("N");
+  AddSeedFlag(command, flags.seed, "Seed of every random choice");
 }
 
-std::vector<double> ParseNumbers(const std::string& flag, const std::string& text) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (;;) {
-    while (at != end && (*at == ' ' || *at == '\t')) ++at;
-    if (at != end && *at == '+') ++at;
-    double value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || !(value - value == 0)) {
-      throw UsageError(flag + ": '" + text + "' is not a list of finite numbers");
-    }
-    numbers.push_back(value);
-    at = next;
-    while (at != end && (*at == ' ' || *at == '\t')) ++at;
-    if (at == end) return numbers;
-    if (*at != ',' && *at != ';') throw UsageError(flag + ": '" + text + "' is not a list of finite numbers");
-    ++at;
-  }
-}
-
-std::pair<int, int> ParsePair(const std::string& flag, const std::string& text) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  for (const double number : numbers) {
-    if (numbers.size() > 2 || number != static_cast<int>(number) || number < 1 || number > 1e6) {
-      throw UsageError(flag + ": '" + text + "' is not one or two positive whole numbers");
-    }
-  }
-  return {static_cast<int>(numbers.front()), static_cast<int>(numbers.back())};
+void AddSeedFlag(CLI::App& command, std::uint64_t& seed, const std::string& what) {
+  command
+      .add_option_function<std::string>(
+          "--seed",
+          [&seed](const std::string& text) {
+            seed = ParseWhole("--seed", text, 0, std::numeric_limits<std::uint64_t>::max());
+          },
+          what)
+      ->type_name("N")
+      ->default_str(std::to_string(seed));
 }
 
 int RunProgram(int argc, char** argv) {
@@ -149,10 +202,9 @@ int RunProgram(int argc, char** argv) {
     command->fallthrough(false);
   }
   try {
-    if (Parse(app, argc, argv) < 0) return kDone;
+    if (Parse(app, argc, argv) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    const int code = action();
-    return Interrupted() ? kInterrupted : code;
+    return Flushed(action());  // what is done when Ctrl-C comes too late is done
   } catch (const UsageError& error) {
     PrintError(error.what());
     return kBadUsage;

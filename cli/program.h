@@ -33,6 +33,7 @@ struct WorkFlags {
   std::uint64_t seed = 1;
 };
 void AddWorkFlags(CLI::App& command, WorkFlags& flags);
+void AddSeedFlag(CLI::App& command, std::uint64_t& seed, const std::string& what);
 
 // A command's action, run after parsing; returns the exit code.
 using Action = std::function<int()>;
@@ -44,12 +45,6 @@ void AddConvertCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddInfoCommand(CLI::App& app, Action& action);
 void AddSampleCommand(CLI::App& app, Action& action);
-
-// Numbers separated by commas or semicolons. Throws UsageError naming the flag and the text.
-std::vector<double> ParseNumbers(const std::string& flag, const std::string& text);
-
-// A positive whole number, or a pair of them: "24" or "24,36". Throws UsageError.
-std::pair<int, int> ParsePair(const std::string& flag, const std::string& text);
 
 // The command line as it was typed, for reports.
 const std::string& CommandLine();

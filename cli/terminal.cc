@@ -31,10 +31,12 @@ void WatchForInterrupt() {
   // Work looks at the flag where it can; this thread makes sure of the promised second.
   std::thread([] {
     constexpr auto kLook = std::chrono::milliseconds(20);
-    constexpr auto kPatience = std::chrono::milliseconds(600);
+    constexpr auto kPatience = std::chrono::milliseconds(500);
     while (!interrupted) std::this_thread::sleep_for(kLook);
     std::this_thread::sleep_for(kPatience);
     AtomicFile::RemoveTemporaries();
+    ClearProgress();
+    PrintError("interrupted; nothing was written");
     _exit(kInterrupted);
   }).detach();
 }

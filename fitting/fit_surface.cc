@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/plane_base.h"
 #include "batten/fitting/refine.h"
+#include "batten/fitting/statistics.h"
 #include "batten/fitting/voids.h"
 
 namespace batten {
@@ -27,7 +29,12 @@ constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.25;
 constexpr double kOutlierInScales = 4.685;      // where Tukey's loss stops counting a point
 constexpr double kVoidShareToWarn = 0.05;
-constexpr int kOutlierPasses = 4;
+constexpr int kOutlierPasses = 5;
+constexpr double kStructureInSpacings = 4;      // what a surface may miss between points
+constexpr int kWitnesses = 8;                   // neighbours asked whether a point is alone
+constexpr int kWitnessesNeeded = 3;             // that are off as it is
+constexpr double kAlike = 2;                    // within this factor of its distance
+constexpr double kFlatTail = 0.6;
 constexpr int kHuberRounds = 8, kTukeyRounds = 8;
 constexpr double kExcessToOptimise = 1.2;       // residual against noise
 constexpr double kPointsPerFreedomToOptimise = 9;
@@ -193,6 +200,65 @@ FittingProblem Reweighted(const FittingProblem& problem,
   return current;
 }
 
+Eigen::VectorXd Where(const Eigen::VectorXd& values, const PointMask& mask) {
+  Eigen::VectorXd chosen(mask.count());
+  Eigen::Index count = 0;
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (mask[k]) chosen[count++] = values[k];
+  }
+  return chosen;
+}
+
+// Where strangers begin: the least doubling of the limit beyond which the tail of the distances is flat,
+// most of what exceeds it exceeding even twice as much. Noise and structure the surface has missed thin
+// out with distance; outliers do not care. Infinity where the tail thins out all the way.
+double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
+  if (!(limit > 0)) return std::numeric_limits<double>::infinity();
+  const double farthest = distances.cwiseAbs().maxCoeff();
+  for (double from = limit; from < farthest; from *= 2) {
+    const auto beyond = static_cast<double>((distances.array().abs() > from).count());
+    const auto far_beyond = static_cast<double>((distances.array().abs() > 2 * from).count());
+    if (far_beyond > kFlatTail * beyond) return from;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// Which points a surface speaks for. A far point is an outlier where it is alone with its distance among
+// its neighbours in the plane, or farther than structure between points could reach; where several of
+// them are off to the same side by as much, the surface is what is wrong, not the point.
+PointMask CloseEnough(const Prepared& prepared,
+                      const Eigen::Matrix2Xd& parameters,
+                      const Eigen::VectorXd& distances,
+                      double scale,
+                      const SurfaceFitOptions& options,
+                      ThreadPool& pool) {
+  const double limit =
+      StrangersBegin(distances, std::max(kOutlierInScales * scale, options.tolerance.value_or(0)));
+  const double reach = std::max(limit, kStructureInSpacings * prepared.statistics.spacing);
+  std::vector<Eigen::Index> doubtful;
+  for (Eigen::Index k = 0; k < distances.size(); ++k) {
+    if (!(std::abs(distances[k]) <= limit)) doubtful.push_back(k);
+  }
+  PointMask close = PointMask::Constant(distances.size(), true);
+  if (doubtful.empty()) return close;
+  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, parameters.cols());
+  plan.topRows<2>() = parameters;
+  const NeighbourIndex index(plan);
+  pool.For(static_cast<std::ptrdiff_t>(doubtful.size()), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t i = begin; i < end; ++i) {
+      const Eigen::Index k = doubtful[i];
+      const double own = distances[k];
+      int alike = 0;
+      for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
+        const double ratio = distances[j] / own;
+        if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
+      }
+      close[k] = std::abs(own) <= reach && alike >= kWitnessesNeeded;
+    }
+  });
+  return close;
+}
+
 // The coarsest uniform grid up to the chosen one that keeps the tolerance, else the chosen one.
 FittingProblem CoarsestWithin(const FittingProblem& chosen,
                               const PlaneBase& base,
@@ -299,33 +365,29 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.input = Summary(cloud, prepared);
   report.seconds.prepare = watch.Lap();
 
-  // Which points count is decided by their neighbours before there is a surface, then, where there are
-  // outliers, by their distance from it until the two agree.
-  const bool robust = options.loss ? *options.loss != Loss::kNone
-                                   : static_cast<double>(prepared.statistics.outlier_count) >
-                                         kOutlierShareForLoss * static_cast<double>(prepared.used.size());
+  // Which points count is decided by their neighbours before there is a surface, then by their distance
+  // from it, until the two agree.
+  bool robust = options.loss ? *options.loss != Loss::kNone
+                             : static_cast<double>(prepared.statistics.outlier_count) >
+                                   kOutlierShareForLoss * static_cast<double>(prepared.used.size());
+  const FittingProblem everything = MakeProblem(prepared, prepared.merged.cloud, options);
   std::optional<FittingProblem> problem;
   PointCloud used;
   for (int pass = 1; pass <= kOutlierPasses; ++pass) {
     used = prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
     problem = ChooseBases(MakeProblem(prepared, used, options), options, pool, report);
     if (robust) problem = Reweighted(*problem, base, options, pool, report);
-    if (pass == kOutlierPasses || options.keep_outliers || (!robust && prepared.used.all())) break;
+    if (pass == kOutlierPasses || options.keep_outliers) break;
     const NurbsSurface surface = HeightSurface(base, problem->basis_u(), problem->basis_v(),
                                                SolveLinear(*problem, pool).coefficients);
-    const FittingProblem all = MakeProblem(prepared, prepared.merged.cloud, options);
     const PointDistances found =
-        DistancesFrom(surface, prepared.merged.cloud.points(), all.data().parameters, pool);
-    std::vector<double> near;
-    for (Eigen::Index k = 0; k < found.distances.size(); ++k) {
-      if (prepared.used[k]) near.push_back(found.distances[k]);
+        DistancesFrom(surface, prepared.merged.cloud.points(), everything.data().parameters, pool);
+    const double scale = options.loss_scale.value_or(RobustScale(Where(found.distances, prepared.used)));
+    const PointMask now = CloseEnough(prepared, everything.data().parameters, found.distances, scale, options, pool);
+    if (!robust && !options.loss && (now != prepared.used).any() && !now.all()) {
+      robust = true;  // what stands out from a plain fit has bent it
+      continue;
     }
-    const double scale = options.loss_scale.value_or(
-        RobustScale(Eigen::Map<const Eigen::VectorXd>(near.data(), static_cast<Eigen::Index>(near.size()))));
-    const double limit = std::max(kOutlierInScales * scale, options.tolerance.value_or(0));
-    const PointMask close = found.distances.array().abs() <= limit;
-    // With a tolerance, refinement may still bring points in: only neighbours' witness counts.
-    const PointMask now = robust && !options.tolerance ? close : (prepared.used || close).eval();
     if ((now == prepared.used).all()) break;
     prepared.used = now;
   }
@@ -335,7 +397,7 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   }
   report.seconds.solve = watch.Lap();
 
-  report.termination = options.control_points ? Termination::kStalled : Termination::kNoiseReached;
+  report.termination = Termination::kNoiseReached;
   std::optional<NurbsSurface> surface;
   Eigen::Matrix2Xd parameters;
   double empty_share = 0;
@@ -414,6 +476,10 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.error_all = Summarise(fit.residuals, options.tolerance);
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
+  if (!options.tolerance && options.control_points && report.termination != Termination::kCancelled &&
+      report.error.rms > kExcessToOptimise * prepared.statistics.noise) {
+    report.termination = Termination::kMaxControlPoints;
+  }
   if (options.tolerance && report.termination != Termination::kCancelled) {
     if (report.error.out_of_tolerance == 0) {
       report.termination = Termination::kToleranceReached;

@@ -119,23 +119,26 @@ Eigen::Matrix3d FrameOf(const Eigen::Vector3d& normal) {
   return axes;
 }
 
-// The share of places, 2.5 spacings wide, whose points lie in layers: a gap in height that no slope
-// explains parts them, with several points on either side.
+// The share of places, 4 spacings wide, whose points lie in layers: a gap in height that no slope
+// explains, with a good part of the points on either side.
 double OverlapShare(const Eigen::Matrix3Xd& local, double spacing, double steepest_tangent) {
-  const double cell = 2.5 * spacing;
+  constexpr double kPlaceInSpacings = 4;
+  constexpr double kLayerShare = 0.3;
+  const double cell = kPlaceInSpacings * spacing;
   std::map<std::pair<long, long>, std::vector<double>> heights;
   for (Eigen::Index k = 0; k < local.cols(); ++k) {
     heights[{std::lround(std::floor(local(0, k) / cell)), std::lround(std::floor(local(1, k) / cell))}]
         .push_back(local(2, k));
   }
-  const double gap = 2 * cell * std::max(1.0, steepest_tangent);
+  const double gap = 1.5 * cell * std::max(1.0, steepest_tangent);
   size_t places = 0, layered = 0;
   for (auto& [place, h] : heights) {
     if (h.size() < 4) continue;
     ++places;
     std::sort(h.begin(), h.end());
-    for (size_t k = 1; k + 1 < h.size() - 1; ++k) {
-      if (h[k + 1] - h[k] > gap) {
+    const auto layer = std::max<size_t>(2, static_cast<size_t>(kLayerShare * static_cast<double>(h.size())));
+    for (size_t k = layer; k + layer <= h.size(); ++k) {
+      if (h[k] - h[k - 1] > gap) {
         ++layered;
         break;
       }

@@ -2,6 +2,7 @@
 #include "batten/geometry/nurbs_surface.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -131,10 +132,12 @@ SurfaceDerivatives NurbsSurface::Derivatives(double u, double v, int order) cons
   return SurfaceDerivatives(order, std::move(A));
 }
 
+// At a collapsed edge one tangent is the rounding of |point| times the derivatives of the basis, of
+// which the mixed derivative, divided by the other tangent, has the size.
 std::optional<Eigen::Vector3d> UnitNormal(const SurfaceJet& jet) {
   const Eigen::Vector3d n = jet.du.cross(jet.dv);
   const double length = n.norm();
-  const double scale = jet.du.norm() * jet.dv.norm();
+  const double scale = std::max(jet.du.norm() * jet.dv.norm(), jet.point.norm() * jet.duv.norm());
   if (!(length > 64 * std::numeric_limits<double>::epsilon() * scale) || !(length > 0)) {
     return std::nullopt;
   }

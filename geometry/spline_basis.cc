@@ -13,13 +13,17 @@ namespace {
   throw std::invalid_argument("SplineBasis: " + rule);
 }
 
+void CheckDegree(int degree) {
+  if (degree < 1 || degree > kMaxDegree) {
+    Reject("degree " + std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
+  }
+}
+
 }  // namespace
 
 SplineBasis::SplineBasis(int degree, std::vector<double> knots)
     : degree_(degree), knots_(std::move(knots)) {
-  if (degree_ < 1 || degree_ > kMaxDegree) {
-    Reject("degree " + std::to_string(degree_) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
-  }
+  CheckDegree(degree_);
   const int count = static_cast<int>(knots_.size());
   if (count < 2 * (degree_ + 1)) {
     Reject(std::to_string(count) + " knots are too few for degree " + std::to_string(degree_) +
@@ -48,6 +52,7 @@ SplineBasis::SplineBasis(int degree, std::vector<double> knots)
 }
 
 SplineBasis SplineBasis::Clamped(int degree, std::span<const double> breaks) {
+  CheckDegree(degree);
   if (breaks.size() < 2) Reject("at least two breaks are needed");
   std::vector<double> knots(degree + 1, breaks.front());
   knots.insert(knots.end(), breaks.begin() + 1, breaks.end() - 1);
@@ -56,6 +61,7 @@ SplineBasis SplineBasis::Clamped(int degree, std::span<const double> breaks) {
 }
 
 SplineBasis SplineBasis::Uniform(int degree, int size, double lower, double upper) {
+  CheckDegree(degree);
   if (size <= degree) {
     Reject(std::to_string(size) + " functions are too few for degree " + std::to_string(degree));
   }

@@ -57,18 +57,28 @@ void WriteAll(int descriptor, std::string_view text, const std::string& target) 
 AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   if (target_ == "-") return;
   std::error_code ignored;
-  if (std::filesystem::is_directory(target_, ignored)) {
-    throw WriteError(target_, "is a directory, not a file to write");
+  const auto status = std::filesystem::status(target_, ignored);
+  if (std::filesystem::is_directory(status)) throw WriteError(target_, "is a directory, not a file to write");
+  if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0) throw Failure(errno);
+  // Devices and pipes are written, not replaced.
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) throw Failure(errno);
+    return;
   }
+  // A link stays, and what it points to is replaced.
+  std::filesystem::path path(target_);
+  if (std::filesystem::is_symlink(path, ignored) && std::filesystem::exists(status)) {
+    path = std::filesystem::canonical(path);
+  }
+  replaced_ = path.string();
   // Beside the target, so that the rename stays on one file system; the ending stays the target's,
   // because libraries choose by it.
-  const std::filesystem::path path(target_);
   temporary_ = (path.parent_path() / (".batten-XXXXXX" + path.extension().string())).string();
   descriptor_ = ::mkostemps(temporary_.data(), static_cast<int>(path.extension().string().size()), O_CLOEXEC);
   if (descriptor_ < 0) {
-    const int reason = errno;
     temporary_.clear();
-    throw WriteError(target_, std::string("can't be written: ") + std::strerror(reason));
+    throw Failure(errno);
   }
   Enter(temporary_);
 }
@@ -85,6 +95,10 @@ void AtomicFile::RemoveTemporaries() {
   for (const std::string& path : OpenFiles().paths) ::unlink(path.c_str());
 }
 
+WriteError AtomicFile::Failure(int reason) const {
+  return WriteError(target_, std::string("can't be written: ") + std::strerror(reason));
+}
+
 void AtomicFile::Flush() {
   WriteAll(descriptor_, buffer_, target_);
   buffer_.clear();
@@ -92,7 +106,7 @@ void AtomicFile::Flush() {
 
 void AtomicFile::Write(std::string_view text) {
   buffer_.append(text);
-  if (descriptor_ >= 0 && buffer_.size() >= kBufferBytes) Flush();
+  if (!temporary_.empty() && buffer_.size() >= kBufferBytes) Flush();
 }
 
 void AtomicFile::Commit() {
@@ -102,16 +116,16 @@ void AtomicFile::Commit() {
     return;
   }
   Flush();
+  if (temporary_.empty()) {
+    if (::close(std::exchange(descriptor_, -1)) != 0) throw Failure(errno);
+    return;
+  }
   // mkostemps makes files private; give the mode that an ordinary new file would have.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(descriptor_, 0666 & ~mask);
-  if (::close(std::exchange(descriptor_, -1)) != 0) {
-    throw WriteError(target_, std::string("can't be written: ") + std::strerror(errno));
-  }
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
-    throw WriteError(target_, std::string("can't be written: ") + std::strerror(errno));
-  }
+  if (::close(std::exchange(descriptor_, -1)) != 0) throw Failure(errno);
+  if (::rename(temporary_.c_str(), replaced_.c_str()) != 0) throw Failure(errno);
   Leave(temporary_);
   temporary_.clear();
 }

@@ -5,11 +5,14 @@
 #include <string>
 #include <string_view>
 
+#include "batten/io/read_error.h"
+
 namespace batten {
 
 // A file written under a temporary name beside its target and renamed on Commit(). Destroyed without
 // Commit(), it leaves nothing behind and the old target untouched. The target "-" is standard output,
-// written at once on Commit(). Throws WriteError naming the target.
+// written at once on Commit(); so are devices and pipes, which are never replaced. A symbolic link stays
+// and its file is replaced. Throws WriteError naming the target.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string target);
@@ -17,7 +20,8 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  // Where a library that wants a path may write before Commit(). The file exists and is empty.
+  // Where a library that wants a path may write before Commit(). The file exists and is empty; no name
+  // where the target is standard output, a device or a pipe.
   const std::string& temporary_path() const { return temporary_; }
 
   // Appends to the file; buffered.
@@ -31,7 +35,9 @@ class AtomicFile {
 
  private:
   void Flush();
+  WriteError Failure(int reason) const;
   std::string target_, temporary_, buffer_;
+  std::string replaced_;  // what the temporary file is renamed to: the target or what it links to
   int descriptor_ = -1;
 };
 

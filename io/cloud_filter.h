@@ -16,8 +16,9 @@
 
 namespace batten {
 
-// Coordinates above this make differences and squares overflow; they are refused.
-inline constexpr double kLargestCoordinate = 1e150;
+// Coordinates above this are refused: squares of their differences overflow in the single precision of
+// neighbour queries.
+inline constexpr double kLargestCoordinate = 1e18;
 
 // Points in pieces: a file of unknown length needs no copy to grow, and joining frees piece by
 // piece, so that the points are never in memory twice. Attributes are empty or have as many columns

@@ -54,7 +54,7 @@ struct CloudFile {
 //
 // Memory grows with the points that have been read, never with what a header promises.
 //
-// Throws ReadError where a file can't be used, a coordinate is beyond 1e150, a weight is not
+// Throws ReadError where a file can't be used, a coordinate is beyond 1e18, a weight is not
 // positive, or no point is left; UsageError where the options ask for a column or format that is
 // not there.
 CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options = {});
