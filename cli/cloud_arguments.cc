@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "batten/cli/cloud_arguments.h"
 
+#include <CLI/StringTools.hpp>
+#include <algorithm>
+#include <iterator>
 #include <sstream>
 
+#include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
 namespace {
+
+constexpr const char* kGeometryWords[] = {"json", "step", "stp", "iges", "igs"};
 
 std::pair<std::string, std::string> SplitAssignment(const std::string& flag, const std::string& text) {
   const size_t sign = text.find('=');
@@ -33,17 +39,24 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       ->type_name("FORMAT");
 }
 
+bool NamesGeometry(const std::string& word) {
+  return std::any_of(std::begin(kGeometryWords), std::end(kGeometryWords),
+                     [&](const char* known) { return CLI::detail::to_lower(word) == known; });
+}
+
 CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
   CloudReadOptions options;
   options.format = arguments.format;
   std::stringstream columns(arguments.columns);
   for (std::string entry; std::getline(columns, entry, ',');) {
     const auto [role, column] = SplitAssignment("--columns", entry);
-    options.columns[role] = column;
+    if (!options.columns.emplace(role, column).second) {
+      throw UsageError("--columns: '" + arguments.columns + "' gives " + role + " twice");
+    }
   }
   for (const std::string& text : arguments.where) {
     const auto [column, value] = SplitAssignment("--where", text);
-    options.where.push_back({column, ParseNumbers("--where", value).at(0)});
+    options.where.push_back({column, ParseNumber("--where " + column, value)});
   }
   if (!arguments.box.empty()) {
     const std::vector<double> numbers = ParseNumbers("--box", arguments.box);
@@ -52,7 +65,7 @@ CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
                        std::to_string(numbers.size()));
     }
     for (int d = 0; d < 3; ++d) {
-      if (numbers[d] > numbers[d + 3]) throw UsageError("--box: a minimum exceeds its maximum");
+      if (numbers[d] > numbers[d + 3]) throw UsageError("--box: '" + arguments.box + "': a minimum exceeds its maximum");
     }
     options.box = Eigen::AlignedBox3d(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]),
                                       Eigen::Vector3d(numbers[3], numbers[4], numbers[5]));

@@ -17,6 +17,9 @@ struct CloudArguments {
 };
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
 
+// Whether a format word is one of geometry: it then belongs to the geometry of a command that takes both.
+bool NamesGeometry(const std::string& word);
+
 // Throws UsageError naming the flag and what is wrong with its value.
 CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet);
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // batten compare: how far points are from a geometry.
+#include <fmt/format.h>
+
 #include <memory>
 #include <type_traits>
 
 #include "batten/cli/cloud_arguments.h"
+#include "batten/cli/describe_geometry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/cloud_statistics.h"
@@ -21,7 +25,7 @@ struct Arguments {
   OutputArguments output;
   CommonFlags flags;
   WorkFlags work;
-  double tolerance = 0;
+  std::optional<double> tolerance;
 };
 
 // The same shape with its control points moved.
@@ -38,23 +42,32 @@ void Describe(const Curve& curve, GeometrySummary& summary) {
   summary.degree = {curve.basis().degree()};
   summary.control_points = {curve.basis().size()};
   summary.rational = curve.rational();
-  summary.closed = {false};
+  summary.closed = ClosedDirections(curve);
 }
 void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
   summary.kind = "surface";
   summary.degree = {surface.basis_u().degree(), surface.basis_v().degree()};
   summary.control_points = {surface.size_u(), surface.size_v()};
   summary.rational = surface.rational();
-  summary.closed = {false, false};
+  summary.closed = ClosedDirections(surface);
 }
 
-int Run(const Arguments& a, bool has_tolerance) {
+std::string ResultLine(const Arguments& a, const ErrorSummary& error) {
+  std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points", a.cloud_path,
+                                 a.geometry, error.rms, error.mean, error.max, error.points);
+  if (error.tolerance) line += fmt::format("; {} out of tolerance {:.4g}", error.out_of_tolerance, *error.tolerance);
+  return line;
+}
+
+int Run(const Arguments& a) {
   const auto start = std::chrono::steady_clock::now();
   CheckOutputArguments(a.output);
-  if (has_tolerance && !(a.tolerance > 0)) throw UsageError("--tolerance must be positive");
+  std::vector<std::string> outputs = a.output.reports;
+  outputs.push_back(a.output.residuals);
+  CheckDistinct(outputs, a.flags.json);
   CheckWritable(a.output.residuals);
   for (const std::string& path : a.output.reports) CheckWritable(path);
-  const bool word_is_geometry = a.cloud.format == "json" || a.cloud.format == "step";
+  const bool word_is_geometry = NamesGeometry(a.cloud.format);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
@@ -111,18 +124,18 @@ int Run(const Arguments& a, bool has_tolerance) {
     report.warnings.push_back(a.geometry + " holds " + std::to_string(geometry.size()) +
                               " geometries: distances are to the nearest, the summary describes the first");
   }
-  const std::optional<double> tolerance = has_tolerance ? std::optional(a.tolerance) : std::nullopt;
-  report.error = report.error_all = Summarise(nearest.distances, tolerance);
+  report.error = report.error_all = Summarise(nearest.distances, a.tolerance);
   report.optimize.why = "a comparison fits nothing";
-  report.termination = has_tolerance && report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
+  report.termination = a.tolerance && report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
                                                                           : Termination::kStalled;
   const auto write_start = std::chrono::steady_clock::now();
-  WriteResiduals(a.output.residuals, cloud, nearest.distances, nearest.parameters,
+  const auto residuals = WriteResiduals(a.output.residuals, cloud, nearest.distances, nearest.parameters,
                  Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(cloud.size(), false));
+  if (residuals) residuals->Commit();
   const auto end = std::chrono::steady_clock::now();
   report.seconds.write = std::chrono::duration<double>(end - write_start).count();
   report.seconds.total = std::chrono::duration<double>(end - start).count();
-  WriteReports(report, {a.output, a.flags, a.geometry, Eigen::Vector3d::Zero()});
+  WriteReports(report, {a.output, a.flags, a.geometry, ResultLine(a, report.error)});
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
@@ -133,8 +146,12 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   CLI::App& command = *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
   command.add_option("CLOUD", a->cloud_path, "Points: .pcd .ply .xyz ...")->required();
-  CLI::Option* tolerance =
-      command.add_option("--tolerance", a->tolerance, "Exit code 3 when a point is farther than this [none]");
+  command
+      .add_option_function<std::string>(
+          "--tolerance",
+          [a](const std::string& text) { a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive); },
+          "Exit code 3 when a point is farther than this [none]")
+      ->type_name("T");
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
   AddWorkFlags(command, a->work);
@@ -143,9 +160,7 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply");
-  command.callback([a, tolerance, &action] {
-    action = [a, given = tolerance->count() > 0] { return Run(*a, given); };
-  });
+  command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 
 }  // namespace batten

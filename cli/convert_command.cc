@@ -23,35 +23,58 @@ struct Arguments {
   CommonFlags flags;
 };
 
+// Whether a file's own name says what format it has.
+bool NameTells(const std::string& path) {
+  try {
+    FormatOf(path);
+    return true;
+  } catch (const UsageError&) {
+    return false;
+  }
+}
+
+// The format words of IN and OUT. --format is for the file whose name does not tell, IN first.
+std::pair<std::string, std::string> FormatWords(const Arguments& a) {
+  const std::string& word = a.cloud.format;
+  if (!a.out_format.empty()) return {word, a.out_format};
+  if (NameTells(a.out)) return {word, ""};
+  return {NameTells(a.in) ? "" : word, word};
+}
+
 int Run(const Arguments& a) {
-  const FileFormat from = FormatOf(a.in, a.cloud.format);
-  const std::string out_format = !a.out_format.empty() ? a.out_format : a.out == "-" ? a.cloud.format : "";
-  const FileFormat to = FormatOf(a.out, out_format);
-  if (IsCloudFormat(from) != IsCloudFormat(to)) {
-    throw UsageError(IsCloudFormat(from)
-                         ? a.in + " is a cloud and " + a.out + " geometry: 'batten fit' makes one from the other"
-                         : a.in + " is geometry and " + a.out + " a cloud: 'batten sample' makes one from the other");
+  CheckUnit(a.unit);
+  if (a.flags.json && a.out == "-") throw UsageError("OUT of - and --json both want standard output");
+  const auto [in_format, out_format] = FormatWords(a);
+  const FileFormat from = FormatOf(a.in, in_format), to = FormatOf(a.out, out_format);
+  if (IsCloudFormat(from) && !IsCloudFormat(to)) {
+    throw UsageError(a.in + " is a cloud and " + a.out + " geometry: 'batten fit' makes one from the other");
+  }
+  if (IsCloudFormat(to) && !IsCloudFormat(from)) {
+    throw UsageError(a.in + " is geometry: meshes of it are not in this version ('batten sample' makes points of it)");
   }
   if (!IsWritable(to)) throw UsageError(a.out + ": this format can't be written");
   CheckWritable(a.out);
   nlohmann::ordered_json entry{{"path", a.out}};
   if (IsCloudFormat(from)) {
-    const CloudFile file = ReadCloud({a.in}, ToReadOptions(a.cloud, a.flags.quiet));
+    CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
+    read.format = in_format;
+    const CloudFile file = ReadCloud({a.in}, read);
     WriteCloud(file.cloud, a.out, out_format);
     entry["kind"] = "cloud";
     entry["points"] = file.cloud.size();
     entry["non_finite"] = file.non_finite;
   } else {
-    const std::vector<Geometry> geometry = ReadGeometry(a.in, {a.cloud.format});
+    const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
     WriteGeometry(geometry, a.out, {out_format, a.unit});
     entry["kind"] = std::holds_alternative<NurbsSurface>(geometry.front()) ? "surface" : "curve";
     entry["count"] = geometry.size();
   }
   ClearProgress();
   if (a.flags.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"files", {entry}}}.dump(2));
+    PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}: {}\n", a.out, entry["kind"].get<std::string>());
+    fmt::print("{}: {}{}\n", a.out, entry["kind"].get<std::string>(),
+               entry.contains("points") ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>()) : "");
   }
   return kDone;
 }
@@ -63,7 +86,8 @@ void AddConvertCommand(CLI::App& app, Action& action) {
   CLI::App& command = *app.add_subcommand("convert", "Turn geometry into geometry, or a cloud into a cloud");
   command.add_option("IN", a->in, "What to read: .json .step, or .pcd .ply .xyz ...")->required();
   command.add_option("OUT", a->out, "What to write: .json .step, or .ply .pcd .xyz .csv")->required();
-  command.add_option("--output-format", a->out_format, "Format of OUT where its name does not tell");
+  command.add_option("--output-format", a->out_format, "Format of OUT where its name does not tell and --format is IN's")
+      ->type_name("FORMAT");
   command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")->capture_default_str()->type_name("UNIT");
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
@@ -71,6 +95,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten convert part.json part.step --unit mm\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
+      "  batten convert part.step - --format json\n"
       "  batten convert ground.txt ground.csv --columns x=2,y=3,z=4 --where label=1");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }

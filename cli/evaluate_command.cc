@@ -2,15 +2,19 @@
 // batten evaluate: points, derivatives, normals and curvature at parameters.
 #include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 
+#include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/geometry/curvature.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "batten/io/whole_file.h"
 
 namespace batten {
 namespace {
@@ -31,15 +35,33 @@ Json ToJson(const Vector& v) {
   return array;
 }
 
-void RequireInside(const SplineBasis& basis, double parameter, const char* name) {
+// Parameters asked for, and where: "--at" or a line of a file.
+struct Request {
+  std::vector<double> at;
+  std::string file;
+  std::int64_t line = 0;
+
+  // A flag's value is usage, a file's line is input.
+  [[noreturn]] void Refuse(const std::string& reason) const {
+    if (line > 0) throw ReadError::AtLine(file, line, reason);
+    throw UsageError("--at: " + reason);
+  }
+};
+
+void RequireCount(const Request& request, size_t count, const char* rule) {
+  if (request.at.size() != count) request.Refuse(fmt::format("{}, not {}", rule, request.at.size()));
+}
+
+void RequireInside(const Request& request, const SplineBasis& basis, double parameter, const char* name) {
   if (parameter >= basis.lower() && parameter <= basis.upper()) return;
-  throw UsageError(fmt::format("--at: {} = {} is outside the domain [{}, {}]", name, parameter, basis.lower(), basis.upper()));
+  request.Refuse(fmt::format("{} = {} is outside the domain [{}, {}]", name, parameter, basis.lower(), basis.upper()));
 }
 
 template <int Dim>
-Json Evaluate(const NurbsCurve<Dim>& curve, const std::vector<double>& at, int order) {
-  if (at.size() != 1) throw UsageError("--at: a curve has one parameter, not " + std::to_string(at.size()));
-  RequireInside(curve.basis(), at[0], "u");
+Json Evaluate(const NurbsCurve<Dim>& curve, const Request& request, int order) {
+  RequireCount(request, 1, "a curve has one parameter u");
+  const std::vector<double>& at = request.at;
+  RequireInside(request, curve.basis(), at[0], "u");
   const auto derivatives = curve.Derivatives(at[0], std::max(order, 3));
   Json result{{"at", at}, {"point", ToJson(derivatives.col(0))}, {"derivatives", Json::array()}};
   for (int k = 0; k <= order; ++k) result["derivatives"].push_back(ToJson(derivatives.col(k)));
@@ -53,10 +75,11 @@ Json Evaluate(const NurbsCurve<Dim>& curve, const std::vector<double>& at, int o
   return result;
 }
 
-Json Evaluate(const NurbsSurface& surface, const std::vector<double>& at, int order) {
-  if (at.size() != 2) throw UsageError("--at: a surface has two parameters u,v, not " + std::to_string(at.size()));
-  RequireInside(surface.basis_u(), at[0], "u");
-  RequireInside(surface.basis_v(), at[1], "v");
+Json Evaluate(const NurbsSurface& surface, const Request& request, int order) {
+  RequireCount(request, 2, "a surface has two parameters u,v");
+  const std::vector<double>& at = request.at;
+  RequireInside(request, surface.basis_u(), at[0], "u");
+  RequireInside(request, surface.basis_v(), at[1], "v");
   const SurfaceDerivatives derivatives = surface.Derivatives(at[0], at[1], order);
   Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}, {"derivatives", Json::array()}};
   for (int k = 0; k <= order; ++k) {
@@ -78,26 +101,34 @@ Json Evaluate(const NurbsSurface& surface, const std::vector<double>& at, int or
   return result;
 }
 
-std::vector<std::vector<double>> Parameters(const Arguments& a) {
-  std::vector<std::vector<double>> parameters;
-  for (const std::string& text : a.at) parameters.push_back(ParseNumbers("--at", text));
-  if (!a.at_file.empty()) {
-    std::ifstream file(a.at_file);
-    if (!file) throw ReadError(a.at_file, "can't be opened");
-    std::string line;
-    for (std::int64_t number = 1; std::getline(file, line); ++number) {
-      if (!line.empty() && line.back() == '\r') line.pop_back();
-      if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
-      try {
-        parameters.push_back(ParseNumbers("--at-file", line));
-      } catch (const UsageError& error) {
-        if (number == 1) continue;  // a header of names
-        throw ReadError::AtLine(a.at_file, number, error.what());
-      }
+// Rows of one or two numbers, separated by commas, semicolons or blanks; # comments; a header of names.
+void ReadRequests(const std::string& path, std::vector<Request>& requests) {
+  std::istringstream rows(ReadWholeFile(path));
+  const size_t before = requests.size();
+  std::string row;
+  for (std::int64_t line = 1; std::getline(rows, row); ++line) {
+    row.erase(std::min(row.find('#'), row.size()));
+    std::replace_if(row.begin(), row.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+    std::string numbers;
+    std::istringstream words(row);
+    for (std::string word; words >> word;) numbers += (numbers.empty() ? "" : ",") + word;
+    if (numbers.empty()) continue;
+    try {
+      requests.push_back({ParseNumbers("parameters", numbers), path, line});
+    } catch (const UsageError&) {
+      if (requests.size() == before && std::isalpha(static_cast<unsigned char>(numbers[0]))) continue;  // names
+      throw ReadError::AtLine(path, line, "parameters u[,v] expected");
     }
   }
-  if (parameters.empty()) throw UsageError("evaluate needs parameters: --at u[,v] or --at-file F.csv");
-  return parameters;
+  if (requests.size() == before) throw ReadError(path, "holds no parameters");
+}
+
+std::vector<Request> Requests(const Arguments& a) {
+  std::vector<Request> requests;
+  for (const std::string& text : a.at) requests.push_back({ParseNumbers("--at", text), "", 0});
+  if (!a.at_file.empty()) ReadRequests(a.at_file, requests);
+  if (requests.empty()) throw UsageError("evaluate needs parameters: --at u[,v] or --at-file F.csv");
+  return requests;
 }
 
 void Print(const Json& value, const std::string& indent) {
@@ -112,16 +143,12 @@ void Print(const Json& value, const std::string& indent) {
 }
 
 int Run(const Arguments& a) {
-  constexpr int kMostDerivatives = 50;
-  if (a.derivatives < 0 || a.derivatives > kMostDerivatives) {
-    throw UsageError(fmt::format("--derivatives: {} is not from 0 to {}", a.derivatives, kMostDerivatives));
-  }
-  const std::vector<std::vector<double>> parameters = Parameters(a);
+  const std::vector<Request> requests = Requests(a);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
   Json results = Json::array();
   for (size_t g = 0; g < geometry.size(); ++g) {
-    for (const std::vector<double>& at : parameters) {
-      Json one = std::visit([&](const auto& shape) { return Evaluate(shape, at, a.derivatives); }, geometry[g]);
+    for (const Request& request : requests) {
+      Json one = std::visit([&](const auto& shape) { return Evaluate(shape, request, a.derivatives); }, geometry[g]);
       if (geometry.size() > 1) one["index"] = g;
       results.push_back(std::move(one));
     }
@@ -141,8 +168,16 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   CLI::App& command = *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
   command.add_option("--at", a->at, "Parameters u or u,v; may be given again")->type_name("u[,v]");
-  command.add_option("--at-file", a->at_file, "Parameters, a row each")->type_name("F.csv");
-  command.add_option("--derivatives", a->derivatives, "Derivatives up to this order; from 2 on curvature too")->capture_default_str()
+  command.add_option("--at-file", a->at_file, "Parameters, a row each; - is standard input")->type_name("F.csv");
+  constexpr int kMostDerivatives = 50;
+  command
+      .add_option_function<std::string>(
+          "--derivatives",
+          [a](const std::string& text) {
+            a->derivatives = static_cast<int>(ParseWhole("--derivatives", text, 0, kMostDerivatives));
+          },
+          "Derivatives up to this order; from 2 on curvature too")
+      ->default_str("0")
       ->type_name("K");
   command.add_option("--format", a->format, "Format of '-' or of a file whose name does not tell: json step")
       ->type_name("FORMAT");

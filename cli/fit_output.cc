@@ -8,7 +8,10 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
 
+#include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
@@ -39,6 +42,7 @@ void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
 }
 
 void CheckOutputArguments(const OutputArguments& arguments) {
+  CheckUnit(arguments.unit);
   for (const std::string& path : arguments.reports) {
     const std::string extension = Extension(path);
     if (extension == ".html") throw UsageError("--report " + path + ": HTML reports are not in this version; write .json");
@@ -54,6 +58,25 @@ void CheckOutputArguments(const OutputArguments& arguments) {
 
 void CheckWritable(const std::string& path) {
   if (!path.empty()) AtomicFile{path};
+}
+
+void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
+  std::set<std::string> seen;
+  for (const std::string& path : outputs) {
+    if (path.empty()) continue;
+    if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
+    const std::string name = path == "-" ? path : std::filesystem::path(path).lexically_normal().string();
+    if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
+  }
+}
+
+void CheckUnit(const std::string& unit) {
+  CheckChoice("--unit", unit, {"mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"});
+}
+
+void PrintFiles(const nlohmann::ordered_json& entry) {
+  const nlohmann::ordered_json list{{"files", nlohmann::ordered_json::array({entry})}};
+  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 std::int64_t PeakMemory() {
@@ -81,19 +104,19 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   }
   if (target.flags.json) {
     std::fputs(ToReportJson(report, context).c_str(), stdout);
-  } else if (!target.flags.quiet && target.geometry_file != "-") {
-    fmt::print("{}: {}\n", target.geometry_file, report.OneLine());
+  } else if (!target.flags.quiet && !target.result_line.empty()) {
+    fmt::print("{}\n", target.result_line);
   }
-  std::fflush(stdout);
 }
 
-void WriteResiduals(const std::string& path,
+std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
                     const PointCloud& cloud,
                     const Eigen::VectorXd& distances,
                     const Eigen::MatrixXd& parameters,
                     const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers) {
-  if (path.empty()) return;
-  AtomicFile file(path);
+  if (path.empty()) return nullptr;
+  auto target = std::make_unique<AtomicFile>(path);
+  AtomicFile& file = *target;
   const bool has_v = parameters.rows() > 1;
   std::string row;
   if (Extension(path) == ".csv") {
@@ -123,7 +146,7 @@ void WriteResiduals(const std::string& path,
       file.Write(row);
     }
   }
-  file.Commit();
+  return target;
 }
 
 }  // namespace batten

@@ -4,12 +4,15 @@
 
 #include <CLI/App.hpp>
 #include <chrono>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "batten/cli/program.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/io/atomic_file.h"
 
 namespace batten {
 
@@ -27,6 +30,15 @@ void CheckOutputArguments(const OutputArguments& arguments);
 // WriteError.
 void CheckWritable(const std::string& path);
 
+// Refuses a file name given for two outputs, or standard output wanted by two. Throws UsageError.
+void CheckDistinct(const std::vector<std::string>& outputs, bool json);
+
+// Refuses what no STEP file can declare. Throws UsageError.
+void CheckUnit(const std::string& unit);
+
+// {"files": [entry]}
+void PrintFiles(const nlohmann::ordered_json& entry);
+
 // Resident memory at its highest, in bytes.
 std::int64_t PeakMemory();
 
@@ -34,6 +46,7 @@ struct ReportTarget {
   const OutputArguments& arguments;
   const CommonFlags& flags;
   std::string geometry_file;
+  std::string result_line;  // for standard output; empty where that carries the data
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
 
@@ -41,8 +54,8 @@ struct ReportTarget {
 void WriteReports(const FitReport& report, const ReportTarget& target);
 
 // Every point with its signed distance, foot parameters and whether it was set aside: PLY or CSV by the
-// extension.
-void WriteResiduals(const std::string& path,
+// extension. The file appears on Commit(); none without a path.
+std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
                     const PointCloud& cloud,
                     const Eigen::VectorXd& distances,
                     const Eigen::MatrixXd& parameters,

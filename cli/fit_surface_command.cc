@@ -4,6 +4,7 @@
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/fit_surface.h"
@@ -21,32 +22,23 @@ struct Arguments {
   OutputArguments output;
   CommonFlags flags;
   WorkFlags work;
-  double tolerance = 0;
-  std::string degree = "3,3", control_points, smoothing = "auto", loss = "auto", loss_scale = "auto";
+  std::optional<double> tolerance;
+  std::string out_format;
+  std::string degree = "3,3", control_points = "chosen", smoothing = "auto", loss = "auto", loss_scale = "auto";
   std::string optimize = "auto", origin = "keep";
   std::string base = "auto", closed = "auto", parameterization = "auto", trim = "none", normals = "auto";
-  int max_control_points = 20000;
+  std::string max_control_points = "20000";
   bool keep_outliers = false;
 };
 
 [[noreturn]] void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
-
-double Positive(const std::string& flag, const std::string& text, bool zero_allowed) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  if (numbers.size() != 1 || numbers[0] < 0 || (!zero_allowed && numbers[0] == 0)) {
-    throw UsageError(flag + ": '" + text + "' is not a " +
-                     (zero_allowed ? "number of 0 or more" : "positive number"));
-  }
-  return numbers[0];
-}
 
 std::optional<Loss> ToLoss(const std::string& word) {
   if (word == "auto") return std::nullopt;
   if (word == "none") return Loss::kNone;
   if (word == "huber") return Loss::kHuber;
   if (word == "cauchy") return Loss::kCauchy;
-  if (word == "tukey") return Loss::kTukey;
-  throw UsageError("--loss: '" + word + "' is not one of auto none huber cauchy tukey");
+  return Loss::kTukey;
 }
 
 OptimizeMode ToOptimize(const std::string& words) {
@@ -65,37 +57,43 @@ OptimizeMode ToOptimize(const std::string& words) {
 
 // Words of the contract that a later version will understand are told apart from mistakes.
 void CheckChoices(const Arguments& a) {
-  const auto choice = [](const std::string& flag, const std::string& value,
-                         const std::vector<std::string>& now, const std::vector<std::string>& later) {
-    if (std::find(now.begin(), now.end(), value) != now.end()) return;
-    if (std::find(later.begin(), later.end(), value) != later.end()) NotYet(flag + " " + value);
-    std::string known;
-    for (const auto& list : {now, later}) {
-      for (const std::string& word : list) known += " " + word;
-    }
-    throw UsageError(flag + ": '" + value + "' is not one of" + known);
-  };
-  choice("--base", a.base, {"auto", "plane"}, {"sheet", "revolution", "sphere", "torus"});
-  choice("--closed", a.closed, {"auto", "none"}, {"u", "v", "uv"});
-  choice("--parameterization", a.parameterization, {"auto"}, {"given"});
-  choice("--trim", a.trim, {"none"}, {"auto"});
-  choice("--normals", a.normals, {"auto", "none"}, {"file"});
+  CheckChoice("--loss", a.loss, {"auto", "none", "huber", "cauchy", "tukey"});
+  CheckChoice("--base", a.base, {"auto", "plane"}, {"sheet", "revolution", "sphere", "torus"});
+  CheckChoice("--closed", a.closed, {"auto", "none"}, {"u", "v", "uv"});
+  CheckChoice("--parameterization", a.parameterization, {"auto"}, {"given"});
+  CheckChoice("--trim", a.trim, {"none"}, {"auto"});
+  CheckChoice("--normals", a.normals, {"auto", "none"}, {"file"});
 }
 
-SurfaceFitOptions ToOptions(const Arguments& a, bool has_tolerance) {
+double ToSmoothing(const std::string& text) {
+  constexpr double kMost = 1e12;  // beyond, the points drown in rounding
+  const double smoothing = ParseNumber("--smoothing", text, Sign::kNotNegative);
+  if (smoothing > kMost) throw UsageError("--smoothing: '" + text + "' is more than 1e12");
+  return smoothing;
+}
+
+SurfaceFitOptions ToOptions(const Arguments& a) {
   SurfaceFitOptions options;
-  std::tie(options.degree_u, options.degree_v) = ParsePair("--degree", a.degree);
-  if (has_tolerance) {
-    if (!(a.tolerance > 0)) throw UsageError("--tolerance must be positive");
-    options.tolerance = a.tolerance;
+  std::tie(options.degree_u, options.degree_v) = ParsePair("--degree", a.degree, 1, kMaxDegree);
+  options.tolerance = a.tolerance;
+  constexpr int kMostControlPoints = 1000000;  // in all
+  if (a.control_points != "chosen") {
+    const auto [n, m] = ParsePair("--control-points", a.control_points, 2, kMostControlPoints);
+    if (n <= options.degree_u || m <= options.degree_v) {
+      throw UsageError("--control-points: '" + a.control_points + "' must exceed the degree " +
+                       std::to_string(options.degree_u) + "," + std::to_string(options.degree_v));
+    }
+    if (std::int64_t{n} * m > kMostControlPoints) {
+      throw UsageError("--control-points: '" + a.control_points + "' is more than a million in all");
+    }
+    options.control_points = {n, m};
   }
-  if (!a.control_points.empty() && a.control_points != "chosen") {
-    options.control_points = ParsePair("--control-points", a.control_points);
-  }
-  options.max_control_points = a.max_control_points;
-  if (a.smoothing != "auto") options.smoothing = Positive("--smoothing", a.smoothing, true);
+  const int fewest = (options.degree_u + 1) * (options.degree_v + 1);
+  options.max_control_points =
+      static_cast<int>(ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  if (a.smoothing != "auto") options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
-  if (a.loss_scale != "auto") options.loss_scale = Positive("--loss-scale", a.loss_scale, false);
+  if (a.loss_scale != "auto") options.loss_scale = ParseNumber("--loss-scale", a.loss_scale, Sign::kPositive);
   options.optimize = ToOptimize(a.optimize);
   options.keep_outliers = a.keep_outliers;
   options.seed = a.work.seed;
@@ -109,13 +107,26 @@ SurfaceFitOptions ToOptions(const Arguments& a, bool has_tolerance) {
   return options;
 }
 
-// What is subtracted from the coordinates written.
-Eigen::Vector3d ToShift(const std::string& origin, const PointCloud& cloud) {
+// What is subtracted from the coordinates written; none says the cloud's own origin.
+std::optional<Eigen::Vector3d> ToShift(const std::string& origin) {
   if (origin == "keep") return Eigen::Vector3d::Zero();
-  if (origin == "local") return cloud.origin();
+  if (origin == "local") return std::nullopt;
+  if (origin.find_first_of("0123456789") == std::string::npos) {
+    CheckChoice("--origin", origin, {"keep", "local", "x,y,z"});
+  }
   const std::vector<double> numbers = ParseNumbers("--origin", origin);
   if (numbers.size() != 3) throw UsageError("--origin: '" + origin + "' is not keep, local or x,y,z");
-  return {numbers[0], numbers[1], numbers[2]};
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+// The library's reason why points can't be fitted, with the name of their file.
+SurfaceFit Fit(const PointCloud& cloud, const SurfaceFitOptions& options, const std::vector<std::string>& files) {
+  try {
+    return FitSurface(cloud, options);
+  } catch (const std::invalid_argument& error) {
+    const std::string first = files.front() == "-" ? "standard input" : files.front();
+    throw ReadError(first + (files.size() > 1 ? " and others" : ""), error.what());
+  }
 }
 
 // 500 m in the data's unit: CAD kernels lose digits beyond.
@@ -127,21 +138,25 @@ double FarAway(const std::string& unit) {
   return 500 * (found == kPerMetre.end() ? 1000 : found->second);
 }
 
-int Run(const Arguments& a, bool has_tolerance) {
+int Run(const Arguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const auto since = [](std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
   };
   CheckChoices(a);
   CheckOutputArguments(a.output);
-  SurfaceFitOptions options = ToOptions(a, has_tolerance);
+  SurfaceFitOptions options = ToOptions(a);
+  const std::optional<Eigen::Vector3d> shift = ToShift(a.origin);
   // A format word belongs to the file whose kind it names.
-  const bool word_is_geometry = a.cloud.format == "json" || a.cloud.format == "step";
-  const std::string out_format = word_is_geometry ? a.cloud.format : "";
-  const FileFormat format = FormatOf(a.out, out_format);
-  if (!IsGeometryFormat(format)) throw UsageError("-o " + a.out + ": a surface is written as .json or .step");
-  for (const std::string& path : {a.out, a.output.residuals}) CheckWritable(path);
-  for (const std::string& path : a.output.reports) CheckWritable(path);
+  const bool word_is_geometry = NamesGeometry(a.cloud.format);
+  const std::string out_format = a.out_format.empty() && word_is_geometry ? a.cloud.format : a.out_format;
+  if (!IsGeometryFormat(FormatOf(a.out, out_format))) {
+    throw UsageError("-o " + a.out + ": a surface is written as .json or .step");
+  }
+  std::vector<std::string> outputs = a.output.reports;
+  outputs.insert(outputs.end(), {a.out, a.output.residuals});
+  CheckDistinct(outputs, a.flags.json);
+  for (const std::string& path : outputs) CheckWritable(path);
 
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
@@ -151,8 +166,8 @@ int Run(const Arguments& a, bool has_tolerance) {
   }
   const double read_seconds = since(start);
 
-  options.shift = ToShift(a.origin, file.cloud);
-  SurfaceFit fit = FitSurface(file.cloud, options);
+  options.shift = shift.value_or(file.cloud.origin());
+  SurfaceFit fit = Fit(file.cloud, options, a.clouds);
   FitReport& report = fit.report;
   if (report.termination == Termination::kCancelled) throw Cancelled();
   report.input.files = a.clouds;
@@ -164,12 +179,15 @@ int Run(const Arguments& a, bool has_tolerance) {
                               "--origin local writes them near zero and reports the shift");
   }
   const auto write_start = std::chrono::steady_clock::now();
+  const auto residuals =
+      WriteResiduals(a.output.residuals, file.cloud, fit.residuals, fit.parameters, fit.outliers);
   WriteGeometry({fit.surface}, a.out, {out_format, a.output.unit});
-  WriteResiduals(a.output.residuals, file.cloud, fit.residuals, fit.parameters, fit.outliers);
+  if (residuals) residuals->Commit();
   report.seconds.read = read_seconds;
   report.seconds.write = since(write_start);
   report.seconds.total = since(start);
-  WriteReports(report, {a.output, a.flags, a.out, options.shift});
+  const std::string line = a.out == "-" ? "" : a.out + ": " + report.OneLine();
+  WriteReports(report, {a.output, a.flags, a.out, line, options.shift});
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
@@ -181,22 +199,41 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   command.add_option("CLOUD", a->clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
       ->required();
   command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")->required()->type_name("OUT");
-  CLI::Option* tolerance = command.add_option(
-      "--tolerance", a->tolerance, "Orthogonal distance every point must keep; refines where it is missed [none]");
-  command.add_option("--degree", a->degree, "Degree in u and v: P or P,Q")->capture_default_str();
-  command.add_option("--control-points", a->control_points, "Net of N,M control points [chosen by cross-validation]");
-  command.add_option("--max-control-points", a->max_control_points, "Never more control points than this")->capture_default_str();
-  command.add_option("--smoothing", a->smoothing, "Fairness relative to the data: auto (1e-4) or a number")->capture_default_str();
-  command.add_option("--loss", a->loss, "auto none huber cauchy tukey; auto is robust when outliers are found")->capture_default_str();
-  command.add_option("--loss-scale", a->loss_scale, "Standard deviation of good points: auto or a number")->capture_default_str();
-  command.add_option("--base", a->base, "Shape the parameters come from: auto plane")->capture_default_str();
-  command.add_option("--closed", a->closed, "Closed directions: auto none")->capture_default_str();
-  command.add_option("--parameterization", a->parameterization, "auto")->capture_default_str();
-  command.add_option("--optimize", a->optimize, "Joint stage by Ceres: auto none params")->capture_default_str();
-  command.add_option("--trim", a->trim, "none: the surface is the whole rectangle around the points")->capture_default_str();
-  command.add_option("--normals", a->normals, "auto none")->capture_default_str();
-  command.add_option("--origin", a->origin, "Subtracted from what is written: keep (nothing), local, or x,y,z")->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--tolerance",
+          [a](const std::string& text) { a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive); },
+          "Orthogonal distance every point must keep; refines where it is missed [none]")
+      ->type_name("T");
+  command.add_option("--degree", a->degree, "Degree in u and v: P or P,Q")
+      ->capture_default_str()->type_name("P[,Q]");
+  command.add_option("--control-points", a->control_points, "Net of N,M control points, or chosen by cross-validation")
+      ->capture_default_str()->type_name("N,M");
+  command.add_option("--max-control-points", a->max_control_points, "Never more control points than this")
+      ->capture_default_str()->type_name("K");
+  command.add_option("--smoothing", a->smoothing, "Fairness relative to the data: auto (1e-4) or a number")
+      ->capture_default_str()->type_name("L");
+  command.add_option("--loss", a->loss, "auto none huber cauchy tukey; auto is robust when outliers are found")
+      ->capture_default_str()->type_name("LOSS");
+  command.add_option("--loss-scale", a->loss_scale, "Standard deviation of good points: auto or a number")
+      ->capture_default_str()->type_name("S");
+  command.add_option("--base", a->base, "Shape the parameters come from: auto plane")
+      ->capture_default_str()->type_name("BASE");
+  command.add_option("--closed", a->closed, "Closed directions: auto none")
+      ->capture_default_str()->type_name("CLOSED");
+  command.add_option("--parameterization", a->parameterization, "auto")
+      ->capture_default_str()->type_name("FROM");
+  command.add_option("--optimize", a->optimize, "Joint stage by Ceres: auto none params")
+      ->capture_default_str()->type_name("MODE");
+  command.add_option("--trim", a->trim, "none: the surface is the whole rectangle around the points")
+      ->capture_default_str()->type_name("TRIM");
+  command.add_option("--normals", a->normals, "auto none")
+      ->capture_default_str()->type_name("FROM");
+  command.add_option("--origin", a->origin, "Subtracted from what is written: keep (nothing), local, or x,y,z")
+      ->capture_default_str()->type_name("ORIGIN");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
+  command.add_option("--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+      ->type_name("FORMAT");
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
   AddWorkFlags(command, a->work);
@@ -208,9 +245,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
       "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals off.csv\n"
       "Exit code 3 says the best surface is written but the tolerance is not reached.");
-  command.callback([a, tolerance, &action] {
-    action = [a, given = tolerance->count() > 0] { return Run(*a, given); };
-  });
+  command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batten/cli/cloud_arguments.h"
+#include "batten/cli/describe_geometry.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/cloud_statistics.h"
@@ -25,6 +26,11 @@ struct Arguments {
 };
 
 Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); }
+
+// Names in files need not be UTF-8; what is not becomes the replacement character.
+std::string Text(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
 Json CloudInfo(const Arguments& a) {
   const CloudFile file = ReadCloud({a.path}, ToReadOptions(a.cloud, a.flags.quiet));
@@ -76,33 +82,34 @@ Json BasisInfo(const std::vector<const SplineBasis*>& bases, Json info) {
   return info;
 }
 
+Json Measured(const ShapeMeasures& measures, int dimension, const char* size, Json info) {
+  const auto corner = [&](const Eigen::Vector3d& at) {
+    Json numbers = Json::array();
+    for (int d = 0; d < dimension; ++d) numbers.push_back(at[d]);
+    return numbers;
+  };
+  info["bounding_box"] = Json::array({corner(measures.box.min()), corner(measures.box.max())});
+  info[size] = measures.size;
+  info["curvature"] = nullptr;
+  if (measures.curvature_min <= measures.curvature_max) {
+    info["curvature"] = {{"min", measures.curvature_min}, {"max", measures.curvature_max}};
+  }
+  return info;
+}
+
 template <int Dim>
 Json GeometryInfo(const NurbsCurve<Dim>& curve) {
   Json info = BasisInfo({&curve.basis()}, {{"kind", "curve"}});
-  const auto& net = curve.control_points();
-  const double size = (net.rowwise().maxCoeff() - net.rowwise().minCoeff()).norm();
   info["rational"] = curve.rational();
-  info["closed"] = {(curve.At(curve.basis().lower()) - curve.At(curve.basis().upper())).norm() <= 1e-9 * size};
-  return info;
+  info["closed"] = ClosedDirections(curve);
+  return Measured(Measure(curve), Dim, "length", std::move(info));
 }
 
 Json GeometryInfo(const NurbsSurface& surface) {
   Json info = BasisInfo({&surface.basis_u(), &surface.basis_v()}, {{"kind", "surface"}});
   info["rational"] = surface.rational();
-  const SplineBasis &bu = surface.basis_u(), &bv = surface.basis_v();
-  const double size = (surface.control_points().rowwise().maxCoeff() -
-                       surface.control_points().rowwise().minCoeff()).norm();
-  // An edge that meets the opposite one wherever it is looked at.
-  double gap_u = 0, gap_v = 0;
-  constexpr int kLooks = 33;
-  for (int k = 0; k < kLooks; ++k) {
-    const double s = static_cast<double>(k) / (kLooks - 1);
-    const double u = bu.lower() + s * (bu.upper() - bu.lower()), v = bv.lower() + s * (bv.upper() - bv.lower());
-    gap_u = std::max(gap_u, (surface.At(bu.lower(), v) - surface.At(bu.upper(), v)).norm());
-    gap_v = std::max(gap_v, (surface.At(u, bv.lower()) - surface.At(u, bv.upper())).norm());
-  }
-  info["closed"] = {gap_u <= 1e-9 * size, gap_v <= 1e-9 * size};
-  return info;
+  info["closed"] = ClosedDirections(surface);
+  return Measured(Measure(surface), 3, "area", std::move(info));
 }
 
 int Run(const Arguments& a) {
@@ -123,11 +130,13 @@ int Run(const Arguments& a) {
   }
   ClearProgress();
   if (a.flags.json) {
-    fmt::print("{}\n", info.dump(2));
+    fmt::print("{}\n", Text(info, 2));
   } else if (!a.flags.quiet) {
     const Json list = info.contains("results") ? info["results"] : Json::array({info});
     for (const Json& one : list) {
-      for (const auto& [key, value] : one.items()) fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+      for (const auto& [key, value] : one.items()) {
+        fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : Text(value));
+      }
     }
   }
   return kDone;

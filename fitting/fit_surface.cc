@@ -26,10 +26,12 @@ namespace {
 constexpr double kSmoothing = 1e-4;
 constexpr double kOutlierShareForLoss = 2e-3;   // less is what the test for outliers flags on clean data
 constexpr double kOverlapToWarn = 0.02;
-constexpr double kOverlapToRefuse = 0.25;
+constexpr double kOverlapToRefuse = 0.15;
 constexpr double kOutlierInScales = 4.685;      // where Tukey's loss stops counting a point
 constexpr double kVoidShareToWarn = 0.05;
 constexpr int kOutlierPasses = 5;
+constexpr double kFewChanges = 0.01;
+constexpr int kLargeGrid = 1500;                // searching its size anew takes long
 constexpr double kStructureInSpacings = 4;      // what a surface may miss between points
 constexpr int kWitnesses = 8;                   // neighbours asked whether a point is alone
 constexpr int kWitnessesNeeded = 3;             // that are off as it is
@@ -37,7 +39,9 @@ constexpr double kAlike = 2;                    // within this factor of its dis
 constexpr double kFlatTail = 0.6;
 constexpr int kHuberRounds = 8, kTukeyRounds = 8;
 constexpr double kExcessToOptimise = 1.2;       // residual against noise
+constexpr double kExcessToSayNoise = 2;
 constexpr double kPointsPerFreedomToOptimise = 9;
+constexpr int kMostToOptimise = 1500;
 
 class Stopwatch {
  public:
@@ -117,6 +121,7 @@ FittingProblem MakeProblem(const Prepared& prepared, const PointCloud& points, c
 
 FittingProblem ChooseBases(const FittingProblem& problem,
                            const SurfaceFitOptions& options,
+                           const FittingProblem* similar,
                            ThreadPool& pool,
                            FitReport& report) {
   int cells_u, cells_v;
@@ -128,6 +133,10 @@ FittingProblem ChooseBases(const FittingProblem& problem,
     limits.degree_u = options.degree_u;
     limits.degree_v = options.degree_v;
     limits.max_control_points = options.max_control_points;
+    if (similar != nullptr) {
+      limits.near_cells_u = similar->basis_u().size() - options.degree_u;
+      limits.near_cells_v = similar->basis_v().size() - options.degree_v;
+    }
     GridChoice choice = ChooseGrid(problem, limits, pool, options.progress);
     report.iterations.insert(report.iterations.end(), choice.rounds.begin(), choice.rounds.end());
     cells_u = choice.cells_u;
@@ -190,9 +199,9 @@ FittingProblem Reweighted(const FittingProblem& problem,
     summary.score = scale;
     summary.seconds = watch.Lap();
     report.iterations.push_back(summary);
-    const bool settled = std::abs(scale - previous) <= 1e-4 * scale;
+    const bool steady = std::abs(scale - previous) <= 2e-3 * scale;
     previous = scale;
-    if (settled) {
+    if (steady) {
       if (!start) break;
       round = std::max(round, kHuberRounds - 1);
     }
@@ -306,6 +315,10 @@ bool JointStagePays(const SurfaceFitOptions& options,
     summary.why = "residuals exceed the noise, but the points are too few for free parameters";
     return false;
   }
+  if (unknowns > kMostToOptimise) {
+    summary.why = "residuals exceed the noise, but so many control points leave free parameters little to gain";
+    return false;
+  }
   summary.why = "residuals exceed the noise";
   return true;
 }
@@ -373,9 +386,11 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   const FittingProblem everything = MakeProblem(prepared, prepared.merged.cloud, options);
   std::optional<FittingProblem> problem;
   PointCloud used;
+  bool settled = false;  // so few points changed sides that the grid can't be far off
   for (int pass = 1; pass <= kOutlierPasses; ++pass) {
     used = prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
-    problem = ChooseBases(MakeProblem(prepared, used, options), options, pool, report);
+    problem = ChooseBases(MakeProblem(prepared, used, options), options,
+                          settled && problem->unknowns() > kLargeGrid ? &*problem : nullptr, pool, report);
     if (robust) problem = Reweighted(*problem, base, options, pool, report);
     if (pass == kOutlierPasses || options.keep_outliers) break;
     const NurbsSurface surface = HeightSurface(base, problem->basis_u(), problem->basis_v(),
@@ -388,7 +403,9 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
       robust = true;  // what stands out from a plain fit has bent it
       continue;
     }
-    if ((now == prepared.used).all()) break;
+    const Eigen::Index changed = (now != prepared.used).count();
+    if (changed == 0) break;
+    settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
     prepared.used = now;
   }
   if (options.tolerance && robust && !options.loss) {
@@ -476,9 +493,14 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.error_all = Summarise(fit.residuals, options.tolerance);
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
-  if (!options.tolerance && options.control_points && report.termination != Termination::kCancelled &&
-      report.error.rms > kExcessToOptimise * prepared.statistics.noise) {
-    report.termination = Termination::kMaxControlPoints;
+  if (!options.tolerance && report.termination != Termination::kCancelled &&
+      report.error.rms > kExcessToSayNoise * prepared.statistics.noise) {
+    report.termination = options.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
+    if (!options.control_points) {
+      report.warnings.push_back("residuals are well above the noise of neighbouring points, but more control "
+                                "points would not predict left-out points better: the shape has edges, layers or "
+                                "detail that a smooth height field does not follow");
+    }
   }
   if (options.tolerance && report.termination != Termination::kCancelled) {
     if (report.error.out_of_tolerance == 0) {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kEndCellWidth = 1.6;
 constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothing to judge by
+constexpr int kFineGrid = 1500;
 constexpr int kRisesToStop = 3;
 constexpr int kCellsAtLeastTried = 8;
 // A finer grid must gain more than sampling the noise makes scores differ by.
@@ -104,11 +105,10 @@ SplineBasis FittingBasis(int degree, int cells, double lower, double upper) {
   return SplineBasis::Clamped(degree, breaks);
 }
 
-GridChoice ChooseGrid(const FittingProblem& problem,
-                      const GridLimits& limits,
-                      ThreadPool& pool,
-                      const Progress& progress) {
-  Search search(problem, limits, pool);
+namespace {
+
+// From coarse to fine until the score has risen several times in a row.
+std::pair<int, int> ClimbLadder(Search& search, const Progress& progress) {
   std::pair<int, int> best{1, 1};
   double cells = 1;
   int rises = 0;
@@ -116,18 +116,35 @@ GridChoice ChooseGrid(const FittingProblem& problem,
   for (;;) {
     cells = cells < 6 ? cells + 1 : std::max(cells + 1, std::round(cells * 1.22));
     const std::pair<int, int> grid = search.Square(cells);
-    if (!search.Allowed(grid.first, grid.second)) break;
+    if (!search.Allowed(grid.first, grid.second)) return best;
     const double score = search.Score(grid.first, grid.second);
     rises = score >= previous ? rises + 1 : 0;
     previous = score;
     if (search.Better(grid, best)) best = grid;
     Report(progress, "solve", std::min(0.9, cells / 40));
-    if (rises >= kRisesToStop && cells >= kCellsAtLeastTried) break;
+    if (rises >= kRisesToStop && cells >= kCellsAtLeastTried) return best;
+  }
+}
+
+}  // namespace
+
+GridChoice ChooseGrid(const FittingProblem& problem,
+                      const GridLimits& limits,
+                      ThreadPool& pool,
+                      const Progress& progress) {
+  Search search(problem, limits, pool);
+  std::pair<int, int> best{1, 1};
+  if (limits.near_cells_u > 0 && search.Allowed(limits.near_cells_u, limits.near_cells_v)) {
+    best = {limits.near_cells_u, limits.near_cells_v};
+  } else {
+    best = ClimbLadder(search, progress);
   }
   // Along each direction alone, then both, with steps that shrink to one cell.
   for (bool moved = true; moved;) {
     moved = false;
     for (const double share : {0.2, 0.1, 0.0}) {
+      // On a fine grid a single line more or less changes nothing that could be measured.
+      if (share * std::max(best.first, best.second) < 1 && search.Unknowns(best.first, best.second) > kFineGrid) continue;
       for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}}) {
         const int step_u = std::max(1, static_cast<int>(share * best.first));
         const int step_v = std::max(1, static_cast<int>(share * best.second));

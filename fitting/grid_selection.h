@@ -17,6 +17,8 @@ SplineBasis FittingBasis(int degree, int cells, double lower, double upper);
 struct GridLimits {
   int degree_u = 3, degree_v = 3;
   int max_control_points = 20000;
+  // A grid chosen for nearly the same data: only its surroundings are searched. Both 0: everything.
+  int near_cells_u = 0, near_cells_v = 0;
 };
 
 struct GridChoice {

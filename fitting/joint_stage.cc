@@ -146,7 +146,7 @@ JointResult OptimizeJointly(const NurbsSurface& surface,
   solver.num_threads = pool.threads();
   solver.initial_trust_region_radius = 1e3;
   solver.max_num_consecutive_invalid_steps = 20;
-  solver.function_tolerance = 1e-5;
+  solver.function_tolerance = 1e-4;
   solver.logging_type = ceres::SILENT;
   solver.update_state_every_iteration = true;
   solver.callbacks.push_back(&watcher);

@@ -130,7 +130,8 @@ double OverlapShare(const Eigen::Matrix3Xd& local, double spacing, double steepe
     heights[{std::lround(std::floor(local(0, k) / cell)), std::lround(std::floor(local(1, k) / cell))}]
         .push_back(local(2, k));
   }
-  const double gap = 1.5 * cell * std::max(1.0, steepest_tangent);
+  constexpr double kSteepestSlope = 2;  // steeper places hold a continuum of heights, without a gap
+  const double gap = 1.5 * cell * std::clamp(steepest_tangent, 1.0, kSteepestSlope);
   size_t places = 0, layered = 0;
   for (auto& [place, h] : heights) {
     if (h.size() < 4) continue;

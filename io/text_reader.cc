@@ -19,6 +19,7 @@ namespace {
 // The lines before the rows.
 struct Preamble {
   std::vector<std::string> names;        // of a header line
+  std::vector<std::string> comment;      // words of the last comment before the rows that names x and y
   std::optional<std::int64_t> promised;  // rows, by a line with nothing but a count
 };
 
@@ -41,6 +42,31 @@ std::vector<std::string> HeaderNames(std::string_view line) {
   std::vector<std::string> names;
   for (const std::string_view name : SplitFields(line)) names.emplace_back(name);
   return names;
+}
+
+bool NamesPlace(const std::vector<std::string>& names) {
+  const auto has = [&](char axis) {
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return name.size() == 1 && std::tolower(static_cast<unsigned char>(name[0])) == axis;
+    });
+  };
+  return has('x') && has('y');
+}
+
+// The leading identifiers of a comment's words, as in "# x y-5400000 z label(1=ground); metres"; empty
+// words where there is none.
+std::vector<std::string> CommentWords(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of("#/ \t"), line.size()));
+  std::vector<std::string> words;
+  for (const std::string_view field : SplitFields(line)) {
+    std::size_t length = 0;
+    while (length < field.size() &&
+           (std::isalnum(static_cast<unsigned char>(field[length])) != 0 || field[length] == '_')) {
+      ++length;
+    }
+    words.emplace_back(field.substr(0, length));
+  }
+  return words;
 }
 
 void RequireText(std::string_view line, const LineReader& lines, const std::string& file) {
@@ -71,7 +97,11 @@ bool ReadPreamble(LineReader& lines, std::string_view& line, Preamble& preamble)
         throw ReadError::AtLine(file, 1, "is UTF-16 text; save it as UTF-8");
       }
     }
-    if (!HoldsContent(line)) continue;
+    if (!HoldsContent(line)) {
+      std::vector<std::string> words = CommentWords(line);
+      if (NamesPlace(words)) preamble.comment = std::move(words);
+      continue;
+    }
     const auto fields = SplitFields(line);
     if (!std::exchange(first, false)) return true;
     if (!IsNumber(fields[0])) {
@@ -86,19 +116,27 @@ bool ReadPreamble(LineReader& lines, std::string_view& line, Preamble& preamble)
   return false;
 }
 
-bool NamesPlace(const std::vector<std::string>& names) {
-  const auto has = [&](char axis) {
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return name.size() == 1 && std::tolower(static_cast<unsigned char>(name[0])) == axis;
-    });
-  };
-  return has('x') && has('y');
+// A comment names the columns where its words are as many as they, or where as many in a row begin with
+// x or u and hold x and y; else it is prose.
+std::vector<std::string> NamesInComment(const std::vector<std::string>& words, std::size_t width) {
+  if (words.size() == width) return words;
+  for (std::size_t start = 0; start + width <= words.size(); ++start) {
+    const std::string& first = words[start];
+    if (first != "x" && first != "X" && first != "u" && first != "U") continue;
+    std::vector<std::string> names(words.begin() + static_cast<std::ptrdiff_t>(start),
+                                   words.begin() + static_cast<std::ptrdiff_t>(start + width));
+    if (NamesPlace(names)) return names;
+  }
+  return {};
 }
 
-// The columns of the file: the header's names, filled up with numbers to the width of the first
+// The columns of the file: the header's or a comment's names, filled up with numbers to the width of the first
 // row.
-std::vector<CloudField> Fields(std::vector<std::string> names, std::size_t width) {
+std::vector<CloudField> Fields(std::vector<std::string> names,
+                               const std::vector<std::string>& comment,
+                               std::size_t width) {
   if (names.size() != width && !NamesPlace(names)) names.clear();
+  if (names.empty()) names = NamesInComment(comment, width);
   for (std::size_t k = names.size(); k < width; ++k) names.push_back(std::to_string(k + 1));
   std::vector<CloudField> fields;
   for (std::string& name : names) fields.push_back({.name = std::move(name)});
@@ -117,7 +155,7 @@ CloudPart ReadText(ByteSource& source, const CloudReadOptions& options) {
     return empty;
   }
   const std::size_t width = SplitFields(line).size();
-  const std::vector<CloudField> fields = Fields(std::move(preamble.names), width);
+  const std::vector<CloudField> fields = Fields(std::move(preamble.names), preamble.comment, width);
   const bool plane_by_width = width == 2 && options.columns.empty();
   CloudFilter filter(source.name(),
                      fields,

@@ -143,7 +143,7 @@ void CheckSurface(const Json& input, const Json& expected, double tolerance) {
     ASSERT_TRUE(normal);
     ExpectClose(*normal, Vector(expected.at("normal")), tolerance);
   } else {
-    const Json& table = expected.at("ders");
+    const Json& table = expected.at("derivs");
     const int order = input.at("order");
     const SurfaceDerivatives derivatives = surface.Derivatives(u, v, order);
     // One scale for the whole table, as the files say.

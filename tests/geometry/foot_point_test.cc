@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: MIT
+#include "batten/geometry/foot_point.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "dense_samples.h"
+#include "exact_shapes.h"
+#include "nasty_surfaces.h"
+#include "random_splines.h"
+#include "tolerances.h"
+
+namespace batten {
+namespace {
+
+Eigen::Vector3d CentreOf(const NurbsSurface& surface) {
+  return surface.control_points().rowwise().mean();
+}
+
+// Near the surface, around it, far away, on it, and near its centre, where much is equally far.
+Eigen::Vector3d Query(const NurbsSurface& surface, RandomSplines& random) {
+  const double size = SizeOf(surface);
+  const double u = random.Parameter(surface.basis_u()), v = random.Parameter(surface.basis_v());
+  switch (random.Integer(0, 5)) {
+    case 0: return surface.At(u, v) + random.Vector(0.02 * size);
+    case 1: return surface.At(u, v) + random.Vector(0.3 * size);
+    case 2: return CentreOf(surface) + random.Vector(100 * size);
+    case 3: return CentreOf(surface) + random.Vector(kRounding * size);
+    case 4: return surface.At(u, v);
+    default: return CentreOf(surface) + random.Vector(1.5 * size);
+  }
+}
+
+// The gradient of the distance vanishes, or leads out of the domain at its boundary.
+void ExpectStationary(double u,
+                      const SplineBasis& basis,
+                      const Eigen::Vector3d& difference,
+                      const Eigen::Vector3d& tangent,
+                      double size) {
+  const double slope = difference.dot(tangent);
+  const double flat = kHalfDigits * tangent.norm() * (difference.norm() + size);
+  if (u > basis.lower()) {
+    EXPECT_LE(slope, flat) << "descends towards lower parameters";
+  }
+  if (u < basis.upper()) {
+    EXPECT_GE(slope, -flat) << "descends towards higher parameters";
+  }
+}
+
+TEST(SurfaceFootPointTest, LiesOnTheSurfaceAtItsParametersAndDistance) {
+  for (unsigned seed = 0; seed < 120; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const SurfaceFootPoints feet(surface);
+    for (int trial = 0; trial < 10; ++trial) {
+      const Eigen::Vector3d q = Query(surface, random);
+      const SurfaceFoot foot = feet.Nearest(q);
+      EXPECT_EQ(foot.u, surface.basis_u().Clamp(foot.u));
+      EXPECT_EQ(foot.v, surface.basis_v().Clamp(foot.v));
+      EXPECT_NEAR((foot.point - surface.At(foot.u, foot.v)).norm(), 0,
+                  kRounding * ExtentOf(surface));
+      EXPECT_NEAR(foot.distance, (q - foot.point).norm(), kRounding * foot.distance);
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, DifferenceIsPerpendicularToTheTangentsOrLeadsOut) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    // Continuous tangents, so that the gradient has a meaning at knots.
+    const int degree_u = random.Integer(2, 6), degree_v = random.Integer(2, 6);
+    const bool rational = random.Coin();
+    const NurbsSurface surface = random.Surface(degree_u, degree_v, rational,
+                                                {.most_spans = 4, .highest_multiplicity = 1});
+    const SurfaceFootPoints feet(surface);
+    for (int trial = 0; trial < 10; ++trial) {
+      const Eigen::Vector3d q = Query(surface, random);
+      const SurfaceFoot foot = feet.Nearest(q);
+      const SurfaceJet jet = surface.JetAt(foot.u, foot.v);
+      const double size = SizeOf(surface);
+      ExpectStationary(foot.u, surface.basis_u(), jet.point - q, jet.du, size);
+      ExpectStationary(foot.v, surface.basis_v(), jet.point - q, jet.dv, size);
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, IsNeverWorseThanADenseSampling) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const SurfaceFootPoints feet(surface);
+    DenseSurface dense(surface, 50);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Eigen::Vector3d q = Query(surface, random);
+      EXPECT_LE(feet.Nearest(q).distance, dense.Distance(q, 3) + kIterated * SizeOf(surface))
+          << "query " << trial;
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, OfAPointOnTheSurfaceIsThatPoint) {
+  for (unsigned seed = 0; seed < 240; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const SurfaceFootPoints feet(surface);
+    for (int trial = 0; trial < 10; ++trial) {
+      const double u = random.Parameter(surface.basis_u()), v = random.Parameter(surface.basis_v());
+      EXPECT_NEAR(feet.Nearest(surface.At(u, v)).distance, 0, kIterated * SizeOf(surface))
+          << "u = " << u << ", v = " << v;
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, OfASphereCylinderAndTorusHaveTheirFormulas) {
+  RandomSplines random(1);
+  const SurfaceFootPoints sphere(Sphere(2)), cylinder(Cylinder(1, 3)), torus(Torus(3, 1));
+  for (int trial = 0; trial < 300; ++trial) {
+    const Eigen::Vector3d q = random.Vector(5);
+    const double axis = q.head<2>().norm();
+    EXPECT_NEAR(sphere.Nearest(q).distance, std::abs(q.norm() - 2), kIterated);
+    const double beyond = std::max({0.0, -q.z(), q.z() - 3});
+    EXPECT_NEAR(cylinder.Nearest(q).distance, std::hypot(axis - 1, beyond), kIterated);
+    EXPECT_NEAR(torus.Nearest(q).distance, std::abs(std::hypot(axis - 3, q.z()) - 1), kIterated);
+  }
+}
+
+TEST(SurfaceFootPointTest, OfEquidistantPointsIsAnyOfTheNearest) {
+  EXPECT_NEAR(SurfaceFootPoints(Sphere(2)).Nearest(Eigen::Vector3d::Zero()).distance, 2, kIterated);
+  const SurfaceFootPoints cylinder(Cylinder(1, 3)), torus(Torus(3, 1));
+  for (const double z : {0.0, 1.0, 1.5, 3.0}) {
+    EXPECT_NEAR(cylinder.Nearest({0, 0, z}).distance, 1, kIterated);
+  }
+  EXPECT_NEAR(torus.Nearest({0, 0, 0}).distance, 2, kIterated);
+  EXPECT_NEAR(torus.Nearest({0, 0, 7}).distance, std::hypot(3, 7) - 1, kIterated);
+  EXPECT_NEAR(torus.Nearest({3, 0, 0}).distance, 1, kIterated);
+}
+
+TEST(SurfaceFootPointTest, ScalesWithTheData) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const Eigen::Vector3d q = Query(surface, random);
+    const double expected = SurfaceFootPoints(surface).Nearest(q).distance;
+    for (const double scale : {1e-9, 1e9}) {
+      const SurfaceFootPoints scaled(WithPoints(surface, scale * surface.control_points()));
+      EXPECT_NEAR(scaled.Nearest(scale * q).distance / scale, expected,
+                  kIterated * (SizeOf(surface) + expected));
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, DoesNotDependOnTheNumberOfThreads) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed), random);
+    const SurfaceFootPoints feet(surface);
+    Eigen::Matrix3Xd queries(3, 700);
+    for (auto q : queries.colwise()) q = Query(surface, random);
+    std::vector<std::vector<SurfaceFoot>> answers;
+    for (const int threads : {1, 2, 3}) {
+      ThreadPool pool(threads);
+      answers.push_back(feet.Nearest(queries, pool));
+    }
+    for (Eigen::Index k = 0; k < queries.cols(); ++k) {
+      const SurfaceFoot alone = feet.Nearest(Eigen::Vector3d(queries.col(k)));
+      for (const auto& answer : answers) {
+        EXPECT_EQ(answer[k].u, alone.u);
+        EXPECT_EQ(answer[k].v, alone.v);
+        EXPECT_EQ(answer[k].distance, alone.distance);
+      }
+    }
+  }
+}
+
+TEST(SurfaceFootPointTest, OfNoPointsAreNone) {
+  ThreadPool pool(2);
+  EXPECT_TRUE(SurfaceFootPoints(Sphere(1)).Nearest(Eigen::Matrix3Xd(3, 0), pool).empty());
+}
+
+TEST(LocalFootPointTest, NeverLeavesItsBoxAndNeverGoesUphill) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const auto interval = [&](const SplineBasis& basis) {
+      const double a = random.Parameter(basis), b = random.Parameter(basis);
+      return std::pair(std::min(a, b), std::max(a, b));
+    };
+    const auto [u0, u1] = interval(surface.basis_u());
+    const auto [v0, v1] = interval(surface.basis_v());
+    const double u = random.Real(u0, u1), v = random.Real(v0, v1);
+    const Eigen::Vector3d q = Query(surface, random);
+    const SurfaceFoot foot = LocalFootPoint(surface, q, u, v, {u0, u1, v0, v1});
+    EXPECT_GE(foot.u, u0);
+    EXPECT_LE(foot.u, u1);
+    EXPECT_GE(foot.v, v0);
+    EXPECT_LE(foot.v, v1);
+    const double start = (surface.At(u, v) - q).norm();
+    EXPECT_LE(foot.distance, start + kRounding * (start + ExtentOf(surface)));
+  }
+}
+
+TEST(LocalFootPointTest, StartsOutsideTheBoxAtItsNearestSide) {
+  const NurbsSurface cylinder = Cylinder(1, 3);
+  const SurfaceFoot foot = LocalFootPoint(cylinder, {2, 0, 1}, -4, 9, {0, 0.25, 0, 1});
+  EXPECT_NEAR(foot.distance, 1, kIterated);
+}
+
+template <typename Dimension>
+class CurveFootPointTest : public testing::Test {};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(CurveFootPointTest, Dimensions);
+
+template <int Dim>
+Eigen::Vector3d InSpace(const Eigen::Matrix<double, Dim, 1>& point) {
+  Eigen::Vector3d result = Eigen::Vector3d::Zero();
+  result.head<Dim>() = point;
+  return result;
+}
+
+// Every fourth curve is closed, every third unclamped, half of them rational.
+template <int Dim>
+NurbsCurve<Dim> NastyCurve(unsigned seed, RandomSplines& random) {
+  const NurbsCurve<Dim> curve = random.Curve<Dim>(1 + static_cast<int>(seed % 9), seed % 2 == 0,
+                                                  {.clamped = seed % 3 != 0, .most_spans = 6});
+  if (seed % 4 != 0) return curve;
+  auto points = curve.control_points();
+  points.col(points.cols() - 1) = points.col(0);
+  return NurbsCurve<Dim>(curve.basis(), points, curve.weights());
+}
+
+template <int Dim>
+Eigen::Matrix<double, Dim, 1> CurveQuery(const NurbsCurve<Dim>& curve, RandomSplines& random) {
+  const Eigen::Matrix<double, Dim, 1> on = curve.At(random.Parameter(curve.basis()));
+  switch (random.Integer(0, 3)) {
+    case 0: return on;
+    case 1: return on + random.Vector(0.1).template head<Dim>();
+    case 2: return random.Vector(100).template head<Dim>();
+    default: return random.Vector(1.5).template head<Dim>();
+  }
+}
+
+TYPED_TEST(CurveFootPointTest, IsNeverWorseThanADenseSampling) {
+  constexpr int kDim = TypeParam::value;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsCurve<kDim> curve = NastyCurve<kDim>(seed, random);
+    const CurveFootPoints<kDim> feet(curve);
+    for (int trial = 0; trial < 10; ++trial) {
+      const Eigen::Matrix<double, kDim, 1> q = CurveQuery(curve, random);
+      const CurveFoot foot = feet.Nearest(InSpace<kDim>(q));
+      EXPECT_LE(foot.distance, DenseDistance(curve, q, 1000) + kIterated * SizeOf(curve))
+          << "query " << trial;
+      EXPECT_NEAR((InSpace<kDim>(curve.At(foot.u)) - foot.point).norm(), 0, kRounding);
+      EXPECT_NEAR((InSpace<kDim>(q) - foot.point).norm(), foot.distance,
+                  kRounding * (1 + foot.distance));
+    }
+  }
+}
+
+TYPED_TEST(CurveFootPointTest, DifferenceIsPerpendicularToTheTangentOrLeadsOut) {
+  constexpr int kDim = TypeParam::value;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const auto curve = random.Curve<kDim>(2 + static_cast<int>(seed % 6), seed % 2 == 0,
+                                          {.highest_multiplicity = 1});
+    const CurveFootPoints<kDim> feet(curve);
+    for (int trial = 0; trial < 10; ++trial) {
+      const Eigen::Vector3d q = InSpace<kDim>(CurveQuery(curve, random));
+      const CurveFoot foot = feet.Nearest(q);
+      const Eigen::Matrix<double, kDim, 1> tangent = curve.Derivatives(foot.u, 1).col(1);
+      ExpectStationary(foot.u, curve.basis(), foot.point - q, InSpace<kDim>(tangent), SizeOf(curve));
+    }
+  }
+}
+
+TYPED_TEST(CurveFootPointTest, OfAPointOnTheCurveIsThatPoint) {
+  constexpr int kDim = TypeParam::value;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsCurve<kDim> curve = NastyCurve<kDim>(seed, random);
+    const CurveFootPoints<kDim> feet(curve);
+    for (int trial = 0; trial < 10; ++trial) {
+      const double u = random.Parameter(curve.basis());
+      EXPECT_NEAR(feet.Nearest(InSpace<kDim>(curve.At(u))).distance, 0, kIterated * SizeOf(curve))
+          << "u = " << u;
+    }
+  }
+}
+
+TYPED_TEST(CurveFootPointTest, DoesNotDependOnTheNumberOfThreads) {
+  constexpr int kDim = TypeParam::value;
+  RandomSplines random(3);
+  const NurbsCurve<kDim> curve = NastyCurve<kDim>(6, random);
+  const CurveFootPoints<kDim> feet(curve);
+  Eigen::Matrix3Xd queries(3, 1000);
+  for (auto q : queries.colwise()) q = InSpace<kDim>(CurveQuery(curve, random));
+  ThreadPool one(1), two(2), three(3);
+  const auto expected = feet.Nearest(queries, one);
+  for (ThreadPool* pool : {&two, &three}) {
+    const auto answer = feet.Nearest(queries, *pool);
+    for (size_t k = 0; k < expected.size(); ++k) {
+      EXPECT_EQ(answer[k].u, expected[k].u);
+      EXPECT_EQ(answer[k].distance, expected[k].distance);
+    }
+  }
+}
+
+TEST(CurveFootPointOnCircleTest, HasTheFormulaInAndOffThePlane) {
+  RandomSplines random(2);
+  const CurveFootPoints<2> circle(Circle(2));
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Vector3d q = random.Vector(4);
+    EXPECT_NEAR(circle.Nearest(q).distance, std::hypot(q.head<2>().norm() - 2, q.z()), kIterated);
+  }
+  EXPECT_NEAR(circle.Nearest(Eigen::Vector3d::Zero()).distance, 2, kIterated);
+}
+
+// 240 shapes × 500 queries against the polished dense sampling.
+TEST(LongFootPointTest, IsNeverWorseThanAPolishedDenseSamplingOfManyNastySurfaces) {
+  constexpr unsigned kShapes = 240;
+  constexpr int kQueries = 500;
+  std::array<int, kNastyKinds> misses{};
+  std::array<double, kNastyKinds> worst{};
+  for (unsigned seed = 0; seed < kShapes; ++seed) {
+    RandomSplines random(10000 + seed);
+    const int kind = static_cast<int>(seed) % kNastyKinds;
+    const NurbsSurface surface = NastySurface(kind, random);
+    const SurfaceFootPoints feet(surface);
+    DenseSurface dense(surface, 160);
+    const double size = SizeOf(surface);
+    for (int trial = 0; trial < kQueries; ++trial) {
+      const Eigen::Vector3d q = Query(surface, random);
+      const double excess = (feet.Nearest(q).distance - dense.Distance(q, 5)) / size;
+      if (excess > kIterated) ++misses[kind];
+      worst[kind] = std::max(worst[kind], excess);
+    }
+  }
+  for (int kind = 0; kind < kNastyKinds; ++kind) {
+    std::printf("kind %2d: %3d misses, farther by at most %.2g of the size\n", kind, misses[kind],
+                worst[kind]);
+    EXPECT_EQ(misses[kind], 0) << "kind " << kind;
+  }
+}
+
+}  // namespace
+}  // namespace batten
