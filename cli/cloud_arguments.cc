@@ -16,7 +16,8 @@ namespace {
 
 constexpr const char* kGeometryWords[] = {"json", "step", "stp", "iges", "igs"};
 
-std::pair<std::string, std::string> SplitAssignment(const std::string& flag, const std::string& text) {
+std::pair<std::string, std::string> SplitAssignment(const std::string& flag,
+                                                    const std::string& text) {
   const size_t sign = text.find('=');
   if (sign == std::string::npos || sign == 0 || sign + 1 == text.size()) {
     throw UsageError(flag + ": '" + text + "' is not of the form name=value");
@@ -27,21 +28,30 @@ std::pair<std::string, std::string> SplitAssignment(const std::string& flag, con
 }  // namespace
 
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
-  command.add_option("--columns", arguments.columns,
-                     "Which column is what, by number or header name: x=2,y=3,z=4 (also u v nx ny nz w)")
+  command
+      .add_option(
+          "--columns",
+          arguments.columns,
+          "Which column is what, by number or header name: x=2,y=3,z=4 (also u v nx ny nz w)")
       ->type_name("x=A,y=B,...");
-  command.add_option("--where", arguments.where, "Keep only rows whose column has the value: label=1 or 4=1")
+  command
+      .add_option(
+          "--where", arguments.where, "Keep only rows whose column has the value: label=1 or 4=1")
       ->type_name("COLUMN=VALUE");
-  command.add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
+  command
+      .add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
       ->type_name("NUMBERS");
-  command.add_option("--format", arguments.format,
-                     "Format of files whose name does not tell, or of '-' (pcd ply text; json step)")
+  command
+      .add_option("--format",
+                  arguments.format,
+                  "Format of files whose name does not tell, or of '-' (pcd ply text; json step)")
       ->type_name("FORMAT");
 }
 
 bool NamesGeometry(const std::string& word) {
-  return std::any_of(std::begin(kGeometryWords), std::end(kGeometryWords),
-                     [&](const char* known) { return CLI::detail::to_lower(word) == known; });
+  return std::any_of(std::begin(kGeometryWords), std::end(kGeometryWords), [&](const char* known) {
+    return CLI::detail::to_lower(word) == known;
+  });
 }
 
 CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
@@ -61,11 +71,12 @@ CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
   if (!arguments.box.empty()) {
     const std::vector<double> numbers = ParseNumbers("--box", arguments.box);
     if (numbers.size() != 6) {
-      throw UsageError("--box: 6 numbers are needed (xmin,ymin,zmin,xmax,ymax,zmax), not " +
-                       std::to_string(numbers.size()));
+      throw UsageError("--box: '" + arguments.box +
+                       "' is not the 6 numbers xmin,ymin,zmin,xmax,ymax,zmax");
     }
     for (int d = 0; d < 3; ++d) {
-      if (numbers[d] > numbers[d + 3]) throw UsageError("--box: '" + arguments.box + "': a minimum exceeds its maximum");
+      if (numbers[d] > numbers[d + 3])
+        throw UsageError("--box: '" + arguments.box + "': a minimum exceeds its maximum");
     }
     options.box = Eigen::AlignedBox3d(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]),
                                       Eigen::Vector3d(numbers[3], numbers[4], numbers[5]));

@@ -17,7 +17,8 @@ struct CloudArguments {
 };
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
 
-// Whether a format word is one of geometry: it then belongs to the geometry of a command that takes both.
+// Whether a format word is one of geometry: it then belongs to the geometry of a command that takes
+// both.
 bool NamesGeometry(const std::string& word);
 
 // Throws UsageError naming the flag and what is wrong with its value.

@@ -31,10 +31,13 @@ struct Arguments {
 // The same shape with its control points moved.
 template <typename Curve>
 Curve Moved(const Curve& curve, const Eigen::Vector3d& shift) {
-  return Curve(curve.basis(), curve.control_points().colwise() + shift.head<Curve::Point::RowsAtCompileTime>(),
+  return Curve(curve.basis(),
+               curve.control_points().colwise() + shift.head<Curve::Point::RowsAtCompileTime>(),
                curve.weights());
 }
-NurbsSurface Moved(const NurbsSurface& surface, const Eigen::Vector3d& shift) { return surface.Translated(shift); }
+NurbsSurface Moved(const NurbsSurface& surface, const Eigen::Vector3d& shift) {
+  return surface.Translated(shift);
+}
 
 template <typename Curve>
 void Describe(const Curve& curve, GeometrySummary& summary) {
@@ -53,9 +56,15 @@ void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
 }
 
 std::string ResultLine(const Arguments& a, const ErrorSummary& error) {
-  std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points", a.cloud_path,
-                                 a.geometry, error.rms, error.mean, error.max, error.points);
-  if (error.tolerance) line += fmt::format("; {} out of tolerance {:.4g}", error.out_of_tolerance, *error.tolerance);
+  std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points",
+                                 a.cloud_path,
+                                 a.geometry,
+                                 error.rms,
+                                 error.mean,
+                                 error.max,
+                                 error.points);
+  if (error.tolerance)
+    line += fmt::format("; {} out of tolerance {:.4g}", error.out_of_tolerance, *error.tolerance);
   return line;
 }
 
@@ -68,7 +77,8 @@ int Run(const Arguments& a) {
   CheckWritable(a.output.residuals);
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
-  const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
+  const std::vector<Geometry> geometry =
+      ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   const CloudFile file = ReadCloud({a.cloud_path}, read);
@@ -77,7 +87,8 @@ int Run(const Arguments& a) {
   FitReport report;
   ThreadPool pool(a.work.threads);
   report.threads = pool.threads();
-  report.seconds.read = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds.read =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Progress progress = MakeProgress(a.flags.quiet);
 
   // Several geometries: every point belongs to the nearest.
@@ -85,14 +96,17 @@ int Run(const Arguments& a) {
   for (size_t g = 0; g < geometry.size(); ++g) {
     Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
     PointDistances found = std::visit(
-        [&](const auto& shape) { return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool); },
+        [&](const auto& shape) {
+          return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool);
+        },
         geometry[g]);
     if (g == 0) {
       nearest = std::move(found);
       continue;
     }
     if (found.parameters.rows() > nearest.parameters.rows()) {
-      nearest.parameters.conservativeResizeLike(Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
+      nearest.parameters.conservativeResizeLike(
+          Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
     }
     for (Eigen::Index k = 0; k < cloud.size(); ++k) {
       if (std::abs(found.distances[k]) >= std::abs(nearest.distances[k])) continue;
@@ -100,15 +114,16 @@ int Run(const Arguments& a) {
       nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
     }
   }
-  report.seconds.project = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
-                           report.seconds.read;
+  report.seconds.project =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+      report.seconds.read;
 
   const MergedCloud merged = MergeDuplicates(cloud);
   CloudStatisticsOptions statistics;
   statistics.find_outliers = false;
   statistics.seed = a.work.seed;
-  const CloudStatistics measured =
-      MeasureCloud(merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
+  const CloudStatistics measured = MeasureCloud(
+      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
   report.input.files = {a.cloud_path};
   report.input.points = file.points_in_file - file.filtered;
   report.input.used = cloud.size();
@@ -121,16 +136,22 @@ int Run(const Arguments& a) {
   report.input.origin = cloud.origin();
   std::visit([&](const auto& shape) { Describe(shape, report.geometry); }, geometry.front());
   if (geometry.size() > 1) {
-    report.warnings.push_back(a.geometry + " holds " + std::to_string(geometry.size()) +
-                              " geometries: distances are to the nearest, the summary describes the first");
+    report.warnings.push_back(
+        a.geometry + " holds " + std::to_string(geometry.size()) +
+        " geometries: distances are to the nearest, the summary describes the first");
   }
   report.error = report.error_all = Summarise(nearest.distances, a.tolerance);
   report.optimize.why = "a comparison fits nothing";
-  report.termination = a.tolerance && report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
-                                                                          : Termination::kStalled;
+  report.termination = a.tolerance && report.error.out_of_tolerance == 0
+                           ? Termination::kToleranceReached
+                           : Termination::kStalled;
   const auto write_start = std::chrono::steady_clock::now();
-  const auto residuals = WriteResiduals(a.output.residuals, cloud, nearest.distances, nearest.parameters,
-                 Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(cloud.size(), false));
+  const auto residuals =
+      WriteResiduals(a.output.residuals,
+                     cloud,
+                     nearest.distances,
+                     nearest.parameters,
+                     Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(cloud.size(), false));
   if (residuals) residuals->Commit();
   const auto end = std::chrono::steady_clock::now();
   report.seconds.write = std::chrono::duration<double>(end - write_start).count();
@@ -143,13 +164,16 @@ int Run(const Arguments& a) {
 
 void AddCompareCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
+  CLI::App& command =
+      *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
   command.add_option("CLOUD", a->cloud_path, "Points: .pcd .ply .xyz ...")->required();
   command
       .add_option_function<std::string>(
           "--tolerance",
-          [a](const std::string& text) { a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive); },
+          [a](const std::string& text) {
+            a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+          },
           "Exit code 3 when a point is farther than this [none]")
       ->type_name("T");
   AddCloudArguments(command, a->cloud);

@@ -43,14 +43,18 @@ std::pair<std::string, std::string> FormatWords(const Arguments& a) {
 
 int Run(const Arguments& a) {
   CheckUnit(a.unit);
-  if (a.flags.json && a.out == "-") throw UsageError("OUT of - and --json both want standard output");
+  if (a.flags.json && a.out == "-")
+    throw UsageError("OUT of - and --json both want standard output");
   const auto [in_format, out_format] = FormatWords(a);
   const FileFormat from = FormatOf(a.in, in_format), to = FormatOf(a.out, out_format);
   if (IsCloudFormat(from) && !IsCloudFormat(to)) {
-    throw UsageError(a.in + " is a cloud and " + a.out + " geometry: 'batten fit' makes one from the other");
+    throw UsageError(a.in + " is a cloud and " + a.out +
+                     " geometry: 'batten fit' makes one from the other");
   }
   if (IsCloudFormat(to) && !IsCloudFormat(from)) {
-    throw UsageError(a.in + " is geometry: meshes of it are not in this version ('batten sample' makes points of it)");
+    throw UsageError(
+        a.in +
+        " is geometry: meshes of it are not in this version ('batten sample' makes points of it)");
   }
   if (!IsWritable(to)) throw UsageError(a.out + ": this format can't be written");
   CheckWritable(a.out);
@@ -73,8 +77,12 @@ int Run(const Arguments& a) {
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}: {}{}\n", a.out, entry["kind"].get<std::string>(),
-               entry.contains("points") ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>()) : "");
+    fmt::print("{}: {}{}\n",
+               a.out,
+               entry["kind"].get<std::string>(),
+               entry.contains("points")
+                   ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>())
+                   : "");
   }
   return kDone;
 }
@@ -83,12 +91,19 @@ int Run(const Arguments& a) {
 
 void AddConvertCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("convert", "Turn geometry into geometry, or a cloud into a cloud");
+  CLI::App& command =
+      *app.add_subcommand("convert", "Turn geometry into geometry, or a cloud into a cloud");
   command.add_option("IN", a->in, "What to read: .json .step, or .pcd .ply .xyz ...")->required();
-  command.add_option("OUT", a->out, "What to write: .json .step, or .ply .pcd .xyz .csv")->required();
-  command.add_option("--output-format", a->out_format, "Format of OUT where its name does not tell and --format is IN's")
+  command.add_option("OUT", a->out, "What to write: .json .step, or .ply .pcd .xyz .csv")
+      ->required();
+  command
+      .add_option("--output-format",
+                  a->out_format,
+                  "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")->capture_default_str()->type_name("UNIT");
+  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
+      ->capture_default_str()
+      ->type_name("UNIT");
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(

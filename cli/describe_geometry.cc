@@ -13,15 +13,15 @@ constexpr double kMeets = 1e-9;
 
 // Nodes and weights on [0, 1]. [Abramowitz & Stegun 1964, table 25.4]
 constexpr std::array<std::array<double, 2>, 4> kGauss{{{0.06943184420297371, 0.17392742256872693},
-                                                        {0.33000947820757187, 0.32607257743127307},
-                                                        {0.66999052179242813, 0.32607257743127307},
-                                                        {0.93056815579702629, 0.17392742256872693}}};
+                                                       {0.33000947820757187, 0.32607257743127307},
+                                                       {0.66999052179242813, 0.32607257743127307},
+                                                       {0.93056815579702629, 0.17392742256872693}}};
 
 // The knot spans, cut further where there are few.
 std::vector<double> Cells(const SplineBasis& basis) {
-  constexpr int kFewest = 12;
+  constexpr int kFewest = 16;
   const std::vector<int> spans = basis.Spans();
-  const int parts = 1 + kFewest / static_cast<int>(spans.size());
+  const int parts = std::max(1, kFewest / static_cast<int>(spans.size()));
   std::vector<double> cells;
   for (const int span : spans) {
     const double a = basis.knots()[span], b = basis.knots()[span + 1];
@@ -42,7 +42,8 @@ std::vector<Node> Nodes(const SplineBasis& basis) {
   for (size_t k = 0; k + 1 < cells.size(); ++k) {
     const double width = cells[k + 1] - cells[k];
     nodes.push_back({cells[k], 0});
-    for (const auto& [at, weight] : kGauss) nodes.push_back({cells[k] + width * at, width * weight});
+    for (const auto& [at, weight] : kGauss)
+      nodes.push_back({cells[k] + width * at, width * weight});
   }
   nodes.push_back({cells.back(), 0});
   return nodes;
@@ -78,11 +79,14 @@ class BoxFinder {
         if (!Advance(shape, side, scale * step)) scale /= 2;
       }
     }
-    return {Eigen::Vector3d(-far_[3], -far_[4], -far_[5]), Eigen::Vector3d(far_[0], far_[1], far_[2])};
+    return {Eigen::Vector3d(-far_[3], -far_[4], -far_[5]),
+            Eigen::Vector3d(far_[0], far_[1], far_[2])};
   }
 
  private:
-  static double Value(const Eigen::Vector3d& point, int side) { return side < 3 ? point[side] : -point[side - 3]; }
+  static double Value(const Eigen::Vector3d& point, int side) {
+    return side < 3 ? point[side] : -point[side - 3];
+  }
 
   template <typename Shape>
   bool Advance(const Shape& shape, int side, const Eigen::Vector2d& step) {

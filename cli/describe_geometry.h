@@ -20,7 +20,8 @@ std::vector<bool> ClosedDirections(const NurbsSurface& surface);
 struct ShapeMeasures {
   Eigen::AlignedBox3d box;  // plane curves: z = 0
   double size = 0;          // length or area
-  // Extremes of a curve's curvature, of a surface's principal curvatures; min > max where none exists.
+  // Extremes of a curve's curvature, of a surface's principal curvatures; min > max where none
+  // exists.
   double curvature_min = std::numeric_limits<double>::infinity();
   double curvature_max = -std::numeric_limits<double>::infinity();
 };

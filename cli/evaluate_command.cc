@@ -49,12 +49,17 @@ struct Request {
 };
 
 void RequireCount(const Request& request, size_t count, const char* rule) {
-  if (request.at.size() != count) request.Refuse(fmt::format("{}, not {}", rule, request.at.size()));
+  if (request.at.size() != count)
+    request.Refuse(fmt::format("{}, not {}", rule, request.at.size()));
 }
 
-void RequireInside(const Request& request, const SplineBasis& basis, double parameter, const char* name) {
+void RequireInside(const Request& request,
+                   const SplineBasis& basis,
+                   double parameter,
+                   const char* name) {
   if (parameter >= basis.lower() && parameter <= basis.upper()) return;
-  request.Refuse(fmt::format("{} = {} is outside the domain [{}, {}]", name, parameter, basis.lower(), basis.upper()));
+  request.Refuse(fmt::format(
+      "{} = {} is outside the domain [{}, {}]", name, parameter, basis.lower(), basis.upper()));
 }
 
 template <int Dim>
@@ -70,7 +75,8 @@ Json Evaluate(const NurbsCurve<Dim>& curve, const Request& request, int order) {
     space.topRows<Dim>() = derivatives.template middleCols<3>(1);
     const auto curvature = CurvatureOf(Eigen::Vector3d(space.col(0)), space.col(1), space.col(2));
     result["curvature"] = nullptr;
-    if (curvature) result["curvature"] = {{"curvature", curvature->curvature}, {"torsion", curvature->torsion}};
+    if (curvature)
+      result["curvature"] = {{"curvature", curvature->curvature}, {"torsion", curvature->torsion}};
   }
   return result;
 }
@@ -94,21 +100,27 @@ Json Evaluate(const NurbsSurface& surface, const Request& request, int order) {
     const auto c = CurvatureOf(jet);
     result["curvature"] = nullptr;
     if (c) {
-      result["curvature"] = {{"gaussian", c->gaussian}, {"mean", c->mean},
+      result["curvature"] = {{"gaussian", c->gaussian},
+                             {"mean", c->mean},
                              {"principal", {c->principal_low, c->principal_high}}};
     }
   }
   return result;
 }
 
-// Rows of one or two numbers, separated by commas, semicolons or blanks; # comments; a header of names.
+// Rows of one or two numbers, separated by commas, semicolons or blanks; # comments; a header of
+// names.
 void ReadRequests(const std::string& path, std::vector<Request>& requests) {
   std::istringstream rows(ReadWholeFile(path));
   const size_t before = requests.size();
   std::string row;
   for (std::int64_t line = 1; std::getline(rows, row); ++line) {
     row.erase(std::min(row.find('#'), row.size()));
-    std::replace_if(row.begin(), row.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+    std::replace_if(
+        row.begin(),
+        row.end(),
+        [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; },
+        ' ');
     std::string numbers;
     std::istringstream words(row);
     for (std::string word; words >> word;) numbers += (numbers.empty() ? "" : ",") + word;
@@ -116,7 +128,8 @@ void ReadRequests(const std::string& path, std::vector<Request>& requests) {
     try {
       requests.push_back({ParseNumbers("parameters", numbers), path, line});
     } catch (const UsageError&) {
-      if (requests.size() == before && std::isalpha(static_cast<unsigned char>(numbers[0]))) continue;  // names
+      if (requests.size() == before && std::isalpha(static_cast<unsigned char>(numbers[0])))
+        continue;  // names
       throw ReadError::AtLine(path, line, "parameters u[,v] expected");
     }
   }
@@ -127,7 +140,8 @@ std::vector<Request> Requests(const Arguments& a) {
   std::vector<Request> requests;
   for (const std::string& text : a.at) requests.push_back({ParseNumbers("--at", text), "", 0});
   if (!a.at_file.empty()) ReadRequests(a.at_file, requests);
-  if (requests.empty()) throw UsageError("evaluate needs parameters: --at u[,v] or --at-file F.csv");
+  if (requests.empty())
+    throw UsageError("evaluate needs parameters: --at u[,v] or --at-file F.csv");
   return requests;
 }
 
@@ -148,7 +162,8 @@ int Run(const Arguments& a) {
   Json results = Json::array();
   for (size_t g = 0; g < geometry.size(); ++g) {
     for (const Request& request : requests) {
-      Json one = std::visit([&](const auto& shape) { return Evaluate(shape, request, a.derivatives); }, geometry[g]);
+      Json one = std::visit(
+          [&](const auto& shape) { return Evaluate(shape, request, a.derivatives); }, geometry[g]);
       if (geometry.size() > 1) one["index"] = g;
       results.push_back(std::move(one));
     }
@@ -165,24 +180,31 @@ int Run(const Arguments& a) {
 
 void AddEvaluateCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
+  CLI::App& command =
+      *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
   command.add_option("--at", a->at, "Parameters u or u,v; may be given again")->type_name("u[,v]");
-  command.add_option("--at-file", a->at_file, "Parameters, a row each; - is standard input")->type_name("F.csv");
+  command.add_option("--at-file", a->at_file, "Parameters, a row each; - is standard input")
+      ->type_name("F.csv");
   constexpr int kMostDerivatives = 50;
   command
       .add_option_function<std::string>(
           "--derivatives",
           [a](const std::string& text) {
-            a->derivatives = static_cast<int>(ParseWhole("--derivatives", text, 0, kMostDerivatives));
+            a->derivatives =
+                static_cast<int>(ParseWhole("--derivatives", text, 0, kMostDerivatives));
           },
           "Derivatives up to this order; from 2 on curvature too")
       ->default_str("0")
       ->type_name("K");
-  command.add_option("--format", a->format, "Format of '-' or of a file whose name does not tell: json step")
+  command
+      .add_option(
+          "--format", a->format, "Format of '-' or of a file whose name does not tell: json step")
       ->type_name("FORMAT");
   AddCommonFlags(command, a->flags);
-  command.footer("Examples:\n  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json\n  batten evaluate curve.step --at 0 --at 1");
+  command.footer(
+      "Examples:\n  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json\n  batten "
+      "evaluate curve.step --at 0 --at 1");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

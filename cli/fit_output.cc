@@ -36,22 +36,28 @@ void Append(std::string& bytes, const void* value, size_t size) {
 
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
   command.add_option("--report", arguments.reports, "Write the report: R.json")->type_name("FILE");
-  command.add_option("--residuals", arguments.residuals, "Write every point's distance: R.ply or R.csv")
+  command
+      .add_option(
+          "--residuals", arguments.residuals, "Write every point's distance: R.ply or R.csv")
       ->type_name("FILE");
-  command.add_option("--unit", arguments.unit, "Unit of the data, declared in STEP")->capture_default_str()->type_name("UNIT");
+  command.add_option("--unit", arguments.unit, "Unit of the data, declared in STEP")
+      ->capture_default_str()
+      ->type_name("UNIT");
 }
 
 void CheckOutputArguments(const OutputArguments& arguments) {
   CheckUnit(arguments.unit);
   for (const std::string& path : arguments.reports) {
     const std::string extension = Extension(path);
-    if (extension == ".html") throw UsageError("--report " + path + ": HTML reports are not in this version; write .json");
+    if (extension == ".html")
+      throw UsageError("--report " + path + ": HTML reports are not in this version; write .json");
     if (extension != ".json") throw UsageError("--report " + path + ": a report is a .json file");
   }
   if (!arguments.residuals.empty()) {
     const std::string extension = Extension(arguments.residuals);
     if (extension != ".ply" && extension != ".csv") {
-      throw UsageError("--residuals " + arguments.residuals + ": residuals are a .ply or .csv file");
+      throw UsageError("--residuals " + arguments.residuals +
+                       ": residuals are a .ply or .csv file");
     }
   }
 }
@@ -65,13 +71,15 @@ void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
   for (const std::string& path : outputs) {
     if (path.empty()) continue;
     if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
-    const std::string name = path == "-" ? path : std::filesystem::path(path).lexically_normal().string();
+    const std::string name =
+        path == "-" ? path : std::filesystem::path(path).lexically_normal().string();
     if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
   }
 }
 
 void CheckUnit(const std::string& unit) {
-  CheckChoice("--unit", unit, {"mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"});
+  CheckChoice(
+      "--unit", unit, {"mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"});
 }
 
 void PrintFiles(const nlohmann::ordered_json& entry) {
@@ -110,10 +118,10 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
 }
 
 std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
-                    const PointCloud& cloud,
-                    const Eigen::VectorXd& distances,
-                    const Eigen::MatrixXd& parameters,
-                    const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers) {
+                                           const PointCloud& cloud,
+                                           const Eigen::VectorXd& distances,
+                                           const Eigen::MatrixXd& parameters,
+                                           const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers) {
   if (path.empty()) return nullptr;
   auto target = std::make_unique<AtomicFile>(path);
   AtomicFile& file = *target;
@@ -124,21 +132,29 @@ std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
     for (Eigen::Index k = 0; k < cloud.size(); ++k) {
       const Eigen::Vector3d p = cloud.World(k);
       row.clear();
-      fmt::format_to(std::back_inserter(row), "{},{},{},{},{}", p[0], p[1], p[2], distances[k], parameters(0, k));
+      fmt::format_to(std::back_inserter(row),
+                     "{},{},{},{},{}",
+                     p[0],
+                     p[1],
+                     p[2],
+                     distances[k],
+                     parameters(0, k));
       if (has_v) fmt::format_to(std::back_inserter(row), ",{}", parameters(1, k));
       fmt::format_to(std::back_inserter(row), ",{}\n", outliers[k] ? 1 : 0);
       file.Write(row);
     }
   } else {
     std::string header = fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty "
+        "double y\n"
         "property double z\nproperty double distance\nproperty double u\n",
         cloud.size());
     if (has_v) header += "property double v\n";
     file.Write(header + "property uchar outlier\nend_header\n");
     for (Eigen::Index k = 0; k < cloud.size(); ++k) {
       const Eigen::Vector3d p = cloud.World(k);
-      const double numbers[6] = {p[0], p[1], p[2], distances[k], parameters(0, k), has_v ? parameters(1, k) : 0};
+      const double numbers[6] = {
+          p[0], p[1], p[2], distances[k], parameters(0, k), has_v ? parameters(1, k) : 0};
       const unsigned char outlier = outliers[k] ? 1 : 0;
       row.clear();
       Append(row, numbers, (has_v ? 6 : 5) * sizeof(double));

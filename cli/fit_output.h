@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What fits and comparisons leave besides the geometry: report, residuals, the line on the terminal.
+// What fits and comparisons leave besides the geometry: report, residuals, the line on the
+// terminal.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -23,7 +24,8 @@ struct OutputArguments {
 };
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments);
 
-// Refuses file names and units nothing can be written as, before any work is done. Throws UsageError.
+// Refuses file names and units nothing can be written as, before any work is done. Throws
+// UsageError.
 void CheckOutputArguments(const OutputArguments& arguments);
 
 // Refuses a file that could not be written in the end: a missing folder, no permission. Throws
@@ -53,12 +55,12 @@ struct ReportTarget {
 // Writes the reports asked for and prints warnings and the result line, or the report as JSON.
 void WriteReports(const FitReport& report, const ReportTarget& target);
 
-// Every point with its signed distance, foot parameters and whether it was set aside: PLY or CSV by the
-// extension. The file appears on Commit(); none without a path.
+// Every point with its signed distance, foot parameters and whether it was set aside: PLY or CSV by
+// the extension. The file appears on Commit(); none without a path.
 std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
-                    const PointCloud& cloud,
-                    const Eigen::VectorXd& distances,
-                    const Eigen::MatrixXd& parameters,
-                    const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers);
+                                           const PointCloud& cloud,
+                                           const Eigen::VectorXd& distances,
+                                           const Eigen::MatrixXd& parameters,
+                                           const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers);
 
 }  // namespace batten

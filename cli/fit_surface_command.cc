@@ -24,14 +24,18 @@ struct Arguments {
   WorkFlags work;
   std::optional<double> tolerance;
   std::string out_format;
-  std::string degree = "3,3", control_points = "chosen", smoothing = "auto", loss = "auto", loss_scale = "auto";
+  std::string degree = "3,3", control_points = "chosen", smoothing = "auto", loss = "auto",
+              loss_scale = "auto";
   std::string optimize = "auto", origin = "keep";
-  std::string base = "auto", closed = "auto", parameterization = "auto", trim = "none", normals = "auto";
+  std::string base = "auto", closed = "auto", parameterization = "auto", trim = "none",
+              normals = "auto";
   std::string max_control_points = "20000";
   bool keep_outliers = false;
 };
 
-[[noreturn]] void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
+[[noreturn]] void NotYet(const std::string& what) {
+  throw UsageError(what + " is not in this version");
+}
 
 std::optional<Loss> ToLoss(const std::string& word) {
   if (word == "auto") return std::nullopt;
@@ -84,16 +88,18 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
                        std::to_string(options.degree_u) + "," + std::to_string(options.degree_v));
     }
     if (std::int64_t{n} * m > kMostControlPoints) {
-      throw UsageError("--control-points: '" + a.control_points + "' is more than a million in all");
+      throw UsageError("--control-points: '" + a.control_points +
+                       "' is more than a million in all");
     }
     options.control_points = {n, m};
   }
   const int fewest = (options.degree_u + 1) * (options.degree_v + 1);
-  options.max_control_points =
-      static_cast<int>(ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  options.max_control_points = static_cast<int>(
+      ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
   if (a.smoothing != "auto") options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
-  if (a.loss_scale != "auto") options.loss_scale = ParseNumber("--loss-scale", a.loss_scale, Sign::kPositive);
+  if (a.loss_scale != "auto")
+    options.loss_scale = ParseNumber("--loss-scale", a.loss_scale, Sign::kPositive);
   options.optimize = ToOptimize(a.optimize);
   options.keep_outliers = a.keep_outliers;
   options.seed = a.work.seed;
@@ -115,12 +121,15 @@ std::optional<Eigen::Vector3d> ToShift(const std::string& origin) {
     CheckChoice("--origin", origin, {"keep", "local", "x,y,z"});
   }
   const std::vector<double> numbers = ParseNumbers("--origin", origin);
-  if (numbers.size() != 3) throw UsageError("--origin: '" + origin + "' is not keep, local or x,y,z");
+  if (numbers.size() != 3)
+    throw UsageError("--origin: '" + origin + "' is not keep, local or x,y,z");
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
 }
 
 // The library's reason why points can't be fitted, with the name of their file.
-SurfaceFit Fit(const PointCloud& cloud, const SurfaceFitOptions& options, const std::vector<std::string>& files) {
+SurfaceFit Fit(const PointCloud& cloud,
+               const SurfaceFitOptions& options,
+               const std::vector<std::string>& files) {
   try {
     return FitSurface(cloud, options);
   } catch (const std::invalid_argument& error) {
@@ -131,9 +140,15 @@ SurfaceFit Fit(const PointCloud& cloud, const SurfaceFitOptions& options, const 
 
 // 500 m in the data's unit: CAD kernels lose digits beyond.
 double FarAway(const std::string& unit) {
-  static const std::map<std::string, double> kPerMetre = {
-      {"mm", 1000}, {"cm", 100}, {"m", 1}, {"km", 0.001}, {"um", 1e6}, {"inch", 39.3701}, {"in", 39.3701},
-      {"ft", 3.28084}, {"foot", 3.28084}};
+  static const std::map<std::string, double> kPerMetre = {{"mm", 1000},
+                                                          {"cm", 100},
+                                                          {"m", 1},
+                                                          {"km", 0.001},
+                                                          {"um", 1e6},
+                                                          {"inch", 39.3701},
+                                                          {"in", 39.3701},
+                                                          {"ft", 3.28084},
+                                                          {"foot", 3.28084}};
   const auto found = kPerMetre.find(unit);
   return 500 * (found == kPerMetre.end() ? 1000 : found->second);
 }
@@ -149,7 +164,8 @@ int Run(const Arguments& a) {
   const std::optional<Eigen::Vector3d> shift = ToShift(a.origin);
   // A format word belongs to the file whose kind it names.
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
-  const std::string out_format = a.out_format.empty() && word_is_geometry ? a.cloud.format : a.out_format;
+  const std::string out_format =
+      a.out_format.empty() && word_is_geometry ? a.cloud.format : a.out_format;
   if (!IsGeometryFormat(FormatOf(a.out, out_format))) {
     throw UsageError("-o " + a.out + ": a surface is written as .json or .step");
   }
@@ -162,7 +178,8 @@ int Run(const Arguments& a) {
   if (word_is_geometry) read.format.clear();
   const CloudFile file = ReadCloud(a.clouds, read);
   if (file.cloud.dimension() == 2) {
-    throw ReadError(a.clouds.front(), "holds points in the plane (two columns); a surface needs x y z");
+    throw ReadError(a.clouds.front(),
+                    "holds points in the plane (two columns); a surface needs x y z");
   }
   const double read_seconds = since(start);
 
@@ -175,8 +192,9 @@ int Run(const Arguments& a) {
   report.input.non_finite = file.non_finite;
   const double far = file.cloud.World(0).cwiseAbs().maxCoeff();
   if (a.origin == "keep" && far > FarAway(a.output.unit)) {
-    report.warnings.push_back("coordinates are more than 500 m from zero, where CAD systems lose digits: "
-                              "--origin local writes them near zero and reports the shift");
+    report.warnings.push_back(
+        "coordinates are more than 500 m from zero, where CAD systems lose digits: "
+        "--origin local writes them near zero and reports the shift");
   }
   const auto write_start = std::chrono::steady_clock::now();
   const auto residuals =
@@ -196,43 +214,78 @@ int Run(const Arguments& a) {
 void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *fit.add_subcommand("surface", "Fit a NURBS surface to scattered points");
-  command.add_option("CLOUD", a->clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
+  command
+      .add_option(
+          "CLOUD", a->clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
       ->required();
-  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")->required()->type_name("OUT");
+  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")
+      ->required()
+      ->type_name("OUT");
   command
       .add_option_function<std::string>(
           "--tolerance",
-          [a](const std::string& text) { a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive); },
+          [a](const std::string& text) {
+            a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+          },
           "Orthogonal distance every point must keep; refines where it is missed [none]")
       ->type_name("T");
   command.add_option("--degree", a->degree, "Degree in u and v: P or P,Q")
-      ->capture_default_str()->type_name("P[,Q]");
-  command.add_option("--control-points", a->control_points, "Net of N,M control points, or chosen by cross-validation")
-      ->capture_default_str()->type_name("N,M");
-  command.add_option("--max-control-points", a->max_control_points, "Never more control points than this")
-      ->capture_default_str()->type_name("K");
-  command.add_option("--smoothing", a->smoothing, "Fairness relative to the data: auto (1e-4) or a number")
-      ->capture_default_str()->type_name("L");
-  command.add_option("--loss", a->loss, "auto none huber cauchy tukey; auto is robust when outliers are found")
-      ->capture_default_str()->type_name("LOSS");
-  command.add_option("--loss-scale", a->loss_scale, "Standard deviation of good points: auto or a number")
-      ->capture_default_str()->type_name("S");
+      ->capture_default_str()
+      ->type_name("P[,Q]");
+  command
+      .add_option("--control-points",
+                  a->control_points,
+                  "Net of N,M control points, or chosen by cross-validation")
+      ->capture_default_str()
+      ->type_name("N,M");
+  command
+      .add_option(
+          "--max-control-points", a->max_control_points, "Never more control points than this")
+      ->capture_default_str()
+      ->type_name("K");
+  command
+      .add_option(
+          "--smoothing", a->smoothing, "Fairness relative to the data: auto (1e-4) or a number")
+      ->capture_default_str()
+      ->type_name("L");
+  command
+      .add_option(
+          "--loss", a->loss, "auto none huber cauchy tukey; auto is robust when outliers are found")
+      ->capture_default_str()
+      ->type_name("LOSS");
+  command
+      .add_option(
+          "--loss-scale", a->loss_scale, "Standard deviation of good points: auto or a number")
+      ->capture_default_str()
+      ->type_name("S");
   command.add_option("--base", a->base, "Shape the parameters come from: auto plane")
-      ->capture_default_str()->type_name("BASE");
+      ->capture_default_str()
+      ->type_name("BASE");
   command.add_option("--closed", a->closed, "Closed directions: auto none")
-      ->capture_default_str()->type_name("CLOSED");
+      ->capture_default_str()
+      ->type_name("CLOSED");
   command.add_option("--parameterization", a->parameterization, "auto")
-      ->capture_default_str()->type_name("FROM");
+      ->capture_default_str()
+      ->type_name("FROM");
   command.add_option("--optimize", a->optimize, "Joint stage by Ceres: auto none params")
-      ->capture_default_str()->type_name("MODE");
-  command.add_option("--trim", a->trim, "none: the surface is the whole rectangle around the points")
-      ->capture_default_str()->type_name("TRIM");
+      ->capture_default_str()
+      ->type_name("MODE");
+  command
+      .add_option("--trim", a->trim, "none: the surface is the whole rectangle around the points")
+      ->capture_default_str()
+      ->type_name("TRIM");
   command.add_option("--normals", a->normals, "auto none")
-      ->capture_default_str()->type_name("FROM");
-  command.add_option("--origin", a->origin, "Subtracted from what is written: keep (nothing), local, or x,y,z")
-      ->capture_default_str()->type_name("ORIGIN");
+      ->capture_default_str()
+      ->type_name("FROM");
+  command
+      .add_option(
+          "--origin", a->origin, "Subtracted from what is written: keep (nothing), local, or x,y,z")
+      ->capture_default_str()
+      ->type_name("ORIGIN");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
-  command.add_option("--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+  command
+      .add_option(
+          "--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
       ->type_name("FORMAT");
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
@@ -243,7 +296,8 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface scan.ply -o part.step\n"
       "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.json\n"
       "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
-      "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals off.csv\n"
+      "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
+      "off.csv\n"
       "Exit code 3 says the best surface is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }

@@ -39,16 +39,20 @@ Json CloudInfo(const Arguments& a) {
   ThreadPool pool(a.work.threads);
   CloudStatisticsOptions options;
   options.seed = a.work.seed;
-  const CloudStatistics statistics = MeasureCloud(
-      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), options, pool, MakeProgress(a.flags.quiet));
+  const CloudStatistics statistics = MeasureCloud(merged.cloud.points(),
+                                                  NeighbourIndex(merged.cloud.points()),
+                                                  options,
+                                                  pool,
+                                                  MakeProgress(a.flags.quiet));
   Json info;
   info["kind"] = "cloud";
   info["points"] = file.points_in_file - file.filtered;
   info["non_finite"] = file.non_finite;
   info["duplicates"] = merged.duplicates;
   info["fields"] = file.fields;
-  info["bounding_box"] = Json::array({ToJson(cloud.origin() + cloud.points().rowwise().minCoeff()),
-                                      ToJson(cloud.origin() + cloud.points().rowwise().maxCoeff())});
+  info["bounding_box"] =
+      Json::array({ToJson(cloud.origin() + cloud.points().rowwise().minCoeff()),
+                   ToJson(cloud.origin() + cloud.points().rowwise().maxCoeff())});
   info["origin"] = ToJson(cloud.origin());
   info["spacing"] = statistics.spacing;
   info["noise"] = statistics.noise;
@@ -56,7 +60,8 @@ Json CloudInfo(const Arguments& a) {
   return info;
 }
 
-// The lowest order of continuity the knots leave at an interior knot; the degree where there is none.
+// The lowest order of continuity the knots leave at an interior knot; the degree where there is
+// none.
 int Continuity(const SplineBasis& basis) {
   int continuity = basis.degree();
   for (const double knot : basis.knots()) {
@@ -68,7 +73,8 @@ int Continuity(const SplineBasis& basis) {
 }
 
 Json BasisInfo(const std::vector<const SplineBasis*>& bases, Json info) {
-  for (const char* key : {"degree", "control_points", "knots", "domain", "periodic", "continuity"}) {
+  for (const char* key :
+       {"degree", "control_points", "knots", "domain", "periodic", "continuity"}) {
     info[key] = Json::array();
   }
   for (const SplineBasis* basis : bases) {
@@ -147,11 +153,14 @@ int Run(const Arguments& a) {
 void AddInfoCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("info", "Say what a cloud or geometry file holds");
-  command.add_option("FILE", a->path, "A cloud (.pcd .ply .xyz ...) or geometry (.json .step)")->required();
+  command.add_option("FILE", a->path, "A cloud (.pcd .ply .xyz ...) or geometry (.json .step)")
+      ->required();
   AddCloudArguments(command, a->cloud);
   AddWorkFlags(command, a->work);
   AddCommonFlags(command, a->flags);
-  command.footer("Examples:\n  batten info scan.pcd\n  batten info ground.xyz --where label=1 --json\n  batten info part.step");
+  command.footer(
+      "Examples:\n  batten info scan.pcd\n  batten info ground.xyz --where label=1 --json\n  "
+      "batten info part.step");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

@@ -23,7 +23,9 @@ size_t EditDistance(const std::string& a, const std::string& b) {
 }
 
 // The candidate fewest edits away, if that is fewer than `limit`.
-std::string NearestBelow(size_t limit, const std::string& word, const std::vector<std::string>& candidates) {
+std::string NearestBelow(size_t limit,
+                         const std::string& word,
+                         const std::vector<std::string>& candidates) {
   std::string nearest;
   for (const std::string& candidate : candidates) {
     const size_t distance = EditDistance(word, candidate);

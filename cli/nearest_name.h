@@ -7,8 +7,8 @@
 
 namespace batten {
 
-// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours away; empty
-// when none is within a third of the word's length (at least two). [Damerau 1964, restricted]
+// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours away;
+// empty when none is within a third of the word's length (at least two). [Damerau 1964, restricted]
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
 
 // The same however far away it is; empty only without candidates.

@@ -11,7 +11,9 @@
 namespace batten {
 namespace {
 
-[[noreturn]] void Refuse(const std::string& flag, const std::string& text, const std::string& rule) {
+[[noreturn]] void Refuse(const std::string& flag,
+                         const std::string& text,
+                         const std::string& rule) {
   throw UsageError(flag + ": '" + text + "' is not " + rule);
 }
 
@@ -53,13 +55,18 @@ std::vector<double> ParseNumbers(const std::string& flag, const std::string& tex
 double ParseNumber(const std::string& flag, const std::string& text, Sign sign) {
   const std::vector<double> numbers = Numbers(text);
   const bool one = numbers.size() == 1;
-  if (sign == Sign::kPositive && !(one && numbers[0] > 0)) Refuse(flag, text, "a positive finite number");
-  if (sign == Sign::kNotNegative && !(one && numbers[0] >= 0)) Refuse(flag, text, "a finite number of 0 or more");
+  if (sign == Sign::kPositive && !(one && numbers[0] > 0))
+    Refuse(flag, text, "a positive finite number");
+  if (sign == Sign::kNotNegative && !(one && numbers[0] >= 0))
+    Refuse(flag, text, "a finite number of 0 or more");
   if (!one) Refuse(flag, text, "a finite number");
   return numbers[0];
 }
 
-std::uint64_t ParseWhole(const std::string& flag, const std::string& text, std::uint64_t low, std::uint64_t high) {
+std::uint64_t ParseWhole(const std::string& flag,
+                         const std::string& text,
+                         std::uint64_t low,
+                         std::uint64_t high) {
   std::uint64_t value = 0;
   const char* const end = text.data() + text.size();
   const auto [next, error] = std::from_chars(text.data(), end, value);
@@ -78,7 +85,9 @@ std::pair<int, int> ParsePair(const std::string& flag, const std::string& text, 
   bool good = numbers.size() == 1 || numbers.size() == 2;
   for (const double number : numbers) good = good && Whole(number, low, high);
   if (!good) {
-    Refuse(flag, text, "one or two whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
+    Refuse(flag,
+           text,
+           "one or two whole numbers from " + std::to_string(low) + " to " + std::to_string(high));
   }
   return {static_cast<int>(numbers.front()), static_cast<int>(numbers.back())};
 }

@@ -18,7 +18,10 @@ enum class Sign { kAny, kNotNegative, kPositive };
 double ParseNumber(const std::string& flag, const std::string& text, Sign sign = Sign::kAny);
 
 // A whole number in [low, high]; 2e4 is one too.
-std::uint64_t ParseWhole(const std::string& flag, const std::string& text, std::uint64_t low, std::uint64_t high);
+std::uint64_t ParseWhole(const std::string& flag,
+                         const std::string& text,
+                         std::uint64_t low,
+                         std::uint64_t high);
 
 // A whole number in [low, high], or a pair of them: "24" is 24,24.
 std::pair<int, int> ParsePair(const std::string& flag, const std::string& text, int low, int high);

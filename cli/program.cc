@@ -19,10 +19,19 @@ namespace {
 std::string command_line;
 
 // Commands of the contract that later versions will have.
-const std::vector<std::string> kLaterCommands = {"project", "edit", "make", "analyze", "section", "tessellate"};
+const std::vector<std::string> kLaterCommands = {
+    "project", "edit", "make", "analyze", "section", "tessellate"};
 const std::vector<std::string> kLaterFits = {"curve", "primitive", "scan"};
-const std::vector<std::string> kLaterFlags = {"--grid", "--domain", "--boundary", "--symmetric", "--thin", "--snap",
-                                              "--las-class", "--uncertainty", "--certify", "--stream"};
+const std::vector<std::string> kLaterFlags = {"--grid",
+                                              "--domain",
+                                              "--boundary",
+                                              "--symmetric",
+                                              "--thin",
+                                              "--snap",
+                                              "--las-class",
+                                              "--uncertainty",
+                                              "--certify",
+                                              "--stream"};
 
 bool Contains(const std::vector<std::string>& list, const std::string& word) {
   return std::find(list.begin(), list.end(), word) != list.end();
@@ -73,7 +82,8 @@ std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
   const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
   // One letter is taken for the first of a name.
   if (flag.size() == 2) {
-    const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
+    const auto found = std::find_if(
+        names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
     if (found != names.end()) return text + "did you mean '" + *found + "'?";
   }
   const std::string near = NearestName(flag, names);
@@ -85,7 +95,8 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
   const CLI::App* command = Deepest(app);
   const std::vector<std::string> commands = CommandNames(*command);
   if (commands.empty()) {
-    return "unexpected argument '" + word + "' for '" + TypedName(app) + "' (--help shows what it takes)";
+    return "unexpected argument '" + word + "' for '" + TypedName(app) +
+           "' (--help shows what it takes)";
   }
   if (Contains(command == &app ? kLaterCommands : kLaterFits, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
@@ -107,10 +118,10 @@ std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
   if (!extras.empty()) return ExplainExtra(app, extras.front());
   const std::vector<std::string> commands = CommandNames(*Deepest(app));
   if (!commands.empty()) {
-    return "usage: " + TypedName(app) + " COMMAND ...; commands are " + Listed(commands) + " (" + TypedName(app) +
-           " --help says more)";
+    return "usage: " + TypedName(app) + " COMMAND ...; commands are " + Listed(commands) + " (" +
+           TypedName(app) + " --help says more)";
   }
-  return TypedName(app) + ": " + error.what() + " (--help lists what there is)";
+  return std::string(error.what()) + " ('" + TypedName(app) + " --help' lists what there is)";
 }
 
 int Parse(CLI::App& app, int argc, char** argv) {
@@ -178,7 +189,8 @@ void AddSeedFlag(CLI::App& command, std::uint64_t& seed, const std::string& what
 int RunProgram(int argc, char** argv) {
   for (int k = 0; k < argc; ++k) command_line += (k > 0 ? " " : "") + std::string(argv[k]);
   Action action;
-  CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.", "batten");
+  CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
+               "batten");
   app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.footer(
@@ -186,7 +198,8 @@ int RunProgram(int argc, char** argv) {
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
       "  batten compare part.step scan.ply                 how well it fits, measured again\n"
       "  batten COMMAND --help                             flags, defaults and examples\n"
-      "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not reached;\n"
+      "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
+      "reached;\n"
       "130 interrupted. Results go to standard output, everything else to standard error.");
   app.require_subcommand(1);
   CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");

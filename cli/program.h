@@ -29,7 +29,7 @@ void AddCommonFlags(CLI::App& command, CommonFlags& flags);
 
 // Flags of the commands that compute for long.
 struct WorkFlags {
-  int threads = 0;         // 0: all cores
+  int threads = 0;  // 0: all cores
   std::uint64_t seed = 1;
 };
 void AddWorkFlags(CLI::App& command, WorkFlags& flags);

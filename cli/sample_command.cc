@@ -26,15 +26,18 @@ struct Arguments {
 int Run(const Arguments& a) {
   const bool word_is_geometry = a.format == "json" || a.format == "step";
   const std::string out_format = word_is_geometry ? "" : a.format;
-  if (!IsCloudFormat(FormatOf(a.out, out_format))) throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
+  if (!IsCloudFormat(FormatOf(a.out, out_format)))
+    throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
   if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
   CheckWritable(a.out);
-  const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {word_is_geometry ? a.format : ""});
+  const std::vector<Geometry> geometry =
+      ReadGeometry(a.geometry, {word_is_geometry ? a.format : ""});
   if (geometry.size() != 1) {
-    throw ReadError(a.geometry, "holds " + std::to_string(geometry.size()) + " geometries; one can be sampled");
+    throw ReadError(a.geometry,
+                    "holds " + std::to_string(geometry.size()) + " geometries; one can be sampled");
   }
-  const PointCloud cloud =
-      std::visit([&](const auto& shape) { return SampleGeometry(shape, a.sample); }, geometry.front());
+  const PointCloud cloud = std::visit(
+      [&](const auto& shape) { return SampleGeometry(shape, a.sample); }, geometry.front());
   WriteCloud(cloud, a.out, out_format);
   if (a.flags.json) {
     const nlohmann::ordered_json file{{"path", a.out}, {"kind", "cloud"}, {"points", cloud.size()}};
@@ -49,27 +52,48 @@ int Run(const Arguments& a) {
 
 void AddSampleCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("sample", "Scatter points over a curve or surface, with noise and outliers");
+  CLI::App& command = *app.add_subcommand(
+      "sample", "Scatter points over a curve or surface, with noise and outliers");
   command.add_option("GEOMETRY", a->geometry, "A curve or surface: .json .step")->required();
-  command.add_option("-o,--output", a->out, "Where to write: .ply .pcd .xyz .csv")->required()->type_name("CLOUD");
+  command.add_option("-o,--output", a->out, "Where to write: .ply .pcd .xyz .csv")
+      ->required()
+      ->type_name("CLOUD");
   constexpr std::uint64_t kMostPoints = 1000000000;
-  const auto add_number = [&command](const std::string& flag, const std::string& what, auto&& take) {
+  const auto add_number = [&command](
+                              const std::string& flag, const std::string& what, auto&& take) {
     return command.add_option_function<std::string>(flag, take, what);
   };
-  add_number("--count", "Number of points", [a](const std::string& text) {
-    a->sample.count = static_cast<Eigen::Index>(ParseWhole("--count", text, 1, kMostPoints));
-  })->required()->type_name("N");
-  add_number("--noise", "Standard deviation in every coordinate", [a](const std::string& text) {
-    a->sample.noise = ParseNumber("--noise", text, Sign::kNotNegative);
-  })->default_str("0")->type_name("S");
-  add_number("--outliers", "Fraction of points put anywhere in the bounding box", [a](const std::string& text) {
-    a->sample.outliers = ParseNumber("--outliers", text, Sign::kNotNegative);
-    if (a->sample.outliers > 1) throw UsageError("--outliers: '" + text + "' is not a fraction from 0 to 1");
-  })->default_str("0")->type_name("F");
+  add_number("--count",
+             "Number of points",
+             [a](const std::string& text) {
+               a->sample.count =
+                   static_cast<Eigen::Index>(ParseWhole("--count", text, 1, kMostPoints));
+             })
+      ->required()
+      ->type_name("N");
+  add_number("--noise",
+             "Standard deviation in every coordinate",
+             [a](const std::string& text) {
+               a->sample.noise = ParseNumber("--noise", text, Sign::kNotNegative);
+             })
+      ->default_str("0")
+      ->type_name("S");
+  add_number("--outliers",
+             "Fraction of points put anywhere in the bounding box",
+             [a](const std::string& text) {
+               a->sample.outliers = ParseNumber("--outliers", text, Sign::kNotNegative);
+               if (a->sample.outliers > 1)
+                 throw UsageError("--outliers: '" + text + "' is not a fraction from 0 to 1");
+             })
+      ->default_str("0")
+      ->type_name("F");
   AddSeedFlag(command, a->sample.seed, "Same seed, same points");
-  command.add_option("--format", a->format, "Format of files whose name does not tell, or of '-'")->type_name("FORMAT");
+  command.add_option("--format", a->format, "Format of files whose name does not tell, or of '-'")
+      ->type_name("FORMAT");
   AddCommonFlags(command, a->flags);
-  command.footer("Examples:\n  batten sample part.step -o cloud.ply --count 20000 --noise 0.01 --outliers 0.02 --seed 7");
+  command.footer(
+      "Examples:\n  batten sample part.step -o cloud.ply --count 20000 --noise 0.01 --outliers "
+      "0.02 --seed 7");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

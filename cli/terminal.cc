@@ -55,7 +55,11 @@ Progress MakeProgress(bool quiet) {
       constexpr int kWidth = 30;
       const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
       const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-      std::fprintf(stderr, "\r%-14s [%s] %3.0f %%", stage, bar.c_str(), 100 * std::clamp(fraction, 0.0, 1.0));
+      std::fprintf(stderr,
+                   "\r%-14s [%s] %3.0f %%",
+                   stage,
+                   bar.c_str(),
+                   100 * std::clamp(fraction, 0.0, 1.0));
       std::fflush(stderr);
       bar_drawn = true;
     }

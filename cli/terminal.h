@@ -8,8 +8,8 @@
 
 namespace batten {
 
-// From here on Ctrl-C and SIGTERM ask work to stop; if it has not within a moment, temporary files are
-// removed and the process ends.
+// From here on Ctrl-C and SIGTERM ask work to stop; if it has not within a moment, temporary files
+// are removed and the process ends.
 void WatchForInterrupt();
 bool Interrupted();
 

@@ -31,7 +31,8 @@ constexpr double kOutlierInScales = 4.685;      // where Tukey's loss stops coun
 constexpr double kVoidShareToWarn = 0.05;
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
-constexpr int kLargeGrid = 1500;                // searching its size anew takes long
+constexpr int kLargeGrid = 1500;                // searching its size anew takes long …
+constexpr Eigen::Index kManyPoints = 200000;    // … as it does with many points
 constexpr double kStructureInSpacings = 4;      // what a surface may miss between points
 constexpr int kWitnesses = 8;                   // neighbours asked whether a point is alone
 constexpr int kWitnessesNeeded = 3;             // that are off as it is
@@ -75,6 +76,34 @@ InputSummary Summary(const PointCloud& cloud, const Prepared& prepared) {
   return input;
 }
 
+// Puts points that are neighbours in the plane beside each other in memory: everything later goes through
+// them cell by cell.
+void SortByPlace(Prepared& prepared) {
+  const PointCloud& cloud = prepared.merged.cloud;
+  const Eigen::Matrix3Xd local = prepared.base.ToFrame(cloud.points());
+  constexpr double kPointsPerPlace = 16;
+  const double side = std::sqrt(prepared.base.length_u * prepared.base.length_v * kPointsPerPlace /
+                                static_cast<double>(cloud.size()));
+  const auto columns = static_cast<Eigen::Index>(prepared.base.length_v / side) + 1;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> keys(static_cast<size_t>(cloud.size()));
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(std::max(0.0, local(0, k)) / side);
+    const auto column = std::min(columns - 1, static_cast<Eigen::Index>(std::max(0.0, local(1, k)) / side));
+    keys[k] = {row * columns + (row % 2 == 0 ? column : columns - 1 - column), k};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<Eigen::Index> order, rank(keys.size());
+  order.reserve(keys.size());
+  for (const auto& [key, k] : keys) {
+    rank[k] = static_cast<Eigen::Index>(order.size());
+    order.push_back(k);
+  }
+  prepared.merged.cloud = cloud.Picked(order);
+  for (Eigen::Index& place : prepared.merged.place) place = rank[place];
+  prepared.used = prepared.used(order).eval();
+  prepared.statistics.outliers = prepared.statistics.outliers(order).eval();
+}
+
 Prepared Prepare(const PointCloud& cloud, const SurfaceFitOptions& options, ThreadPool& pool) {
   Prepared prepared;
   Report(options.progress, "prepare", 0);
@@ -101,6 +130,7 @@ Prepared Prepare(const PointCloud& cloud, const SurfaceFitOptions& options, Thre
     prepared.base = FindPlaneBase(good.points(), NeighbourIndex(good.points()),
                                   prepared.statistics.spacing, margin, base_options);
   }
+  SortByPlace(prepared);
   return prepared;
 }
 
@@ -390,7 +420,9 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   for (int pass = 1; pass <= kOutlierPasses; ++pass) {
     used = prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
     problem = ChooseBases(MakeProblem(prepared, used, options), options,
-                          settled && problem->unknowns() > kLargeGrid ? &*problem : nullptr, pool, report);
+                          settled && (problem->unknowns() > kLargeGrid || used.size() > kManyPoints)
+                              ? &*problem
+                              : nullptr, pool, report);
     if (robust) problem = Reweighted(*problem, base, options, pool, report);
     if (pass == kOutlierPasses || options.keep_outliers) break;
     const NurbsSurface surface = HeightSurface(base, problem->basis_u(), problem->basis_v(),

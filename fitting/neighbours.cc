@@ -2,6 +2,7 @@
 #include "batten/fitting/neighbours.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #pragma GCC diagnostic push
@@ -16,14 +17,22 @@ namespace batten {
 struct NeighbourIndex::Tree {
   using Distance = flann::L2_3D<float>;
   Eigen::Vector3d centre;
+  double scale;  // a power of two that brings coordinates near one: floats reach from 1e-38 to 1e38 only
+
+  Eigen::Matrix3Xf Local(const Eigen::Matrix3Xd& world) const {
+    return ((world.colwise() - centre) * scale).cast<float>();
+  }
+
   Eigen::Matrix3Xf points;
   std::unique_ptr<flann::KDTreeSingleIndex<Distance>> index;
 };
 
 NeighbourIndex::NeighbourIndex(const Eigen::Matrix3Xd& points) : tree_(std::make_unique<Tree>()) {
   if (points.cols() == 0) throw std::invalid_argument("NeighbourIndex: no points");
-  tree_->centre = (points.rowwise().minCoeff() + points.rowwise().maxCoeff()) / 2;
-  tree_->points = (points.colwise() - tree_->centre).cast<float>();
+  tree_->centre = points.rowwise().minCoeff() / 2 + points.rowwise().maxCoeff() / 2;
+  const double reach = (points.rowwise().maxCoeff() - tree_->centre).maxCoeff();
+  tree_->scale = reach > 0 ? std::exp2(std::clamp(-std::ilogb(reach), -1000, 1000)) : 1;
+  tree_->points = tree_->Local(points);
   const flann::Matrix<float> rows(tree_->points.data(), static_cast<size_t>(points.cols()), 3);
   constexpr int kLeafSize = 15;
   constexpr bool kReorder = false;  // a second copy of the points gains little
@@ -39,7 +48,7 @@ Eigen::Index NeighbourIndex::size() const { return tree_->points.cols(); }
 
 std::vector<int> NeighbourIndex::Nearest(const Eigen::Matrix3Xd& queries, int k) const {
   k = static_cast<int>(std::min<Eigen::Index>(k, size()));
-  Eigen::Matrix3Xf local = (queries.colwise() - tree_->centre).cast<float>();
+  Eigen::Matrix3Xf local = tree_->Local(queries);
   const auto rows = static_cast<size_t>(queries.cols());
   std::vector<int> indices(rows * k);
   std::vector<float> distances(rows * k);

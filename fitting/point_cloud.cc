@@ -90,6 +90,10 @@ PointCloud PointCloud::Subset(const Eigen::Array<bool, Eigen::Dynamic, 1>& keep)
   for (Eigen::Index k = 0; k < size(); ++k) {
     if (keep[k]) kept.push_back(k);
   }
+  return Picked(kept);
+}
+
+PointCloud PointCloud::Picked(const std::vector<Eigen::Index>& kept) const {
   PointCloud result(points_(Eigen::all, kept), origin_, dimension_);
   if (normals_.cols() > 0) result.normals_ = normals_(Eigen::all, kept);
   if (weights_.size() > 0) result.weights_ = weights_(kept);

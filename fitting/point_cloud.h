@@ -49,6 +49,9 @@ class PointCloud {
   // The points whose mask is set, with everything that belongs to them.
   PointCloud Subset(const Eigen::Array<bool, Eigen::Dynamic, 1>& keep) const;
 
+  // The points of these indices, in this order, with everything that belongs to them.
+  PointCloud Picked(const std::vector<Eigen::Index>& indices) const;
+
  private:
   Eigen::Matrix3Xd points_ = Eigen::Matrix3Xd(3, 0);
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();

@@ -34,12 +34,19 @@ struct ParameterBox {
 // The local minimum of |S(u,v) − q| reached from (u,v) by Newton steps that never leave the box and
 // never go uphill. Boundary minima included. [Piegl & Tiller 1997, §6.1, with an active set at the
 // box's sides and a shift of indefinite Hessians]
-SurfaceFoot LocalFootPoint(
-    const NurbsSurface& surface, const Eigen::Vector3d& q, double u, double v, const ParameterBox& box);
-SurfaceFoot LocalFootPoint(const NurbsSurface& surface, const Eigen::Vector3d& q, double u, double v);
+SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
+                           const Eigen::Vector3d& q,
+                           double u,
+                           double v,
+                           const ParameterBox& box);
+SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
+                           const Eigen::Vector3d& q,
+                           double u,
+                           double v);
 
-// Nearest points over the whole surface. Every Bézier piece whose bounding box is nearer than the best
-// foot point so far is searched by Newton steps from each local minimum of a grid of samples, so a
+// Nearest points over the whole surface. Its Bézier pieces are halved until they are nearly flat
+// and evenly parameterized, or small; every piece whose bounding box is nearer than the best foot
+// point so far is searched by Newton steps from each local minimum of a grid of samples, so a
 // minimum is missed only where one piece hides it between samples. Building is O(pieces).
 class SurfaceFootPoints {
  public:
@@ -59,8 +66,9 @@ class SurfaceFootPoints {
   std::unique_ptr<Tree> tree_;
 };
 
-// Nearest point over a whole curve in space or, with z = 0, in the plane; the same method in one
-// parameter. O(spans) a query.
+// Nearest point over a whole curve in space or, with z = 0, in the plane. The curve is cut into
+// nearly straight arcs; those whose chords allow a nearer point are searched by Newton steps.
+// O(arcs) a query.
 template <int Dim>
 class CurveFootPoints {
  public:
@@ -71,8 +79,11 @@ class CurveFootPoints {
 
  private:
   NurbsCurve<Dim> curve_;
-  std::vector<double> parameters_;  // samples, increasing
+  // Nearly straight arcs: arc k runs from parameter and sample k to k + 1, at most bulge k off its
+  // chord.
+  std::vector<double> parameters_;
   Eigen::Matrix3Xd samples_;
+  std::vector<double> bulges_;
 };
 
 extern template class CurveFootPoints<2>;
