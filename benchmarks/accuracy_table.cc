@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Prints, as a Markdown table, how near whole fits come to shapes that are known: rms and largest distance
-// of the noise-free surface from the fitted one, beside the limit σ√(n/N) that noise alone sets.
+// Prints, as a Markdown table, how near whole fits come to shapes that are known: rms and largest
+// distance of the noise-free surface from the fitted one, beside the limit σ√(n/N) that noise alone
+// sets.
 #include <cstdio>
 #include <cstdlib>
 
@@ -13,22 +14,36 @@ namespace {
 constexpr double kSigma = 1e-3;
 
 template <typename Height>
-void Row(const char* name, Height height, Eigen::Index count, double outliers, const batten::SurfaceFitOptions& options) {
-  const auto cloud = batten::PointCloud::FromWorld(batten::Scatter(height, count, kSigma, outliers, 20261121));
+void Row(const char* name,
+         Height height,
+         Eigen::Index count,
+         double outliers,
+         const batten::SurfaceFitOptions& options) {
+  const auto cloud =
+      batten::PointCloud::FromWorld(batten::Scatter(height, count, kSigma, outliers, 20261121));
   const batten::SurfaceFit fit = batten::FitSurface(cloud, options);
   batten::ThreadPool pool(0);
-  const Eigen::VectorXd d = batten::DistancesTo(fit.surface, batten::TruthGrid(height, 201), pool).distances;
+  const Eigen::VectorXd d =
+      batten::DistancesTo(fit.surface, batten::TruthGrid(height, 201), pool).distances;
   const double n = fit.surface.size_u() * fit.surface.size_v();
-  std::printf("| %s | %ld | %d × %d | %.2e | %.2e | %.2e | %.2f |\n", name, static_cast<long>(count),
-              fit.surface.size_u(), fit.surface.size_v(), std::sqrt(d.squaredNorm() / static_cast<double>(d.size())),
-              d.cwiseAbs().maxCoeff(), kSigma * std::sqrt(n / static_cast<double>(count)), fit.report.seconds.total);
+  std::printf("| %s | %ld | %d × %d | %.2e | %.2e | %.2e | %.2f |\n",
+              name,
+              static_cast<long>(count),
+              fit.surface.size_u(),
+              fit.surface.size_v(),
+              std::sqrt(d.squaredNorm() / static_cast<double>(d.size())),
+              d.cwiseAbs().maxCoeff(),
+              kSigma * std::sqrt(n / static_cast<double>(count)),
+              fit.report.seconds.total);
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int main() {
-  std::printf("| cloud (σ = 1e-3) | points | control points | truth rms | truth max | limit σ√(n/N) | seconds |\n");
+  std::printf(
+      "| cloud (σ = 1e-3) | points | control points | truth rms | truth max | limit σ√(n/N) | "
+      "seconds |\n");
   std::printf("|---|---|---|---|---|---|---|\n");
   const batten::SurfaceFitOptions defaults;
   batten::SurfaceFitOptions coarse;

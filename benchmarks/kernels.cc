@@ -17,7 +17,8 @@ FittingProblem Problem(Eigen::Index count, int cells) {
   auto data = std::make_shared<FittingData>();
   data->parameters = points.topRows<2>();
   data->values = points.row(2);
-  return FittingProblem(FittingBasis(3, cells, 0, 1), FittingBasis(3, cells, 0, 1), std::move(data), 1e-4);
+  return FittingProblem(
+      FittingBasis(3, cells, 0, 1), FittingBasis(3, cells, 0, 1), std::move(data), 1e-4);
 }
 
 NurbsSurface Surface(int cells) {
@@ -28,7 +29,8 @@ NurbsSurface Surface(int cells) {
   for (int i = 0; i < problem.basis_u().size(); ++i) {
     for (int j = 0; j < problem.basis_v().size(); ++j) {
       const Eigen::Index k = Eigen::Index{i} * problem.basis_v().size() + j;
-      net.col(k) << problem.basis_u().Greville(i), problem.basis_v().Greville(j), solution.coefficients(0, k);
+      net.col(k) << problem.basis_u().Greville(i), problem.basis_v().Greville(j),
+          solution.coefficients(0, k);
     }
   }
   return NurbsSurface(problem.basis_u(), problem.basis_v(), net);
@@ -38,7 +40,8 @@ void EvaluatePoints(benchmark::State& state) {
   const NurbsSurface surface = Surface(21);
   const Eigen::Matrix3Xd at = Scatter(Franke, 4096, 0, 0, 2);
   for (auto _ : state) {
-    for (Eigen::Index k = 0; k < at.cols(); ++k) benchmark::DoNotOptimize(surface.At(at(0, k), at(1, k)));
+    for (Eigen::Index k = 0; k < at.cols(); ++k)
+      benchmark::DoNotOptimize(surface.At(at(0, k), at(1, k)));
   }
   state.SetItemsProcessed(state.iterations() * at.cols());
 }
@@ -48,7 +51,8 @@ void EvaluateSecondDerivatives(benchmark::State& state) {
   const NurbsSurface surface = Surface(21);
   const Eigen::Matrix3Xd at = Scatter(Franke, 4096, 0, 0, 2);
   for (auto _ : state) {
-    for (Eigen::Index k = 0; k < at.cols(); ++k) benchmark::DoNotOptimize(surface.JetAt(at(0, k), at(1, k)));
+    for (Eigen::Index k = 0; k < at.cols(); ++k)
+      benchmark::DoNotOptimize(surface.JetAt(at(0, k), at(1, k)));
   }
   state.SetItemsProcessed(state.iterations() * at.cols());
 }
@@ -58,7 +62,8 @@ void FootPointsGlobal(benchmark::State& state) {
   const SurfaceFootPoints finder(Surface(21));
   const Eigen::Matrix3Xd points = Scatter(Franke, 4096, 1e-3, 0, 3);
   for (auto _ : state) {
-    for (Eigen::Index k = 0; k < points.cols(); ++k) benchmark::DoNotOptimize(finder.Nearest(points.col(k)));
+    for (Eigen::Index k = 0; k < points.cols(); ++k)
+      benchmark::DoNotOptimize(finder.Nearest(points.col(k)));
   }
   state.SetItemsProcessed(state.iterations() * points.cols());
 }
@@ -82,7 +87,11 @@ void LinearSolve(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(SolveLinear(problem, pool));
   state.SetItemsProcessed(state.iterations() * problem.size());
 }
-BENCHMARK(LinearSolve)->Args({21, 100000})->Args({21, 1000000})->Args({61, 1000000})->Unit(benchmark::kMillisecond);
+BENCHMARK(LinearSolve)
+    ->Args({21, 100000})
+    ->Args({21, 1000000})
+    ->Args({61, 1000000})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten

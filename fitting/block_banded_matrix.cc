@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -53,6 +54,13 @@ bool BlockBandedMatrix::Factor() {
     }
   }
   return true;
+}
+
+double BlockBandedMatrix::SmallestPivot() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < blocks_; ++k)
+    least = std::min(least, at(k, 0).diagonal().cwiseAbs2().minCoeff());
+  return least;
 }
 
 void BlockBandedMatrix::Solve(Eigen::MatrixXd& rhs) const {

@@ -7,9 +7,9 @@
 
 namespace batten {
 
-// A symmetric positive definite matrix of `blocks` × `blocks` square blocks of size `block_size`, zero
-// beyond `bandwidth` blocks off the diagonal; only the lower half is stored. With the longer direction
-// of a control net outside, a degree-p problem has bandwidth p.
+// A symmetric positive definite matrix of `blocks` × `blocks` square blocks of size `block_size`,
+// zero beyond `bandwidth` blocks off the diagonal; only the lower half is stored. With the longer
+// direction of a control net outside, a degree-p problem has bandwidth p.
 class BlockBandedMatrix {
  public:
   using Block = Eigen::Map<Eigen::MatrixXd>;
@@ -33,15 +33,21 @@ class BlockBandedMatrix {
   // definite; if not, the contents are spoilt. O(blocks · bandwidth² · block_size³).
   [[nodiscard]] bool Factor();
 
+  // After Factor(): the least squared diagonal entry of L. What is not above the rounding of the
+  // matrix' own diagonal says that it is singular.
+  double SmallestPivot() const;
+
   // After Factor(): solves A·x = rhs in place, for every column.
   void Solve(Eigen::MatrixXd& rhs) const;
 
  private:
   double* Data(int row, int below) {
-    return data_.data() + (static_cast<size_t>(row) * (bandwidth_ + 1) + below) * block_size_ * block_size_;
+    return data_.data() +
+           (static_cast<size_t>(row) * (bandwidth_ + 1) + below) * block_size_ * block_size_;
   }
   const double* Data(int row, int below) const {
-    return data_.data() + (static_cast<size_t>(row) * (bandwidth_ + 1) + below) * block_size_ * block_size_;
+    return data_.data() +
+           (static_cast<size_t>(row) * (bandwidth_ + 1) + below) * block_size_ * block_size_;
   }
 
   int blocks_, block_size_, bandwidth_;

@@ -20,6 +20,8 @@ constexpr int kPlaneNeighbours = 24;
 constexpr double kOutlierInSpacings = 2.5;
 constexpr int kReachNeighbour = 6;
 constexpr double kLonelier = 3;
+constexpr double kSparser = 2;  // than usual are points scattered through space, at least, …
+constexpr double kFillsSpace = 0.15;  // … and deviate from any plane by so much of their reach
 
 // A plane through points by its centre and unit normal, and where each point stands off it.
 struct LocalPlane {
@@ -137,7 +139,9 @@ Standing MeasureStanding(const Eigen::Matrix3Xd& points,
         standing.reach[point] = (points.col(row[kReachNeighbour]) - points.col(point)).norm();
       }
     });
-    Report(progress, "prepare", 0.3 + 0.7 * static_cast<double>(start + count) / static_cast<double>(m));
+    Report(progress,
+           "prepare",
+           0.3 + 0.7 * static_cast<double>(start + count) / static_cast<double>(m));
   }
   return standing;
 }
@@ -155,6 +159,16 @@ bool Isolated(const Eigen::Matrix3Xd& points,
   return reach[point] > kLonelier * Median(std::move(theirs));
 }
 
+// Whether most of the points nearest to a point are outliers.
+bool AmongOutliers(const Eigen::Matrix3Xd& points,
+                   const NeighbourIndex& index,
+                   const PointMask& outliers,
+                   Eigen::Index point) {
+  const std::vector<int> near = index.Nearest(points.col(point), kReachNeighbour + 1);
+  return std::count_if(near.begin(), near.end(), [&](int j) { return outliers[j]; }) >
+         kReachNeighbour / 2;
+}
+
 void FlagOutliers(const Eigen::Matrix3Xd& points,
                   const NeighbourIndex& index,
                   ThreadPool& pool,
@@ -162,16 +176,27 @@ void FlagOutliers(const Eigen::Matrix3Xd& points,
                   CloudStatistics& result) {
   const Standing standing = MeasureStanding(points, index, pool, progress);
   const double typical = Median(std::vector<double>(standing.scale.begin(), standing.scale.end()));
-  const double usual_reach = Median(std::vector<double>(standing.reach.begin(), standing.reach.end()));
-  const double rounding = 1e-9 * result.spacing;  // exact data: deviations are rounding or curvature
+  const double usual_reach =
+      Median(std::vector<double>(standing.reach.begin(), standing.reach.end()));
+  const double rounding =
+      1e-9 * result.spacing;  // exact data: deviations are rounding or curvature
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const double scale = standing.scale[i];
     const double own = std::max({typical, std::min(scale, 2 * typical), rounding});
-    const bool off = standing.offset[i] > 4.5 * own || scale > 4 * std::max(typical, rounding);
+    const bool rough = scale > 4 * std::max(typical, rounding);
+    const bool off = standing.offset[i] > 4.5 * own || rough;
+    const double reach = standing.reach[i];
     // Rough ground stands off planes too, but not by several times the distance of its points.
-    result.outliers[i] = (off && standing.offset[i] > kOutlierInSpacings * result.spacing) ||
-                         (standing.reach[i] > kLonelier * usual_reach &&
-                          Isolated(points, index, standing.reach, i));
+    // Points scattered through space keep each other company, but lie in no surface.
+    result.outliers[i] =
+        (off && standing.offset[i] > kOutlierInSpacings * result.spacing) ||
+        (rough && reach > kSparser * usual_reach && scale > kFillsSpace * reach) ||
+        (reach > kLonelier * usual_reach && Isolated(points, index, standing.reach, i));
+  }
+  const PointMask surely = result.outliers;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (surely[i] || !(standing.reach[i] > kSparser * usual_reach)) continue;
+    result.outliers[i] = AmongOutliers(points, index, surely, i);
   }
 }
 
@@ -189,7 +214,8 @@ std::vector<Eigen::Index> SampleIndices(Eigen::Index size, Eigen::Index count, s
   indices.reserve(static_cast<size_t>(count));
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index begin = size * i / count, end = size * (i + 1) / count;
-    indices.push_back(begin + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(end - begin)));
+    indices.push_back(
+        begin + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(end - begin)));
   }
   return indices;
 }

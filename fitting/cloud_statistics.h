@@ -14,12 +14,13 @@ namespace batten {
 using PointMask = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 struct CloudStatistics {
-  // Mean distance of neighbours on the surface, from the radius that holds 16 points: a count of points
-  // per area, which near-duplicates do not mislead.
+  // Mean distance of neighbours on the surface, from the radius that holds 16 points: a count of
+  // points per area, which near-duplicates do not mislead.
   double spacing = 0;
   // Standard deviation of the points along the surface normal, from quadrics through neighbours.
   double noise = 0;
-  // Set where a point stands off the plane of its neighbours by far more than points here do.
+  // Set where a point stands off the plane of its neighbours by far more than points here do, is
+  // much lonelier than they are, or is one of many scattered points that lie in no surface.
   PointMask outliers;
   Eigen::Index outlier_count = 0;
 };
@@ -30,7 +31,8 @@ struct CloudStatisticsOptions {
   bool find_outliers = true;
 };
 
-// Points are distinct and those of the index. Below 20 points no outliers are sought and the noise is 0.
+// Points are distinct and those of the index. Below 20 points no outliers are sought and the noise
+// is 0.
 CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
                              const NeighbourIndex& index,
                              const CloudStatisticsOptions& options,

@@ -14,7 +14,9 @@ double Signed(const NurbsSurface& surface, const SurfaceFoot& foot, const Eigen:
 
 }  // namespace
 
-PointDistances DistancesTo(const NurbsSurface& surface, const Eigen::Matrix3Xd& points, ThreadPool& pool) {
+PointDistances DistancesTo(const NurbsSurface& surface,
+                           const Eigen::Matrix3Xd& points,
+                           ThreadPool& pool) {
   const SurfaceFootPoints finder(surface);
   PointDistances result{Eigen::VectorXd(points.cols()), Eigen::MatrixXd(2, points.cols())};
   pool.For(points.cols(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {

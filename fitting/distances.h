@@ -12,12 +12,14 @@
 namespace batten {
 
 struct PointDistances {
-  Eigen::VectorXd distances;    // signed along the surface normal; not negative for curves
-  Eigen::MatrixXd parameters;   // of the foot points: 2 × m (u, v) or 1 × m (u)
+  Eigen::VectorXd distances;   // signed along the surface normal; not negative for curves
+  Eigen::MatrixXd parameters;  // of the foot points: 2 × m (u, v) or 1 × m (u)
 };
 
 // From each point's nearest point on the whole surface.
-PointDistances DistancesTo(const NurbsSurface& surface, const Eigen::Matrix3Xd& points, ThreadPool& pool);
+PointDistances DistancesTo(const NurbsSurface& surface,
+                           const Eigen::Matrix3Xd& points,
+                           ThreadPool& pool);
 
 // From the local foot points reached from given parameters; for rounds in which points stay near.
 PointDistances DistancesFrom(const NurbsSurface& surface,
@@ -26,7 +28,9 @@ PointDistances DistancesFrom(const NurbsSurface& surface,
                              ThreadPool& pool);
 
 template <int Dim>
-PointDistances DistancesTo(const NurbsCurve<Dim>& curve, const Eigen::Matrix3Xd& points, ThreadPool& pool) {
+PointDistances DistancesTo(const NurbsCurve<Dim>& curve,
+                           const Eigen::Matrix3Xd& points,
+                           ThreadPool& pool) {
   const std::vector<CurveFoot> feet = CurveFootPoints<Dim>(curve).Nearest(points, pool);
   PointDistances result{Eigen::VectorXd(points.cols()), Eigen::MatrixXd(1, points.cols())};
   for (Eigen::Index k = 0; k < points.cols(); ++k) {

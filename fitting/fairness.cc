@@ -35,7 +35,8 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
   for (const int span : basis.Spans()) {
     const double a = basis.knots()[span], b = basis.knots()[span + 1];
     for (int g = 0; g <= p; ++g) {
-      basis.Derivatives(span, (a + b) / 2 + (b - a) / 2 * quadrature.nodes[g], order, values.data());
+      basis.Derivatives(
+          span, (a + b) / 2 + (b - a) / 2 * quadrature.nodes[g], order, values.data());
       const double* N = values.data() + order * (p + 1);
       const double weight = quadrature.weights[g] * (b - a) / 2;
       for (int r = 0; r <= p; ++r) {

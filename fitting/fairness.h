@@ -16,13 +16,13 @@ struct Quadrature {
   Eigen::VectorXd nodes, weights;
 };
 
-// Row i, column a: ∫ N_i^(k) N_{i+a}^(k) over the domain, a = 0 … p. Gauss–Legendre quadrature with p+1
-// nodes a span, which is exact.
+// Row i, column a: ∫ N_i^(k) N_{i+a}^(k) over the domain, a = 0 … p. Gauss–Legendre quadrature with
+// p+1 nodes a span, which is exact.
 Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order);
 
 // The thin-plate energy ∫∫ S_uu² + 2 S_uv² + S_vv² as a quadratic form in the coefficients; where a
-// degree is 1, and second derivatives vanish, the membrane energy ∫∫ S_u² + S_v² instead. Parameters
-// should be lengths, so that both directions weigh the same.
+// degree is 1, and second derivatives vanish, the membrane energy ∫∫ S_u² + S_v² instead.
+// Parameters should be lengths, so that both directions weigh the same.
 class FairnessForm {
  public:
   FairnessForm(const SplineBasis& outer, const SplineBasis& inner);

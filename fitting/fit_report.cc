@@ -11,12 +11,18 @@
 namespace batten {
 const char* Name(Termination termination) {
   switch (termination) {
-    case Termination::kToleranceReached: return "tolerance_reached";
-    case Termination::kNoiseReached: return "noise_reached";
-    case Termination::kMaxControlPoints: return "max_control_points";
-    case Termination::kMaxIterations: return "max_iterations";
-    case Termination::kStalled: return "stalled";
-    case Termination::kCancelled: return "cancelled";
+    case Termination::kToleranceReached:
+      return "tolerance_reached";
+    case Termination::kNoiseReached:
+      return "noise_reached";
+    case Termination::kMaxControlPoints:
+      return "max_control_points";
+    case Termination::kMaxIterations:
+      return "max_iterations";
+    case Termination::kStalled:
+      return "stalled";
+    case Termination::kCancelled:
+      return "cancelled";
   }
   return "";
 }
@@ -58,13 +64,23 @@ std::string FitReport::OneLine() const {
   for (const int n : geometry.control_points) net += (net.empty() ? "" : " x ") + std::to_string(n);
   for (const int p : geometry.degree) degrees += (degrees.empty() ? "" : ",") + std::to_string(p);
   char text[512];
-  std::snprintf(text, sizeof text, "%s of degree %s, %s control points: rms %.4g, max %.4g over %lld of %lld points",
-                geometry.kind.c_str(), degrees.c_str(), net.c_str(), error.rms, error.max,
-                static_cast<long long>(error.points), static_cast<long long>(input.points));
+  std::snprintf(text,
+                sizeof text,
+                "%s of degree %s, %s control points: rms %.4g, max %.4g over %lld of %lld points",
+                geometry.kind.c_str(),
+                degrees.c_str(),
+                net.c_str(),
+                error.rms,
+                error.max,
+                static_cast<long long>(error.points),
+                static_cast<long long>(input.points));
   std::string line = text;
   if (error.tolerance) {
-    std::snprintf(text, sizeof text, "; %lld out of tolerance %.4g",
-                  static_cast<long long>(error.out_of_tolerance), *error.tolerance);
+    std::snprintf(text,
+                  sizeof text,
+                  "; %lld out of tolerance %.4g",
+                  static_cast<long long>(error.out_of_tolerance),
+                  *error.tolerance);
     line += text;
   }
   return line + " (" + Name(termination) + ")";

@@ -11,11 +11,11 @@ namespace batten {
 
 // How a fit ended. The geometry returned is the best seen in every case.
 enum class Termination {
-  kToleranceReached,   // every used point is within the tolerance
-  kNoiseReached,       // more freedom would only follow the noise
-  kMaxControlPoints,   // the limit on control points, or what the data carry, is used up
+  kToleranceReached,  // every used point is within the tolerance
+  kNoiseReached,      // more freedom would only follow the noise
+  kMaxControlPoints,  // the limit on control points, or what the data carry, is used up
   kMaxIterations,
-  kStalled,            // another round changes nothing
+  kStalled,  // another round changes nothing
   kCancelled,
 };
 
@@ -27,7 +27,7 @@ const char* Name(Termination termination);
 struct ErrorSummary {
   double rms = 0, mean = 0, max = 0, p50 = 0, p95 = 0, p99 = 0, signed_p5 = 0, signed_p95 = 0;
   std::optional<double> tolerance;
-  double within_tolerance = 1;    // fraction of the points; 1 without a tolerance
+  double within_tolerance = 1;        // fraction of the points; 1 without a tolerance
   Eigen::Index out_of_tolerance = 0;  // their number
   Eigen::Index points = 0;
 };

@@ -24,22 +24,23 @@ namespace batten {
 namespace {
 
 constexpr double kSmoothing = 1e-4;
-constexpr double kOutlierShareForLoss = 2e-3;   // less is what the test for outliers flags on clean data
+constexpr double kOutlierShareForLoss =
+    2e-3;  // less is what the test for outliers flags on clean data
 constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.15;
-constexpr double kOutlierInScales = 4.685;      // where Tukey's loss stops counting a point
+constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
 constexpr double kVoidShareToWarn = 0.05;
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
-constexpr int kLargeGrid = 1500;                // searching its size anew takes long …
-constexpr Eigen::Index kManyPoints = 200000;    // … as it does with many points
-constexpr double kStructureInSpacings = 4;      // what a surface may miss between points
-constexpr int kWitnesses = 8;                   // neighbours asked whether a point is alone
-constexpr int kWitnessesNeeded = 3;             // that are off as it is
-constexpr double kAlike = 2;                    // within this factor of its distance
+constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
+constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
+constexpr double kStructureInSpacings = 4;    // what a surface may miss between points
+constexpr int kWitnesses = 8;                 // neighbours asked whether a point is alone
+constexpr int kWitnessesNeeded = 3;           // that are off as it is
+constexpr double kAlike = 2;                  // within this factor of its distance
 constexpr double kFlatTail = 0.6;
 constexpr int kHuberRounds = 8, kTukeyRounds = 8;
-constexpr double kExcessToOptimise = 1.2;       // residual against noise
+constexpr double kExcessToOptimise = 1.2;  // residual against noise
 constexpr double kExcessToSayNoise = 2;
 constexpr double kPointsPerFreedomToOptimise = 9;
 constexpr int kMostToOptimise = 1500;
@@ -61,7 +62,7 @@ struct Prepared {
   MergedCloud merged;
   CloudStatistics statistics;
   PlaneBase base;
-  PointMask used;       // of the merged points
+  PointMask used;  // of the merged points
 };
 
 InputSummary Summary(const PointCloud& cloud, const Prepared& prepared) {
@@ -76,8 +77,8 @@ InputSummary Summary(const PointCloud& cloud, const Prepared& prepared) {
   return input;
 }
 
-// Puts points that are neighbours in the plane beside each other in memory: everything later goes through
-// them cell by cell.
+// Puts points that are neighbours in the plane beside each other in memory: everything later goes
+// through them cell by cell.
 void SortByPlace(Prepared& prepared) {
   const PointCloud& cloud = prepared.merged.cloud;
   const Eigen::Matrix3Xd local = prepared.base.ToFrame(cloud.points());
@@ -88,7 +89,8 @@ void SortByPlace(Prepared& prepared) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> keys(static_cast<size_t>(cloud.size()));
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(std::max(0.0, local(0, k)) / side);
-    const auto column = std::min(columns - 1, static_cast<Eigen::Index>(std::max(0.0, local(1, k)) / side));
+    const auto column =
+        std::min(columns - 1, static_cast<Eigen::Index>(std::max(0.0, local(1, k)) / side));
     keys[k] = {row * columns + (row % 2 == 0 ? column : columns - 1 - column), k};
   }
   std::sort(keys.begin(), keys.end());
@@ -124,18 +126,24 @@ Prepared Prepare(const PointCloud& cloud, const SurfaceFitOptions& options, Thre
   const double margin = prepared.statistics.spacing / 2 + 2 * prepared.statistics.noise;
   const PlaneBaseOptions base_options{.seed = options.seed};
   if (prepared.used.all()) {
-    prepared.base = FindPlaneBase(points.points(), index, prepared.statistics.spacing, margin, base_options);
+    prepared.base =
+        FindPlaneBase(points.points(), index, prepared.statistics.spacing, margin, base_options);
   } else {
     const PointCloud good = points.Subset(prepared.used);
-    prepared.base = FindPlaneBase(good.points(), NeighbourIndex(good.points()),
-                                  prepared.statistics.spacing, margin, base_options);
+    prepared.base = FindPlaneBase(good.points(),
+                                  NeighbourIndex(good.points()),
+                                  prepared.statistics.spacing,
+                                  margin,
+                                  base_options);
   }
   SortByPlace(prepared);
   return prepared;
 }
 
 // Heights over the base at the merged points that are used; parameters a hair inside the domain.
-FittingProblem MakeProblem(const Prepared& prepared, const PointCloud& points, const SurfaceFitOptions& options) {
+FittingProblem MakeProblem(const Prepared& prepared,
+                           const PointCloud& points,
+                           const SurfaceFitOptions& options) {
   const Eigen::Matrix3Xd local = prepared.base.ToFrame(points.points());
   auto data = std::make_shared<FittingData>();
   data->parameters.resize(2, local.cols());
@@ -174,7 +182,8 @@ FittingProblem ChooseBases(const FittingProblem& problem,
   }
   return problem.WithBases(
       FittingBasis(options.degree_u, cells_u, problem.basis_u().lower(), problem.basis_u().upper()),
-      FittingBasis(options.degree_v, cells_v, problem.basis_v().lower(), problem.basis_v().upper()));
+      FittingBasis(
+          options.degree_v, cells_v, problem.basis_v().lower(), problem.basis_v().upper()));
 }
 
 // The part of a height's residual along the surface normal.
@@ -187,8 +196,10 @@ Eigen::VectorXd NormalResiduals(const FittingProblem& problem,
   const Eigen::Vector3d up = base.axes.col(2);
   pool.For(problem.size(), 1024, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const auto normal = surface.NormalAt(problem.data().parameters(0, k), problem.data().parameters(1, k));
-      residuals[k] = (problem.data().values(0, k) - heights(0, k)) * (normal ? normal->dot(up) : 1.0);
+      const auto normal =
+          surface.NormalAt(problem.data().parameters(0, k), problem.data().parameters(1, k));
+      residuals[k] =
+          (problem.data().values(0, k) - heights(0, k)) * (normal ? normal->dot(up) : 1.0);
     }
   });
   return residuals;
@@ -248,9 +259,10 @@ Eigen::VectorXd Where(const Eigen::VectorXd& values, const PointMask& mask) {
   return chosen;
 }
 
-// Where strangers begin: the least doubling of the limit beyond which the tail of the distances is flat,
-// most of what exceeds it exceeding even twice as much. Noise and structure the surface has missed thin
-// out with distance; outliers do not care. Infinity where the tail thins out all the way.
+// Where strangers begin: the least doubling of the limit beyond which the tail of the distances is
+// flat, most of what exceeds it exceeding even twice as much. Noise and structure the surface has
+// missed thin out with distance; outliers do not care. Infinity where the tail thins out all the
+// way.
 double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
   if (!(limit > 0)) return std::numeric_limits<double>::infinity();
   const double farthest = distances.cwiseAbs().maxCoeff();
@@ -262,9 +274,9 @@ double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
   return std::numeric_limits<double>::infinity();
 }
 
-// Which points a surface speaks for. A far point is an outlier where it is alone with its distance among
-// its neighbours in the plane, or farther than structure between points could reach; where several of
-// them are off to the same side by as much, the surface is what is wrong, not the point.
+// Which points a surface speaks for. A far point is an outlier where it is alone with its distance
+// among its neighbours in the plane, or farther than structure between points could reach; where
+// several of them are off to the same side by as much, the surface is what is wrong, not the point.
 PointMask CloseEnough(const Prepared& prepared,
                       const Eigen::Matrix2Xd& parameters,
                       const Eigen::VectorXd& distances,
@@ -283,18 +295,20 @@ PointMask CloseEnough(const Prepared& prepared,
   Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, parameters.cols());
   plan.topRows<2>() = parameters;
   const NeighbourIndex index(plan);
-  pool.For(static_cast<std::ptrdiff_t>(doubtful.size()), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (std::ptrdiff_t i = begin; i < end; ++i) {
-      const Eigen::Index k = doubtful[i];
-      const double own = distances[k];
-      int alike = 0;
-      for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
-        const double ratio = distances[j] / own;
-        if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
-      }
-      close[k] = std::abs(own) <= reach && alike >= kWitnessesNeeded;
-    }
-  });
+  pool.For(static_cast<std::ptrdiff_t>(doubtful.size()),
+           64,
+           [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+             for (std::ptrdiff_t i = begin; i < end; ++i) {
+               const Eigen::Index k = doubtful[i];
+               const double own = distances[k];
+               int alike = 0;
+               for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
+                 const double ratio = distances[j] / own;
+                 if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
+               }
+               close[k] = std::abs(own) <= reach && alike >= kWitnessesNeeded;
+             }
+           });
   return close;
 }
 
@@ -312,9 +326,10 @@ FittingProblem CoarsestWithin(const FittingProblem& chosen,
     if (round.control_points_u * round.control_points_v >= chosen.unknowns()) break;
     const FittingProblem coarse = chosen.WithBases(
         FittingBasis(options.degree_u, cells_u, chosen.basis_u().lower(), chosen.basis_u().upper()),
-        FittingBasis(options.degree_v, cells_v, chosen.basis_v().lower(), chosen.basis_v().upper()));
-    const NurbsSurface surface = HeightSurface(base, coarse.basis_u(), coarse.basis_v(),
-                                               SolveLinear(coarse, pool).coefficients);
+        FittingBasis(
+            options.degree_v, cells_v, chosen.basis_v().lower(), chosen.basis_v().upper()));
+    const NurbsSurface surface = HeightSurface(
+        base, coarse.basis_u(), coarse.basis_v(), SolveLinear(coarse, pool).coefficients);
     const PointDistances found =
         DistancesFrom(surface, points, coarse.data().parameters.leftCols(points.cols()), pool);
     if (found.distances.cwiseAbs().maxCoeff() <= *options.tolerance) return coarse;
@@ -346,7 +361,9 @@ bool JointStagePays(const SurfaceFitOptions& options,
     return false;
   }
   if (unknowns > kMostToOptimise) {
-    summary.why = "residuals exceed the noise, but so many control points leave free parameters little to gain";
+    summary.why =
+        "residuals exceed the noise, but so many control points leave free parameters little to "
+        "gain";
     return false;
   }
   summary.why = "residuals exceed the noise";
@@ -356,17 +373,22 @@ bool JointStagePays(const SurfaceFitOptions& options,
 }  // namespace
 
 void Check(const SurfaceFitOptions& options) {
-  const auto reject = [](const std::string& rule) { throw std::invalid_argument("SurfaceFitOptions: " + rule); };
-  for (const auto& [name, degree] : {std::pair{"degree_u", options.degree_u}, {"degree_v", options.degree_v}}) {
+  const auto reject = [](const std::string& rule) {
+    throw std::invalid_argument("SurfaceFitOptions: " + rule);
+  };
+  for (const auto& [name, degree] :
+       {std::pair{"degree_u", options.degree_u}, {"degree_v", options.degree_v}}) {
     if (degree < 1 || degree > kMaxDegree) {
-      reject(std::string(name) + " is " + std::to_string(degree) + ", not in [1, " + std::to_string(kMaxDegree) + "]");
+      reject(std::string(name) + " is " + std::to_string(degree) + ", not in [1, " +
+             std::to_string(kMaxDegree) + "]");
     }
   }
   if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
     reject("tolerance must be positive");
   }
   if (options.control_points) {
-    if (options.control_points->first <= options.degree_u || options.control_points->second <= options.degree_v) {
+    if (options.control_points->first <= options.degree_u ||
+        options.control_points->second <= options.degree_v) {
       reject("control_points must exceed the degree in both directions");
     }
     if (std::int64_t{options.control_points->first} * options.control_points->second > 1000000) {
@@ -395,10 +417,11 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   Prepared prepared = Prepare(cloud, options, pool);
   const PlaneBase& base = prepared.base;
   if (base.overlap > kOverlapToRefuse) {
-    throw std::invalid_argument(
-        "the points lie over each other in " + std::to_string(std::lround(100 * base.overlap)) +
-        " % of places as seen from any side: they are not a height field over a plane, and other bases "
-        "are not in this version; fit a part of the cloud (--box)");
+    throw std::invalid_argument("the points lie over each other in " +
+                                std::to_string(std::lround(100 * base.overlap)) +
+                                " % of places as seen from any side: they are not a height field "
+                                "over a plane, and other bases "
+                                "are not in this version; fit a part of the cloud (--box)");
   }
   if (base.overlap > kOverlapToWarn) {
     report.warnings.push_back("the points lie over each other in " +
@@ -408,8 +431,8 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.input = Summary(cloud, prepared);
   report.seconds.prepare = watch.Lap();
 
-  // Which points count is decided by their neighbours before there is a surface, then by their distance
-  // from it, until the two agree.
+  // Which points count is decided by their neighbours before there is a surface, then by their
+  // distance from it, until the two agree.
   bool robust = options.loss ? *options.loss != Loss::kNone
                              : static_cast<double>(prepared.statistics.outlier_count) >
                                    kOutlierShareForLoss * static_cast<double>(prepared.used.size());
@@ -418,19 +441,25 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   PointCloud used;
   bool settled = false;  // so few points changed sides that the grid can't be far off
   for (int pass = 1; pass <= kOutlierPasses; ++pass) {
-    used = prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
-    problem = ChooseBases(MakeProblem(prepared, used, options), options,
+    used =
+        prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
+    problem = ChooseBases(MakeProblem(prepared, used, options),
+                          options,
                           settled && (problem->unknowns() > kLargeGrid || used.size() > kManyPoints)
                               ? &*problem
-                              : nullptr, pool, report);
+                              : nullptr,
+                          pool,
+                          report);
     if (robust) problem = Reweighted(*problem, base, options, pool, report);
     if (pass == kOutlierPasses || options.keep_outliers) break;
-    const NurbsSurface surface = HeightSurface(base, problem->basis_u(), problem->basis_v(),
-                                               SolveLinear(*problem, pool).coefficients);
+    const NurbsSurface surface = HeightSurface(
+        base, problem->basis_u(), problem->basis_v(), SolveLinear(*problem, pool).coefficients);
     const PointDistances found =
         DistancesFrom(surface, prepared.merged.cloud.points(), everything.data().parameters, pool);
-    const double scale = options.loss_scale.value_or(RobustScale(Where(found.distances, prepared.used)));
-    const PointMask now = CloseEnough(prepared, everything.data().parameters, found.distances, scale, options, pool);
+    const double scale =
+        options.loss_scale.value_or(RobustScale(Where(found.distances, prepared.used)));
+    const PointMask now =
+        CloseEnough(prepared, everything.data().parameters, found.distances, scale, options, pool);
     if (!robust && !options.loss && (now != prepared.used).any() && !now.all()) {
       robust = true;  // what stands out from a plain fit has bent it
       continue;
@@ -441,8 +470,10 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
     prepared.used = now;
   }
   if (options.tolerance && robust && !options.loss) {
-    // A tolerance is the user's own word on which residuals matter: bounded weights chose the bases only.
-    problem = MakeProblem(prepared, used, options).WithBases(problem->basis_u(), problem->basis_v());
+    // A tolerance is the user's own word on which residuals matter: bounded weights chose the bases
+    // only.
+    problem =
+        MakeProblem(prepared, used, options).WithBases(problem->basis_u(), problem->basis_v());
   }
   report.seconds.solve = watch.Lap();
 
@@ -458,8 +489,10 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
     refine.tolerance = *options.tolerance;
     refine.noise = prepared.statistics.noise;
     refine.spacing = prepared.statistics.spacing;
-    refine.max_control_points = options.control_points ? problem->unknowns() : options.max_control_points;
-    RefineResult refined = RefineToTolerance(*problem, base, used.points(), refine, pool, options.progress);
+    refine.max_control_points =
+        options.control_points ? problem->unknowns() : options.max_control_points;
+    RefineResult refined =
+        RefineToTolerance(*problem, base, used.points(), refine, pool, options.progress);
     report.iterations.insert(report.iterations.end(), refined.rounds.begin(), refined.rounds.end());
     report.termination = refined.termination;
     surface = std::move(refined.surface);
@@ -471,7 +504,8 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
     empty_share = calm.empty_share;
     const LinearSolution& solution = calm.solution;
     if (solution.regularised) {
-      report.warnings.push_back("the points do not determine every control point: fairness was raised");
+      report.warnings.push_back(
+          "the points do not determine every control point: fairness was raised");
     }
     surface = HeightSurface(base, problem->basis_u(), problem->basis_v(), solution.coefficients);
     parameters = problem->data().parameters.leftCols(used.size());
@@ -479,7 +513,8 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   }
 
   if (empty_share > kVoidShareToWarn) {
-    report.warnings.push_back("there are no points in " + std::to_string(std::lround(100 * empty_share)) +
+    report.warnings.push_back("there are no points in " +
+                              std::to_string(std::lround(100 * empty_share)) +
                               " % of the surface's rectangle: the surface is a guess there");
   }
 
@@ -489,32 +524,42 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.optimize.rms_before = report.optimize.rms_after = rms;
   const int unknowns = surface->size_u() * surface->size_v();
   if (report.termination != Termination::kCancelled &&
-      JointStagePays(options, rms, prepared.statistics.noise, used.size(), unknowns, report.optimize)) {
+      JointStagePays(
+          options, rms, prepared.statistics.noise, used.size(), unknowns, report.optimize)) {
     JointOptions joint;
     joint.noise = options.optimize == OptimizeMode::kAuto ? prepared.statistics.noise : 0;
     joint.loss = robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
     joint.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
     joint.progress = options.progress;
     JointResult optimised = OptimizeJointly(
-        *surface, used.points(), problem->data().weights.head(problem->data().weights.size() > 0 ? used.size() : 0),
-        before.parameters, joint, pool);
+        *surface,
+        used.points(),
+        problem->data().weights.head(problem->data().weights.size() > 0 ? used.size() : 0),
+        before.parameters,
+        joint,
+        pool);
     report.optimize.ran = true;
     report.optimize.iterations = optimised.iterations;
     report.optimize.rms_after = optimised.rms_after;
     if (!optimised.note.empty()) report.optimize.why += "; " + optimised.note;
-    report.iterations.insert(report.iterations.end(), optimised.rounds.begin(), optimised.rounds.end());
+    report.iterations.insert(
+        report.iterations.end(), optimised.rounds.begin(), optimised.rounds.end());
     if (optimised.cancelled) report.termination = Termination::kCancelled;
     surface = std::move(optimised.surface);
     report.seconds.optimize = watch.Lap();
   }
 
-  // What is reported is measured on the surface as it is handed out, rounding of far coordinates included.
+  // What is reported is measured on the surface as it is handed out, rounding of far coordinates
+  // included.
   const Eigen::Vector3d move = cloud.origin() - options.shift;
   NurbsSurface written = move.isZero(0) ? *surface : surface->Translated(move);
   const NurbsSurface measured = move.isZero(0) ? *surface : written.Translated(-move);
   const PointDistances found = DistancesTo(measured, prepared.merged.cloud.points(), pool);
-  SurfaceFit fit{std::move(written), Eigen::Matrix2Xd(2, cloud.size()), Eigen::VectorXd(cloud.size()),
-                 PointMask(cloud.size()), {}};
+  SurfaceFit fit{std::move(written),
+                 Eigen::Matrix2Xd(2, cloud.size()),
+                 Eigen::VectorXd(cloud.size()),
+                 PointMask(cloud.size()),
+                 {}};
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
     const Eigen::Index place = prepared.merged.place[k];
     fit.parameters.col(k) = found.parameters.col(place);
@@ -527,11 +572,13 @@ SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options)
   report.input.outliers = fit.outliers.count();
   if (!options.tolerance && report.termination != Termination::kCancelled &&
       report.error.rms > kExcessToSayNoise * prepared.statistics.noise) {
-    report.termination = options.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
+    report.termination =
+        options.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
     if (!options.control_points) {
-      report.warnings.push_back("residuals are well above the noise of neighbouring points, but more control "
-                                "points would not predict left-out points better: the shape has edges, layers or "
-                                "detail that a smooth height field does not follow");
+      report.warnings.push_back(
+          "residuals are well above the noise of neighbouring points, but more control "
+          "points would not predict left-out points better: the shape has edges, layers or "
+          "detail that a smooth height field does not follow");
     }
   }
   if (options.tolerance && report.termination != Termination::kCancelled) {

@@ -23,38 +23,42 @@ enum class OptimizeMode {
 };
 
 struct SurfaceFitOptions {
-  int degree_u = 3, degree_v = 3;                    // 1 … 25
-  std::optional<double> tolerance;                   // orthogonal distance in the data's units, > 0
-  std::optional<std::pair<int, int>> control_points; // n_u, n_v; chosen by cross-validation when absent
-  int max_control_points = 20000;                    // ≥ (degree_u + 1)(degree_v + 1)
-  std::optional<double> smoothing;                   // fairness relative to the data, ≥ 0; 1e-4 when absent
-  std::optional<Loss> loss;                          // robust when outliers are found, when absent
-  std::optional<double> loss_scale;                  // standard deviation of good points, > 0; estimated
+  int degree_u = 3, degree_v = 3;                  // 1 … 25
+  std::optional<double> tolerance = std::nullopt;  // orthogonal distance in the data's units, > 0
+  std::optional<std::pair<int, int>> control_points =
+      std::nullopt;                // n_u, n_v; chosen by cross-validation when absent
+  int max_control_points = 20000;  // ≥ (degree_u + 1)(degree_v + 1)
+  std::optional<double> smoothing =
+      std::nullopt;  // fairness relative to the data, ≥ 0; 1e-4 when absent
+  std::optional<Loss> loss = std::nullopt;  // robust when outliers are found, when absent
+  std::optional<double> loss_scale =
+      std::nullopt;  // standard deviation of good points, > 0; estimated
   OptimizeMode optimize = OptimizeMode::kAuto;
-  bool keep_outliers = false;                        // fit them like any other point
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();   // subtracted from the coordinates of the result
-  std::uint64_t seed = 1;                            // chooses samples
-  int threads = 0;                                   // 0: all cores
-  Progress progress;
+  bool keep_outliers = false;                       // fit them like any other point
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
+  std::uint64_t seed = 1;                           // chooses samples
+  int threads = 0;                                  // 0: all cores
+  Progress progress = nullptr;
 };
 
 // Throws std::invalid_argument naming the field whose value breaks its rule.
 void Check(const SurfaceFitOptions& options);
 
 struct SurfaceFit {
-  NurbsSurface surface;           // in world coordinates less options.shift
-  Eigen::Matrix2Xd parameters;    // foot point of every point of the cloud
-  Eigen::VectorXd residuals;      // its orthogonal distance, signed along the normal
-  PointMask outliers;             // points the fit does not rest on
-  FitReport report;               // describes exactly this surface
+  NurbsSurface surface;         // in world coordinates less options.shift
+  Eigen::Matrix2Xd parameters;  // foot point of every point of the cloud
+  Eigen::VectorXd residuals;    // its orthogonal distance, signed along the normal
+  PointMask outliers;           // points the fit does not rest on
+  FitReport report;             // describes exactly this surface
 };
 
-// Fits a surface to a cloud without being told anything but the points: outliers set aside, a plane base
-// under the sheet, as many knot cells as cross-validation finds the data to carry, fairness relative to
-// the data, robust reweighting where there are outliers, refinement where a tolerance asks for it, and a
-// joint optimisation of control points and parameters where it pays. Throws std::invalid_argument when
-// the points can't carry a surface (fewer than four, on a line, not a height field over any plane), with
-// a sentence for the user; Cancelled when progress stops it before there is a surface.
+// Fits a surface to a cloud without being told anything but the points: outliers set aside, a plane
+// base under the sheet, as many knot cells as cross-validation finds the data to carry, fairness
+// relative to the data, robust reweighting where there are outliers, refinement where a tolerance
+// asks for it, and a joint optimisation of control points and parameters where it pays. Throws
+// std::invalid_argument when the points can't carry a surface (fewer than four, on a line, not a
+// height field over any plane), with a sentence for the user; Cancelled when progress stops it
+// before there is a surface.
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options = {});
 
 }  // namespace batten

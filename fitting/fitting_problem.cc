@@ -2,6 +2,7 @@
 #include "batten/fitting/fitting_problem.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -13,16 +14,30 @@
 namespace batten {
 namespace {
 
+// Where nothing but the jitter holds a coefficient, its pivot is hardly more.
+constexpr double kSingularInJitters = 16;
+
+// Smoothing from which on fairness carries what it can; what it leaves free no weight would hold.
+constexpr double kFirmSmoothing = 1e-7;
+
+// Sums of squares lose what is less than this share of them; the residual is then taken point by
+// point.
+constexpr double kCancelled = 1e-9;
+
 [[noreturn]] void Reject(const std::string& rule) {
   throw std::invalid_argument("FittingProblem: " + rule);
 }
 
 // From outer-inner order to v fastest: nothing to do when u is outside, a transposition otherwise.
-Eigen::MatrixXd InNetOrder(const Eigen::MatrixXd& solution, bool u_outside, int size_u, int size_v) {
+Eigen::MatrixXd InNetOrder(const Eigen::MatrixXd& solution,
+                           bool u_outside,
+                           int size_u,
+                           int size_v) {
   Eigen::MatrixXd net(solution.cols(), solution.rows());
   for (int i = 0; i < size_u; ++i) {
     for (int j = 0; j < size_v; ++j) {
-      const Eigen::Index from = u_outside ? Eigen::Index{i} * size_v + j : Eigen::Index{j} * size_u + i;
+      const Eigen::Index from =
+          u_outside ? Eigen::Index{i} * size_v + j : Eigen::Index{j} * size_u + i;
       net.col(Eigen::Index{i} * size_v + j) = solution.row(from).transpose();
     }
   }
@@ -42,10 +57,14 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
   if (!data_) Reject("no data");
   const Eigen::Index m = data_->parameters.cols();
   if (data_->values.cols() != m) Reject("values and parameters differ in number");
-  if (data_->weights.size() != 0 && data_->weights.size() != m) Reject("weights and parameters differ in number");
+  if (data_->weights.size() != 0 && data_->weights.size() != m)
+    Reject("weights and parameters differ in number");
   if (!data_->values.allFinite() || !data_->parameters.allFinite()) Reject("data are not finite");
-  if (data_->weights.size() != 0 && !(data_->weights.minCoeff() >= 0)) Reject("a weight is negative");
-  if (!(smoothing_ >= 0)) Reject("smoothing is negative");
+  if (!data_->weights.allFinite()) Reject("a weight is not finite");
+  if (data_->weights.size() != 0 && !(data_->weights.minCoeff() >= 0))
+    Reject("a weight is negative");
+  if (!(smoothing_ >= 0) || !std::isfinite(smoothing_))
+    Reject("smoothing is negative or not finite");
   if (m > 0) {
     const Eigen::Vector2d low = data_->parameters.rowwise().minCoeff();
     const Eigen::Vector2d high = data_->parameters.rowwise().maxCoeff();
@@ -73,14 +92,21 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   const Eigen::VectorXd outer_parameters = problem.data().parameters.row(u_outside ? 0 : 1);
   const Eigen::VectorXd inner_parameters = problem.data().parameters.row(u_outside ? 1 : 0);
   const CellOrder order(outer, inner, outer_parameters, inner_parameters);
-  const NormalEquations equations(outer, inner, outer_parameters, inner_parameters,
-                                  problem.data().values, problem.data().weights, order, pool);
+  const NormalEquations equations(outer,
+                                  inner,
+                                  outer_parameters,
+                                  inner_parameters,
+                                  problem.data().values,
+                                  problem.data().weights,
+                                  order,
+                                  pool);
   const FairnessForm fairness(outer, inner);
 
   LinearSolution result;
   const double unit = equations.trace() / fairness.Trace();
   // Rounding alone makes a semidefinite matrix look indefinite; this keeps it away from that.
-  const double jitter = 4 * std::numeric_limits<double>::epsilon() * equations.trace() / problem.unknowns();
+  const double jitter =
+      4 * std::numeric_limits<double>::epsilon() * equations.trace() / problem.unknowns();
   double lambda = problem.smoothing() * unit;
   Eigen::MatrixXd solution;
   for (int attempt = 0;; ++attempt) {
@@ -88,7 +114,8 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
     equations.AddTo(matrix);
     if (lambda > 0) fairness.AddTo(matrix, lambda);
     matrix.AddToDiagonal(jitter);
-    if (matrix.Factor()) {
+    if (matrix.Factor() &&
+        (lambda >= kFirmSmoothing * unit || matrix.SmallestPivot() > kSingularInJitters * jitter)) {
       solution = equations.rhs();
       matrix.Solve(solution);
       if (solution.allFinite()) break;
@@ -100,10 +127,20 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   // zᵀz − 2cᵀb + cᵀAc with (A + λP)c = b, so cᵀAc = cᵀb − λ cᵀPc.
   double squares = equations.squares();
   for (Eigen::Index d = 0; d < solution.cols(); ++d) {
-    squares -= solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(solution.col(d));
+    squares -=
+        solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(solution.col(d));
   }
-  result.residual_squares = std::max(squares, 0.0);
-  result.coefficients = InNetOrder(solution, u_outside, problem.basis_u().size(), problem.basis_v().size());
+  result.coefficients =
+      InNetOrder(solution, u_outside, problem.basis_u().size(), problem.basis_v().size());
+  if (squares < kCancelled * equations.squares()) {
+    const Eigen::VectorXd errors =
+        (EvaluateAt(problem, result.coefficients, pool) - problem.data().values)
+            .colwise()
+            .squaredNorm();
+    const Eigen::VectorXd& weights = problem.data().weights;
+    squares = weights.size() > 0 ? weights.dot(errors) : errors.sum();
+  }
+  result.residual_squares = squares;
   return result;
 }
 

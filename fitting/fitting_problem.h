@@ -19,12 +19,12 @@ struct FittingData {
 
 // Bases, data and fairness: everything the control points follow from. Minimises
 //   Σ w |S(u_k,v_k) − z_k|² + λ ∫∫ S_uu² + 2 S_uv² + S_vv²,   λ = smoothing · tr(A)/tr(P),
-// A the normal matrix and P the fairness matrix, so that `smoothing` means the same at every number of
-// points and in every unit. Data are shared between problems that differ in their bases.
+// A the normal matrix and P the fairness matrix, so that `smoothing` means the same at every number
+// of points and in every unit. Data are shared between problems that differ in their bases.
 class FittingProblem {
  public:
-  // Throws std::invalid_argument unless sizes agree, parameters lie in the bases' domains, everything is
-  // finite, weights are not negative and smoothing is not negative.
+  // Throws std::invalid_argument unless sizes agree, parameters lie in the bases' domains,
+  // everything is finite, weights are not negative and smoothing is not negative.
   FittingProblem(SplineBasis basis_u,
                  SplineBasis basis_v,
                  std::shared_ptr<const FittingData> data,
@@ -50,12 +50,12 @@ class FittingProblem {
 
 struct LinearSolution {
   Eigen::MatrixXd coefficients;  // d × (n_u · n_v), v fastest
-  double residual_squares = 0;   // Σ w |S − z|², from the normal equations
+  double residual_squares = 0;   // Σ w |S − z|², to full accuracy even where it is tiny
   bool regularised = false;      // the matrix was singular: smoothing had to be raised
 };
 
-// Solves for the coefficients. Empty cells are carried by fairness; where that does not suffice, the
-// smoothing is raised tenfold at a time and the solution says so. O(m + n · min(n_u, n_v)²).
+// Solves for the coefficients. Empty cells are carried by fairness; where that does not suffice,
+// the smoothing is raised tenfold at a time and the solution says so. O(m + n · min(n_u, n_v)²).
 LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool);
 
 // Values of a coefficient net at the problem's parameters: d × m.

@@ -10,8 +10,8 @@
 
 namespace batten {
 
-// A clamped basis of `cells` spans, equal but for the first and last, which are 1.6 times as wide where
-// there are three or more: at an edge a cell has data on one side only.
+// A clamped basis of `cells` spans, equal but for the first and last, which are 1.6 times as wide
+// where there are three or more: at an edge a cell has data on one side only.
 SplineBasis FittingBasis(int degree, int cells, double lower, double upper);
 
 struct GridLimits {
@@ -23,13 +23,15 @@ struct GridLimits {
 
 struct GridChoice {
   int cells_u = 1, cells_v = 1;
-  double score = 0;  // generalised cross-validation: an estimate of the mean squared error at new points
+  double score =
+      0;  // generalised cross-validation: an estimate of the mean squared error at new points
   std::vector<RoundSummary> rounds;
 };
 
-// The grid of least generalised cross-validation score N·RSS/(N − n)². Grids of nearly square cells are
-// tried from coarse to fine until the score has risen several times; then each direction is varied alone
-// around the best. Weights must have the scale of counts (mean about 1). [Craven & Wahba 1979]
+// The grid of least generalised cross-validation score N·RSS/(N − 1.4 n)². Grids of nearly square
+// cells are tried from coarse to fine until the score has risen several times; then each direction
+// is varied alone around the best. Weights must have the scale of counts (mean about 1). [Craven &
+// Wahba 1979; the factor 1.4: Kim & Gu 2004]
 GridChoice ChooseGrid(const FittingProblem& problem,
                       const GridLimits& limits,
                       ThreadPool& pool,

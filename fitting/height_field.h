@@ -10,8 +10,8 @@
 namespace batten {
 
 // The surface whose parameters are the plane's coordinates and whose control points stand `heights`
-// (1 × n_u·n_v) above their Greville abscissae: a spline reproduces the plane's coordinates exactly, so
-// such a surface can't fold.
+// (1 × n_u·n_v) above their Greville abscissae: a spline reproduces the plane's coordinates
+// exactly, so such a surface can't fold.
 inline NurbsSurface HeightSurface(const PlaneBase& base,
                                   const SplineBasis& basis_u,
                                   const SplineBasis& basis_v,

@@ -14,7 +14,10 @@
 namespace batten {
 namespace {
 
-constexpr int kNormalGrid = 3;  // the surface's side is watched at 3 × 3 places a cell
+constexpr int kNormalGrid =
+    4;  // the surface's side is watched at 4 × 4 places a cell, its corners included
+
+double WatchedAt(int k) { return static_cast<double>(k) / (kNormalGrid - 1); }
 
 // Directions along which a residual at a foot point can't be undone by moving the foot.
 int FixedDirections(const SurfaceJet& jet, bool held_u, bool held_v, Eigen::Vector3d* directions) {
@@ -32,7 +35,8 @@ int FixedDirections(const SurfaceJet& jet, bool held_u, bool held_v, Eigen::Vect
 // Lᵀ of a semidefinite matrix, by its eigenvalues.
 Eigen::MatrixXd SquareRoot(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
 // The thin-plate (or membrane) form of one cell, in the functions that live on it.
@@ -94,7 +98,8 @@ JointCells::JointCells(const NurbsSurface& start,
   double trace = 0;
   std::vector<double> R(static_cast<size_t>(functions_));
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    Rational(basis_u_.Span(feet_(0, k)), basis_v_.Span(feet_(1, k)), feet_(0, k), feet_(1, k), R.data());
+    Rational(
+        basis_u_.Span(feet_(0, k)), basis_v_.Span(feet_(1, k)), feet_(0, k), feet_(1, k), R.data());
     for (const double value : R) trace += PointWeight(k) * value * value;
   }
   const double fairness_trace = FairnessForm(basis_u_, basis_v_).Trace();
@@ -104,14 +109,19 @@ JointCells::JointCells(const NurbsSurface& start,
 void JointCells::MakeCells(const NurbsSurface& start, double fairness_weight) {
   for (const int i : basis_u_.Spans()) {
     for (const int j : basis_v_.Spans()) {
-      Cell cell{i, j, SquareRoot(fairness_weight * CellFairness(basis_u_, i, basis_v_, j)),
-                Eigen::MatrixXd::Zero(functions_, functions_), 0, 0,
+      Cell cell{i,
+                j,
+                SquareRoot(fairness_weight * CellFairness(basis_u_, i, basis_v_, j)),
+                Eigen::MatrixXd::Zero(functions_, functions_),
+                0,
+                0,
                 Eigen::Matrix3Xd::Zero(3, kNormalGrid * kNormalGrid)};
       const auto& U = basis_u_.knots();
       const auto& V = basis_v_.knots();
       for (int g = 0; g < kNormalGrid * kNormalGrid; ++g) {
-        const double s = (g / kNormalGrid + 0.5) / kNormalGrid, t = (g % kNormalGrid + 0.5) / kNormalGrid;
-        const auto normal = start.NormalAt(U[i] + s * (U[i + 1] - U[i]), V[j] + t * (V[j + 1] - V[j]));
+        const double s = WatchedAt(g / kNormalGrid), t = WatchedAt(g % kNormalGrid);
+        const auto normal =
+            start.NormalAt(U[i] + s * (U[i + 1] - U[i]), V[j] + t * (V[j + 1] - V[j]));
         if (normal) cell.normals.col(g) = *normal;
       }
       cells_.push_back(std::move(cell));
@@ -138,7 +148,8 @@ std::vector<int> JointCells::ControlPointsOf(int cell) const {
   const int p = basis_u_.degree(), q = basis_v_.degree();
   for (int r = 0; r <= p; ++r) {
     for (int s = 0; s <= q; ++s) {
-      indices.push_back((cells_[cell].span_u - p + r) * basis_v_.size() + cells_[cell].span_v - q + s);
+      indices.push_back((cells_[cell].span_u - p + r) * basis_v_.size() + cells_[cell].span_v - q +
+                        s);
     }
   }
   return indices;
@@ -148,13 +159,15 @@ Eigen::Matrix3Xd JointCells::Corner(const Cell& cell, const Eigen::Matrix3Xd& ne
   const int p = basis_u_.degree(), q = basis_v_.degree();
   Eigen::Matrix3Xd corner(3, functions_);
   for (int r = 0; r <= p; ++r) {
-    corner.middleCols(r * (q + 1), q + 1) =
-        net.middleCols(Eigen::Index{cell.span_u - p + r} * basis_v_.size() + cell.span_v - q, q + 1);
+    corner.middleCols(r * (q + 1), q + 1) = net.middleCols(
+        Eigen::Index{cell.span_u - p + r} * basis_v_.size() + cell.span_v - q, q + 1);
   }
   return corner;
 }
 
-NurbsSurface JointCells::Surface() const { return NurbsSurface(basis_u_, basis_v_, net_, net_weights_); }
+NurbsSurface JointCells::Surface() const {
+  return NurbsSurface(basis_u_, basis_v_, net_, net_weights_);
+}
 
 bool JointCells::Project() {
   if (!net_.allFinite()) return false;
@@ -163,16 +176,18 @@ bool JointCells::Project() {
     const auto& U = basis_u_.knots();
     const auto& V = basis_v_.knots();
     for (int g = 0; g < kNormalGrid * kNormalGrid; ++g) {
-      const double s = (g / kNormalGrid + 0.5) / kNormalGrid, t = (g % kNormalGrid + 0.5) / kNormalGrid;
-      const auto normal = surface.NormalAt(U[cell.span_u] + s * (U[cell.span_u + 1] - U[cell.span_u]),
-                                           V[cell.span_v] + t * (V[cell.span_v + 1] - V[cell.span_v]));
+      const double s = WatchedAt(g / kNormalGrid), t = WatchedAt(g % kNormalGrid);
+      const auto normal =
+          surface.NormalAt(U[cell.span_u] + s * (U[cell.span_u + 1] - U[cell.span_u]),
+                           V[cell.span_v] + t * (V[cell.span_v + 1] - V[cell.span_v]));
       if (cell.normals.col(g).isZero(0)) continue;
       if (!normal || !(normal->dot(cell.normals.col(g)) > 0)) return false;
     }
   }
   pool_.For(points_.cols(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const SurfaceFoot foot = LocalFootPoint(surface, points_.col(k), accepted_feet_(0, k), accepted_feet_(1, k));
+      const SurfaceFoot foot =
+          LocalFootPoint(surface, points_.col(k), accepted_feet_(0, k), accepted_feet_(1, k));
       feet_.col(k) << foot.u, foot.v;
       jets_[k] = surface.JetAt(foot.u, foot.v);
     }
@@ -201,7 +216,8 @@ void JointCells::Accept() {
         const Eigen::Index k = order_[i];
         Rational(cell.span_u, cell.span_v, feet_(0, k), feet_(1, k), R.data());
         const double distance = (jets_[k].point - points_.col(k)).norm();
-        const double weight = PointWeight(k) * LossWeight(options_.loss, distance, options_.loss_scale);
+        const double weight =
+            PointWeight(k) * LossWeight(options_.loss, distance, options_.loss_scale);
         const Eigen::Map<const Eigen::VectorXd> row(R.data(), functions_);
         gram.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
       }
@@ -229,17 +245,20 @@ void JointCells::Evaluate(int index, double* residual, double* jacobian) const {
       cost += 2 * PointWeight(k) * LossValue(options_.loss, distance, options_.loss_scale);
     }
     out[0] = std::sqrt(cost);
-    out[1] = std::sqrt(damping) * (cell.proximal * (corner - Corner(cell, accepted_net_)).transpose()).norm();
+    out[1] = std::sqrt(damping) *
+             (cell.proximal * (corner - Corner(cell, accepted_net_)).transpose()).norm();
     return;
   }
 
-  // Rows [J r] of the points and of the fairness; their triangular factor says the same in 3f+1 rows.
+  // Rows [J r] of the points and of the fairness; their triangular factor says the same in 3f+1
+  // rows.
   const Eigen::Index points = cell.end - cell.begin;
   Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(3 * points + 3 * f, columns + 1);
   Eigen::Index row = 0;
   double bounded = 0;  // what a loss takes off the plain squares of its reweighted rows
   std::vector<double> R(static_cast<size_t>(f));
-  const double u0 = basis_u_.lower(), u1 = basis_u_.upper(), v0 = basis_v_.lower(), v1 = basis_v_.upper();
+  const double u0 = basis_u_.lower(), u1 = basis_u_.upper(), v0 = basis_v_.lower(),
+               v1 = basis_v_.upper();
   for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
     const Eigen::Index k = order_[i];
     const Eigen::Vector3d difference = jets_[k].point - points_.col(k);
@@ -248,11 +267,14 @@ void JointCells::Evaluate(int index, double* residual, double* jacobian) const {
     bounded += 2 * PointWeight(k) * LossValue(options_.loss, distance, options_.loss_scale);
     const double root = std::sqrt(weight);
     Eigen::Vector3d directions[3];
-    const int count = FixedDirections(jets_[k], feet_(0, k) <= u0 || feet_(0, k) >= u1,
-                                      feet_(1, k) <= v0 || feet_(1, k) >= v1, directions);
+    const int count = FixedDirections(jets_[k],
+                                      feet_(0, k) <= u0 || feet_(0, k) >= u1,
+                                      feet_(1, k) <= v0 || feet_(1, k) >= v1,
+                                      directions);
     Rational(cell.span_u, cell.span_v, feet_(0, k), feet_(1, k), R.data());
     for (int d = 0; d < count; ++d, ++row) {
-      for (int j = 0; j < f; ++j) stack.row(row).segment<3>(3 * j) = root * R[j] * directions[d].transpose();
+      for (int j = 0; j < f; ++j)
+        stack.row(row).segment<3>(3 * j) = root * R[j] * directions[d].transpose();
       stack(row, columns) = root * directions[d].dot(difference);
       bounded -= stack(row, columns) * stack(row, columns);
     }
@@ -268,26 +290,30 @@ void JointCells::Evaluate(int index, double* residual, double* jacobian) const {
   J.setZero();
   if (row > columns + 1) {
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stack.topRows(row));
-    const Eigen::MatrixXd triangle = qr.matrixQR().topRows(columns + 1).triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd triangle =
+        qr.matrixQR().topRows(columns + 1).triangularView<Eigen::Upper>();
     J.topRows(columns + 1) = triangle.leftCols(columns);
     out.head(columns + 1) = triangle.col(columns);
   } else {
     J.topRows(row) = stack.topRows(row).leftCols(columns);
     out.head(row) = stack.col(columns).head(row);
   }
-  // Where a loss bounds points, Σρ exceeds the rows' squares by what no step can change to first order.
+  // Where a loss bounds points, Σρ exceeds the rows' squares by what no step can change to first
+  // order.
   out[columns + 1] = std::sqrt(std::max(0.0, bounded));
   const double root = std::sqrt(damping);
   for (int j = 0; j < f; ++j) {
     for (int d = 0; d < 3; ++d) {
-      for (int c = 0; c < f; ++c) J(columns + 2 + 3 * j + d, 3 * c + d) = root * cell.proximal(j, c);
+      for (int c = 0; c < f; ++c)
+        J(columns + 2 + 3 * j + d, 3 * c + d) = root * cell.proximal(j, c);
     }
   }
 }
 
 double JointCells::SquaredDistances() const {
   double sum = 0;
-  for (Eigen::Index k = 0; k < points_.cols(); ++k) sum += (jets_[k].point - points_.col(k)).squaredNorm();
+  for (Eigen::Index k = 0; k < points_.cols(); ++k)
+    sum += (jets_[k].point - points_.col(k)).squaredNorm();
   return sum;
 }
 

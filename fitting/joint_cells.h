@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The joint problem seen cell by cell: what every knot cell says about its control points once all foot
-// points are eliminated. Used by the joint stage only.
+// The joint problem seen cell by cell: what every knot cell says about its control points once all
+// foot points are eliminated. Used by the joint stage only.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,10 @@
 
 namespace batten {
 
-// The control points of a changing surface, the foot points of all data on it, and, per knot cell, the
-// least-squares rows that remain of them. With T = [S_u S_v] at a foot point, eliminating its parameters
-// leaves the residual's part along the normal; where the foot is held by the domain's edge, also the
-// part across the edge, and at a corner all of it.
+// The control points of a changing surface, the foot points of all data on it, and, per knot cell,
+// the least-squares rows that remain of them. With T = [S_u S_v] at a foot point, eliminating its
+// parameters leaves the residual's part along the normal; where the foot is held by the domain's
+// edge, also the part across the edge, and at a corner all of it.
 class JointCells {
  public:
   JointCells(const NurbsSurface& start,
@@ -41,8 +41,9 @@ class JointCells {
   // Makes the present state the one that later steps start from: foot points, damping, distances.
   void Accept();
 
-  // The rows of a cell: residual (rows()) and, when asked for, Jacobian (rows() × 3·functions(), row
-  // major) at the accepted state; without it, two rows that have the same sum of squares as the cost.
+  // The rows of a cell: residual (rows()) and, when asked for, Jacobian (rows() × 3·functions(),
+  // row major) at the accepted state; without it, two rows that have the same sum of squares as the
+  // cost.
   void Evaluate(int cell, double* residual, double* jacobian) const;
 
   double SquaredDistances() const;  // Σ d² of the last projection, without weights
@@ -54,10 +55,10 @@ class JointCells {
  private:
   struct Cell {
     int span_u, span_v;
-    Eigen::MatrixXd fairness;       // Lᵀ with K = L·Lᵀ the cell's thin-plate form
-    Eigen::MatrixXd proximal;       // Lᵀ of the cell's point-distance matrix, at the accepted state
+    Eigen::MatrixXd fairness;  // Lᵀ with K = L·Lᵀ the cell's thin-plate form
+    Eigen::MatrixXd proximal;  // Lᵀ of the cell's point-distance matrix, at the accepted state
     Eigen::Index begin = 0, end = 0;  // its points in order_
-    Eigen::Matrix3Xd normals;       // of the start, on a grid
+    Eigen::Matrix3Xd normals;         // of the start, on a grid
   };
 
   void MakeCells(const NurbsSurface& start, double fairness_weight);
@@ -69,7 +70,7 @@ class JointCells {
   Eigen::VectorXd net_weights_;
   Eigen::Matrix3Xd net_, accepted_net_;
   const Eigen::Matrix3Xd& points_;
-  const Eigen::VectorXd& weights_;
+  Eigen::VectorXd weights_;
   const JointOptions& options_;
   ThreadPool& pool_;
   int functions_;

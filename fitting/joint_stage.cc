@@ -54,7 +54,9 @@ class CellCost : public ceres::CostFunction {
     for (int block = 0; block < cells_.functions(); ++block) {
       if (jacobians[block] == nullptr) continue;
       for (int r = 0; r < rows; ++r) {
-        std::copy_n(whole.data() + static_cast<size_t>(r) * columns + 3 * block, 3, jacobians[block] + 3 * r);
+        std::copy_n(whole.data() + static_cast<size_t>(r) * columns + 3 * block,
+                    3,
+                    jacobians[block] + 3 * r);
       }
     }
     return true;
@@ -69,7 +71,11 @@ class CellCost : public ceres::CostFunction {
 // Watches the noise, the user, and how well the damping suits.
 class Watcher : public ceres::IterationCallback {
  public:
-  Watcher(JointCells& cells, const JointOptions& options, double floor, Eigen::Index points, JointResult& result)
+  Watcher(JointCells& cells,
+          const JointOptions& options,
+          double floor,
+          Eigen::Index points,
+          JointResult& result)
       : cells_(cells), options_(options), floor_(floor), points_(points), result_(result) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
@@ -83,7 +89,8 @@ class Watcher : public ceres::IterationCallback {
       result_.rounds.push_back(round);
       if (summary.iteration > 0) {
         const double gain = summary.relative_decrease;
-        cells_.damping = std::clamp(cells_.damping * std::max(0.2, 1 - std::pow(2 * gain - 1, 3)), 1e-9, 1e3);
+        cells_.damping =
+            std::clamp(cells_.damping * std::max(0.2, 1 - std::pow(2 * gain - 1, 3)), 1e-9, 1e3);
       }
       if (squares <= floor_) {
         result_.note = "residuals reached the noise";
@@ -91,7 +98,8 @@ class Watcher : public ceres::IterationCallback {
       }
     }
     if (options_.progress &&
-        !options_.progress("optimize", static_cast<double>(summary.iteration) / options_.max_iterations)) {
+        !options_.progress("optimize",
+                           static_cast<double>(summary.iteration) / options_.max_iterations)) {
       result_.cancelled = true;
       return ceres::SOLVER_ABORT;
     }

@@ -17,7 +17,8 @@ namespace batten {
 struct NeighbourIndex::Tree {
   using Distance = flann::L2_3D<float>;
   Eigen::Vector3d centre;
-  double scale;  // a power of two that brings coordinates near one: floats reach from 1e-38 to 1e38 only
+  double scale;  // a power of two that brings coordinates near one: floats reach from 1e-38 to 1e38
+                 // only
 
   Eigen::Matrix3Xf Local(const Eigen::Matrix3Xd& world) const {
     return ((world.colwise() - centre) * scale).cast<float>();
@@ -57,8 +58,11 @@ std::vector<int> NeighbourIndex::Nearest(const Eigen::Matrix3Xd& queries, int k)
   flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED);
   parameters.cores = 1;
   parameters.sorted = true;
-  tree_->index->knnSearch(flann::Matrix<float>(local.data(), rows, 3), index_rows, distance_rows,
-                          static_cast<size_t>(k), parameters);
+  tree_->index->knnSearch(flann::Matrix<float>(local.data(), rows, 3),
+                          index_rows,
+                          distance_rows,
+                          static_cast<size_t>(k),
+                          parameters);
   return indices;
 }
 

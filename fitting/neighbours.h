@@ -8,8 +8,9 @@
 
 namespace batten {
 
-// An exact kd-tree over float copies of local coordinates (24 bytes a point and less); which points are
-// neighbours is decided in float, every distance that matters is for the caller to take in double.
+// An exact kd-tree over float copies of local coordinates (24 bytes a point and less); which points
+// are neighbours is decided in float, every distance that matters is for the caller to take in
+// double.
 class NeighbourIndex {
  public:
   // Points relative to an origin near them (3 × m).
@@ -19,8 +20,8 @@ class NeighbourIndex {
 
   Eigen::Index size() const;
 
-  // For each query (3 × q) the min(k, m) nearest points, nearest first: result[i·k + j]. A point of the
-  // cloud is its own first neighbour, or a duplicate of it. Thread-safe. O(q log m).
+  // For each query (3 × q) the min(k, m) nearest points, nearest first: result[i·k + j]. A point of
+  // the cloud is its own first neighbour, or a duplicate of it. Thread-safe. O(q log m).
   std::vector<int> Nearest(const Eigen::Matrix3Xd& queries, int k) const;
 
  private:

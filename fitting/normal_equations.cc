@@ -39,12 +39,14 @@ CellOrder::CellOrder(const SplineBasis& outer_basis,
   std::vector<int> cell_of(static_cast<size_t>(m));
   std::vector<Eigen::Index> start(static_cast<size_t>(cell_count_) + 1, 0);
   for (Eigen::Index k = 0; k < m; ++k) {
-    cell_of[k] = outer_rank[outer_basis.Span(outer[k])] * columns + inner_rank[inner_basis.Span(inner[k])];
+    cell_of[k] =
+        outer_rank[outer_basis.Span(outer[k])] * columns + inner_rank[inner_basis.Span(inner[k])];
     ++start[cell_of[k] + 1];
   }
   for (int c = 0; c < cell_count_; ++c) {
     if (start[c + 1] > 0) {
-      cells_.push_back({outer_spans[c / columns], inner_spans[c % columns], start[c], start[c] + start[c + 1]});
+      cells_.push_back(
+          {outer_spans[c / columns], inner_spans[c % columns], start[c], start[c] + start[c + 1]});
     }
     start[c + 1] += start[c];
   }
@@ -60,7 +62,9 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                                  const Eigen::VectorXd& weights,
                                  const CellOrder& order,
                                  ThreadPool& pool)
-    : degree_outer_(outer_basis.degree()), degree_inner_(inner_basis.degree()), cells_(order.cells()) {
+    : degree_outer_(outer_basis.degree()),
+      degree_inner_(inner_basis.degree()),
+      cells_(order.cells()) {
   const int p = degree_outer_, q = degree_inner_;
   const int pairs_outer = (p + 1) * (p + 2) / 2, pairs_inner = (q + 1) * (q + 2) / 2;
   const int functions = (p + 1) * (q + 1);
@@ -70,36 +74,39 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
   std::vector<double> cell_rhs(cells_.size() * functions * dimension, 0.0);
   std::vector<double> cell_squares(cells_.size(), 0.0);
 
-  pool.For(static_cast<std::ptrdiff_t>(cells_.size()), 8, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-    double No[kMaxDegree + 1], Ni[kMaxDegree + 1];
-    std::vector<double> po(pairs_outer), pi(pairs_inner);
-    for (std::ptrdiff_t c = first; c < last; ++c) {
-      const CellOrder::Cell& cell = cells_[c];
-      double* gram = grams_.data() + c * gram_size;
-      double* rhs = cell_rhs.data() + c * functions * dimension;
-      for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
-        const Eigen::Index k = order.points()[i];
-        const double weight = weights.size() > 0 ? weights[k] : 1.0;
-        if (weight == 0) continue;
-        outer_basis.Values(cell.outer_span, outer[k], No);
-        inner_basis.Values(cell.inner_span, inner[k], Ni);
-        Pairs(No, p, po.data());
-        Pairs(Ni, q, pi.data());
-        if (p == 3 && q == 3) {
-          Rank1<10>(gram, po.data(), 10, pi.data(), 10, weight);
-        } else {
-          Rank1<0>(gram, po.data(), pairs_outer, pi.data(), pairs_inner, weight);
-        }
-        for (int d = 0; d < dimension; ++d) {
-          const double z = weight * values(d, k);
-          for (int r = 0; r <= p; ++r) {
-            for (int s = 0; s <= q; ++s) rhs[d * functions + r * (q + 1) + s] += z * No[r] * Ni[s];
-          }
-        }
-        cell_squares[c] += weight * values.col(k).squaredNorm();
-      }
-    }
-  });
+  pool.For(static_cast<std::ptrdiff_t>(cells_.size()),
+           8,
+           [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+             double No[kMaxDegree + 1], Ni[kMaxDegree + 1];
+             std::vector<double> po(pairs_outer), pi(pairs_inner);
+             for (std::ptrdiff_t c = first; c < last; ++c) {
+               const CellOrder::Cell& cell = cells_[c];
+               double* gram = grams_.data() + c * gram_size;
+               double* rhs = cell_rhs.data() + c * functions * dimension;
+               for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
+                 const Eigen::Index k = order.points()[i];
+                 const double weight = weights.size() > 0 ? weights[k] : 1.0;
+                 if (weight == 0) continue;
+                 outer_basis.Values(cell.outer_span, outer[k], No);
+                 inner_basis.Values(cell.inner_span, inner[k], Ni);
+                 Pairs(No, p, po.data());
+                 Pairs(Ni, q, pi.data());
+                 if (p == 3 && q == 3) {
+                   Rank1<10>(gram, po.data(), 10, pi.data(), 10, weight);
+                 } else {
+                   Rank1<0>(gram, po.data(), pairs_outer, pi.data(), pairs_inner, weight);
+                 }
+                 for (int d = 0; d < dimension; ++d) {
+                   const double z = weight * values(d, k);
+                   for (int r = 0; r <= p; ++r) {
+                     for (int s = 0; s <= q; ++s)
+                       rhs[d * functions + r * (q + 1) + s] += z * No[r] * Ni[s];
+                   }
+                 }
+                 cell_squares[c] += weight * values.col(k).squaredNorm();
+               }
+             }
+           });
 
   const int inner_size = inner_basis.size();
   rhs_ = Eigen::MatrixXd::Zero(Eigen::Index{outer_basis.size()} * inner_size, dimension);

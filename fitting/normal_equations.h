@@ -24,9 +24,11 @@ class CellOrder {
     int outer_span, inner_span;
     Eigen::Index begin, end;  // in points()
   };
-  const std::vector<Cell>& cells() const { return cells_; }         // those that hold points
-  const std::vector<Eigen::Index>& points() const { return points_; }  // sorted by cell, then by index
-  int cell_count() const { return cell_count_; }                    // empty ones included
+  const std::vector<Cell>& cells() const { return cells_; }  // those that hold points
+  const std::vector<Eigen::Index>& points() const {
+    return points_;
+  }                                               // sorted by cell, then by index
+  int cell_count() const { return cell_count_; }  // empty ones included
 
  private:
   std::vector<Cell> cells_;
@@ -34,9 +36,9 @@ class CellOrder {
   int cell_count_;
 };
 
-// A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis functions
-// at a point's parameters and z its values. Sums are kept a cell at a time, so the result does not
-// depend on the number of threads. O(m (p+1)² (q+1)² / 4).
+// A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis
+// functions at a point's parameters and z its values. Sums are kept a cell at a time, so the result
+// does not depend on the number of threads. O(m (p+1)² (q+1)² / 4).
 class NormalEquations {
  public:
   // values: d × m; weights: empty for ones.

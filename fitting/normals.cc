@@ -25,7 +25,8 @@ Eigen::Matrix3Xd EstimateNormals(const NeighbourIndex& index,
     // Neighbours relative to the query keep float exact enough at any distance from the origin.
     for (int j = 0; j < k; ++j) {
       const Eigen::Vector3d d = points.col(neighbours[i * k + j]) - queries.col(i);
-      local[j] = pcl::PointXYZ(static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]));
+      local[j] = pcl::PointXYZ(
+          static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]));
     }
     Eigen::Matrix3f covariance;
     Eigen::Vector4f centroid;

@@ -9,8 +9,8 @@
 namespace batten {
 
 // Unit normals at the queries, without a consistent sign: the direction of least variance of the k
-// nearest points; a zero vector where the neighbours leave it undefined. Points are those the index was
-// made of.
+// nearest points; a zero vector where the neighbours leave it undefined. Points are those the index
+// was made of.
 Eigen::Matrix3Xd EstimateNormals(const NeighbourIndex& index,
                                  const Eigen::Matrix3Xd& points,
                                  const Eigen::Matrix3Xd& queries,

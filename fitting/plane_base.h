@@ -9,14 +9,15 @@
 
 namespace batten {
 
-// A right-handed frame with a rectangle [0, length_u] × [0, length_v] in its first two axes: parameters
-// are lengths in the plane, in the data's units.
+// A right-handed frame with a rectangle [0, length_u] × [0, length_v] in its first two axes:
+// parameters are lengths in the plane, in the data's units.
 struct PlaneBase {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns u, v, normal
   double length_u = 1, length_v = 1;
-  double steepness = 0;  // 95 % of the sheet is less inclined to the plane than this angle (radians)
-  double overlap = 0;    // share of places where the sheet lies over itself: not a height field there
+  double steepness =
+      0;               // 95 % of the sheet is less inclined to the plane than this angle (radians)
+  double overlap = 0;  // share of places where the sheet lies over itself: not a height field there
 
   // Coordinates (u, v, height) of points.
   Eigen::Matrix3Xd ToFrame(const Eigen::Matrix3Xd& points) const {
@@ -29,12 +30,12 @@ struct PlaneBaseOptions {
   std::uint64_t seed = 1;  // chooses them
 };
 
-// The direction in which the sheet is least steep: the axis of the smallest cone that holds (all but a
-// few of) its normals; a coordinate axis is preferred where it serves nearly as well, z before y before
-// x, so that terrain stays a height field over the plan. The rectangle is the minimum-area one by
-// rotating calipers [Freeman & Shapira 1975], or the axis-parallel one where that is nearly as small,
-// widened by `margin` on every side. Throws std::invalid_argument when the points are fewer than three
-// or lie on a line, saying so.
+// The direction in which the sheet is least steep: the axis of the smallest cone that holds (all
+// but a few of) its normals; a coordinate axis is preferred where it serves nearly as well, z
+// before y before x, so that terrain stays a height field over the plan. The rectangle is the
+// minimum-area one by rotating calipers [Freeman & Shapira 1975], or the axis-parallel one where
+// that is nearly as small, widened by `margin` on every side. Throws std::invalid_argument when the
+// points are fewer than three or lie on a line, saying so.
 PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         const NeighbourIndex& index,
                         double spacing,

@@ -23,13 +23,14 @@ void RequireFinite(bool finite, const char* field) {
   if (!finite) throw std::invalid_argument(std::string("PointCloud: ") + field + " is not finite");
 }
 
-// A multiple of a power of two not above the extent, near the middle of the range: its few digits make
-// the subtraction exact wherever the input's own digits allow. Zero where the range is near zero.
+// A multiple of a power of two not above the extent, near the middle of the range: its few digits
+// make the subtraction exact wherever the input's own digits allow. Zero where the range is near
+// zero.
 double RoundOrigin(double low, double high) {
   const double middle = low / 2 + high / 2, extent = high - low;
   if (std::abs(middle) <= 16 * extent || middle == 0) return 0;
-  const double unit =
-      extent > 0 ? std::exp2(std::floor(std::log2(extent))) : std::exp2(std::floor(std::log2(std::abs(middle))));
+  const double unit = extent > 0 ? std::exp2(std::floor(std::log2(extent)))
+                                 : std::exp2(std::floor(std::log2(std::abs(middle))));
   return std::round(middle / unit) * unit;
 }
 
@@ -117,7 +118,8 @@ MergedCloud MergeDuplicates(const PointCloud& cloud) {
       cloud.weights().size() > 0 ? cloud.weights() : Eigen::VectorXd::Ones(m).eval();
   MergedCloud result;
   std::vector<Eigen::Index> first(static_cast<size_t>(m));  // the point that stands for this one
-  Eigen::Array<bool, Eigen::Dynamic, 1> keep = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(m, true);
+  Eigen::Array<bool, Eigen::Dynamic, 1> keep =
+      Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(m, true);
   for (Eigen::Index i = 0; i < m;) {
     Eigen::Index j = i;
     for (; j < m && p.col(order[j]) == p.col(order[i]); ++j) {

@@ -23,9 +23,9 @@ class PointCloud {
                       Eigen::Vector3d origin = Eigen::Vector3d::Zero(),
                       int dimension = 3);
 
-  // Splits an origin off points given in world coordinates: a round number near the middle where the
-  // cloud is far from zero against its size, else zero; the subtraction loses nothing that the input
-  // holds. Works in place.
+  // Splits an origin off points given in world coordinates: a round number near the middle where
+  // the cloud is far from zero against its size, else zero; the subtraction loses nothing that the
+  // input holds. Works in place.
   static PointCloud FromWorld(Eigen::Matrix3Xd points, int dimension = 3);
 
   Eigen::Index size() const { return points_.cols(); }
@@ -36,8 +36,8 @@ class PointCloud {
 
   // Empty, or one a point.
   const Eigen::Matrix3Xd& normals() const { return normals_; }
-  const Eigen::VectorXd& weights() const { return weights_; }        // positive
-  const Colours& colours() const { return colours_; }                // 0 … 255
+  const Eigen::VectorXd& weights() const { return weights_; }         // positive
+  const Colours& colours() const { return colours_; }                 // 0 … 255
   const Eigen::Matrix2Xd& parameters() const { return parameters_; }  // given (u,v)
 
   // Each throws std::invalid_argument unless it is empty or fits the points and is finite.
@@ -66,8 +66,8 @@ class PointCloud {
 // normal, colour and parameters kept, order kept. O(m log m).
 struct MergedCloud {
   PointCloud cloud;
-  Eigen::Index duplicates = 0;       // points that vanished into another
-  std::vector<Eigen::Index> place;   // for every point given, the merged point that stands for it
+  Eigen::Index duplicates = 0;      // points that vanished into another
+  std::vector<Eigen::Index> place;  // for every point given, the merged point that stands for it
 };
 MergedCloud MergeDuplicates(const PointCloud& cloud);
 

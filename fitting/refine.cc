@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "batten/fitting/distances.h"
@@ -16,8 +17,10 @@ namespace batten {
 namespace {
 
 constexpr double kPointsPerControlPoint = 2.1;
-constexpr double kGrowth = 1.25;           // control points a round, at most
-constexpr double kWorthOfBest = 0.3;       // lines scoring less than this share wait for a later round
+constexpr double kGrowth = 1.25;      // control points a round, at most
+constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait for a later round
+constexpr double kNarrowestInSpacings = 0.65;  // no cell is cut into narrower ones
+constexpr double kFreedomFactor = 1.4;         // as in the choice of the grid
 constexpr int kReweightingRounds = 15;
 constexpr int kMaxRounds = 200;
 
@@ -42,13 +45,14 @@ std::vector<double> SpanScores(const SplineBasis& basis,
   std::vector<double> scores(static_cast<size_t>(basis.size()), 0.0);
   for (Eigen::Index k = 0; k < distances.size(); ++k) {
     const double r = std::abs(distances[k]);
-    if (r > tolerance / 2) scores[basis.Span(parameters[k])] += std::min(r * r, 9 * tolerance * tolerance);
+    if (r > tolerance / 2)
+      scores[basis.Span(parameters[k])] += std::min(r * r, 9 * tolerance * tolerance);
   }
   return scores;
 }
 
-// How much more a point counts in the next round: more near the tolerance, where it can be brought in;
-// less far beyond it, where it can't.
+// How much more a point counts in the next round: more near the tolerance, where it can be brought
+// in; less far beyond it, where it can't.
 double Emphasis(double distance, double tolerance) {
   const double a = std::abs(distance) / tolerance;
   if (a < 1.6) return std::pow(std::clamp(a, 0.3, 2.0), 2);
@@ -70,8 +74,19 @@ class Refinement {
   // Solves, measures, remembers the best. Returns how many points are out of tolerance.
   Eigen::Index Round(const char* stage) {
     const auto start = std::chrono::steady_clock::now();
-    return Measure(stage, SolveLinear(problem_, pool_), start);
+    const LinearSolution solution = SolveLinear(problem_, pool_);
+    const auto points = static_cast<double>(points_.cols());
+    const double freedom = std::max(1.0, points - kFreedomFactor * problem_.unknowns());
+    validation_ = points * solution.residual_squares / (freedom * freedom);
+    return Measure(stage, solution, start);
   }
+
+  // Generalised cross-validation of the last round: rises once refinement follows noise.
+  double validation() const { return validation_; }
+
+  // The present state as the one to return to, and back.
+  void Remember() { remembered_ = {best_, best_parameters_, best_problem_}; }
+  void Return() { std::tie(best_, best_parameters_, best_problem_) = remembered_; }
 
   // The best bases and weights once more, held within the range of the data where there are none.
   void Calm() {
@@ -90,7 +105,8 @@ class Refinement {
                        std::chrono::steady_clock::time_point start) {
     NurbsSurface surface =
         HeightSurface(base_, problem_.basis_u(), problem_.basis_v(), solution.coefficients);
-    PointDistances found = DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
+    PointDistances found =
+        DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
     distances_ = found.distances;
     const ErrorSummary error = Summarise(distances_, options_.tolerance);
     RoundSummary round;
@@ -123,8 +139,8 @@ class Refinement {
     });
     std::vector<double> in_u, in_v;
     const double size_u = problem_.basis_u().size(), size_v = problem_.basis_v().size();
-    const double round_limit = std::min(limit_, std::max(kGrowth * size_u * size_v,
-                                                         size_u * size_v + std::max(size_u, size_v)));
+    const double round_limit = std::min(
+        limit_, std::max(kGrowth * size_u * size_v, size_u * size_v + std::max(size_u, size_v)));
     for (const Line& line : lines) {
       if (line.score < kWorthOfBest * lines.front().score) break;
       const double nu = size_u + static_cast<double>(in_u.size()) + (line.in_u ? 1 : 0);
@@ -133,11 +149,13 @@ class Refinement {
       (line.in_u ? in_u : in_v).push_back(line.knot);
     }
     if (in_u.empty() && in_v.empty()) return false;
-    problem_ = problem_.WithBases(WithKnots(problem_.basis_u(), in_u), WithKnots(problem_.basis_v(), in_v));
+    problem_ = problem_.WithBases(WithKnots(problem_.basis_u(), in_u),
+                                  WithKnots(problem_.basis_v(), in_v));
     return true;
   }
 
-  // Weights of measured points by where they stand against the tolerance; data behind them keep theirs.
+  // Weights of measured points by where they stand against the tolerance; data behind them keep
+  // theirs.
   void Reweight() {
     const Eigen::VectorXd& given = problem_.data().weights;
     if (original_.size() == 0) {
@@ -159,7 +177,11 @@ class Refinement {
 
   RefineResult Finish(Termination termination) {
     Calm();
-    return {std::move(*best_), std::move(best_parameters_), termination, empty_share_, std::move(rounds_)};
+    return {std::move(*best_),
+            std::move(best_parameters_),
+            termination,
+            empty_share_,
+            std::move(rounds_)};
   }
 
  private:
@@ -170,7 +192,7 @@ class Refinement {
         basis, problem_.data().parameters.row(in_u ? 0 : 1), distances_, options_.tolerance);
     for (const int span : basis.Spans()) {
       const double a = basis.knots()[span], b = basis.knots()[span + 1];
-      if (scores[span] > 0 && (b - a) / 2 >= 0.9 * options_.spacing) {
+      if (scores[span] > 0 && (b - a) / 2 >= kNarrowestInSpacings * options_.spacing) {
         lines.push_back({in_u, (a + b) / 2, scores[span] / added});
       }
     }
@@ -186,6 +208,9 @@ class Refinement {
   std::optional<NurbsSurface> best_;
   std::optional<FittingProblem> best_problem_;
   double empty_share_ = 0;
+  double validation_ = 0;
+  std::tuple<std::optional<NurbsSurface>, Eigen::Matrix2Xd, std::optional<FittingProblem>>
+      remembered_;
   Eigen::Matrix2Xd best_parameters_;
   std::pair<Eigen::Index, double> best_score_{};
   std::vector<RoundSummary> rounds_;
@@ -201,20 +226,28 @@ RefineResult RefineToTolerance(const FittingProblem& problem,
                                const Progress& progress) {
   Refinement refinement(problem, base, points, options, pool);
   const auto cancelled = [&](double fraction) { return progress && !progress("refine", fraction); };
+  double validation = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::Index out = refinement.Round("refine");
     if (out == 0) return refinement.Finish(Termination::kToleranceReached);
+    // No more points out than noise alone would leave: go on only while left-out points gain by it,
+    // for the noise of sparse exact points is easily thought too large.
     const double noise_out = refinement.NoiseOut();
-    if (static_cast<double>(out) <= noise_out + 2 * std::sqrt(noise_out)) {
+    const bool as_noise = static_cast<double>(out) <= noise_out + 2 * std::sqrt(noise_out);
+    if (as_noise && refinement.validation() >= validation) {
+      refinement.Return();
       return refinement.Finish(Termination::kNoiseReached);
     }
+    if (as_noise) refinement.Remember();
+    validation = as_noise ? refinement.validation() : std::numeric_limits<double>::infinity();
     if (cancelled(0.02 * std::min(round, 40))) return refinement.Finish(Termination::kCancelled);
     if (!refinement.InsertLines()) break;
   }
   for (int round = 0; round < kReweightingRounds; ++round) {
     refinement.Reweight();
     if (refinement.Round("reweight") == 0) return refinement.Finish(Termination::kToleranceReached);
-    if (cancelled(0.8 + 0.2 * round / kReweightingRounds)) return refinement.Finish(Termination::kCancelled);
+    if (cancelled(0.8 + 0.2 * round / kReweightingRounds))
+      return refinement.Finish(Termination::kCancelled);
   }
   return refinement.Finish(Termination::kMaxControlPoints);
 }

@@ -14,9 +14,9 @@
 namespace batten {
 
 struct RefineOptions {
-  double tolerance = 0;           // orthogonal distance, the data's units
-  double noise = 0;               // standard deviation: below what it explains nothing is refined
-  double spacing = 0;             // of the points: no cell gets narrower
+  double tolerance = 0;  // orthogonal distance, the data's units
+  double noise = 0;      // standard deviation: below what it explains nothing is refined
+  double spacing = 0;    // of the points: no cell gets narrower than two thirds of it
   int max_control_points = 20000;
 };
 
@@ -24,16 +24,16 @@ struct RefineResult {
   NurbsSurface surface;
   Eigen::Matrix2Xd parameters;  // foot points of the data
   Termination termination;
-  double empty_share = 0;       // of the domain without points
+  double empty_share = 0;  // of the domain without points
   std::vector<RoundSummary> rounds;
 };
 
-// Rounds of: solve, measure orthogonal distances, insert knot lines through the spans where most error
-// above half the tolerance is removed per control point added. Never more control points than one for
-// every 2.1 points. When lines are used up, rounds of reweighting trade small errors for points brought
-// within the tolerance. The surface with the fewest points out of tolerance is returned. The problem's
-// values are heights over `base`, `points` its first data in space; data behind those only steady the
-// solution.
+// Rounds of: solve, measure orthogonal distances, insert knot lines through the spans where most
+// error above half the tolerance is removed per control point added. Never more control points than
+// one for every 2.1 points. When lines are used up, rounds of reweighting trade small errors for
+// points brought within the tolerance. The surface with the fewest points out of tolerance is
+// returned. The problem's values are heights over `base`, `points` its first data in space; data
+// behind those only steady the solution.
 RefineResult RefineToTolerance(const FittingProblem& problem,
                                const PlaneBase& base,
                                const Eigen::Matrix3Xd& points,

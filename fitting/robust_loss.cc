@@ -17,7 +17,8 @@ double LossValue(Loss loss, double residual, double scale) {
   const double r = std::abs(residual);
   if (loss == Loss::kNone || !(scale > 0)) return r * r / 2;
   switch (loss) {
-    case Loss::kNone: break;
+    case Loss::kNone:
+      break;
     case Loss::kHuber: {
       const double knee = kHuberTuning * scale;
       return r <= knee ? r * r / 2 : knee * (r - knee / 2);
@@ -28,8 +29,9 @@ double LossValue(Loss loss, double residual, double scale) {
     }
     case Loss::kTukey: {
       const double c = kTukeyTuning * scale;
-      const double rest = r < c ? 1 - (r / c) * (r / c) : 0;
-      return c * c / 6 * (1 - rest * rest * rest);
+      if (r >= c) return c * c / 6;
+      const double t2 = (r / c) * (r / c);
+      return r * r / 2 * (1 - t2 + t2 * t2 / 3);  // c²/6 (1 − (1 − t²)³) without its cancellation
     }
   }
   return r * r / 2;
@@ -37,8 +39,10 @@ double LossValue(Loss loss, double residual, double scale) {
 
 double LossWeight(Loss loss, double residual, double scale) {
   const double r = std::abs(residual);
+  if (!(scale > 0)) return 1;  // exact data: nothing to bound
   switch (loss) {
-    case Loss::kNone: return 1;
+    case Loss::kNone:
+      return 1;
     case Loss::kHuber: {
       const double knee = kHuberTuning * scale;
       return r <= knee ? 1 : knee / r;
@@ -56,7 +60,6 @@ double LossWeight(Loss loss, double residual, double scale) {
 }
 
 Eigen::VectorXd LossWeights(Loss loss, const Eigen::VectorXd& residuals, double scale) {
-  if (!(scale > 0)) return Eigen::VectorXd::Ones(residuals.size());  // exact data: nothing to bound
   return residuals.unaryExpr([&](double r) { return LossWeight(loss, r, scale); });
 }
 

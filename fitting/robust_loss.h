@@ -17,8 +17,8 @@ enum class Loss {
 // ρ(r) itself, r²/2 near zero.
 double LossValue(Loss loss, double residual, double scale);
 
-// ρ'(r)/r relative to the plain square: the weight of iterative reweighting. The tuning constants keep
-// 95 % efficiency on normal noise. [Huber 1981; Maronna et al. 2006]
+// ρ'(r)/r relative to the plain square: the weight of iterative reweighting. The tuning constants
+// keep 95 % efficiency on normal noise. [Huber 1981; Maronna et al. 2006]
 double LossWeight(Loss loss, double residual, double scale);
 Eigen::VectorXd LossWeights(Loss loss, const Eigen::VectorXd& residuals, double scale);
 

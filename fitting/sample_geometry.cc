@@ -24,8 +24,8 @@ void Check(const SampleOptions& options) {
   }
 }
 
-// Uniform and normal numbers from the bits of a Mersenne twister; the library's own distributions differ
-// between implementations.
+// Uniform and normal numbers from the bits of a Mersenne twister; the library's own distributions
+// differ between implementations.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -57,11 +57,15 @@ size_t Pick(const std::vector<double>& running, double fraction) {
 }
 
 // Noise on every point, then outliers at random places in the box of the shape.
-PointCloud Disturb(Eigen::Matrix3Xd points, const SampleOptions& options, Random& random, int dimension) {
+PointCloud Disturb(Eigen::Matrix3Xd points,
+                   const SampleOptions& options,
+                   Random& random,
+                   int dimension) {
   Eigen::AlignedBox3d box;
   for (Eigen::Index k = 0; k < points.cols(); ++k) box.extend(Eigen::Vector3d(points.col(k)));
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    for (int d = 0; d < dimension && options.noise > 0; ++d) points(d, k) += options.noise * random.Normal();
+    for (int d = 0; d < dimension && options.noise > 0; ++d)
+      points(d, k) += options.noise * random.Normal();
     if (options.outliers > 0 && random.Uniform() < options.outliers) {
       for (int d = 0; d < dimension; ++d) {
         points(d, k) = box.min()[d] + (box.max()[d] - box.min()[d]) * random.Uniform();

@@ -17,8 +17,8 @@ struct SampleOptions {
   std::uint64_t seed = 1;     // same seed, same points, on every machine
 };
 
-// Points spread evenly by area (by length on curves), with normal noise. Plane curves give plane clouds.
-// Throws std::invalid_argument naming the option that breaks its rule.
+// Points spread evenly by area (by length on curves), with normal noise. Plane curves give plane
+// clouds. Throws std::invalid_argument naming the option that breaks its rule.
 PointCloud SampleGeometry(const NurbsSurface& surface, const SampleOptions& options);
 PointCloud SampleGeometry(const NurbsCurve<2>& curve, const SampleOptions& options);
 PointCloud SampleGeometry(const NurbsCurve<3>& curve, const SampleOptions& options);

@@ -11,12 +11,12 @@ namespace batten {
 namespace {
 
 constexpr double kPlaceInSpacings = 1;
-constexpr double kVoidInSpacings = 3;   // what is empty at this width is a void, not chance
-constexpr int kMostPlaces = 160;        // along a side
-constexpr double kRangeMargin = 0.02;   // of the data's range
+constexpr double kVoidInSpacings = 3;  // what is empty at this width is a void, not chance
+constexpr int kMostPlaces = 160;       // along a side
+constexpr double kRangeMargin = 0.02;  // of the data's range
 constexpr int kSamplesPerCell = 3;
 constexpr int kHoldRounds = 12;
-constexpr double kHold = 0.03;          // the first weight of a held place, against the data's density
+constexpr double kHold = 0.03;  // the first weight of a held place, against the data's density
 constexpr double kHeavier = 4;
 
 struct PlaceGrid {
@@ -82,8 +82,11 @@ Eigen::VectorXd Membrane(const PlaceGrid& grid,
   return solver.solve(rhs);
 }
 
-// Heights everywhere on a grid a spacing wide: means of the data where there are any, else the membrane.
-std::vector<double> HeightMap(const FittingData& data, Eigen::Index measured, const PlaceGrid& grid) {
+// Heights everywhere on a grid a spacing wide: means of the data where there are any, else the
+// membrane.
+std::vector<double> HeightMap(const FittingData& data,
+                              Eigen::Index measured,
+                              const PlaceGrid& grid) {
   const size_t places = static_cast<size_t>(grid.nu) * grid.nv;
   std::vector<double> heights(places, 0.0), counts(places, 0.0);
   for (Eigen::Index k = 0; k < measured; ++k) {
@@ -136,7 +139,8 @@ FittingProblem WithHolds(const FittingProblem& problem,
   data->weights.resize(m + extra);
   data->parameters.leftCols(m) = given.parameters;
   data->values.leftCols(m) = given.values;
-  data->weights.head(m) = given.weights.size() > 0 ? given.weights : Eigen::VectorXd::Ones(m).eval();
+  data->weights.head(m) =
+      given.weights.size() > 0 ? given.weights : Eigen::VectorXd::Ones(m).eval();
   for (Eigen::Index k = 0; k < extra; ++k) {
     data->parameters.col(m + k) = places.col(held[k]);
     data->values(0, m + k) = heights[held[k]];
@@ -147,7 +151,9 @@ FittingProblem WithHolds(const FittingProblem& problem,
 
 }  // namespace
 
-CalmResult SolveCalmly(const FittingProblem& problem, const CalmOptions& options, ThreadPool& pool) {
+CalmResult SolveCalmly(const FittingProblem& problem,
+                       const CalmOptions& options,
+                       ThreadPool& pool) {
   const FittingData& data = problem.data();
   CalmResult result{problem, SolveLinear(problem, pool)};
   result.empty_share = EmptyShare(data.parameters.leftCols(options.measured),
@@ -167,8 +173,10 @@ CalmResult SolveCalmly(const FittingProblem& problem, const CalmOptions& options
   const Eigen::Matrix2Xd places = samples->parameters;
   const FittingProblem everywhere(problem.basis_u(), problem.basis_v(), std::move(samples), 0);
 
-  const double mean_weight = data.weights.size() > 0 ? data.weights.head(options.measured).mean() : 1.0;
-  const double density = mean_weight * static_cast<double>(options.measured) / static_cast<double>(count);
+  const double mean_weight =
+      data.weights.size() > 0 ? data.weights.head(options.measured).mean() : 1.0;
+  const double density =
+      mean_weight * static_cast<double>(options.measured) / static_cast<double>(count);
   std::vector<double> holds(static_cast<size_t>(count), 0.0), heights;
   for (int round = 0; round < kHoldRounds; ++round) {
     const Eigen::MatrixXd there = EvaluateAt(everywhere, result.solution.coefficients, pool);
@@ -183,7 +191,8 @@ CalmResult SolveCalmly(const FittingProblem& problem, const CalmOptions& options
       const PlaceGrid grid(problem, kPlaceInSpacings * options.spacing);
       const std::vector<double> map = HeightMap(data, options.measured, grid);
       heights.resize(static_cast<size_t>(count));
-      for (Eigen::Index k = 0; k < count; ++k) heights[k] = map[grid.Place(places(0, k), places(1, k))];
+      for (Eigen::Index k = 0; k < count; ++k)
+        heights[k] = map[grid.Place(places(0, k), places(1, k))];
     }
     result.problem = WithHolds(problem, places, heights, holds);
     result.solution = SolveLinear(result.problem, pool);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kMaxNewtonSteps = 60;
 constexpr int kMaxHalvings = 30;
+constexpr int kMaxCurveSteps = 120;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // The moves (du, dv) that keep the parameters in their box.
@@ -154,6 +155,7 @@ constexpr int kDeepest = 14;         // halvings in one direction
 // Arcs of a curve are halved until they differ from their chords by at most this part of the
 // length.
 constexpr double kChordBend = 0.1;
+constexpr double kSmallArc = 1e-4;  // least length over the diagonal of the curve's box
 
 // A rational Bézier piece: homogeneous x, y, z and w, each (p+1) × (q+1).
 using BezierNet = std::array<Eigen::MatrixXd, 4>;
@@ -403,12 +405,18 @@ struct SurfaceFootPoints::Tree {
   // Newton steps from every sample that is no farther than its neighbours in the grid, or from all
   // where the piece is folded, if they may lead to a nearer point. At a corner of the surface the
   // steps from one sample reach one of two edges: both are tried.
-  void Search(const Piece& piece, const Eigen::Vector3d& q, SurfaceFoot& best) const {
+  void Search(const Piece& piece,
+              const Eigen::Vector3d& q,
+              SurfaceFoot& best,
+              bool& at_side) const {
     const Eigen::Array<double, kSamples * kSamples, 1> d =
         (piece.samples.rowwise() - q.transpose()).rowwise().squaredNorm();
     const auto search = [&](double u, double v) {
       const SurfaceFoot foot = LocalFootPoint(surface, q, u, v, piece.box);
-      if (foot.distance < best.distance) best = foot;
+      if (!(foot.distance < best.distance)) return;
+      best = foot;
+      at_side = foot.u == piece.box.u0 || foot.u == piece.box.u1 || foot.v == piece.box.v0 ||
+                foot.v == piece.box.v1;
     };
     const SplineBasis &bu = surface.basis_u(), &bv = surface.basis_v();
     for (int r = 0; r < kSamples; ++r) {
@@ -457,12 +465,13 @@ SurfaceFoot SurfaceFootPoints::Nearest(const Eigen::Vector3d& q) const {
   stack[depth++] = {0, tree_->nodes[0].hull.squaredExteriorDistance(q)};
   SurfaceFoot best;
   best.distance = std::numeric_limits<double>::infinity();
+  bool at_side = false;
   while (depth > 0) {
     const Entry entry = stack[--depth];
     if (entry.bound >= best.distance * best.distance) continue;
     const Tree::Node& node = tree_->nodes[entry.node];
     if (node.piece >= 0) {
-      tree_->Search(tree_->pieces[node.piece], q, best);
+      tree_->Search(tree_->pieces[node.piece], q, best, at_side);
       continue;
     }
     // Equal bounds (a point inside both boxes) go to the nearer centre first.
@@ -475,6 +484,11 @@ SurfaceFoot SurfaceFootPoints::Nearest(const Eigen::Vector3d& q) const {
     if (swap) std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
+  }
+  // The descent may go on beyond the side of a piece.
+  if (at_side) {
+    const SurfaceFoot foot = LocalFootPoint(tree_->surface, q, best.u, best.v);
+    if (foot.distance < best.distance) best = foot;
   }
   return best;
 }
@@ -499,39 +513,48 @@ Eigen::Vector3d InSpace(const Eigen::Matrix<double, Dim, 1>& p) {
   }
 }
 
-// Newton steps for |C(u) − q|²/2 between two parameters, never uphill.
+// A local minimum of |C(u) − q|²/2 between two parameters: Newton steps between the last parameters
+// of descending and of rising distance, halving where they leave the interval or gain too little.
+// The nearest point seen is returned. [Press et al. 2007, §9.4]
 template <int Dim>
 CurveFoot LocalFoot(
     const NurbsCurve<Dim>& curve, const Eigen::Vector3d& q, double u, double lower, double upper) {
-  auto derivatives = curve.Derivatives(u, 2);
-  double value = (InSpace<Dim>(derivatives.col(0)) - q).squaredNorm();
-  for (int iteration = 0; iteration < kMaxNewtonSteps; ++iteration) {
-    const Eigen::Vector3d difference = InSpace<Dim>(derivatives.col(0)) - q;
+  CurveFoot best;
+  best.distance = std::numeric_limits<double>::infinity();
+  const double least = 4 * kEpsilon * (std::max(std::abs(lower), std::abs(upper)) + upper - lower);
+  double falls = lower, rises = upper, last_gradient = std::numeric_limits<double>::infinity();
+  bool tried_lower = false, tried_upper = false;
+  for (int iteration = 0; iteration < kMaxCurveSteps; ++iteration) {
+    const auto derivatives = curve.Derivatives(u, 2);
+    const Eigen::Vector3d point = InSpace<Dim>(derivatives.col(0)), difference = point - q;
     const Eigen::Vector3d first = InSpace<Dim>(derivatives.col(1));
-    const double gradient = difference.dot(first);
-    if ((u <= lower && gradient >= 0) || (u >= upper && gradient <= 0)) break;
-    const double scale = first.squaredNorm();
-    const double h = scale + difference.dot(InSpace<Dim>(derivatives.col(2)));
-    const double curvature = h > 1e-12 * scale ? h : std::max(scale, std::abs(h));
-    if (!(curvature > 0)) break;
-    double step = -gradient / curvature;
-    bool moved = false;
-    for (int halving = 0; halving < kMaxHalvings; ++halving, step *= 0.5) {
-      const double next = std::clamp(u + step, lower, upper);
-      if (std::abs(next - u) <= 4 * kEpsilon * (std::abs(u) + upper - lower)) break;
-      auto trial = curve.Derivatives(next, 2);
-      const double trial_value = (InSpace<Dim>(trial.col(0)) - q).squaredNorm();
-      if (trial_value < value) {
-        moved = true;
-        u = next;
-        value = trial_value;
-        derivatives = std::move(trial);
-        break;
-      }
+    const double distance = difference.norm(), gradient = difference.dot(first);
+    if (distance > best.distance) {  // uphill: a minimum lies between the best and here
+      (u > best.u ? rises : falls) = u;
+      const double middle = best.u + (u - best.u) / 2;
+      if (std::abs(middle - best.u) <= least) break;
+      u = middle;
+      continue;
     }
-    if (!moved) break;
+    best = {u, point, distance};
+    if (gradient == 0 || (u <= lower && gradient > 0) || (u >= upper && gradient < 0)) break;
+    (gradient < 0 ? falls : rises) = u;
+    tried_lower = tried_lower || u <= lower;
+    tried_upper = tried_upper || u >= upper;
+    const double curvature = first.squaredNorm() + difference.dot(InSpace<Dim>(derivatives.col(2)));
+    double next = u - gradient / curvature;
+    if (!(curvature > 0) || std::abs(gradient) > std::abs(last_gradient) / 2) {
+      next = falls + (rises - falls) / 2;
+    } else if (next >= rises) {
+      next = rises == upper && !tried_upper ? upper : falls + (rises - falls) / 2;
+    } else if (next <= falls) {
+      next = falls == lower && !tried_lower ? lower : falls + (rises - falls) / 2;
+    }
+    if (std::abs(next - u) <= least) break;
+    last_gradient = gradient;
+    u = next;
   }
-  return {u, InSpace<Dim>(derivatives.col(0)), std::sqrt(value)};
+  return best;
 }
 
 }  // namespace
@@ -540,7 +563,8 @@ template <int Dim>
 CurveFootPoints<Dim>::CurveFootPoints(NurbsCurve<Dim> curve) : curve_(std::move(curve)) {
   const SplineBasis& basis = curve_.basis();
   const auto& points = curve_.control_points();
-  const double small = kSmall * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const double small =
+      kSmallArc * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
   const auto at = [&](double u) { return InSpace<Dim>(curve_.At(u)); };
   std::vector<Eigen::Vector3d> samples;
   // Appends the arc from a to b, halved until its chord is nearly the curve.
@@ -557,7 +581,9 @@ CurveFootPoints<Dim>::CurveFootPoints(NurbsCurve<Dim> curve) : curve_(std::move(
     if (depth == kDeepest || uneven <= kChordBend * std::max(std::sqrt(squared), small)) {
       parameters_.push_back(a);
       samples.push_back(start);
-      bulges_.push_back(2 * bulge + 64 * kEpsilon * points.cwiseAbs().maxCoeff());
+      // An arc too short to be halved may hide a cusp.
+      const double hidden = uneven > kChordBend * std::sqrt(squared) ? 4 * uneven : 0;
+      bulges_.push_back(2 * bulge + hidden + 64 * kEpsilon * points.cwiseAbs().maxCoeff());
       return;
     }
     self(self, a, a + (b - a) / 2, depth + 1);
@@ -593,12 +619,21 @@ CurveFoot CurveFootPoints<Dim>::Nearest(const Eigen::Vector3d& q) const {
     const Eigen::Vector3d start = samples_.col(k), chord = samples_.col(k + 1) - start;
     const double squared = chord.squaredNorm();
     const double t = squared > 0 ? std::clamp((q - start).dot(chord) / squared, 0.0, 1.0) : 0.5;
-    if ((start + t * chord - q).norm() - bulges_[k] >= best.distance) return;
+    const double off = (start + t * chord - q).norm();
+    if (off - bulges_[k] >= best.distance) return;
     // Derivatives at a knot are those of the next piece: an arc ends just before it.
     const double a = parameters_[k];
     const double b = k + 1 < arcs ? std::nextafter(parameters_[k + 1], a) : upper;
-    const CurveFoot foot = LocalFoot<Dim>(curve_, q, std::min(b, a + t * (b - a)), a, b);
-    if (foot.distance < best.distance) best = foot;
+    const auto descend = [&](double u) {
+      const CurveFoot foot = LocalFoot<Dim>(curve_, q, u, a, b);
+      if (foot.distance < best.distance) best = foot;
+    };
+    descend(std::min(b, a + t * (b - a)));
+    // Seen from afar, an arc may have a minimum near either end.
+    if (off * off > squared) {
+      descend(a);
+      descend(b);
+    }
   };
   Eigen::Index lowest;
   (samples_.colwise() - q).colwise().squaredNorm().minCoeff(&lowest);

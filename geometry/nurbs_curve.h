@@ -9,8 +9,8 @@
 
 namespace batten {
 
-// C(u) = Σ N_i(u) w_i P_i / Σ N_i(u) w_i on the domain of its basis. A value: editing returns a new one.
-// Parameters outside the domain are taken at its nearest end. [Piegl & Tiller 1997, §4.2]
+// C(u) = Σ N_i(u) w_i P_i / Σ N_i(u) w_i on the domain of its basis. A value: editing returns a new
+// one. Parameters outside the domain are taken at its nearest end. [Piegl & Tiller 1997, §4.2]
 template <int Dim>
 class NurbsCurve {
  public:

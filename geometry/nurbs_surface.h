@@ -37,8 +37,8 @@ class SurfaceDerivatives {
 class NurbsSurface {
  public:
   // Control point (i,j) is column i·size_v + j (v runs fastest), Euclidean, in the data's units; no
-  // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite and
-  // weights are positive.
+  // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite
+  // and weights are positive.
   NurbsSurface(SplineBasis basis_u,
                SplineBasis basis_v,
                Eigen::Matrix3Xd control_points,
@@ -51,7 +51,9 @@ class NurbsSurface {
   const Eigen::Matrix3Xd& control_points() const { return control_points_; }
   const Eigen::VectorXd& weights() const { return weights_; }
   bool rational() const { return rational_; }  // weights differ
-  Eigen::Vector3d control_point(int i, int j) const { return control_points_.col(i * size_v() + j); }
+  Eigen::Vector3d control_point(int i, int j) const {
+    return control_points_.col(i * size_v() + j);
+  }
 
   Eigen::Vector3d At(double u, double v) const;
 

@@ -15,7 +15,8 @@ namespace {
 
 void CheckDegree(int degree) {
   if (degree < 1 || degree > kMaxDegree) {
-    Reject("degree " + std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
+    Reject("degree " + std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) +
+           "]");
   }
 }
 
@@ -91,7 +92,8 @@ std::vector<int> SplineBasis::Spans() const {
   return spans;
 }
 
-// Triangular table of the Cox–de Boor recursion, kept one row at a time. [Piegl & Tiller 1997, A2.2]
+// Triangular table of the Cox–de Boor recursion, kept one row at a time. [Piegl & Tiller 1997,
+// A2.2]
 void SplineBasis::Values(int span, double u, double* N) const {
   const double* U = knots_.data() + span;
   double left[kMaxDegree + 1], right[kMaxDegree + 1];
@@ -132,7 +134,8 @@ void SplineBasis::Derivatives(int span, double u, int order, double* values) con
   }
   for (int r = 0; r <= p; ++r) values[r] = table[p][r];
   const int top = std::min(order, p);
-  // From the functions of degree p-k, k differences lead up to degree p; the row is padded by zeros.
+  // From the functions of degree p-k, k differences lead up to degree p; the row is padded by
+  // zeros.
   for (int k = 1; k <= top; ++k) {
     double row[kMaxDegree + 1];
     for (int r = 0; r <= p - k; ++r) row[r] = table[p - k][r];

@@ -7,7 +7,8 @@
 
 namespace batten {
 
-// The highest degree batten works with: OpenCASCADE's own limit, so that everything can be exported.
+// The highest degree batten works with: OpenCASCADE's own limit, so that everything can be
+// exported.
 inline constexpr int kMaxDegree = 25;
 
 // The B-spline functions N_0 … N_{n-1} of degree p over the knots u_0 ≤ … ≤ u_{n+p}.

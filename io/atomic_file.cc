@@ -58,7 +58,8 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   if (target_ == "-") return;
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
-  if (std::filesystem::is_directory(status)) throw WriteError(target_, "is a directory, not a file to write");
+  if (std::filesystem::is_directory(status))
+    throw WriteError(target_, "is a directory, not a file to write");
   if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0) throw Failure(errno);
   // Devices and pipes are written, not replaced.
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
@@ -75,7 +76,8 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   // Beside the target, so that the rename stays on one file system; the ending stays the target's,
   // because libraries choose by it.
   temporary_ = (path.parent_path() / (".batten-XXXXXX" + path.extension().string())).string();
-  descriptor_ = ::mkostemps(temporary_.data(), static_cast<int>(path.extension().string().size()), O_CLOEXEC);
+  descriptor_ =
+      ::mkostemps(temporary_.data(), static_cast<int>(path.extension().string().size()), O_CLOEXEC);
   if (descriptor_ < 0) {
     temporary_.clear();
     throw Failure(errno);

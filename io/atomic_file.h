@@ -9,10 +9,10 @@
 
 namespace batten {
 
-// A file written under a temporary name beside its target and renamed on Commit(). Destroyed without
-// Commit(), it leaves nothing behind and the old target untouched. The target "-" is standard output,
-// written at once on Commit(); so are devices and pipes, which are never replaced. A symbolic link stays
-// and its file is replaced. Throws WriteError naming the target.
+// A file written under a temporary name beside its target and renamed on Commit(). Destroyed
+// without Commit(), it leaves nothing behind and the old target untouched. The target "-" is
+// standard output, written at once on Commit(); so are devices and pipes, which are never replaced.
+// A symbolic link stays and its file is replaced. Throws WriteError naming the target.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string target);
@@ -20,8 +20,8 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  // Where a library that wants a path may write before Commit(). The file exists and is empty; no name
-  // where the target is standard output, a device or a pipe.
+  // Where a library that wants a path may write before Commit(). The file exists and is empty; no
+  // name where the target is standard output, a device or a pipe.
   const std::string& temporary_path() const { return temporary_; }
 
   // Appends to the file; buffered.
@@ -29,8 +29,8 @@ class AtomicFile {
 
   void Commit();
 
-  // Unlinks the temporary files of every AtomicFile that is open, from any thread: for a process about
-  // to end without running destructors.
+  // Unlinks the temporary files of every AtomicFile that is open, from any thread: for a process
+  // about to end without running destructors.
   static void RemoveTemporaries();
 
  private:

@@ -16,8 +16,8 @@
 
 namespace batten {
 
-// Coordinates above this are refused: squares of their differences overflow in the single precision of
-// neighbour queries.
+// Coordinates above this are refused: squares of their differences overflow in the single precision
+// of neighbour queries.
 inline constexpr double kLargestCoordinate = 1e18;
 
 // Points in pieces: a file of unknown length needs no copy to grow, and joining frees piece by

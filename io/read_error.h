@@ -8,8 +8,8 @@
 
 namespace batten {
 
-// A file that can't be read or does not hold what its format promises. what() is one line: the path,
-// the line or byte where it went wrong, the value and the rule.
+// A file that can't be read or does not hold what its format promises. what() is one line: the
+// path, the line or byte where it went wrong, the value and the rule.
 class ReadError : public std::runtime_error {
  public:
   ReadError(const std::string& path, const std::string& reason)
@@ -30,8 +30,8 @@ class WriteError : public std::runtime_error {
       : std::runtime_error(path + ": " + reason) {}
 };
 
-// A request no file can satisfy: an unknown extension, a column that does not exist by that name. The
-// program answers with its usage exit code.
+// A request no file can satisfy: an unknown extension, a column that does not exist by that name.
+// The program answers with its usage exit code.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

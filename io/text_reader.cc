@@ -18,8 +18,8 @@ namespace {
 
 // The lines before the rows.
 struct Preamble {
-  std::vector<std::string> names;        // of a header line
-  std::vector<std::string> comment;      // words of the last comment before the rows that names x and y
+  std::vector<std::string> names;    // of a header line
+  std::vector<std::string> comment;  // words of the last comment before the rows that names x and y
   std::optional<std::int64_t> promised;  // rows, by a line with nothing but a count
 };
 
@@ -53,8 +53,8 @@ bool NamesPlace(const std::vector<std::string>& names) {
   return has('x') && has('y');
 }
 
-// The leading identifiers of a comment's words, as in "# x y-5400000 z label(1=ground); metres"; empty
-// words where there is none.
+// The leading identifiers of a comment's words, as in "# x y-5400000 z label(1=ground); metres";
+// empty words where there is none.
 std::vector<std::string> CommentWords(std::string_view line) {
   line.remove_prefix(std::min(line.find_first_not_of("#/ \t"), line.size()));
   std::vector<std::string> words;
@@ -116,8 +116,8 @@ bool ReadPreamble(LineReader& lines, std::string_view& line, Preamble& preamble)
   return false;
 }
 
-// A comment names the columns where its words are as many as they, or where as many in a row begin with
-// x or u and hold x and y; else it is prose.
+// A comment names the columns where its words are as many as they, or where as many in a row begin
+// with x or u and hold x and y; else it is prose.
 std::vector<std::string> NamesInComment(const std::vector<std::string>& words, std::size_t width) {
   if (words.size() == width) return words;
   for (std::size_t start = 0; start + width <= words.size(); ++start) {
@@ -130,8 +130,8 @@ std::vector<std::string> NamesInComment(const std::vector<std::string>& words, s
   return {};
 }
 
-// The columns of the file: the header's or a comment's names, filled up with numbers to the width of the first
-// row.
+// The columns of the file: the header's or a comment's names, filled up with numbers to the width
+// of the first row.
 std::vector<CloudField> Fields(std::vector<std::string> names,
                                const std::vector<std::string>& comment,
                                std::size_t width) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/block_banded_matrix.h"
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include <functional>
 #include <stdexcept>
@@ -26,8 +26,8 @@ Eigen::MatrixXd Dense(const BlockBandedMatrix& matrix) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
   for (int row = 0; row < matrix.blocks(); ++row) {
     for (int below = 0; below <= std::min(row, matrix.bandwidth()); ++below) {
-      dense.block(row * b, (row - below) * b, b, b) = matrix.at(row, below);
       dense.block((row - below) * b, row * b, b, b) = matrix.at(row, below).transpose();
+      dense.block(row * b, (row - below) * b, b, b) = matrix.at(row, below);
     }
   }
   return dense;
@@ -68,7 +68,8 @@ TEST(BlockBandedMatrixTest, IsSolvedLikeADenseMatrix) {
     ASSERT_TRUE(matrix.Factor());
     Eigen::MatrixXd solution = rhs;
     matrix.Solve(solution);
-    EXPECT_LE((solution - expected).cwiseAbs().maxCoeff(), kRounding * expected.cwiseAbs().maxCoeff());
+    EXPECT_LE((solution - expected).cwiseAbs().maxCoeff(),
+              kRounding * expected.cwiseAbs().maxCoeff());
   });
 }
 
@@ -111,6 +112,15 @@ TEST(BlockBandedMatrixTest, RefusesToFactorWhatIsNotPositiveDefinite) {
   indefinite.at(0, 0)(0, 0) = indefinite.at(1, 0)(0, 0) = 1;
   indefinite.at(1, 1)(0, 0) = 2;
   EXPECT_FALSE(indefinite.Factor());
+}
+
+TEST(BlockBandedMatrixTest, TellsItsSmallestPivot) {
+  ForRandomMatrices([](BlockBandedMatrix matrix, RandomSplines&) {
+    const Eigen::MatrixXd factor = Dense(matrix).llt().matrixL();
+    ASSERT_TRUE(matrix.Factor());
+    const double expected = factor.diagonal().cwiseAbs2().minCoeff();
+    EXPECT_NEAR(matrix.SmallestPivot(), expected, kRounding * expected);
+  });
 }
 
 TEST(BlockBandedMatrixTest, HasTheTraceOfTheDenseMatrix) {

@@ -2,6 +2,7 @@
 #include "batten/fitting/fairness.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -69,14 +70,16 @@ Eigen::VectorXd Product(const Eigen::VectorXd& outer, const Eigen::VectorXd& inn
   return (inner * outer.transpose()).reshaped();
 }
 
-Eigen::MatrixXd DenseForm(const FairnessForm& form, int outer, int inner, int bandwidth, double weight) {
+Eigen::MatrixXd DenseForm(
+    const FairnessForm& form, int outer, int inner, int bandwidth, double weight) {
   BlockBandedMatrix matrix(outer, inner, bandwidth);
   form.AddTo(matrix, weight);
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
   for (int row = 0; row < outer; ++row) {
     for (int below = 0; below <= std::min(row, bandwidth); ++below) {
+      dense.block((row - below) * inner, row * inner, inner, inner) =
+          matrix.at(row, below).transpose();
       dense.block(row * inner, (row - below) * inner, inner, inner) = matrix.at(row, below);
-      dense.block((row - below) * inner, row * inner, inner, inner) = matrix.at(row, below).transpose();
     }
   }
   return dense;
@@ -116,8 +119,8 @@ TEST(DerivativeGramTest, HoldsTheIntegralsOfProducts) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     RandomSplines random(seed);
     const int degree = random.Integer(1, 5), order = random.Integer(0, 3);
-    SCOPED_TRACE("seed " + std::to_string(seed) + ", degree " + std::to_string(degree) + ", order " +
-                 std::to_string(order));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", degree " + std::to_string(degree) +
+                 ", order " + std::to_string(order));
     const SplineBasis basis = random.Basis(degree, {.clamped = seed % 2 == 0, .most_spans = 3});
     const Eigen::MatrixXd gram = DerivativeGram(basis, order);
     ASSERT_EQ(gram.rows(), basis.size());
@@ -150,11 +153,13 @@ TEST(FairnessFormTest, IsZeroForLinearFunctions) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const SplineBasis u = random.Basis(random.Integer(2, 5)), v = random.Basis(random.Integer(2, 5));
+    const SplineBasis u = random.Basis(random.Integer(2, 5)),
+                      v = random.Basis(random.Integer(2, 5));
     const double a = random.Real(-1, 1), b = random.Real(-1, 1), c = random.Real(-1, 1);
     Eigen::VectorXd plane(u.size() * v.size());
     for (int i = 0; i < u.size(); ++i) {
-      for (int j = 0; j < v.size(); ++j) plane[i * v.size() + j] = a + b * u.Greville(i) + c * v.Greville(j);
+      for (int j = 0; j < v.size(); ++j)
+        plane[i * v.size() + j] = a + b * u.Greville(i) + c * v.Greville(j);
     }
     const FairnessForm form(u, v);
     EXPECT_NEAR(form.Energy(plane), 0, kDerivativeRounding * form.Trace());
@@ -174,9 +179,12 @@ TEST(FairnessFormTest, IsTheThinPlateIntegralOfQuadratics) {
     const auto square = [](double t) { return t * t; };
     const double rounding = kDerivativeRounding * std::max(1.0, form.Trace());
     // (u²)_uu = 2, (uv)_uv = 1, (v²)_vv = 2.
-    EXPECT_NEAR(form.Energy(Product(Interpolate(u, square), Interpolate(v, one))), 4 * area, rounding);
-    EXPECT_NEAR(form.Energy(Product(Interpolate(u, same), Interpolate(v, same))), 2 * area, rounding);
-    EXPECT_NEAR(form.Energy(Product(Interpolate(u, one), Interpolate(v, square))), 4 * area, rounding);
+    EXPECT_NEAR(
+        form.Energy(Product(Interpolate(u, square), Interpolate(v, one))), 4 * area, rounding);
+    EXPECT_NEAR(
+        form.Energy(Product(Interpolate(u, same), Interpolate(v, same))), 2 * area, rounding);
+    EXPECT_NEAR(
+        form.Energy(Product(Interpolate(u, one), Interpolate(v, square))), 4 * area, rounding);
   }
 }
 
@@ -191,8 +199,10 @@ TEST(FairnessFormTest, IsTheMembraneIntegralWhereADegreeIsOne) {
     const auto triple = [](double t) { return 3 * t; };
     const double rounding = kDerivativeRounding * form.Trace();
     EXPECT_NEAR(form.Energy(Eigen::VectorXd::Ones(u.size() * v.size())), 0, rounding);
-    EXPECT_NEAR(form.Energy(Product(Interpolate(u, triple), Interpolate(v, one))), 9 * area, rounding);
-    EXPECT_NEAR(form.Energy(Product(Interpolate(u, one), Interpolate(v, triple))), 9 * area, rounding);
+    EXPECT_NEAR(
+        form.Energy(Product(Interpolate(u, triple), Interpolate(v, one))), 9 * area, rounding);
+    EXPECT_NEAR(
+        form.Energy(Product(Interpolate(u, one), Interpolate(v, triple))), 9 * area, rounding);
   }
 }
 
@@ -200,7 +210,8 @@ TEST(FairnessFormTest, IsTheQuadraticFormOfTheMatrixItAdds) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const SplineBasis u = random.Basis(random.Integer(1, 5)), v = random.Basis(random.Integer(1, 5));
+    const SplineBasis u = random.Basis(random.Integer(1, 5)),
+                      v = random.Basis(random.Integer(1, 5));
     const FairnessForm form(u, v);
     const Eigen::MatrixXd matrix = DenseForm(form, u.size(), v.size(), u.degree(), 1);
     const Eigen::VectorXd c = RandomVector(random, matrix.rows());
@@ -224,7 +235,8 @@ TEST(FairnessFormTest, IsNeverNegative) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const SplineBasis u = random.Basis(random.Integer(1, 5)), v = random.Basis(random.Integer(1, 5));
+    const SplineBasis u = random.Basis(random.Integer(1, 5)),
+                      v = random.Basis(random.Integer(1, 5));
     EXPECT_GE(FairnessForm(u, v).Energy(RandomVector(random, u.size() * v.size())), 0);
   }
 }
@@ -233,7 +245,8 @@ TEST(FairnessFormTest, DoesNotDependOnWhichDirectionIsOutside) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const SplineBasis u = random.Basis(random.Integer(1, 5)), v = random.Basis(random.Integer(1, 5));
+    const SplineBasis u = random.Basis(random.Integer(1, 5)),
+                      v = random.Basis(random.Integer(1, 5));
     const Eigen::VectorXd c = RandomVector(random, u.size() * v.size());
     const Eigen::VectorXd turned = c.reshaped(v.size(), u.size()).transpose().reshaped();
     const double energy = FairnessForm(u, v).Energy(c);

@@ -67,7 +67,8 @@ TEST(SummariseTest, FollowsTheFormulas) {
     EXPECT_NEAR(summary.signed_p95, SortedQuantile(d, 0.95), kRounding);
     EXPECT_EQ(summary.tolerance, tolerance);
     EXPECT_EQ(summary.out_of_tolerance, (size.array() > tolerance).count());
-    EXPECT_NEAR(summary.within_tolerance, static_cast<double>((size.array() <= tolerance).count()) / m,
+    EXPECT_NEAR(summary.within_tolerance,
+                static_cast<double>((size.array() <= tolerance).count()) / m,
                 kRounding);
     EXPECT_EQ(summary.points, d.size());
   }
@@ -100,7 +101,8 @@ TEST(SummariseTest, LooksOnlyAtThePointsOfTheMask) {
       if (!mask[k]) d[k] = 1e30;
     }
     const auto count = static_cast<Eigen::Index>(chosen.size());
-    ExpectEqual(Summarise(d, 0.5, mask), Summarise(Eigen::Map<Eigen::VectorXd>(chosen.data(), count), 0.5));
+    ExpectEqual(Summarise(d, 0.5, mask),
+                Summarise(Eigen::Map<Eigen::VectorXd>(chosen.data(), count), 0.5));
   }
 }
 

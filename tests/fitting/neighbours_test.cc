@@ -96,7 +96,8 @@ TEST(NeighbourIndexTest, DoesNotCareAboutTheUnit) {
   const Eigen::Matrix3Xd points = RandomPoints(random, 300), queries = RandomPoints(random, 50);
   const std::vector<int> expected = NeighbourIndex(points).Nearest(queries, 7);
   for (const double unit : {0x1p-40, 0x1p-20, 0x1p20, 0x1p40}) {
-    EXPECT_EQ(NeighbourIndex(unit * points).Nearest(unit * queries, 7), expected) << "unit " << unit;
+    EXPECT_EQ(NeighbourIndex(unit * points).Nearest(unit * queries, 7), expected)
+        << "unit " << unit;
   }
 }
 

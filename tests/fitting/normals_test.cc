@@ -52,7 +52,8 @@ TEST(EstimateNormalsTest, AreTheSameFarFromTheOrigin) {
   Eigen::Matrix3Xd points = RandomPoints(random, 300);
   points.row(2) *= 0;
   points.colwise() += Eigen::Vector3d(5e5, 5.4e6, 300);
-  for (const auto& normal : Normals(points, 15).colwise()) {
+  const Eigen::Matrix3Xd normals = Normals(points, 15);
+  for (const auto& normal : normals.colwise()) {
     EXPECT_NEAR(std::abs(normal.z()), 1, kFloatDirection);
   }
 }
@@ -82,14 +83,16 @@ TEST(EstimateNormalsTest, AreAskedForAnywhereNearThePoints) {
   const Eigen::Matrix3Xd queries = RandomPoints(random, 20);
   const Eigen::Matrix3Xd normals = EstimateNormals(NeighbourIndex(points), points, queries, 12);
   ASSERT_EQ(normals.cols(), queries.cols());
-  for (const auto& normal : normals.colwise()) EXPECT_NEAR(std::abs(normal.z()), 1, kFloatDirection);
+  for (const auto& normal : normals.colwise())
+    EXPECT_NEAR(std::abs(normal.z()), 1, kFloatDirection);
 }
 
 TEST(EstimateNormalsTest, AreZeroOrUnitVectorsWhereNeighboursLieOnALine) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const Eigen::Vector3d direction = seed == 0 ? Eigen::Vector3d::UnitX().eval() : random.Vector(1);
+    const Eigen::Vector3d direction =
+        seed == 0 ? Eigen::Vector3d::UnitX().eval() : random.Vector(1);
     Eigen::Matrix3Xd points(3, 50);
     for (Eigen::Index k = 0; k < 50; ++k) points.col(k) = random.Real(-1, 1) * direction;
     ExpectUnitOrZero(Normals(points, 10));
@@ -109,7 +112,9 @@ TEST(EstimateNormalsTest, AreZeroWhereThereAreTooFewNeighbours) {
 
 TEST(EstimateNormalsTest, OfThreePointsIsThatOfTheirPlane) {
   const Eigen::Matrix3Xd points{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
-  for (const auto& normal : Normals(points, 3).colwise()) EXPECT_NEAR(std::abs(normal.z()), 1, kFloatDirection);
+  const Eigen::Matrix3Xd normals = Normals(points, 3);
+  for (const auto& normal : normals.colwise())
+    EXPECT_NEAR(std::abs(normal.z()), 1, kFloatDirection);
 }
 
 }  // namespace

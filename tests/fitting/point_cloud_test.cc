@@ -57,7 +57,8 @@ TEST(PointCloudTest, GivesWorldCoordinatesBackBitForBitWhereverTheCloudLies) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const Eigen::Vector3d size(random.Logarithmic(1e-3, 1e3), random.Logarithmic(1e-3, 1e3),
+    const Eigen::Vector3d size(random.Logarithmic(1e-3, 1e3),
+                               random.Logarithmic(1e-3, 1e3),
                                random.Coin() ? 0 : random.Logarithmic(1e-3, 1e3));
     const Eigen::Vector3d middle = random.Vector(random.Logarithmic(1, 1e8));
     const Eigen::Matrix3Xd world =
@@ -94,7 +95,8 @@ TEST(PointCloudTest, KeepsTenthsOfMillimetresOfGeoreferencedPoints) {
 
 TEST(PointCloudTest, LeavesCloudsNearZeroWhereTheyAre) {
   RandomSplines random(3);
-  const Eigen::Matrix3Xd world = RandomPoints(random, 50, 10).colwise() + Eigen::Vector3d(30, -70, 0);
+  const Eigen::Matrix3Xd world =
+      RandomPoints(random, 50, 10).colwise() + Eigen::Vector3d(30, -70, 0);
   const PointCloud cloud = PointCloud::FromWorld(world);
   EXPECT_EQ(cloud.origin(), Eigen::Vector3d::Zero());
   EXPECT_EQ(cloud.points(), world);
@@ -115,7 +117,9 @@ TEST(PointCloudTest, RefusesWhatIsNotFinite) {
     points(1, 2) = bad;
     EXPECT_THAT(Refusal([&] { PointCloud cloud(points); }), HasSubstr("point"));
     EXPECT_THAT(Refusal([&] { PointCloud::FromWorld(points); }), HasSubstr("point"));
-    EXPECT_THAT(Refusal([&] { PointCloud(Eigen::Matrix3Xd(3, 0), {0, bad, 0}); }),
+    EXPECT_THAT(Refusal([&] {
+                  PointCloud(Eigen::Matrix3Xd(3, 0), {0, bad, 0});
+                }),
                 HasSubstr("origin"));
   }
 }
@@ -131,7 +135,8 @@ TEST(PointCloudTest, RefusesDimensionsOtherThanTwoAndThree) {
 
 TEST(PointCloudTest, RefusesPropertiesOfTheWrongNumberAndSaysWhich) {
   PointCloud cloud(Eigen::Matrix3Xd::Zero(3, 4));
-  EXPECT_THAT(Refusal([&] { cloud.set_normals(Eigen::Matrix3Xd::Ones(3, 3)); }), HasSubstr("normals"));
+  EXPECT_THAT(Refusal([&] { cloud.set_normals(Eigen::Matrix3Xd::Ones(3, 3)); }),
+              HasSubstr("normals"));
   EXPECT_THAT(Refusal([&] { cloud.set_weights(Eigen::VectorXd::Ones(5)); }), HasSubstr("weights"));
   EXPECT_THAT(Refusal([&] { cloud.set_colours(PointCloud::Colours::Zero(3, 1)); }),
               HasSubstr("colours"));
@@ -146,7 +151,8 @@ TEST(PointCloudTest, RefusesPropertiesThatAreNotFinite) {
     Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Ones(3, 4);
     normals(0, 3) = bad;
     EXPECT_THAT(Refusal([&] { cloud.set_normals(normals); }), HasSubstr("normal"));
-    EXPECT_THAT(Refusal([&] { cloud.set_parameters(normals.topRows<2>()); }), HasSubstr("parameter"));
+    EXPECT_THAT(Refusal([&] { cloud.set_parameters(normals.topRows<2>()); }),
+                HasSubstr("parameter"));
     EXPECT_THAT(Refusal([&] { cloud.set_weights(normals.row(0)); }), HasSubstr("weight"));
   }
 }
@@ -154,7 +160,8 @@ TEST(PointCloudTest, RefusesPropertiesThatAreNotFinite) {
 TEST(PointCloudTest, RefusesWeightsThatAreNotPositive) {
   PointCloud cloud(Eigen::Matrix3Xd::Zero(3, 3));
   for (const double bad : {0.0, -0.0, -1.0}) {
-    EXPECT_THAT(Refusal([&] { cloud.set_weights(Eigen::Vector3d(1, bad, 1)); }), HasSubstr("positive"));
+    EXPECT_THAT(Refusal([&] { cloud.set_weights(Eigen::Vector3d(1, bad, 1)); }),
+                HasSubstr("positive"));
   }
 }
 
@@ -266,7 +273,8 @@ TEST(MergeDuplicatesTest, ChangesNothingWhereAllPointsDiffer) {
 }
 
 TEST(MergeDuplicatesTest, CountsBothZerosAsOnePlace) {
-  const MergedCloud merged = MergeDuplicates(PointCloud(Eigen::Matrix3Xd{{0.0, -0.0}, {1, 1}, {-0.0, 0.0}}));
+  const MergedCloud merged =
+      MergeDuplicates(PointCloud(Eigen::Matrix3Xd{{0.0, -0.0}, {1, 1}, {-0.0, 0.0}}));
   EXPECT_EQ(merged.cloud.size(), 1);
 }
 

@@ -37,11 +37,13 @@ TEST(LossTest, HasTheWeightThatItsSlopeOverTheResidualSays) {
     RandomSplines random(1);
     for (int trial = 0; trial < 200; ++trial) {
       const double scale = random.Logarithmic(1e-3, 1e3);
-      const double r = scale * random.Logarithmic(1e-2, 30), h = 1e-6 * r;
-      const double slope = (LossValue(loss, r + h, scale) - LossValue(loss, r - h, scale)) / (2 * h);
+      const double r = scale * random.Logarithmic(1e-2, 30), h = kHalfDigits * r;
+      const double slope =
+          (LossValue(loss, r + h, scale) - LossValue(loss, r - h, scale)) / (2 * h);
       // A difference of values loses their digits relative to the step.
       const double digits = kHalfDigits * std::max(1.0, LossValue(loss, r, scale) / (r * r));
-      EXPECT_NEAR(LossWeight(loss, r, scale), slope / r, digits) << "r = " << r << ", scale " << scale;
+      EXPECT_NEAR(LossWeight(loss, r, scale), slope / r, digits)
+          << "r = " << r << ", scale " << scale;
     }
   }
 }
@@ -104,7 +106,8 @@ TEST(LossTest, ScalesWithTheUnit) {
     for (const double unit : {1e-6, 0.3, 25.4, 1e6}) {
       for (double r = 0.1; r < 20; r *= 1.3) {
         const double value = LossValue(loss, r, 0.7);
-        EXPECT_NEAR(LossValue(loss, unit * r, unit * 0.7), unit * unit * value,
+        EXPECT_NEAR(LossValue(loss, unit * r, unit * 0.7),
+                    unit * unit * value,
                     kRounding * unit * unit * value);
         EXPECT_NEAR(LossWeight(loss, unit * r, unit * 0.7), LossWeight(loss, r, 0.7), kRounding);
       }
@@ -159,7 +162,8 @@ TEST(LossWeightsTest, AreTheWeightsOfTheResidualsOneByOne) {
   for (double& r : residuals) r = random.Real(-10, 10);
   for (const Loss loss : kLosses) {
     const Eigen::VectorXd weights = LossWeights(loss, residuals, 0.8);
-    for (Eigen::Index k = 0; k < 50; ++k) EXPECT_EQ(weights[k], LossWeight(loss, residuals[k], 0.8));
+    for (Eigen::Index k = 0; k < 50; ++k)
+      EXPECT_EQ(weights[k], LossWeight(loss, residuals[k], 0.8));
   }
 }
 

@@ -63,7 +63,8 @@ TEST(BezierSpanTest, BezierPointsReproduceThePiece) {
 TEST(BezierSpanTest, IsTheIdentityOnABezierCurve) {
   for (int p = 1; p <= kMaxDegree; ++p) {
     const SplineBasis basis = SplineBasis::Uniform(p, p + 1, -3, 4);
-    EXPECT_EQ(BezierSpanMatrix(basis, p), Eigen::MatrixXd::Identity(p + 1, p + 1)) << "degree " << p;
+    EXPECT_EQ(BezierSpanMatrix(basis, p), Eigen::MatrixXd::Identity(p + 1, p + 1))
+        << "degree " << p;
   }
 }
 

@@ -21,8 +21,7 @@ TEST(CurvatureTest, OfASphereIsOneOverTheRadiusEverywhere) {
     SCOPED_TRACE("radius " + std::to_string(radius));
     const NurbsSurface sphere = Sphere(radius);
     for (int trial = 0; trial < 50; ++trial) {
-      const auto curvature =
-          CurvatureOf(sphere.JetAt(random.Real(0, 1), random.Real(0.05, 0.95)));
+      const auto curvature = CurvatureOf(sphere.JetAt(random.Real(0, 1), random.Real(0.05, 0.95)));
       ASSERT_TRUE(curvature);
       // The normal looks outward, the sphere bends away from it.
       EXPECT_NEAR(curvature->mean * radius, -1, kIterated);
@@ -66,8 +65,10 @@ TEST(CurvatureTest, OfATorusFollowsTheDistanceFromTheAxis) {
 
 TEST(CurvatureTest, OfASaddleHasBothSigns) {
   // z = x y: at the origin the principal curvatures are −1 and 1, the mean is 0.
-  const NurbsSurface saddle(SplineBasis(1, {-1, -1, 1, 1}), SplineBasis(1, {-1, -1, 1, 1}),
-                            Eigen::Matrix<double, 3, 4>{{-1, -1, 1, 1}, {-1, 1, -1, 1}, {1, -1, -1, 1}});
+  const NurbsSurface saddle(
+      SplineBasis(1, {-1, -1, 1, 1}),
+      SplineBasis(1, {-1, -1, 1, 1}),
+      Eigen::Matrix<double, 3, 4>{{-1, -1, 1, 1}, {-1, 1, -1, 1}, {1, -1, -1, 1}});
   const auto curvature = CurvatureOf(saddle.JetAt(0, 0));
   ASSERT_TRUE(curvature);
   EXPECT_NEAR(curvature->gaussian, -1, kRounding);
@@ -89,8 +90,12 @@ TEST(CurvatureTest, DoesNotDependOnTheParameters) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const SurfaceJet jet{random.Vector(1), random.Vector(1), random.Vector(1),
-                         random.Vector(1), random.Vector(1), random.Vector(1)};
+    const SurfaceJet jet{random.Vector(1),
+                         random.Vector(1),
+                         random.Vector(1),
+                         random.Vector(1),
+                         random.Vector(1),
+                         random.Vector(1)};
     const double a = random.Real(0.5, 2), b = random.Real(-1, 1), c = random.Real(0.5, 2);
     const double s = random.Real(-1, 1);  // at t = 0: u_s = a, u_t = b s, u_st = b
     SurfaceJet other = jet;
@@ -112,8 +117,12 @@ TEST(CurvatureTest, PrincipalCurvaturesHaveTheMeanAndTheProduct) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
-    const auto k = CurvatureOf({random.Vector(1), random.Vector(1), random.Vector(1),
-                                random.Vector(1), random.Vector(1), random.Vector(1)});
+    const auto k = CurvatureOf({random.Vector(1),
+                                random.Vector(1),
+                                random.Vector(1),
+                                random.Vector(1),
+                                random.Vector(1),
+                                random.Vector(1)});
     ASSERT_TRUE(k);
     const double size = std::abs(k->principal_low) + std::abs(k->principal_high);
     EXPECT_LE(k->principal_low, k->principal_high);
@@ -136,7 +145,8 @@ TEST(CurvatureTest, OfAHelixIsConstant) {
     const double c = std::cos(t), s = std::sin(t);
     for (const double hand : {1.0, -1.0}) {  // a left-handed helix has negative torsion
       const auto k = CurvatureOf(Eigen::Vector3d(-r * s, r * c, hand * pitch),
-                                 Eigen::Vector3d(-r * c, -r * s, 0), Eigen::Vector3d(r * s, -r * c, 0));
+                                 Eigen::Vector3d(-r * c, -r * s, 0),
+                                 Eigen::Vector3d(r * s, -r * c, 0));
       ASSERT_TRUE(k);
       EXPECT_NEAR(k->curvature, r / squared, kRounding);
       EXPECT_NEAR(k->torsion, hand * pitch / squared, kRounding);
@@ -146,9 +156,9 @@ TEST(CurvatureTest, OfAHelixIsConstant) {
 
 TEST(CurvatureTest, OfTheTwistedCubicMatchesItsFormulas) {
   // C(t) = (t, t², t³) on [0, 1] as a Bézier curve.
-  const NurbsCurve<3> cubic(SplineBasis::Uniform(3, 4, 0, 1),
-                            Eigen::Matrix<double, 3, 4>{
-                                {0, 1.0 / 3, 2.0 / 3, 1}, {0, 0, 1.0 / 3, 1}, {0, 0, 0, 1}});
+  const NurbsCurve<3> cubic(
+      SplineBasis::Uniform(3, 4, 0, 1),
+      Eigen::Matrix<double, 3, 4>{{0, 1.0 / 3, 2.0 / 3, 1}, {0, 0, 1.0 / 3, 1}, {0, 0, 0, 1}});
   for (const double t : {0.0, 0.3, 0.5, 1.0}) {
     const Eigen::Matrix3Xd d = cubic.Derivatives(t, 3);
     const auto k = CurvatureOf(d.col(1), d.col(2), d.col(3));
@@ -172,7 +182,8 @@ TEST(CurvatureTest, OfACircleInThePlaneIsOneOverTheRadiusWithoutTorsion) {
 }
 
 TEST(CurvatureTest, OfALineVanishes) {
-  const auto k = CurvatureOf(Eigen::Vector3d(1, 2, 2), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  const auto k =
+      CurvatureOf(Eigen::Vector3d(1, 2, 2), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   ASSERT_TRUE(k);
   EXPECT_EQ(k->curvature, 0);
   EXPECT_EQ(k->torsion, 0);

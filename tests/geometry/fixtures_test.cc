@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Cases computed by independent implementations (data/README.md), each checked to its own tolerance.
+// Cases computed by independent implementations (data/README.md), each checked to its own
+// tolerance.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,15 +44,17 @@ Eigen::Vector3d InSpace(const Eigen::VectorXd& point) {
 
 Eigen::MatrixXd Columns(const Json& json) {
   Eigen::MatrixXd result(json.at(0).size(), json.size());
-  for (size_t k = 0; k < json.size(); ++k) result.col(static_cast<Eigen::Index>(k)) = Vector(json[k]);
+  for (size_t k = 0; k < json.size(); ++k)
+    result.col(static_cast<Eigen::Index>(k)) = Vector(json[k]);
   return result;
 }
 
 template <int Dim>
 NurbsCurve<Dim> Curve(const Json& json) {
-  return NurbsCurve<Dim>(SplineBasis(json.at("degree"), json.at("knots")), Columns(json.at("points")),
-                         json.at("weights").is_null() ? Eigen::VectorXd()
-                                                      : Vector(json.at("weights")));
+  return NurbsCurve<Dim>(
+      SplineBasis(json.at("degree"), json.at("knots")),
+      Columns(json.at("points")),
+      json.at("weights").is_null() ? Eigen::VectorXd() : Vector(json.at("weights")));
 }
 
 NurbsSurface Surface(const Json& json) {
@@ -60,10 +63,12 @@ NurbsSurface Surface(const Json& json) {
   for (const Json& row : rows) points.insert(points.end(), row.begin(), row.end());
   const bool rational = !json.at("weights").is_null();
   if (rational) {
-    for (const Json& row : json.at("weights")) weights.insert(weights.end(), row.begin(), row.end());
+    for (const Json& row : json.at("weights"))
+      weights.insert(weights.end(), row.begin(), row.end());
   }
   return NurbsSurface(SplineBasis(json.at("degree_u"), json.at("knots_u")),
-                      SplineBasis(json.at("degree_v"), json.at("knots_v")), Columns(points),
+                      SplineBasis(json.at("degree_v"), json.at("knots_v")),
+                      Columns(points),
                       rational ? Vector(weights) : Eigen::VectorXd());
 }
 
@@ -74,8 +79,9 @@ void ExpectClose(const Eigen::MatrixXd& got, const Eigen::MatrixXd& expected, do
   ASSERT_EQ(got.rows(), expected.rows());
   ASSERT_EQ(got.cols(), expected.cols());
   const double allowed = tolerance * std::max(1.0, expected.cwiseAbs().maxCoeff());
-  EXPECT_LE((got - expected).cwiseAbs().maxCoeff(), allowed)
-      << "got\n" << got << "\nexpected\n" << expected;
+  EXPECT_LE((got - expected).cwiseAbs().maxCoeff(), allowed) << "got\n"
+                                                             << got << "\nexpected\n"
+                                                             << expected;
 }
 
 void ExpectClose(double got, double expected, double tolerance) {
@@ -138,7 +144,8 @@ void CheckSurface(const Json& input, const Json& expected, double tolerance) {
     ExpectClose(curvature->gaussian, expected.at("gaussian"), tolerance);
     ExpectClose(curvature->mean, expected.at("mean"), tolerance);
     ExpectClose(Eigen::Vector2d(curvature->principal_low, curvature->principal_high),
-                Vector(expected.at("principal")), tolerance);
+                Vector(expected.at("principal")),
+                tolerance);
     const auto normal = surface.NormalAt(u, v);
     ASSERT_TRUE(normal);
     ExpectClose(*normal, Vector(expected.at("normal")), tolerance);
@@ -157,7 +164,8 @@ void CheckSurface(const Json& input, const Json& expected, double tolerance) {
     }
     const auto count = static_cast<Eigen::Index>(got.size());
     ExpectClose(Eigen::Map<Eigen::VectorXd>(got.data(), count),
-                Eigen::Map<Eigen::VectorXd>(wanted.data(), count), tolerance);
+                Eigen::Map<Eigen::VectorXd>(wanted.data(), count),
+                tolerance);
     if (order >= 2) {
       const SurfaceJet jet = surface.JetAt(u, v);
       ExpectClose(jet.duv, Vector(table.at(1).at(1)), tolerance);
@@ -234,14 +242,15 @@ TEST(FixturesTest, FootPointsAgreeWithOtherImplementations) {
 }
 
 TEST(FixturesTest, CurvaturesAgreeWithOtherImplementations) {
-  CheckAll("measures_curvature.json", [](const Json& input, const Json& expected, double tolerance) {
-    if (expected.contains("length") || expected.contains("area")) return;
-    if (input.contains("curve")) {
-      CheckCurve(input, expected, tolerance);
-    } else {
-      CheckSurface(input, expected, tolerance);
-    }
-  });
+  CheckAll("measures_curvature.json",
+           [](const Json& input, const Json& expected, double tolerance) {
+             if (expected.contains("length") || expected.contains("area")) return;
+             if (input.contains("curve")) {
+               CheckCurve(input, expected, tolerance);
+             } else {
+               CheckSurface(input, expected, tolerance);
+             }
+           });
 }
 
 }  // namespace

@@ -43,12 +43,12 @@ TYPED_TEST(NurbsCurveTest, MovesWithItsControlPointsUnderAffineMaps) {
     Eigen::Matrix<double, kDim, 1> shift;
     for (double& x : map.reshaped()) x = random.Real(-2, 2);
     for (double& x : shift) x = random.Real(-5, 5);
-    const NurbsCurve<kDim> image(curve.basis(), (map * curve.control_points()).colwise() + shift,
-                                 curve.weights());
+    const NurbsCurve<kDim> image(
+        curve.basis(), (map * curve.control_points()).colwise() + shift, curve.weights());
     for (int trial = 0; trial < 5; ++trial) {
       const double u = random.Parameter(curve.basis());
-      EXPECT_NEAR((image.At(u) - (map * curve.At(u) + shift)).norm(), 0,
-                  kRounding * ExtentOf(image));
+      EXPECT_NEAR(
+          (image.At(u) - (map * curve.At(u) + shift)).norm(), 0, kRounding * ExtentOf(image));
     }
   });
 }
@@ -109,13 +109,15 @@ TYPED_TEST(NurbsCurveTest, DerivativesAreTheLimitsOfDifferences) {
       const auto difference =
           ((4 * (plus_half - minus_half) / h - (plus - minus) / (2 * h)) / 3).eval();
       // Weights of 10⁴ bend the curve on a scale far below the span: the size of an order is the
-      // largest of all orders up to the next but three, on the scale h of the differences times 500.
+      // largest of all orders up to the next but three, on the scale h of the differences times
+      // 500.
       double size = 0;
       for (int k = 0; k <= 4; ++k) {
         size = std::max(size, exact.col(k).norm() * std::pow(b - a, k));
       }
       for (int k = 1; k <= 4; ++k) {
-        EXPECT_NEAR((exact.col(k) - difference.col(k - 1)).norm() * std::pow(b - a, k), 0,
+        EXPECT_NEAR((exact.col(k) - difference.col(k - 1)).norm() * std::pow(b - a, k),
+                    0,
                     kHalfDigits * size)
             << "order " << k << " at " << u;
       }
@@ -127,7 +129,8 @@ TYPED_TEST(NurbsCurveTest, EqualWeightsAreNoWeights) {
   constexpr int kDim = TypeParam::value;
   ForRandomCurves<kDim>([](const NurbsCurve<kDim>& curve, RandomSplines& random) {
     const NurbsCurve<kDim> plain(curve.basis(), curve.control_points());
-    const NurbsCurve<kDim> equal(curve.basis(), curve.control_points(),
+    const NurbsCurve<kDim> equal(curve.basis(),
+                                 curve.control_points(),
                                  Eigen::VectorXd::Constant(curve.basis().size(), 0.37));
     EXPECT_FALSE(plain.rational());
     EXPECT_FALSE(equal.rational());
@@ -141,7 +144,8 @@ TYPED_TEST(NurbsCurveTest, WeightsTimesAConstantChangeNothing) {
   constexpr int kDim = TypeParam::value;
   ForRandomCurves<kDim>([](const NurbsCurve<kDim>& curve, RandomSplines& random) {
     for (const double factor : {1e-9, 3.0, 1e9}) {
-      const NurbsCurve<kDim> scaled(curve.basis(), curve.control_points(), factor * curve.weights());
+      const NurbsCurve<kDim> scaled(
+          curve.basis(), curve.control_points(), factor * curve.weights());
       const double u = random.Parameter(curve.basis());
       EXPECT_NEAR((scaled.At(u) - curve.At(u)).norm(), 0, kRounding);
       const auto expected = curve.Derivatives(u, 2);
@@ -205,15 +209,18 @@ TYPED_TEST(NurbsCurveTest, RefusesWhatDoesNotFitTogetherAndSaysWhat) {
   EXPECT_THAT(refusal(Points::Ones(kDim, 4), ones), testing::HasSubstr("4 control points"));
   EXPECT_THAT(refusal(Points(kDim, 0), {}), testing::HasSubstr("0 control points"));
   EXPECT_THAT(refusal(good, Eigen::Vector2d::Ones()), testing::HasSubstr("2 weights"));
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
-                           std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Points points = good;
     points(kDim - 1, 2) = bad;
     EXPECT_THAT(refusal(points, ones), testing::HasSubstr("control point is not finite"));
-    EXPECT_THAT(refusal(good, Eigen::Vector3d(1, bad, 1)), testing::HasSubstr("not positive and finite"));
+    EXPECT_THAT(refusal(good, Eigen::Vector3d(1, bad, 1)),
+                testing::HasSubstr("not positive and finite"));
   }
-  EXPECT_THAT(refusal(good, Eigen::Vector3d(1, 0, 1)), testing::HasSubstr("not positive and finite"));
-  EXPECT_THAT(refusal(good, Eigen::Vector3d(1, 1, -1)), testing::HasSubstr("not positive and finite"));
+  EXPECT_THAT(refusal(good, Eigen::Vector3d(1, 0, 1)),
+              testing::HasSubstr("not positive and finite"));
+  EXPECT_THAT(refusal(good, Eigen::Vector3d(1, 1, -1)),
+              testing::HasSubstr("not positive and finite"));
 }
 
 TYPED_TEST(NurbsCurveTest, RefusesANegativeOrder) {

@@ -19,16 +19,15 @@
 namespace batten {
 namespace {
 
-// Calls law(surface, random) for surfaces of degrees up to 11, half of them rational with weights that
-// differ by up to 10⁴, half of them unclamped.
+// Calls law(surface, random) for surfaces of degrees up to 11, half of them rational with weights
+// that differ by up to 10⁴, half of them unclamped.
 void ForRandomSurfaces(const std::function<void(const NurbsSurface&, RandomSplines&)>& law) {
   for (unsigned seed = 0; seed < 120; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
     const int degree_u = 1 + static_cast<int>(seed) % 11, degree_v = random.Integer(1, 7);
     const bool rational = random.Coin();
-    law(random.Surface(degree_u, degree_v, rational,
-                       {.clamped = random.Coin(), .most_spans = 3}),
+    law(random.Surface(degree_u, degree_v, rational, {.clamped = random.Coin(), .most_spans = 3}),
         random);
     if (testing::Test::HasFailure()) return;
   }
@@ -48,11 +47,13 @@ TEST(NurbsSurfaceTest, MovesWithItsControlPointsUnderAffineMaps) {
     Eigen::Matrix3d map;
     for (double& x : map.reshaped()) x = random.Real(-2, 2);
     const Eigen::Vector3d shift = random.Vector(5);
-    const NurbsSurface image(surface.basis_u(), surface.basis_v(),
-                             (map * surface.control_points()).colwise() + shift, surface.weights());
+    const NurbsSurface image(surface.basis_u(),
+                             surface.basis_v(),
+                             (map * surface.control_points()).colwise() + shift,
+                             surface.weights());
     const auto [u, v] = RandomParameters(surface, random);
-    EXPECT_NEAR((image.At(u, v) - (map * surface.At(u, v) + shift)).norm(), 0,
-                kRounding * ExtentOf(image));
+    EXPECT_NEAR(
+        (image.At(u, v) - (map * surface.At(u, v) + shift)).norm(), 0, kRounding * ExtentOf(image));
   });
 }
 
@@ -140,10 +141,12 @@ TEST(NurbsSurfaceTest, DerivativesAreTheLimitsOfDifferences) {
     };
     for (int k = 0; k <= 3; ++k) {
       for (int l = 0; k + l <= 3; ++l) {
-        EXPECT_NEAR(scaled(k + 1, l, exact(k + 1, l) - difference(k, l, hu, 0)).norm(), 0,
+        EXPECT_NEAR(scaled(k + 1, l, exact(k + 1, l) - difference(k, l, hu, 0)).norm(),
+                    0,
                     kHalfDigits * size)
             << k + 1 << ", " << l;
-        EXPECT_NEAR(scaled(k, l + 1, exact(k, l + 1) - difference(k, l, 0, hv)).norm(), 0,
+        EXPECT_NEAR(scaled(k, l + 1, exact(k, l + 1) - difference(k, l, 0, hv)).norm(),
+                    0,
                     kHalfDigits * size)
             << k << ", " << l + 1;
       }
@@ -155,7 +158,9 @@ TEST(NurbsSurfaceTest, EqualWeightsAreNoWeights) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
     const Eigen::Matrix3Xd& points = surface.control_points();
     const NurbsSurface plain(surface.basis_u(), surface.basis_v(), points);
-    const NurbsSurface equal(surface.basis_u(), surface.basis_v(), points,
+    const NurbsSurface equal(surface.basis_u(),
+                             surface.basis_v(),
+                             points,
                              Eigen::VectorXd::Constant(points.cols(), 0.37));
     EXPECT_FALSE(plain.rational());
     EXPECT_FALSE(equal.rational());
@@ -170,7 +175,9 @@ TEST(NurbsSurfaceTest, EqualWeightsAreNoWeights) {
 TEST(NurbsSurfaceTest, WeightsTimesAConstantChangeNothing) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
     for (const double factor : {1e-9, 3.0, 1e9}) {
-      const NurbsSurface scaled(surface.basis_u(), surface.basis_v(), surface.control_points(),
+      const NurbsSurface scaled(surface.basis_u(),
+                                surface.basis_v(),
+                                surface.control_points(),
                                 factor * surface.weights());
       const auto [u, v] = RandomParameters(surface, random);
       EXPECT_NEAR((scaled.At(u, v) - surface.At(u, v)).norm(), 0, kRounding);
@@ -181,8 +188,10 @@ TEST(NurbsSurfaceTest, WeightsTimesAConstantChangeNothing) {
 TEST(NurbsSurfaceTest, ScalesWithItsControlPoints) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
     for (const double scale : {1e-9, 1e9}) {
-      const NurbsSurface scaled(surface.basis_u(), surface.basis_v(),
-                                scale * surface.control_points(), surface.weights());
+      const NurbsSurface scaled(surface.basis_u(),
+                                surface.basis_v(),
+                                scale * surface.control_points(),
+                                surface.weights());
       const auto [u, v] = RandomParameters(surface, random);
       EXPECT_NEAR((scaled.At(u, v) / scale - surface.At(u, v)).norm(), 0, kRounding);
       const auto expected = surface.NormalAt(u, v), actual = scaled.NormalAt(u, v);
@@ -257,7 +266,8 @@ TEST(NurbsSurfaceTest, HasNoNormalAtACollapsedCorner) {
 }
 
 TEST(NurbsSurfaceTest, HasNoNormalWhereTheTangentsAreParallel) {
-  const NurbsSurface folded(SplineBasis(1, {0, 0, 1, 1}), SplineBasis(1, {0, 0, 1, 1}),
+  const NurbsSurface folded(SplineBasis(1, {0, 0, 1, 1}),
+                            SplineBasis(1, {0, 0, 1, 1}),
                             Eigen::Matrix<double, 3, 4>{{0, 1, 2, 3}, {0, 1, 2, 3}, {0, 1, 2, 3}});
   EXPECT_FALSE(folded.NormalAt(0.3, 0.4));
 }
@@ -279,9 +289,8 @@ TEST(NurbsSurfaceTest, OfDegreeOneWithFourPointsIsBilinear) {
   const NurbsSurface patch(SplineBasis(1, {0, 0, 1, 1}), SplineBasis(1, {0, 0, 1, 1}), corners);
   for (const double u : {0.0, 0.3, 1.0}) {
     for (const double v : {0.0, 0.6, 1.0}) {
-      const Eigen::Vector3d expected =
-          (1 - u) * ((1 - v) * corners.col(0) + v * corners.col(1)) +
-          u * ((1 - v) * corners.col(2) + v * corners.col(3));
+      const Eigen::Vector3d expected = (1 - u) * ((1 - v) * corners.col(0) + v * corners.col(1)) +
+                                       u * ((1 - v) * corners.col(2) + v * corners.col(3));
       EXPECT_NEAR((patch.At(u, v) - expected).norm(), 0, kRounding);
     }
   }
@@ -311,7 +320,9 @@ TEST(NurbsSurfaceTest, RefusesWhatDoesNotFitTogetherAndSaysWhat) {
     points(1, 4) = bad;
     EXPECT_THAT(refusal(points, ones), testing::HasSubstr("control point is not finite"));
   }
-  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+  for (const double bad : {0.0,
+                           -1.0,
+                           std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity()}) {
     Eigen::VectorXd weights = ones;
     weights[3] = bad;

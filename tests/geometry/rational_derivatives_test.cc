@@ -23,7 +23,8 @@ TEST(RationalDerivativesTest, BinomialsFollowPascalsTriangleExactly) {
   }
 }
 
-// With any derivatives of C and w, those of w·C follow from Leibniz' rule; the function must undo it.
+// With any derivatives of C and w, those of w·C follow from Leibniz' rule; the function must undo
+// it.
 TEST(RationalDerivativesTest, UndoTheProductRuleOfACurve) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -73,7 +74,8 @@ TEST(RationalDerivativesTest, UndoTheProductRuleOfASurface) {
     for (int k = 0; k <= order; ++k) {
       for (int l = 0; k + l <= order; ++l) {
         const Eigen::Index column = k * stride + l;
-        EXPECT_NEAR((homogeneous.col(column) - all.col(column)).head<3>().norm(), 0,
+        EXPECT_NEAR((homogeneous.col(column) - all.col(column)).head<3>().norm(),
+                    0,
                     kRounding * size * std::pow(4, k + l))
             << k << ", " << l;
       }

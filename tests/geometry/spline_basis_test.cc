@@ -45,8 +45,8 @@ std::vector<double> Derivatives(const SplineBasis& basis, int span, double u, in
   return values;
 }
 
-// N_{i,p}(u) by the recursion of Cox and de Boor, word for word; the upper end of the domain counts to
-// the span before it.
+// N_{i,p}(u) by the recursion of Cox and de Boor, word for word; the upper end of the domain counts
+// to the span before it.
 double CoxDeBoor(const SplineBasis& basis, int i, int p, double u) {
   const std::vector<double>& U = basis.knots();
   if (p == 0) return i == basis.Span(u) ? 1 : 0;
@@ -257,7 +257,8 @@ TEST(SplineBasisTest, ScalingAndShiftingTheKnotsChangesNoValue) {
       const std::vector<double> actual = Derivatives(scaled, span, scale * u, 1);
       for (int r = 0; r <= p; ++r) {
         EXPECT_NEAR(actual[r], expected[r], kRounding);
-        EXPECT_NEAR(actual[p + 1 + r] * scale, expected[p + 1 + r],
+        EXPECT_NEAR(actual[p + 1 + r] * scale,
+                    expected[p + 1 + r],
                     kRounding * p / (basis.knots()[span + 1] - basis.knots()[span]));
       }
     }

@@ -119,10 +119,9 @@ TEST(ThreadPoolTest, WorksAgainAfterAnException) {
   for (const int threads : {1, 3}) {
     ThreadPool pool(threads);
     for (int round = 0; round < 50; ++round) {
-      EXPECT_THROW(pool.For(20,
-                            1,
-                            [](std::ptrdiff_t, std::ptrdiff_t) { throw std::runtime_error("no"); }),
-                   std::runtime_error);
+      EXPECT_THROW(
+          pool.For(20, 1, [](std::ptrdiff_t, std::ptrdiff_t) { throw std::runtime_error("no"); }),
+          std::runtime_error);
       EXPECT_EQ(BlocksOf(pool, 20, 1).size(), 20u);
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Closest points by brute force: a dense sampling and a polish of its lowest places. What it finds lies
-// on the surface, so a search that returns something farther has missed a minimum.
+// Closest points by brute force: a dense sampling and a polish of its lowest places. What it finds
+// lies on the surface, so a search that returns something farther has missed a minimum.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,8 +41,8 @@ class DenseSurface {
     }
   }
 
-  // The least distance found: the lowest sample, and the `polished` lowest of the grid's local minima
-  // followed downhill within their neighbour cells.
+  // The least distance found: the lowest sample, and the `polished` lowest of the grid's local
+  // minima followed downhill within their neighbour cells.
   double Distance(const Eigen::Vector3d& q, int polished) {
     squared_ = (samples_.col(0).array() - q[0]).square() +
                (samples_.col(1).array() - q[1]).square() +
@@ -54,7 +54,8 @@ class DenseSurface {
         const int k = i * columns + j;
         const double d = squared_[k];
         if ((i > 0 && squared_[k - columns] < d) || (j > 0 && squared_[k - 1] < d)) continue;
-        if ((i + 1 < rows && squared_[k + columns] < d) || (j + 1 < columns && squared_[k + 1] < d)) {
+        if ((i + 1 < rows && squared_[k + columns] < d) ||
+            (j + 1 < columns && squared_[k + 1] < d)) {
           continue;
         }
         lowest_.push_back(k);
@@ -67,8 +68,10 @@ class DenseSurface {
     double best = std::sqrt(squared_.minCoeff());
     for (auto k = lowest_.begin(); k != keep; ++k) {
       const int i = *k / columns, j = *k % columns;
-      const ParameterBox box{u_[std::max(0, i - 1)], u_[std::min(rows - 1, i + 1)],
-                             v_[std::max(0, j - 1)], v_[std::min(columns - 1, j + 1)]};
+      const ParameterBox box{u_[std::max(0, i - 1)],
+                             u_[std::min(rows - 1, i + 1)],
+                             v_[std::max(0, j - 1)],
+                             v_[std::min(columns - 1, j + 1)]};
       best = std::min(best, LocalFootPoint(surface_, q, u_[i], v_[j], box).distance);
     }
     return best;
@@ -82,10 +85,12 @@ class DenseSurface {
   std::vector<int> lowest_;
 };
 
-// The least distance to a curve: the lowest of dense samples, refined by golden sections between the
-// neighbours of each of the grid's local minima that could be it.
+// The least distance to a curve: the lowest of dense samples, refined by golden sections between
+// the neighbours of each of the grid's local minima that could be it.
 template <int Dim>
-double DenseDistance(const NurbsCurve<Dim>& curve, const Eigen::Matrix<double, Dim, 1>& q, int count) {
+double DenseDistance(const NurbsCurve<Dim>& curve,
+                     const Eigen::Matrix<double, Dim, 1>& q,
+                     int count) {
   const std::vector<double> u = DenseParameters(curve.basis(), count);
   const auto distance = [&](double t) { return (curve.At(t) - q).norm(); };
   std::vector<double> d;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Circles and surfaces of revolution as exact rational quadratics. [Piegl & Tiller 1997, §7.5, §8.5]
+// Circles and surfaces of revolution as exact rational quadratics. [Piegl & Tiller 1997, §7.5,
+// §8.5]
 #pragma once
 
 #include <Eigen/Core>
@@ -66,13 +67,15 @@ inline NurbsSurface Sphere(double radius) {
 
 // The cylinder about the z axis, z in [0, height].
 inline NurbsSurface Cylinder(double radius, double height) {
-  return Revolved(SplineBasis(1, {0, 0, 1, 1}), Eigen::Matrix2d{{radius, radius}, {0, height}},
+  return Revolved(SplineBasis(1, {0, 0, 1, 1}),
+                  Eigen::Matrix2d{{radius, radius}, {0, height}},
                   Eigen::VectorXd::Ones(2));
 }
 
 // The cone with its tip, a collapsed edge, at the origin.
 inline NurbsSurface Cone(double radius, double height) {
-  return Revolved(SplineBasis(1, {0, 0, 1, 1}), Eigen::Matrix2d{{0, radius}, {0, height}},
+  return Revolved(SplineBasis(1, {0, 0, 1, 1}),
+                  Eigen::Matrix2d{{0, radius}, {0, height}},
                   Eigen::VectorXd::Ones(2));
 }
 

@@ -43,8 +43,8 @@ inline NurbsSurface NastySurface(int kind, RandomSplines& random) {
       case 7:  // a line of closest points at once
         return random.Coin() ? Cylinder(1, 3) : Cone(1, 2);
       case 8:  // one piece of high degree
-        return random.Surface(random.Integer(6, 11), random.Integer(6, 11), random.Coin(),
-                              {.most_spans = 1});
+        return random.Surface(
+            random.Integer(6, 11), random.Integer(6, 11), random.Coin(), {.most_spans = 1});
       case 9:  // creases everywhere
         return random.Surface(1, random.Integer(1, 2), random.Coin(), {.most_spans = 6});
       case 10: {  // long and thin

@@ -43,8 +43,8 @@ class RandomSplines {
     return {Real(-half_side, half_side), Real(-half_side, half_side), Real(-half_side, half_side)};
   }
 
-  // Spans of lengths in [0.05, 1], repeated interior knots; an unclamped basis may start or end in a
-  // knot repeated up to degree times.
+  // Spans of lengths in [0.05, 1], repeated interior knots; an unclamped basis may start or end in
+  // a knot repeated up to degree times.
   SplineBasis Basis(int degree, const BasisKind& kind = {}) {
     const int most = std::min(degree, kind.highest_multiplicity);
     std::vector<double> breaks(1, Real(-2, 2));
@@ -111,10 +111,14 @@ class RandomSplines {
   // A parameter of the domain; one time in four an end or a knot.
   double Parameter(const SplineBasis& basis) {
     switch (Integer(0, 11)) {
-      case 0: return basis.lower();
-      case 1: return basis.upper();
-      case 2: return basis.knots()[Integer(basis.degree(), basis.size())];
-      default: return Real(basis.lower(), basis.upper());
+      case 0:
+        return basis.lower();
+      case 1:
+        return basis.upper();
+      case 2:
+        return basis.knots()[Integer(basis.degree(), basis.size())];
+      default:
+        return Real(basis.lower(), basis.upper());
     }
   }
 

@@ -21,10 +21,11 @@ inline double Franke(double x, double y) {
 
 inline double Tilted(double x, double y) { return 0.3 * x - 0.2 * y; }
 
-// Scattered points of z(x,y) on the unit square with normal noise in z; `outliers` of them are lifted or
-// sunk by up to 0.3.
+// Scattered points of z(x,y) on the unit square with normal noise in z; `outliers` of them are
+// lifted or sunk by up to 0.3.
 template <typename Height>
-Eigen::Matrix3Xd Scatter(Height height, Eigen::Index count, double sigma, double outliers, std::uint64_t seed) {
+Eigen::Matrix3Xd Scatter(
+    Height height, Eigen::Index count, double sigma, double outliers, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
   const auto normal = [&] {

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/distances.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "dense_samples.h"
+#include "exact_shapes.h"
+#include "random_splines.h"
+#include "tolerances.h"
+
+namespace batten {
+namespace {
+
+Eigen::Matrix3Xd RandomPoints(RandomSplines& random, Eigen::Index count, double half_side) {
+  Eigen::Matrix3Xd points(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) points.col(k) = random.Vector(half_side);
+  return points;
+}
+
+// Points about a sheet over a grid of unit cells.
+Eigen::Matrix3Xd PointsAbout(RandomSplines& random, const NurbsSurface& sheet, Eigen::Index count) {
+  Eigen::Matrix3Xd points(3, count);
+  for (auto p : points.colwise()) {
+    p = sheet.At(random.Parameter(sheet.basis_u()), random.Parameter(sheet.basis_v())) +
+        random.Vector(0.5);
+  }
+  return points;
+}
+
+TEST(DistancesTest, AreNoLongerThanThoseOfBruteForce) {
+  ThreadPool pool(1);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface sheet = random.Sheet(random.Integer(2, 4), random.Integer(2, 4), 0.5);
+    const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 50);
+    const PointDistances found = DistancesTo(sheet, points, pool);
+    DenseSurface dense(sheet, 60);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      // What brute force finds lies on the surface, though not quite at the least distance.
+      EXPECT_LE(std::abs(found.distances[k]),
+                dense.Distance(points.col(k), 4) + kIterated * ExtentOf(sheet))
+          << "point " << k;
+    }
+  }
+}
+
+TEST(DistancesTest, AreMeasuredAtTheParametersTheyComeWith) {
+  ThreadPool pool(1);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface sheet = random.Sheet(3, 2, 0.5);
+    const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 50);
+    const PointDistances found = DistancesTo(sheet, points, pool);
+    ASSERT_EQ(found.parameters.rows(), 2);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double there =
+          (sheet.At(found.parameters(0, k), found.parameters(1, k)) - points.col(k)).norm();
+      EXPECT_NEAR(there, std::abs(found.distances[k]), kRounding * ExtentOf(sheet));
+    }
+  }
+}
+
+TEST(DistancesTest, HaveTheSignOfTheSideTheNormalPointsTo) {
+  ThreadPool pool(1);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface sheet = random.Sheet(3, 3, 0.3);
+    Eigen::Matrix3Xd above(3, 50), below(3, 50);
+    constexpr double kOff = 0.01;  // much less than the least radius of curvature
+    for (Eigen::Index k = 0; k < 50; ++k) {
+      const double u = random.Real(sheet.basis_u().lower(), sheet.basis_u().upper());
+      const double v = random.Real(sheet.basis_v().lower(), sheet.basis_v().upper());
+      const Eigen::Vector3d normal = sheet.NormalAt(u, v).value();
+      above.col(k) = sheet.At(u, v) + kOff * normal;
+      below.col(k) = sheet.At(u, v) - kOff * normal;
+    }
+    const Eigen::VectorXd up = DistancesTo(sheet, above, pool).distances;
+    const Eigen::VectorXd down = DistancesTo(sheet, below, pool).distances;
+    EXPECT_GT(up.minCoeff(), 0);
+    EXPECT_LT(down.maxCoeff(), 0);
+    EXPECT_LE(up.maxCoeff(), kOff * (1 + kIterated));
+    EXPECT_GE(down.minCoeff(), -kOff * (1 + kIterated));
+  }
+}
+
+TEST(DistancesTest, OfASphereAreRadiiLessItsOwn) {
+  ThreadPool pool(1);
+  RandomSplines random(1);
+  const Eigen::Matrix3Xd points = RandomPoints(random, 300, 3);
+  const Eigen::VectorXd distances = DistancesTo(Sphere(2), points, pool).distances;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    EXPECT_NEAR(distances[k], points.col(k).norm() - 2, kIterated) << "its normals point outward";
+  }
+}
+
+TEST(DistancesTest, ChangeSignWhenTheSurfaceIsTurnedOver) {
+  ThreadPool pool(1);
+  RandomSplines random(2);
+  const NurbsSurface sheet = random.Sheet(3, 3, 0.3);
+  // The same surface with u and v exchanged.
+  Eigen::Matrix3Xd net(3, sheet.control_points().cols());
+  for (int i = 0; i < sheet.size_u(); ++i) {
+    for (int j = 0; j < sheet.size_v(); ++j)
+      net.col(j * sheet.size_u() + i) = sheet.control_point(i, j);
+  }
+  const NurbsSurface turned(sheet.basis_v(), sheet.basis_u(), net);
+  const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 100);
+  const Eigen::VectorXd a = DistancesTo(sheet, points, pool).distances;
+  const Eigen::VectorXd b = DistancesTo(turned, points, pool).distances;
+  EXPECT_LE((a + b).cwiseAbs().maxCoeff(), kIterated * ExtentOf(sheet));
+}
+
+TEST(DistancesTest, FromAStartAreNeverLongerThanThere) {
+  ThreadPool pool(1);
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface =
+        random.Surface(random.Integer(1, 4), random.Integer(1, 4), random.Coin());
+    const Eigen::Matrix3Xd points = RandomPoints(random, 50, 2);
+    Eigen::Matrix2Xd start(2, 50);
+    for (auto uv : start.colwise()) {
+      uv << random.Parameter(surface.basis_u()), random.Parameter(surface.basis_v());
+    }
+    const PointDistances local = DistancesFrom(surface, points, start, pool);
+    const PointDistances whole = DistancesTo(surface, points, pool);
+    for (Eigen::Index k = 0; k < 50; ++k) {
+      const double before = (surface.At(start(0, k), start(1, k)) - points.col(k)).norm();
+      EXPECT_LE(std::abs(local.distances[k]), before * (1 + kRounding));
+      EXPECT_GE(std::abs(local.distances[k]),
+                std::abs(whole.distances[k]) - kIterated * ExtentOf(surface));
+    }
+  }
+}
+
+TEST(DistancesTest, FromTheFootPointsAreTheSameAgain) {
+  ThreadPool pool(1);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface sheet = random.Sheet(3, 3, 0.5);
+    const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 50);
+    const PointDistances once = DistancesTo(sheet, points, pool);
+    const PointDistances again = DistancesFrom(sheet, points, once.parameters, pool);
+    EXPECT_LE((again.distances - once.distances).cwiseAbs().maxCoeff(),
+              kIterated * ExtentOf(sheet));
+  }
+}
+
+TEST(DistancesTest, OfCurvesAreRadiiLessTheCirclesOwnWithoutASign) {
+  ThreadPool pool(1);
+  RandomSplines random(3);
+  Eigen::Matrix3Xd points = RandomPoints(random, 300, 3);
+  points.row(2).setZero();
+  const PointDistances found = DistancesTo(Circle(2), points, pool);
+  ASSERT_EQ(found.parameters.rows(), 1);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    EXPECT_NEAR(found.distances[k], std::abs(points.col(k).norm() - 2), kIterated);
+  }
+}
+
+TEST(DistancesTest, GiveTheSameBitsForEveryNumberOfThreads) {
+  RandomSplines random(4);
+  const NurbsSurface sheet = random.Sheet(3, 3, 0.5);
+  const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 1500);
+  ThreadPool one(1), three(3);
+  const PointDistances a = DistancesTo(sheet, points, one), b = DistancesTo(sheet, points, three);
+  EXPECT_EQ(a.distances, b.distances);
+  EXPECT_EQ(a.parameters, b.parameters);
+  const Eigen::Matrix2Xd start = a.parameters;
+  EXPECT_EQ(DistancesFrom(sheet, points, start, one).distances,
+            DistancesFrom(sheet, points, start, three).distances);
+}
+
+TEST(DistancesTest, OfNoPointsAreNone) {
+  ThreadPool pool(1);
+  EXPECT_EQ(DistancesTo(Sphere(1), Eigen::Matrix3Xd(3, 0), pool).distances.size(), 0);
+}
+
+}  // namespace
+}  // namespace batten
