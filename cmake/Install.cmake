@@ -5,9 +5,11 @@ include(CMakePackageConfigHelpers)
 install(TARGETS batten_geometry batten_fitting batten_io EXPORT battenTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+include(cmake/InternalHeaders.cmake)
 foreach(folder geometry fitting io)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${folder}
-          FILES_MATCHING PATTERN "*.h")
+  file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${folder}/*.h)
+  list(REMOVE_ITEM headers ${BATTEN_INTERNAL_HEADERS})
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${folder})
 endforeach()
 install(EXPORT battenTargets NAMESPACE batten:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 configure_package_config_file(cmake/battenConfig.cmake.in ${PROJECT_BINARY_DIR}/battenConfig.cmake

@@ -17,7 +17,8 @@
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/plane_base.h"
 #include "batten/fitting/refine.h"
-#include "batten/fitting/statistics.h"
+#include "batten/fitting/strangers.h"
+#include "batten/fitting/surface_preparation.h"
 #include "batten/fitting/voids.h"
 
 namespace batten {
@@ -34,11 +35,6 @@ constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
 constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
-constexpr double kStructureInSpacings = 4;    // what a surface may miss between points
-constexpr int kWitnesses = 8;                 // neighbours asked whether a point is alone
-constexpr int kWitnessesNeeded = 3;           // that are off as it is
-constexpr double kAlike = 2;                  // within this factor of its distance
-constexpr double kFlatTail = 0.6;
 constexpr int kHuberRounds = 8, kTukeyRounds = 8;
 constexpr double kExcessToOptimise = 1.2;  // residual against noise
 constexpr double kExcessToSayNoise = 2;
@@ -57,91 +53,8 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// The cloud as the later stages see it.
-struct Prepared {
-  MergedCloud merged;
-  CloudStatistics statistics;
-  PlaneBase base;
-  PointMask used;  // of the merged points
-};
-
-InputSummary Summary(const PointCloud& cloud, const Prepared& prepared) {
-  InputSummary input;
-  input.points = cloud.size();
-  input.duplicates = prepared.merged.duplicates;
-  input.spacing = prepared.statistics.spacing;
-  input.noise = prepared.statistics.noise;
-  input.origin = cloud.origin();
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return input;
-}
-
-// Puts points that are neighbours in the plane beside each other in memory: everything later goes
-// through them cell by cell.
-void SortByPlace(Prepared& prepared) {
-  const PointCloud& cloud = prepared.merged.cloud;
-  const Eigen::Matrix3Xd local = prepared.base.ToFrame(cloud.points());
-  constexpr double kPointsPerPlace = 16;
-  const double side = std::sqrt(prepared.base.length_u * prepared.base.length_v * kPointsPerPlace /
-                                static_cast<double>(cloud.size()));
-  const auto columns = static_cast<Eigen::Index>(prepared.base.length_v / side) + 1;
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> keys(static_cast<size_t>(cloud.size()));
-  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(std::max(0.0, local(0, k)) / side);
-    const auto column =
-        std::min(columns - 1, static_cast<Eigen::Index>(std::max(0.0, local(1, k)) / side));
-    keys[k] = {row * columns + (row % 2 == 0 ? column : columns - 1 - column), k};
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<Eigen::Index> order, rank(keys.size());
-  order.reserve(keys.size());
-  for (const auto& [key, k] : keys) {
-    rank[k] = static_cast<Eigen::Index>(order.size());
-    order.push_back(k);
-  }
-  prepared.merged.cloud = cloud.Picked(order);
-  for (Eigen::Index& place : prepared.merged.place) place = rank[place];
-  prepared.used = prepared.used(order).eval();
-  prepared.statistics.outliers = prepared.statistics.outliers(order).eval();
-}
-
-Prepared Prepare(const PointCloud& cloud, const SurfaceFitOptions& options, ThreadPool& pool) {
-  Prepared prepared;
-  Report(options.progress, "prepare", 0);
-  if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
-  prepared.merged = MergeDuplicates(cloud);
-  const PointCloud& points = prepared.merged.cloud;
-  if (points.size() < 4) {
-    throw std::invalid_argument("a surface needs at least 4 different points; there are " +
-                                std::to_string(points.size()));
-  }
-  const NeighbourIndex index(points.points());
-  CloudStatisticsOptions statistics;
-  statistics.seed = options.seed;
-  statistics.find_outliers = !options.keep_outliers;
-  prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
-  prepared.used = !prepared.statistics.outliers;
-  Report(options.progress, "parameterize", 0);
-  const double margin = prepared.statistics.spacing / 2 + 2 * prepared.statistics.noise;
-  const PlaneBaseOptions base_options{.seed = options.seed};
-  if (prepared.used.all()) {
-    prepared.base =
-        FindPlaneBase(points.points(), index, prepared.statistics.spacing, margin, base_options);
-  } else {
-    const PointCloud good = points.Subset(prepared.used);
-    prepared.base = FindPlaneBase(good.points(),
-                                  NeighbourIndex(good.points()),
-                                  prepared.statistics.spacing,
-                                  margin,
-                                  base_options);
-  }
-  SortByPlace(prepared);
-  return prepared;
-}
-
 // Heights over the base at the merged points that are used; parameters a hair inside the domain.
-FittingProblem MakeProblem(const Prepared& prepared,
+FittingProblem MakeProblem(const PreparedCloud& prepared,
                            const PointCloud& points,
                            const SurfaceFitOptions& options) {
   const Eigen::Matrix3Xd local = prepared.base.ToFrame(points.points());
@@ -250,68 +163,6 @@ FittingProblem Reweighted(const FittingProblem& problem,
   return current;
 }
 
-Eigen::VectorXd Where(const Eigen::VectorXd& values, const PointMask& mask) {
-  Eigen::VectorXd chosen(mask.count());
-  Eigen::Index count = 0;
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    if (mask[k]) chosen[count++] = values[k];
-  }
-  return chosen;
-}
-
-// Where strangers begin: the least doubling of the limit beyond which the tail of the distances is
-// flat, most of what exceeds it exceeding even twice as much. Noise and structure the surface has
-// missed thin out with distance; outliers do not care. Infinity where the tail thins out all the
-// way.
-double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
-  if (!(limit > 0)) return std::numeric_limits<double>::infinity();
-  const double farthest = distances.cwiseAbs().maxCoeff();
-  for (double from = limit; from < farthest; from *= 2) {
-    const auto beyond = static_cast<double>((distances.array().abs() > from).count());
-    const auto far_beyond = static_cast<double>((distances.array().abs() > 2 * from).count());
-    if (far_beyond > kFlatTail * beyond) return from;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-// Which points a surface speaks for. A far point is an outlier where it is alone with its distance
-// among its neighbours in the plane, or farther than structure between points could reach; where
-// several of them are off to the same side by as much, the surface is what is wrong, not the point.
-PointMask CloseEnough(const Prepared& prepared,
-                      const Eigen::Matrix2Xd& parameters,
-                      const Eigen::VectorXd& distances,
-                      double scale,
-                      const SurfaceFitOptions& options,
-                      ThreadPool& pool) {
-  const double limit =
-      StrangersBegin(distances, std::max(kOutlierInScales * scale, options.tolerance.value_or(0)));
-  const double reach = std::max(limit, kStructureInSpacings * prepared.statistics.spacing);
-  std::vector<Eigen::Index> doubtful;
-  for (Eigen::Index k = 0; k < distances.size(); ++k) {
-    if (!(std::abs(distances[k]) <= limit)) doubtful.push_back(k);
-  }
-  PointMask close = PointMask::Constant(distances.size(), true);
-  if (doubtful.empty()) return close;
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, parameters.cols());
-  plan.topRows<2>() = parameters;
-  const NeighbourIndex index(plan);
-  pool.For(static_cast<std::ptrdiff_t>(doubtful.size()),
-           64,
-           [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-             for (std::ptrdiff_t i = begin; i < end; ++i) {
-               const Eigen::Index k = doubtful[i];
-               const double own = distances[k];
-               int alike = 0;
-               for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
-                 const double ratio = distances[j] / own;
-                 if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
-               }
-               close[k] = std::abs(own) <= reach && alike >= kWitnessesNeeded;
-             }
-           });
-  return close;
-}
-
 // The coarsest uniform grid up to the chosen one that keeps the tolerance, else the chosen one.
 FittingProblem CoarsestWithin(const FittingProblem& chosen,
                               const PlaneBase& base,
@@ -370,6 +221,270 @@ bool JointStagePays(const SurfaceFitOptions& options,
   return true;
 }
 
+// One fit, stage by stage; members are what the stages hand on.
+class SurfaceFitter {
+ public:
+  SurfaceFitter(const PointCloud& cloud, const SurfaceFitOptions& options)
+      : cloud_(cloud), options_(options), pool_(options.threads) {
+    report_.threads = pool_.threads();
+  }
+
+  SurfaceFit Run() {
+    Prepare();
+    DecideWhoCounts();
+    if (options_.tolerance) {
+      Refine();
+    } else {
+      Solve();
+    }
+    OptimiseWhereItPays();
+    return Measure();
+  }
+
+ private:
+  void Prepare() {
+    prepared_ =
+        PrepareCloud(cloud_, {options_.keep_outliers, options_.seed}, pool_, options_.progress);
+    const double overlap = prepared_.base.overlap;
+    const std::string share = std::to_string(std::lround(100 * overlap)) + " % of places";
+    if (overlap > kOverlapToRefuse) {
+      throw std::invalid_argument("the points lie over each other in " + share +
+                                  " as seen from any side: they are not a height field over a "
+                                  "plane, and other bases are not "
+                                  "in this version; fit a part of the cloud (--box)");
+    }
+    if (overlap > kOverlapToWarn) {
+      report_.warnings.push_back("the points lie over each other in " + share +
+                                 ": a height field goes between the layers there");
+    }
+    report_.input = Summary();
+    report_.seconds.prepare = watch_.Lap();
+  }
+
+  InputSummary Summary() const {
+    InputSummary input;
+    input.points = cloud_.size();
+    input.duplicates = prepared_.merged.duplicates;
+    input.spacing = prepared_.statistics.spacing;
+    input.noise = prepared_.statistics.noise;
+    input.origin = cloud_.origin();
+    input.box_min = cloud_.origin() + cloud_.points().rowwise().minCoeff();
+    input.box_max = cloud_.origin() + cloud_.points().rowwise().maxCoeff();
+    return input;
+  }
+
+  // Which points count is decided by their neighbours before there is a surface, then by their
+  // distance from it, until the two agree. The bases are chosen anew each time.
+  void DecideWhoCounts() {
+    const PointCloud& all = prepared_.merged.cloud;
+    const FittingProblem everything = MakeProblem(prepared_, all, options_);
+    robust_ = options_.loss ? *options_.loss != Loss::kNone
+                            : static_cast<double>(prepared_.statistics.outlier_count) >
+                                  kOutlierShareForLoss * static_cast<double>(all.size());
+    bool settled = false;  // so few points changed sides that the grid can't be far off
+    for (int pass = 1; pass <= kOutlierPasses; ++pass) {
+      used_ = prepared_.used.all() ? all : all.Subset(prepared_.used);
+      const bool search_near =
+          settled && (problem_->unknowns() > kLargeGrid || used_.size() > kManyPoints);
+      problem_ = ChooseBases(MakeProblem(prepared_, used_, options_),
+                             options_,
+                             search_near ? &*problem_ : nullptr,
+                             pool_,
+                             report_);
+      if (robust_) problem_ = Reweighted(*problem_, prepared_.base, options_, pool_, report_);
+      if (pass == kOutlierPasses || options_.keep_outliers) break;
+      const PointMask now = SpokenFor(everything);
+      if (!robust_ && !options_.loss && (now != prepared_.used).any() && !now.all()) {
+        robust_ = true;  // what stands out from a plain fit has bent it
+        continue;
+      }
+      const Eigen::Index changed = (now != prepared_.used).count();
+      if (changed == 0) break;
+      settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
+      prepared_.used = now;
+    }
+    if (options_.tolerance && robust_ && !options_.loss) {
+      // A tolerance is the user's own word on which residuals matter: bounded weights chose the
+      // bases only.
+      problem_ = MakeProblem(prepared_, used_, options_)
+                     .WithBases(problem_->basis_u(), problem_->basis_v());
+    }
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  // The points the present solution speaks for, of all.
+  PointMask SpokenFor(const FittingProblem& everything) {
+    const NurbsSurface surface = HeightSurface(prepared_.base,
+                                               problem_->basis_u(),
+                                               problem_->basis_v(),
+                                               SolveLinear(*problem_, pool_).coefficients);
+    const Eigen::Matrix2Xd& places = everything.data().parameters;
+    const Eigen::VectorXd distances =
+        DistancesFrom(surface, prepared_.merged.cloud.points(), places, pool_).distances;
+    Eigen::VectorXd of_used(used_.size());
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < distances.size(); ++k) {
+      if (prepared_.used[k]) of_used[count++] = distances[k];
+    }
+    const double scale = options_.loss_scale.value_or(RobustScale(of_used));
+    return CloseEnough(places,
+                       distances,
+                       std::max(kOutlierInScales * scale, options_.tolerance.value_or(0)),
+                       prepared_.statistics.spacing,
+                       pool_);
+  }
+
+  void Refine() {
+    if (!options_.control_points) {
+      problem_ =
+          CoarsestWithin(*problem_, prepared_.base, used_.points(), options_, pool_, report_);
+    }
+    RefineOptions refine;
+    refine.tolerance = *options_.tolerance;
+    refine.noise = prepared_.statistics.noise;
+    refine.spacing = prepared_.statistics.spacing;
+    refine.max_control_points =
+        options_.control_points ? problem_->unknowns() : options_.max_control_points;
+    RefineResult refined = RefineToTolerance(
+        *problem_, prepared_.base, used_.points(), refine, pool_, options_.progress);
+    Record(refined.rounds);
+    report_.termination = refined.termination;
+    surface_ = std::move(refined.surface);
+    parameters_ = std::move(refined.parameters);
+    WarnOfVoids(refined.empty_share);
+    report_.seconds.refine = watch_.Lap();
+  }
+
+  void Solve() {
+    const CalmResult calm =
+        SolveCalmly(*problem_, {prepared_.statistics.spacing, used_.size()}, pool_);
+    if (calm.solution.regularised) {
+      report_.warnings.push_back(
+          "the points do not determine every control point: fairness was raised");
+    }
+    report_.termination = Termination::kNoiseReached;
+    surface_ = HeightSurface(
+        prepared_.base, problem_->basis_u(), problem_->basis_v(), calm.solution.coefficients);
+    parameters_ = problem_->data().parameters.leftCols(used_.size());
+    WarnOfVoids(calm.empty_share);
+    report_.seconds.solve += watch_.Lap();
+  }
+
+  void OptimiseWhereItPays() {
+    const PointDistances before = DistancesFrom(*surface_, used_.points(), parameters_, pool_);
+    const double rms =
+        std::sqrt(before.distances.squaredNorm() / static_cast<double>(used_.size()));
+    report_.seconds.project += watch_.Lap();
+    report_.optimize.rms_before = report_.optimize.rms_after = rms;
+    if (report_.termination == Termination::kCancelled) return;
+    const double noise = prepared_.statistics.noise;
+    const int unknowns = surface_->size_u() * surface_->size_v();
+    if (!JointStagePays(options_, rms, noise, used_.size(), unknowns, report_.optimize)) return;
+    JointOptions joint;
+    joint.noise = options_.optimize == OptimizeMode::kAuto ? noise : 0;
+    joint.loss = robust_ ? options_.loss.value_or(Loss::kTukey) : Loss::kNone;
+    joint.loss_scale = options_.loss_scale.value_or(RobustScale(before.distances));
+    joint.progress = options_.progress;
+    Eigen::VectorXd weights = problem_->data().weights;
+    if (weights.size() > 0) weights.conservativeResize(used_.size());
+    JointResult result =
+        OptimizeJointly(*surface_, used_.points(), weights, before.parameters, joint, pool_);
+    report_.optimize.ran = true;
+    report_.optimize.iterations = result.iterations;
+    report_.optimize.rms_after = result.rms_after;
+    if (!result.note.empty()) report_.optimize.why += "; " + result.note;
+    Record(result.rounds);
+    if (result.cancelled) report_.termination = Termination::kCancelled;
+    surface_ = std::move(result.surface);
+    report_.seconds.optimize = watch_.Lap();
+  }
+
+  // What is reported is measured on the surface as it is handed out, rounding of far coordinates
+  // included.
+  SurfaceFit Measure() {
+    const Eigen::Vector3d move = cloud_.origin() - options_.shift;
+    NurbsSurface written = move.isZero(0) ? *surface_ : surface_->Translated(move);
+    const NurbsSurface measured = move.isZero(0) ? *surface_ : written.Translated(-move);
+    const PointDistances found = DistancesTo(measured, prepared_.merged.cloud.points(), pool_);
+    SurfaceFit fit{std::move(written),
+                   Eigen::Matrix2Xd(2, cloud_.size()),
+                   Eigen::VectorXd(cloud_.size()),
+                   PointMask(cloud_.size()),
+                   {}};
+    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
+      const Eigen::Index place = prepared_.merged.place[k];
+      fit.parameters.col(k) = found.parameters.col(place);
+      fit.residuals[k] = found.distances[place];
+      fit.outliers[k] = !prepared_.used[place];
+    }
+    report_.error = Summarise(fit.residuals, options_.tolerance, !fit.outliers);
+    report_.error_all = Summarise(fit.residuals, options_.tolerance);
+    report_.input.used = report_.error.points;
+    report_.input.outliers = fit.outliers.count();
+    report_.geometry.kind = "surface";
+    report_.geometry.base = "plane";
+    report_.geometry.degree = {options_.degree_u, options_.degree_v};
+    report_.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
+    report_.geometry.rational = fit.surface.rational();
+    report_.geometry.closed = {false, false};
+    JudgeTermination();
+    report_.seconds.project += watch_.Lap();
+    report_.seconds.total = total_.Lap();
+    fit.report = std::move(report_);
+    return fit;
+  }
+
+  // The word for how it ended, held against what was measured.
+  void JudgeTermination() {
+    Termination& termination = report_.termination;
+    if (termination == Termination::kCancelled) return;
+    if (options_.tolerance) {
+      if (report_.error.out_of_tolerance == 0) {
+        termination = Termination::kToleranceReached;
+      } else if (termination == Termination::kToleranceReached) {
+        termination = Termination::kStalled;
+      }
+      return;
+    }
+    if (report_.error.rms <= kExcessToSayNoise * prepared_.statistics.noise) return;
+    if (options_.control_points) {
+      termination = Termination::kMaxControlPoints;
+      return;
+    }
+    termination = Termination::kStalled;
+    report_.warnings.push_back(
+        "residuals are well above the noise of neighbouring points, but more control points would "
+        "not "
+        "predict left-out points better: the shape has edges, layers or detail that a smooth "
+        "height "
+        "field does not follow");
+  }
+
+  void WarnOfVoids(double share) {
+    if (share <= kVoidShareToWarn) return;
+    report_.warnings.push_back("there are no points in " +
+                               std::to_string(std::lround(100 * share)) +
+                               " % of the surface's rectangle: the surface is a guess there");
+  }
+
+  void Record(const std::vector<RoundSummary>& rounds) {
+    report_.iterations.insert(report_.iterations.end(), rounds.begin(), rounds.end());
+  }
+
+  const PointCloud& cloud_;
+  const SurfaceFitOptions& options_;
+  ThreadPool pool_;
+  Stopwatch watch_, total_;
+  FitReport report_;
+  PreparedCloud prepared_;
+  PointCloud used_;      // the merged points that count
+  bool robust_ = false;  // losses bound residuals
+  std::optional<FittingProblem>
+      problem_;                          // heights of used points over the base, with chosen bases
+  std::optional<NurbsSurface> surface_;  // in the cloud's local coordinates
+  Eigen::Matrix2Xd parameters_;          // of used points
+};
+
 }  // namespace
 
 void Check(const SurfaceFitOptions& options) {
@@ -409,195 +524,7 @@ void Check(const SurfaceFitOptions& options) {
 
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Check(options);
-  ThreadPool pool(options.threads);
-  Stopwatch watch, total;
-  FitReport report;
-  report.threads = pool.threads();
-
-  Prepared prepared = Prepare(cloud, options, pool);
-  const PlaneBase& base = prepared.base;
-  if (base.overlap > kOverlapToRefuse) {
-    throw std::invalid_argument("the points lie over each other in " +
-                                std::to_string(std::lround(100 * base.overlap)) +
-                                " % of places as seen from any side: they are not a height field "
-                                "over a plane, and other bases "
-                                "are not in this version; fit a part of the cloud (--box)");
-  }
-  if (base.overlap > kOverlapToWarn) {
-    report.warnings.push_back("the points lie over each other in " +
-                              std::to_string(std::lround(100 * base.overlap)) +
-                              " % of places: a height field goes between the layers there");
-  }
-  report.input = Summary(cloud, prepared);
-  report.seconds.prepare = watch.Lap();
-
-  // Which points count is decided by their neighbours before there is a surface, then by their
-  // distance from it, until the two agree.
-  bool robust = options.loss ? *options.loss != Loss::kNone
-                             : static_cast<double>(prepared.statistics.outlier_count) >
-                                   kOutlierShareForLoss * static_cast<double>(prepared.used.size());
-  const FittingProblem everything = MakeProblem(prepared, prepared.merged.cloud, options);
-  std::optional<FittingProblem> problem;
-  PointCloud used;
-  bool settled = false;  // so few points changed sides that the grid can't be far off
-  for (int pass = 1; pass <= kOutlierPasses; ++pass) {
-    used =
-        prepared.used.all() ? prepared.merged.cloud : prepared.merged.cloud.Subset(prepared.used);
-    problem = ChooseBases(MakeProblem(prepared, used, options),
-                          options,
-                          settled && (problem->unknowns() > kLargeGrid || used.size() > kManyPoints)
-                              ? &*problem
-                              : nullptr,
-                          pool,
-                          report);
-    if (robust) problem = Reweighted(*problem, base, options, pool, report);
-    if (pass == kOutlierPasses || options.keep_outliers) break;
-    const NurbsSurface surface = HeightSurface(
-        base, problem->basis_u(), problem->basis_v(), SolveLinear(*problem, pool).coefficients);
-    const PointDistances found =
-        DistancesFrom(surface, prepared.merged.cloud.points(), everything.data().parameters, pool);
-    const double scale =
-        options.loss_scale.value_or(RobustScale(Where(found.distances, prepared.used)));
-    const PointMask now =
-        CloseEnough(prepared, everything.data().parameters, found.distances, scale, options, pool);
-    if (!robust && !options.loss && (now != prepared.used).any() && !now.all()) {
-      robust = true;  // what stands out from a plain fit has bent it
-      continue;
-    }
-    const Eigen::Index changed = (now != prepared.used).count();
-    if (changed == 0) break;
-    settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
-    prepared.used = now;
-  }
-  if (options.tolerance && robust && !options.loss) {
-    // A tolerance is the user's own word on which residuals matter: bounded weights chose the bases
-    // only.
-    problem =
-        MakeProblem(prepared, used, options).WithBases(problem->basis_u(), problem->basis_v());
-  }
-  report.seconds.solve = watch.Lap();
-
-  report.termination = Termination::kNoiseReached;
-  std::optional<NurbsSurface> surface;
-  Eigen::Matrix2Xd parameters;
-  double empty_share = 0;
-  if (options.tolerance) {
-    if (!options.control_points) {
-      problem = CoarsestWithin(*problem, base, used.points(), options, pool, report);
-    }
-    RefineOptions refine;
-    refine.tolerance = *options.tolerance;
-    refine.noise = prepared.statistics.noise;
-    refine.spacing = prepared.statistics.spacing;
-    refine.max_control_points =
-        options.control_points ? problem->unknowns() : options.max_control_points;
-    RefineResult refined =
-        RefineToTolerance(*problem, base, used.points(), refine, pool, options.progress);
-    report.iterations.insert(report.iterations.end(), refined.rounds.begin(), refined.rounds.end());
-    report.termination = refined.termination;
-    surface = std::move(refined.surface);
-    parameters = std::move(refined.parameters);
-    empty_share = refined.empty_share;
-    report.seconds.refine = watch.Lap();
-  } else {
-    const CalmResult calm = SolveCalmly(*problem, {prepared.statistics.spacing, used.size()}, pool);
-    empty_share = calm.empty_share;
-    const LinearSolution& solution = calm.solution;
-    if (solution.regularised) {
-      report.warnings.push_back(
-          "the points do not determine every control point: fairness was raised");
-    }
-    surface = HeightSurface(base, problem->basis_u(), problem->basis_v(), solution.coefficients);
-    parameters = problem->data().parameters.leftCols(used.size());
-    report.seconds.solve += watch.Lap();
-  }
-
-  if (empty_share > kVoidShareToWarn) {
-    report.warnings.push_back("there are no points in " +
-                              std::to_string(std::lround(100 * empty_share)) +
-                              " % of the surface's rectangle: the surface is a guess there");
-  }
-
-  const PointDistances before = DistancesFrom(*surface, used.points(), parameters, pool);
-  const double rms = std::sqrt(before.distances.squaredNorm() / static_cast<double>(used.size()));
-  report.seconds.project += watch.Lap();
-  report.optimize.rms_before = report.optimize.rms_after = rms;
-  const int unknowns = surface->size_u() * surface->size_v();
-  if (report.termination != Termination::kCancelled &&
-      JointStagePays(
-          options, rms, prepared.statistics.noise, used.size(), unknowns, report.optimize)) {
-    JointOptions joint;
-    joint.noise = options.optimize == OptimizeMode::kAuto ? prepared.statistics.noise : 0;
-    joint.loss = robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
-    joint.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
-    joint.progress = options.progress;
-    JointResult optimised = OptimizeJointly(
-        *surface,
-        used.points(),
-        problem->data().weights.head(problem->data().weights.size() > 0 ? used.size() : 0),
-        before.parameters,
-        joint,
-        pool);
-    report.optimize.ran = true;
-    report.optimize.iterations = optimised.iterations;
-    report.optimize.rms_after = optimised.rms_after;
-    if (!optimised.note.empty()) report.optimize.why += "; " + optimised.note;
-    report.iterations.insert(
-        report.iterations.end(), optimised.rounds.begin(), optimised.rounds.end());
-    if (optimised.cancelled) report.termination = Termination::kCancelled;
-    surface = std::move(optimised.surface);
-    report.seconds.optimize = watch.Lap();
-  }
-
-  // What is reported is measured on the surface as it is handed out, rounding of far coordinates
-  // included.
-  const Eigen::Vector3d move = cloud.origin() - options.shift;
-  NurbsSurface written = move.isZero(0) ? *surface : surface->Translated(move);
-  const NurbsSurface measured = move.isZero(0) ? *surface : written.Translated(-move);
-  const PointDistances found = DistancesTo(measured, prepared.merged.cloud.points(), pool);
-  SurfaceFit fit{std::move(written),
-                 Eigen::Matrix2Xd(2, cloud.size()),
-                 Eigen::VectorXd(cloud.size()),
-                 PointMask(cloud.size()),
-                 {}};
-  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const Eigen::Index place = prepared.merged.place[k];
-    fit.parameters.col(k) = found.parameters.col(place);
-    fit.residuals[k] = found.distances[place];
-    fit.outliers[k] = !prepared.used[place];
-  }
-  report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
-  report.error_all = Summarise(fit.residuals, options.tolerance);
-  report.input.used = report.error.points;
-  report.input.outliers = fit.outliers.count();
-  if (!options.tolerance && report.termination != Termination::kCancelled &&
-      report.error.rms > kExcessToSayNoise * prepared.statistics.noise) {
-    report.termination =
-        options.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
-    if (!options.control_points) {
-      report.warnings.push_back(
-          "residuals are well above the noise of neighbouring points, but more control "
-          "points would not predict left-out points better: the shape has edges, layers or "
-          "detail that a smooth height field does not follow");
-    }
-  }
-  if (options.tolerance && report.termination != Termination::kCancelled) {
-    if (report.error.out_of_tolerance == 0) {
-      report.termination = Termination::kToleranceReached;
-    } else if (report.termination == Termination::kToleranceReached) {
-      report.termination = Termination::kStalled;
-    }
-  }
-  report.geometry.kind = "surface";
-  report.geometry.base = "plane";
-  report.geometry.degree = {options.degree_u, options.degree_v};
-  report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
-  report.geometry.rational = fit.surface.rational();
-  report.geometry.closed = {false, false};
-  report.seconds.project += watch.Lap();
-  report.seconds.total = total.Lap();
-  fit.report = std::move(report);
-  return fit;
+  return SurfaceFitter(cloud, options).Run();
 }
 
 }  // namespace batten

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 # Fails when a folder includes one to its right in geometry -> fitting -> io -> cli, or when an installed
 # header names a third party that must not show: Ceres, PCL, FLANN, OpenCASCADE, JSON, fmt.
+cmake_policy(VERSION 3.25)
+include(${ROOT}/cmake/InternalHeaders.cmake)
 set(order geometry fitting io cli)
 set(failures "")
 foreach(folder IN LISTS order)
@@ -20,9 +22,8 @@ foreach(folder IN LISTS order)
       endforeach()
       if(source MATCHES "\\.h$" AND NOT folder STREQUAL "cli" AND
          line MATCHES "[<\"](ceres/|pcl/|flann/|nlohmann/|fmt/|[A-Z][A-Za-z0-9]*_[A-Z])")
-        # Internal headers of a folder may; they are listed by name and not installed.
-        get_filename_component(name ${source} NAME)
-        if(NOT name MATCHES "^(occt_|json_document)")
+        file(RELATIVE_PATH name ${ROOT} ${source})
+        if(NOT name IN_LIST BATTEN_INTERNAL_HEADERS)
           list(APPEND failures "${source}: ${line} shows a third party in a header")
         endif()
       endif()

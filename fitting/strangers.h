@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Telling outliers from structure by the distances of points from a first surface.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "batten/fitting/cloud_statistics.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten {
+
+// Where strangers begin: the least doubling of `limit` beyond which the tail of the distances is
+// flat, most of what exceeds it exceeding even twice as much. Noise and structure the surface has
+// missed thin out with distance; outliers do not care. Infinity where the tail thins out all the
+// way.
+double StrangersBegin(const Eigen::VectorXd& distances, double limit);
+
+// Which points a surface speaks for, given their signed distances from it and their places in the
+// plane. A point beyond where strangers begin is one where it is alone with its distance among its
+// neighbours, or farther than structure between points could reach (several spacings); where
+// several neighbours are off to the same side by as much, the surface is what is wrong, not the
+// point.
+PointMask CloseEnough(const Eigen::Matrix2Xd& places,
+                      const Eigen::VectorXd& distances,
+                      double limit,
+                      double spacing,
+                      ThreadPool& pool);
+
+}  // namespace batten
