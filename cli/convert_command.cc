@@ -21,6 +21,7 @@ struct Arguments {
   std::string in, out, out_format, unit = "mm";
   CloudArguments cloud;
   CommonFlags flags;
+  bool unit_given = false;
 };
 
 // Whether a file's own name says what format it has.
@@ -69,6 +70,10 @@ int Run(const Arguments& a) {
     entry["non_finite"] = file.non_finite;
   } else {
     const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
+    if (from == FileFormat::kStep && to == FileFormat::kStep && !a.unit_given && !a.flags.quiet) {
+      PrintWarning(a.out + " declares " + a.unit + " for the numbers of " + a.in +
+                   ", whatever unit that declared: say --unit");
+    }
     WriteGeometry(geometry, a.out, {out_format, a.unit});
     entry["kind"] = std::holds_alternative<NurbsSurface>(geometry.front()) ? "surface" : "curve";
     entry["count"] = geometry.size();
@@ -112,7 +117,10 @@ void AddConvertCommand(CLI::App& app, Action& action) {
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
       "  batten convert part.step - --format json\n"
       "  batten convert ground.txt ground.csv --columns x=2,y=3,z=4 --where label=1");
-  command.callback([a, &action] { action = [a] { return Run(*a); }; });
+  command.callback([a, &command, &action] {
+    a->unit_given = command.count("--unit") > 0;
+    action = [a] { return Run(*a); };
+  });
 }
 
 }  // namespace batten

@@ -72,7 +72,8 @@ void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
     if (path.empty()) continue;
     if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
     const std::string name =
-        path == "-" ? path : std::filesystem::path(path).lexically_normal().string();
+        path == "-" ? path
+                    : std::filesystem::weakly_canonical(std::filesystem::absolute(path)).string();
     if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
   }
 }

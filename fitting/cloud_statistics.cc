@@ -18,6 +18,7 @@ namespace {
 constexpr int kFewPoints = 20;
 constexpr int kPlaneNeighbours = 24;
 constexpr double kOutlierInSpacings = 2.5;
+constexpr double kApart = 1.4;
 constexpr int kReachNeighbour = 6;
 constexpr double kLonelier = 3;
 constexpr double kSparser = 2;  // than usual are points scattered through space, at least, …
@@ -187,9 +188,11 @@ void FlagOutliers(const Eigen::Matrix3Xd& points,
     const bool off = standing.offset[i] > 4.5 * own || rough;
     const double reach = standing.reach[i];
     // Rough ground stands off planes too, but not by several times the distance of its points.
+    // A rib or a step does, but in the company of its own points.
     // Points scattered through space keep each other company, but lie in no surface.
     result.outliers[i] =
-        (off && standing.offset[i] > kOutlierInSpacings * result.spacing) ||
+        (off && standing.offset[i] > kOutlierInSpacings * result.spacing &&
+         reach > kApart * usual_reach) ||
         (rough && reach > kSparser * usual_reach && scale > kFillsSpace * reach) ||
         (reach > kLonelier * usual_reach && Isolated(points, index, standing.reach, i));
   }
@@ -232,7 +235,8 @@ CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
   const std::vector<Eigen::Index> samples = SampleIndices(m, options.samples, options.seed);
 
   // N points a disc of radius r: the area a point owns is πr²/N, and spacing its root.
-  const int around = static_cast<int>(std::min<Eigen::Index>(16, m - 1));
+  const int around =
+      static_cast<int>(std::min<Eigen::Index>(std::clamp<Eigen::Index>(m / 4, 3, 16), m - 1));
   std::vector<double> radii(samples.size());
   pool.For(static_cast<std::ptrdiff_t>(samples.size()), 64, [&](auto begin, auto end) {
     Eigen::Matrix3Xd queries(3, end - begin);

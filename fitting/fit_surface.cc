@@ -29,6 +29,7 @@ constexpr double kOutlierShareForLoss =
     2e-3;  // less is what the test for outliers flags on clean data
 constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.15;
+constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
 constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
 constexpr double kVoidShareToWarn = 0.05;
 constexpr int kOutlierPasses = 5;
@@ -38,6 +39,7 @@ constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr int kHuberRounds = 8, kTukeyRounds = 8;
 constexpr double kExcessToOptimise = 1.2;  // residual against noise
 constexpr double kExcessToSayNoise = 2;
+constexpr double kExact = 1e-9;  // of the cloud's size: rounding
 constexpr double kPointsPerFreedomToOptimise = 9;
 constexpr int kMostToOptimise = 1500;
 
@@ -175,7 +177,7 @@ FittingProblem CoarsestWithin(const FittingProblem& chosen,
     const int cells_v = round.control_points_v - options.degree_v;
     if (round.stage != "cross-validation" || round.rms > *options.tolerance) continue;
     if (round.control_points_u * round.control_points_v >= chosen.unknowns()) break;
-    const FittingProblem coarse = chosen.WithBases(
+    FittingProblem coarse = chosen.WithBases(
         FittingBasis(options.degree_u, cells_u, chosen.basis_u().lower(), chosen.basis_u().upper()),
         FittingBasis(
             options.degree_v, cells_v, chosen.basis_v().lower(), chosen.basis_v().upper()));
@@ -258,7 +260,8 @@ class SurfaceFitter {
                                  ": a height field goes between the layers there");
     }
     report_.input = Summary();
-    report_.seconds.prepare = watch_.Lap();
+    report_.seconds.parameterize = prepared_.base_seconds;
+    report_.seconds.prepare = watch_.Lap() - prepared_.base_seconds;
   }
 
   InputSummary Summary() const {
@@ -329,7 +332,9 @@ class SurfaceFitter {
     const double scale = options_.loss_scale.value_or(RobustScale(of_used));
     return CloseEnough(places,
                        distances,
-                       std::max(kOutlierInScales * scale, options_.tolerance.value_or(0)),
+                       std::max({kOutlierInScales * scale,
+                                 kLeastScale * prepared_.statistics.spacing,
+                                 options_.tolerance.value_or(0)}),
                        prepared_.statistics.spacing,
                        pool_);
   }
@@ -427,6 +432,17 @@ class SurfaceFitter {
     report_.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
     report_.geometry.rational = fit.surface.rational();
     report_.geometry.closed = {false, false};
+    if (options_.tolerance && report_.error_all.out_of_tolerance > report_.error.out_of_tolerance) {
+      report_.warnings.push_back(
+          std::to_string(report_.error_all.out_of_tolerance - report_.error.out_of_tolerance) +
+          " points out of tolerance were set aside as outliers and are not counted (error_all "
+          "counts them; "
+          "--keep-outliers fits them)");
+    }
+    if (fit.surface.size_u() * fit.surface.size_v() > report_.input.used) {
+      report_.warnings.push_back(
+          "there are more control points than points: fairness decides the rest");
+    }
     JudgeTermination();
     report_.seconds.project += watch_.Lap();
     report_.seconds.total = total_.Lap();
@@ -446,12 +462,15 @@ class SurfaceFitter {
       }
       return;
     }
-    if (report_.error.rms <= kExcessToSayNoise * prepared_.statistics.noise) return;
+    const double rounding = kExact * (report_.input.box_max - report_.input.box_min).norm();
+    if (report_.error.rms <= std::max(kExcessToSayNoise * prepared_.statistics.noise, rounding))
+      return;
     if (options_.control_points) {
       termination = Termination::kMaxControlPoints;
       return;
     }
     termination = Termination::kStalled;
+    if (!(prepared_.statistics.noise > 0)) return;
     report_.warnings.push_back(
         "residuals are well above the noise of neighbouring points, but more control points would "
         "not "

@@ -113,14 +113,20 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
     BlockBandedMatrix matrix(outer.size(), inner.size(), outer.degree());
     equations.AddTo(matrix);
     if (lambda > 0) fairness.AddTo(matrix, lambda);
-    matrix.AddToDiagonal(jitter);
+    // High degrees need more than rounding's worth of it.
+    matrix.AddToDiagonal(jitter * std::pow(30.0, std::max(0, attempt - 5)));
     if (matrix.Factor() &&
         (lambda >= kFirmSmoothing * unit || matrix.SmallestPivot() > kSingularInJitters * jitter)) {
       solution = equations.rhs();
       matrix.Solve(solution);
       if (solution.allFinite()) break;
     }
-    if (attempt == 16) throw std::runtime_error("SolveLinear: the normal matrix can't be factored");
+    if (attempt == 16) {
+      throw std::invalid_argument(
+          "the points do not determine the control points: too few carry weight, or the degree is "
+          "too high "
+          "for them");
+    }
     lambda = std::max(10 * lambda, 1e-12 * unit);
     result.regularised = true;
   }

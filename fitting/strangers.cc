@@ -14,7 +14,9 @@ namespace {
 constexpr double kStructureInSpacings = 4;  // what a surface may miss between points
 constexpr int kWitnesses = 8;               // neighbours asked whether a point is alone
 constexpr int kWitnessesNeeded = 3;         // that are off as it is
-constexpr double kAlike = 2;                // within this factor of its distance
+constexpr double kNearlyEqual = 1.25;
+constexpr int kMostWitnesses = 5;  // that make it structure at any distance
+constexpr double kAlike = 2;       // within this factor of its distance
 constexpr double kFlatTail = 0.6;
 
 }  // namespace
@@ -52,12 +54,14 @@ PointMask CloseEnough(const Eigen::Matrix2Xd& places,
              for (std::ptrdiff_t i = begin; i < end; ++i) {
                const Eigen::Index k = doubtful[i];
                const double own = distances[k];
-               int alike = 0;
+               int alike = 0, nearly_equal = 0;
                for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
                  const double ratio = distances[j] / own;
                  if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
+                 if (j != k && ratio > 1 / kNearlyEqual && ratio < kNearlyEqual) ++nearly_equal;
                }
-               close[k] = std::abs(own) <= reach && alike >= kWitnessesNeeded;
+               close[k] = nearly_equal >= kMostWitnesses ||
+                          (std::abs(own) <= reach && alike >= kWitnessesNeeded);
              }
            });
   return close;

@@ -2,6 +2,7 @@
 #include "batten/fitting/surface_preparation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -64,6 +65,7 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, progress);
   prepared.used = !prepared.statistics.outliers;
   Report(progress, "parameterize", 0);
+  const auto start = std::chrono::steady_clock::now();
   const double margin = prepared.statistics.spacing / 2 + 2 * prepared.statistics.noise;
   const PlaneBaseOptions base_options{.seed = options.seed};
   if (prepared.used.all()) {
@@ -78,6 +80,8 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
                                   base_options);
   }
   SortByPlace(prepared);
+  prepared.base_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return prepared;
 }
 

@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/voids.h"
 
+#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
+
+#include "batten/fitting/statistics.h"
 
 namespace batten {
 namespace {
 
 constexpr double kPlaceInSpacings = 1;
-constexpr double kVoidInSpacings = 3;  // what is empty at this width is a void, not chance
-constexpr int kMostPlaces = 160;       // along a side
-constexpr double kRangeMargin = 0.02;  // of the data's range
+constexpr double kVoidInSpacings = 3;   // what is empty at this width is a void, not chance
+constexpr int kMostPlaces = 160;        // along a side
+constexpr double kRangeMargin = 0.02;   // of the data's range
+constexpr double kTiltRounding = 1e-6;  // extrapolation magnifies rounding
+constexpr double kUsualSlope = 0.75;    // this share of places is less steep
+constexpr double kSlopeFactor = 1.2;
 constexpr int kSamplesPerCell = 3;
 constexpr int kHoldRounds = 12;
 constexpr double kHold = 0.03;  // the first weight of a held place, against the data's density
@@ -112,6 +119,85 @@ std::vector<double> HeightMap(const FittingData& data,
   return heights;
 }
 
+// The least-squares plane of the measured heights: height at (0,0) and slopes.
+Eigen::Vector3d TiltOf(const FittingData& data, Eigen::Index measured) {
+  Eigen::MatrixXd design(measured, 3);
+  design << Eigen::VectorXd::Ones(measured), data.parameters.leftCols(measured).transpose();
+  return design.colPivHouseholderQr().solve(data.values.row(0).head(measured).transpose());
+}
+
+// Whether heights keep, everywhere, to a band about the plane that is hardly wider than the data's
+// own. A tilted sheet goes on being tilted where there are no points.
+bool KeepsToTilt(const Eigen::MatrixXd& there,
+                 const Eigen::Matrix2Xd& places,
+                 const FittingData& data,
+                 Eigen::Index measured,
+                 const Eigen::Vector3d& plane) {
+  const auto above = [&](const auto& heights, const auto& parameters) {
+    return (heights.array() - plane[0] - plane[1] * parameters.row(0).array() -
+            plane[2] * parameters.row(1).array())
+        .eval();
+  };
+  const auto own = above(data.values.row(0).head(measured), data.parameters.leftCols(measured));
+  const auto anywhere = above(there.row(0), places);
+  const double rounding = kTiltRounding * data.values.row(0).head(measured).cwiseAbs().maxCoeff();
+  const double margin = kRangeMargin * (own.maxCoeff() - own.minCoeff()) + rounding;
+  return anywhere.minCoeff() >= own.minCoeff() - margin &&
+         anywhere.maxCoeff() <= own.maxCoeff() + margin;
+}
+
+// How far the surface may leave the data's range at every place of the grid: a share of the range,
+// and what the usual slope of the data makes of the way to the nearest place with points. A sloping
+// sheet goes on sloping in the strip around its points; that is not an overshoot.
+std::vector<double> Allowance(const FittingData& data,
+                              Eigen::Index measured,
+                              const PlaceGrid& grid,
+                              double range,
+                              double tilt,
+                              const PlaceGrid& coarse) {
+  const std::vector<double> means = HeightMap(data, measured, coarse);
+  std::vector<double> slopes;
+  for (int i = 0; i < coarse.nu; ++i) {
+    for (int j = 0; j < coarse.nv; ++j) {
+      const double here = means[i * coarse.nv + j];
+      const double du = i + 1 < coarse.nu ? (means[(i + 1) * coarse.nv + j] - here) / coarse.du : 0;
+      const double dv = j + 1 < coarse.nv ? (means[i * coarse.nv + j + 1] - here) / coarse.dv : 0;
+      slopes.push_back(std::hypot(du, dv));
+    }
+  }
+  const double slope = kSlopeFactor * std::max(Quantile(std::move(slopes), kUsualSlope), tilt);
+  // Steps to the nearest occupied place, by sweeps of a chamfer in both diagonal directions.
+  const int far = grid.nu + grid.nv;
+  std::vector<int> steps(static_cast<size_t>(grid.nu) * grid.nv, far);
+  for (Eigen::Index k = 0; k < measured; ++k) {
+    steps[grid.Place(data.parameters(0, k), data.parameters(1, k))] = 0;
+  }
+  for (const int way : {1, -1}) {
+    for (int a = 0; a < grid.nu; ++a) {
+      for (int b = 0; b < grid.nv; ++b) {
+        const int i = way > 0 ? a : grid.nu - 1 - a, j = way > 0 ? b : grid.nv - 1 - b;
+        int& here = steps[i * grid.nv + j];
+        for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
+          const int i2 = i - way * di, j2 = j - way * dj;
+          if (i2 < 0 || j2 < 0 || i2 >= grid.nu || j2 >= grid.nv) continue;
+          here = std::min(here, steps[i2 * grid.nv + j2] + 1);
+        }
+      }
+    }
+  }
+  std::vector<double> allowance(steps.size(), kRangeMargin * range);
+  for (int i = 0; i < grid.nu; ++i) {
+    for (int j = 0; j < grid.nv; ++j) {
+      const bool border = i == 0 || j == 0 || i == grid.nu - 1 || j == grid.nv - 1;
+      const int count = steps[i * grid.nv + j];
+      if (border && count <= 1) {
+        allowance[i * grid.nv + j] += slope * std::hypot(grid.du, grid.dv) * (count + 0.5);
+      }
+    }
+  }
+  return allowance;
+}
+
 // Parameters that cut every knot cell in three.
 std::vector<double> Samples(const SplineBasis& basis) {
   std::vector<double> samples;
@@ -160,7 +246,15 @@ CalmResult SolveCalmly(const FittingProblem& problem,
                                   PlaceGrid(problem, kVoidInSpacings * options.spacing));
   const auto measured = data.values.row(0).head(options.measured);
   const double low = measured.minCoeff(), high = measured.maxCoeff();
-  const double margin = kRangeMargin * (high - low);
+  const Eigen::Vector3d plane = TiltOf(data, options.measured);
+  const PlaceGrid grid(problem, kPlaceInSpacings * options.spacing);
+  const std::vector<double> allowance =
+      Allowance(data,
+                options.measured,
+                grid,
+                high - low,
+                plane.tail<2>().norm(),
+                PlaceGrid(problem, kVoidInSpacings * options.spacing));
 
   const std::vector<double> in_u = Samples(problem.basis_u()), in_v = Samples(problem.basis_v());
   auto samples = std::make_shared<FittingData>();
@@ -180,15 +274,16 @@ CalmResult SolveCalmly(const FittingProblem& problem,
   std::vector<double> holds(static_cast<size_t>(count), 0.0), heights;
   for (int round = 0; round < kHoldRounds; ++round) {
     const Eigen::MatrixXd there = EvaluateAt(everywhere, result.solution.coefficients, pool);
+    if (round == 0 && KeepsToTilt(there, places, data, options.measured, plane)) break;
     bool left = false;
     for (Eigen::Index k = 0; k < count; ++k) {
+      const double margin = allowance[grid.Place(places(0, k), places(1, k))];
       if (there(0, k) >= low - margin && there(0, k) <= high + margin) continue;
       left = true;
       holds[k] = holds[k] > 0 ? kHeavier * holds[k] : kHold * density;
     }
     if (!left) break;
     if (heights.empty()) {
-      const PlaceGrid grid(problem, kPlaceInSpacings * options.spacing);
       const std::vector<double> map = HeightMap(data, options.measured, grid);
       heights.resize(static_cast<size_t>(count));
       for (Eigen::Index k = 0; k < count; ++k)

@@ -31,8 +31,8 @@ Eigen::Vector2d BoxMinimum(
   const double side_x = std::clamp(x, box.low_u, box.high_u);
   const double side_y = std::clamp(y, box.low_v, box.high_v);
   if (side_x == x && side_y == y) return {x, y};
-  const Eigen::Vector2d on_u(side_x, std::clamp(-(g[1] + b * side_x) / c, box.low_v, box.high_v));
-  const Eigen::Vector2d on_v(std::clamp(-(g[0] + b * side_y) / a, box.low_u, box.high_u), side_y);
+  Eigen::Vector2d on_u(side_x, std::clamp(-(g[1] + b * side_x) / c, box.low_v, box.high_v));
+  Eigen::Vector2d on_v(std::clamp(-(g[0] + b * side_y) / a, box.low_u, box.high_u), side_y);
   const auto model = [&](const Eigen::Vector2d& d) {
     return g.dot(d) + a * d[0] * d[0] / 2 + b * d[0] * d[1] + c * d[1] * d[1] / 2;
   };
