@@ -31,6 +31,14 @@ NurbsCurve<Dim>::NurbsCurve(SplineBasis basis, Points control_points, Eigen::Vec
     throw std::invalid_argument("NurbsCurve: a weight is not positive and finite");
   }
   rational_ = (weights_.array() != weights_[0]).any();
+  if (basis_.periodic()) {
+    const int p = basis_.degree();
+    if (control_points_.leftCols(p) != control_points_.rightCols(p) ||
+        weights_.head(p) != weights_.tail(p)) {
+      throw std::invalid_argument("NurbsCurve: the last " + std::to_string(p) +
+                                  " control points of a periodic curve do not repeat the first");
+    }
+  }
 }
 
 template <int Dim>

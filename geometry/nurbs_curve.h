@@ -10,7 +10,8 @@
 namespace batten {
 
 // C(u) = Σ N_i(u) w_i P_i / Σ N_i(u) w_i on the domain of its basis. A value: editing returns a new
-// one. Parameters outside the domain are taken at its nearest end. [Piegl & Tiller 1997, §4.2]
+// one. Parameters outside the domain are taken at its nearest end or, over a periodic basis, whole
+// periods away (SplineBasis::Clamp). [Piegl & Tiller 1997, §4.2]
 template <int Dim>
 class NurbsCurve {
  public:
@@ -18,7 +19,8 @@ class NurbsCurve {
   using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 
   // Control points are Euclidean (Dim × n, the data's units); no weights means all ones. Throws
-  // std::invalid_argument unless sizes agree, everything is finite and weights are positive.
+  // std::invalid_argument unless sizes agree, everything is finite, weights are positive and, over
+  // a periodic basis, the last p control points and weights are the first p.
   NurbsCurve(SplineBasis basis, Points control_points, Eigen::VectorXd weights = {});
 
   const SplineBasis& basis() const { return basis_; }

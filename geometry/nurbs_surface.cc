@@ -38,6 +38,28 @@ NurbsSurface::NurbsSurface(SplineBasis basis_u,
     throw std::invalid_argument("NurbsSurface: a weight is not positive and finite");
   }
   rational_ = (weights_.array() != weights_[0]).any();
+  CheckPeriods();
+}
+
+void NurbsSurface::CheckPeriods() const {
+  const int n = size_u(), m = size_v(), p = basis_u_.degree(), q = basis_v_.degree();
+  const auto same = [&](Eigen::Index a, Eigen::Index b) {
+    return control_points_.col(a) == control_points_.col(b) && weights_[a] == weights_[b];
+  };
+  for (Eigen::Index i = 0; basis_u_.periodic() && i < p; ++i) {
+    for (int j = 0; j < m; ++j) {
+      if (same(i * m + j, (n - p + i) * m + j)) continue;
+      throw std::invalid_argument("NurbsSurface: the last " + std::to_string(p) +
+                                  " rows of a net periodic in u do not repeat the first");
+    }
+  }
+  for (Eigen::Index j = 0; basis_v_.periodic() && j < q; ++j) {
+    for (int i = 0; i < n; ++i) {
+      if (same(Eigen::Index{i} * m + j, Eigen::Index{i} * m + m - q + j)) continue;
+      throw std::invalid_argument("NurbsSurface: the last " + std::to_string(q) +
+                                  " columns of a net periodic in v do not repeat the first");
+    }
+  }
 }
 
 Eigen::Vector3d NurbsSurface::At(double u, double v) const {

@@ -32,13 +32,13 @@ class SurfaceDerivatives {
 };
 
 // S(u,v) = Σ N_i(u) N_j(v) w_ij P_ij / Σ N_i(u) N_j(v) w_ij on the product of the bases' domains.
-// A value: editing returns a new one. Parameters outside the domain are taken at its nearest edge.
-// [Piegl & Tiller 1997, §4.4]
+// A value: editing returns a new one. Parameters outside the domain are taken at its nearest edge
+// or, in a periodic direction, whole periods away (SplineBasis::Clamp). [Piegl & Tiller 1997, §4.4]
 class NurbsSurface {
  public:
   // Control point (i,j) is column i·size_v + j (v runs fastest), Euclidean, in the data's units; no
-  // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite
-  // and weights are positive.
+  // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite,
+  // weights are positive and, in a periodic direction of degree p, the last p rows are the first p.
   NurbsSurface(SplineBasis basis_u,
                SplineBasis basis_v,
                Eigen::Matrix3Xd control_points,
@@ -72,6 +72,8 @@ class NurbsSurface {
   bool operator==(const NurbsSurface&) const = default;
 
  private:
+  void CheckPeriods() const;
+
   SplineBasis basis_u_, basis_v_;
   Eigen::Matrix3Xd control_points_;
   Eigen::VectorXd weights_;

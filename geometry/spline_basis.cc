@@ -52,6 +52,25 @@ SplineBasis::SplineBasis(int degree, std::vector<double> knots)
   }
 }
 
+SplineBasis SplineBasis::Periodic(int degree, std::vector<double> knots) {
+  SplineBasis basis(degree, std::move(knots));
+  const std::vector<double>& U = basis.knots_;
+  const double period = basis.upper() - basis.lower();
+  constexpr double kRepeats = 1e-12;
+  const double allowed = kRepeats * std::max({period, std::abs(U.front()), std::abs(U.back())});
+  const size_t distinct = static_cast<size_t>(basis.size() - degree);
+  for (size_t i = 0; i + distinct < U.size(); ++i) {
+    if (std::abs(U[i + distinct] - U[i] - period) <= allowed) continue;
+    Reject("knots " + std::to_string(i) + " and " + std::to_string(i + distinct) +
+           " of a periodic "
+           "basis are not one period " +
+           std::to_string(period) + " apart (" + std::to_string(U[i]) + ", " +
+           std::to_string(U[i + distinct]) + ")");
+  }
+  basis.periodic_ = true;
+  return basis;
+}
+
 SplineBasis SplineBasis::Clamped(int degree, std::span<const double> breaks) {
   CheckDegree(degree);
   if (breaks.size() < 2) Reject("at least two breaks are needed");
@@ -159,7 +178,13 @@ double SplineBasis::Greville(int i) const {
   return sum / degree_;
 }
 
-double SplineBasis::Clamp(double u) const { return std::clamp(u, lower(), upper()); }
+double SplineBasis::Clamp(double u) const {
+  if (u >= lower() && u <= upper()) return u;
+  if (!periodic_ || !std::isfinite(u)) return u < lower() ? lower() : upper();
+  const double period = upper() - lower();
+  const double wrapped = u - period * std::floor((u - lower()) / period);
+  return wrapped >= lower() && wrapped < upper() ? wrapped : lower();
+}
 
 int SplineBasis::Multiplicity(double knot) const {
   return static_cast<int>(std::count(knots_.begin(), knots_.end(), knot));

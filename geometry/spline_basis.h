@@ -15,13 +15,19 @@ inline constexpr int kMaxDegree = 25;
 //  (1) On the closed domain [u_p, u_n]: N_i ≥ 0 and Σ N_i = 1.
 //  (2) N_i vanishes outside [u_i, u_{i+p+1}].
 // n counts functions (control points); Piegl & Tiller write n + 1. Knots may be clamped or not.
-// [Piegl & Tiller 1997, §2.2]
+// A basis may be periodic: then the knots repeat after m = n − p of them, u_{i+m} = u_i + T with
+// the period T = u_n − u_p, the last p functions continue the first p, and whatever is built on it
+// has p control points repeated at the end. [Piegl & Tiller 1997, §2.2, §12.2]
 class SplineBasis {
  public:
   // Throws std::invalid_argument unless 1 ≤ degree ≤ kMaxDegree, the knots are finite and
   // non-decreasing, n > degree, the domain is not empty, and no interior knot is repeated more than
   // degree times (end knots: degree + 1).
   SplineBasis(int degree, std::vector<double> knots);
+
+  // The same, periodic. Also throws unless the knots repeat after n − degree of them, to 1e-12 of
+  // the greater of the period and the largest knot.
+  static SplineBasis Periodic(int degree, std::vector<double> knots);
 
   // The clamped basis with simple interior knots at the inner of the increasing `breaks`.
   static SplineBasis Clamped(int degree, std::span<const double> breaks);
@@ -34,6 +40,10 @@ class SplineBasis {
   const std::vector<double>& knots() const { return knots_; }
   double lower() const { return knots_[degree_]; }
   double upper() const { return knots_[size()]; }
+  bool periodic() const { return periodic_; }
+
+  // Whether the domain begins and ends at a knot of multiplicity degree + 1.
+  bool clamped() const { return knots_.front() == lower() && knots_.back() == upper(); }
 
   // The index i with u_i ≤ u < u_{i+1} among the spans of the domain; parameters outside are taken
   // at the nearest end, and the upper end belongs to the last non-empty span. O(log n). [A2.1]
@@ -52,7 +62,8 @@ class SplineBasis {
   // Greville abscissa (u_{i+1} + … + u_{i+p}) / p: with these as control points the spline is u.
   double Greville(int i) const;
 
-  // The parameter of the domain nearest to u.
+  // The parameter of the domain that stands for u: itself inside the closed domain; outside, the
+  // nearest end, or for a periodic basis the place in [lower, upper) that lies whole periods away.
   double Clamp(double u) const;
 
   // How often the value stands in the knot vector, exactly.
@@ -63,6 +74,7 @@ class SplineBasis {
  private:
   int degree_;
   std::vector<double> knots_;
+  bool periodic_ = false;
 };
 
 }  // namespace batten
