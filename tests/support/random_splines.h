@@ -20,6 +20,7 @@ struct BasisKind {
   bool clamped = true;
   int most_spans = 5;
   int highest_multiplicity = 25;  // of interior knots; never more than the degree
+  bool periodic = false;          // then `clamped` does not count
 };
 
 class RandomSplines {
@@ -51,6 +52,7 @@ class RandomSplines {
     for (int spans = Integer(1, kind.most_spans); spans > 0; --spans) {
       breaks.push_back(breaks.back() + Real(0.05, 1));
     }
+    if (kind.periodic) return PeriodicBasis(degree, most, breaks);
     std::vector<double> knots;
     if (kind.clamped) {
       knots.assign(degree + 1, breaks.front());
@@ -85,13 +87,34 @@ class RandomSplines {
     Eigen::Matrix<double, Dim, Eigen::Dynamic> points(Dim, basis.size());
     for (double& x : points.reshaped()) x = Real(-1, 1);
     Eigen::VectorXd weights = rational ? Weights(basis.size()) : Eigen::VectorXd();
+    if (basis.periodic()) {
+      const int round = basis.size() - degree;
+      for (int i = round; i < basis.size(); ++i) {
+        points.col(i) = points.col(i - round);
+        if (rational) weights[i] = weights[i - round];
+      }
+    }
     return NurbsCurve<Dim>(std::move(basis), std::move(points), std::move(weights));
   }
   NurbsSurface Surface(int degree_u, int degree_v, bool rational, const BasisKind& kind = {}) {
-    SplineBasis u = Basis(degree_u, kind), v = Basis(degree_v, kind);
+    return Surface(degree_u, degree_v, rational, kind, kind);
+  }
+  NurbsSurface Surface(
+      int degree_u, int degree_v, bool rational, const BasisKind& kind_u, const BasisKind& kind_v) {
+    SplineBasis u = Basis(degree_u, kind_u), v = Basis(degree_v, kind_v);
     Eigen::Matrix3Xd points(3, u.size() * v.size());
     for (double& x : points.reshaped()) x = Real(-1, 1);
     Eigen::VectorXd weights = rational ? Weights(points.cols()) : Eigen::VectorXd();
+    // In a periodic direction the net goes round: what lies past its end is its beginning again.
+    const int round_u = u.periodic() ? u.size() - degree_u : u.size();
+    const int round_v = v.periodic() ? v.size() - degree_v : v.size();
+    for (int i = 0; i < u.size(); ++i) {
+      for (int j = 0; j < v.size(); ++j) {
+        const int to = i * v.size() + j, from = i % round_u * v.size() + j % round_v;
+        points.col(to) = points.col(from);
+        if (rational) weights[to] = weights[from];
+      }
+    }
     return NurbsSurface(std::move(u), std::move(v), std::move(points), std::move(weights));
   }
 
@@ -131,6 +154,23 @@ class RandomSplines {
   }
 
  private:
+  // One period of knots, the inner breaks and the seam repeated 1 … `most` times, continued to both
+  // sides from a random place.
+  SplineBasis PeriodicBasis(int degree, int most, const std::vector<double>& breaks) {
+    std::vector<double> round;
+    for (size_t k = 0; k + 1 < breaks.size(); ++k) {
+      round.insert(round.end(), Integer(1, most), breaks[k]);
+    }
+    const double period = breaks.back() - breaks.front();
+    const int distinct = static_cast<int>(round.size()), start = Integer(0, distinct - 1);
+    std::vector<double> knots;
+    for (int i = 0; i < distinct + 2 * degree + 1; ++i) {
+      const int k = start + i;
+      knots.push_back(round[k % distinct] + period * (k / distinct));
+    }
+    return SplineBasis::Periodic(degree, std::move(knots));
+  }
+
   std::mt19937 generator_;
 };
 
