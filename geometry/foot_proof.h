@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Proves of one piece after another that it holds nothing nearer to a point than the best place so
+// far, or finds a nearer place. Internal to the search for closest points.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "batten/geometry/bernstein_polynomial.h"
+#include "batten/geometry/foot_kernels.h"
+#include "batten/geometry/foot_table.h"
+
+namespace batten {
+
+struct FoundFoot;
+
+class FootProof {
+ public:
+  // `arena` is scratch memory that grows as needed.
+  FootProof(const FootTable& table,
+            const Eigen::Vector3d& q,
+            const FoundFoot& start,
+            std::vector<double>& arena);
+
+  // After this nothing on the piece, whose box has that squared distance, is nearer than the lower
+  // bound of the result.
+  void Check(int piece, double box_squared);
+
+  double squared() const { return squared_; }
+  FoundFoot result() const;
+
+ private:
+  // Part of the piece: its place in local parameters, degrees (an edge has one degree zero), the
+  // coefficients of F and, where F is made from it, the net about q.
+  struct Cell {
+    LocalBox box;
+    int p, q;
+    double* f;
+    double* net;  // null: F comes from the table
+    int values() const { return (2 * p + 1) * (2 * q + 1); }
+    int numbers() const { return 4 * (p + 1) * (q + 1); }
+  };
+  enum class Verdict { kNothingNearer, kNearer, kUndecided };
+
+  Verdict CheckCell(const Cell& cell, int depth, size_t used);
+  Verdict CheckConvex(const Cell& cell, double bend);
+  Verdict CheckSide(const Cell& cell, bool first, bool low, int depth, size_t used);
+  Verdict CheckHalves(const Cell& cell, bool first, int depth, size_t used);
+  Verdict Corner(const Cell& cell);
+  Verdict Try(double x, double y);
+  Verdict Certify(double least);
+  double SquaresOfNet(const Cell& cell);
+  Cell Take(const Cell& like, size_t& used);
+
+  const FootTable& table_;
+  Eigen::Vector3d q_;
+  std::vector<double>& arena_;
+
+  int best_piece_;
+  double best_x_, best_y_, squared_;
+
+  double epsilon_;  // an acceptable miss
+  // Of the cell at hand: F ≥ 0 there means |S − q|² ≥ d² − tolerance; and F is that much (times w²)
+  // lower than what must be negative for a nearer place.
+  double tolerance_ = 0, margin_ = 0;
+  double wanted_ = 0;  // an acceptable miss of the squared distance
+  double proved_;      // no squared distance looked at so far is below this
+  int cells_ = 0;      // looked at for this point
+
+  int piece_ = 0;
+  Eigen::Vector3d local_q_;
+  FootPiece form_{};
+};
+
+}  // namespace batten

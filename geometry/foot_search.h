@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// The global search for closest points over a FootTable. Internal; foot_point.h is the public face.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "batten/geometry/box_tree.h"
+#include "batten/geometry/foot_kernels.h"
+#include "batten/geometry/foot_table.h"
+#include "batten/geometry/sample_tree.h"
+
+namespace batten {
+
+// The closest point found: piece, local parameters, and distances; nothing lies nearer than
+// `lower_bound`.
+struct FoundFoot {
+  int piece;
+  double x, y;
+  double distance, lower_bound;
+};
+
+// What searches of one thread share, so that a query does not allocate.
+struct FootWorkspace {
+  std::vector<BoxTree::Near> near;
+  std::vector<double> arena;
+};
+
+// Seeds: the nearest of nine samples a piece. Newton steps across pieces give an upper bound d.
+// Every piece whose box is nearer than d is then proved to hold nothing nearer than √(d² − τ), or
+// gives a nearer point: F = |P|² − 2q·wP + (|q|² − d² + τ)w², P the homogeneous numerator about the
+// piece's centre, is a polynomial of bidegree (2p, 2q); where its Bernstein coefficients are not
+// negative, or it is convex and its least value is not, nothing is nearer; where it is monotone
+// only a side can be; otherwise it is halved. τ = ε(2d + ε) + rounding with ε = 1e-11 of the
+// shape's size; where rounding would weigh more than that, the polynomial is made anew from control
+// points about q, which loses no digits.
+class FootSearch {
+ public:
+  explicit FootSearch(FootTable table);
+
+  const FootTable& table() const { return table_; }
+
+  FoundFoot Nearest(const Eigen::Vector3d& q, FootWorkspace& workspace) const;
+
+  // The local minimum below a place, across pieces; the lower bound is zero.
+  FoundFoot Descend(const Eigen::Vector3d& q, int piece, double x, double y) const;
+
+ private:
+  FootPiece Piece(int piece) const;
+
+  FootTable table_;
+  BoxTree boxes_;
+  SampleTree samples_;
+};
+
+}  // namespace batten
