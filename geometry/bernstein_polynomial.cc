@@ -17,45 +17,40 @@ constexpr int kLanes = 8;
 static_assert(kLanes + 2 <= kReadPast);
 typedef double Lanes __attribute__((vector_size(64), aligned(8)));
 
+BATTEN_INLINE double SumOf(const Lanes& a) {
+  return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]));
+}
+
 BATTEN_INLINE Lanes Load(const double* from) { return *reinterpret_cast<const Lanes*>(from); }
 
-// The Bernstein polynomials of degree n at x with first and second derivatives, from the recursion
-// B_k^n = (1−x) B_k^{n−1} + x B_{k−1}^{n−1} stopped two and one levels early.
+// The Bernstein polynomials C(n,k) x^k (1−x)^{n−k} at x with first and second derivatives, which
+// are differences of those of one and two degrees less. Zero past n up to whole lanes.
 struct Basis {
-  double b0[kMost], b1[kMost], b2[kMost];
+  static constexpr int kRoom = kMost + kLanes;
+  double b0[kRoom], b1[kRoom], b2[kRoom];
 
-  BATTEN_INLINE Basis(int n, double x) {
-    std::fill_n(b0, n + 1, 0.0);
-    b0[0] = 1;
-    if (n < 2) std::fill_n(b2, n + 1, 0.0);
-    if (n < 1) b1[0] = 0;
-    for (int level = 1; level <= n; ++level) {
-      if (level == n - 1) Differences(n - 2, double(n) * (n - 1), 2, b2);
-      if (level == n) Differences(n - 1, n, 1, b1);
-      double last = 0;
-      for (int k = 0; k < level; ++k) {
-        const double next = b0[k];
-        b0[k] = (1 - x) * next + x * last;
-        last = next;
-      }
-      b0[level] = x * last;
+  BATTEN_INLINE Basis(
+      int n, double x, const double* choose0, const double* choose1, const double* choose2) {
+    double up[kMost], down[kMost];  // x^k and (1−x)^k
+    up[0] = down[0] = 1;
+    for (int k = 1; k <= n; ++k) {
+      up[k] = up[k - 1] * x;
+      down[k] = down[k - 1] * (1 - x);
     }
-  }
-
- private:
-  // The order-th difference of the polynomials of degree `low` now in b0, scaled.
-  BATTEN_INLINE void Differences(int low, double scale, int order, double* to) const {
-    std::copy_n(b0, low + 1, to);
-    for (int pass = 0; pass < order; ++pass) {
-      double last = 0;
-      for (int k = 0; k <= low + pass; ++k) {
-        const double next = to[k];
-        to[k] = last - next;
-        last = next;
-      }
-      to[low + pass + 1] = last;
+    const int end = n / kLanes * kLanes + kLanes;
+    for (int k = 0; k < end; ++k) b0[k] = b1[k] = b2[k] = 0;
+    for (int k = 0; k <= n; ++k) b0[k] = choose0[k] * up[k] * down[n - k];
+    for (int k = 0; k < n; ++k) {
+      const double lower = n * choose1[k] * up[k] * down[n - 1 - k];
+      b1[k] -= lower;
+      b1[k + 1] += lower;
     }
-    for (int k = 0; k <= low + order; ++k) to[k] *= scale;
+    for (int k = 0; k + 1 < n; ++k) {
+      const double lower = n * (n - 1) * choose2[k] * up[k] * down[n - 2 - k];
+      b2[k] += lower;
+      b2[k + 1] -= 2 * lower;
+      b2[k + 2] += lower;
+    }
   }
 };
 
@@ -73,10 +68,29 @@ const std::vector<double>& Binomials(int n) {
   return rows[n];
 }
 
+namespace {
+
+// Rows of binomial coefficients of a degree and the two below it.
+struct Choices {
+  const double *of, *below, *two_below;
+
+  explicit Choices(int n)
+      : of(Binomials(n).data()),
+        below(Binomials(std::max(0, n - 1)).data()),
+        two_below(Binomials(std::max(0, n - 2)).data()) {}
+};
+
 // Rows are summed with the basis of x first; the columns of the sums are then met by that of y.
 BATTEN_CLONES
-PlaneJet EvaluateBernstein(const double* f, int m, int n, double x, double y) {
-  const Basis in_x(m, x), in_y(n, y);
+PlaneJet Evaluate(const double* f,
+                  int m,
+                  int n,
+                  double x,
+                  double y,
+                  const Choices& choose_x,
+                  const Choices& choose_y) {
+  const Basis in_x(m, x, choose_x.of, choose_x.below, choose_x.two_below);
+  const Basis in_y(n, y, choose_y.of, choose_y.below, choose_y.two_below);
   PlaneJet jet{};
   for (int l = 0; l <= n; l += kLanes) {
     Lanes s0{}, s1{}, s2{};
@@ -86,18 +100,21 @@ PlaneJet EvaluateBernstein(const double* f, int m, int n, double x, double y) {
       s1 += in_x.b1[k] * row;
       s2 += in_x.b2[k] * row;
     }
-    const int count = std::min(kLanes, n + 1 - l);
-    for (int lane = 0; lane < count; ++lane) {
-      const double v0 = in_y.b0[l + lane], v1 = in_y.b1[l + lane], v2 = in_y.b2[l + lane];
-      jet.value += s0[lane] * v0;
-      jet.gx += s1[lane] * v0;
-      jet.hxx += s2[lane] * v0;
-      jet.gy += s0[lane] * v1;
-      jet.hxy += s1[lane] * v1;
-      jet.hyy += s0[lane] * v2;
-    }
+    const Lanes v0 = Load(in_y.b0 + l), v1 = Load(in_y.b1 + l), v2 = Load(in_y.b2 + l);
+    jet.value += SumOf(s0 * v0);
+    jet.gx += SumOf(s1 * v0);
+    jet.hxx += SumOf(s2 * v0);
+    jet.gy += SumOf(s0 * v1);
+    jet.hxy += SumOf(s1 * v1);
+    jet.hyy += SumOf(s0 * v2);
   }
   return jet;
+}
+
+}  // namespace
+
+PlaneJet EvaluateBernstein(const double* f, int m, int n, double x, double y) {
+  return Evaluate(f, m, n, x, y, Choices(m), Choices(n));
 }
 
 double LeastCoefficient(const double* f, int count) {
@@ -115,84 +132,65 @@ struct Ranges {
 
 // Eight ranges kept side by side; `put_aside` is infinite in lanes that do not count.
 struct LaneRange {
-  double low[kLanes], high[kLanes];
+  Lanes low, high;
 };
 
-BATTEN_INLINE void Clear(LaneRange& range) {
-  for (int k = 0; k < kLanes; ++k) {
-    range.low[k] = std::numeric_limits<double>::infinity();
-    range.high[k] = -std::numeric_limits<double>::infinity();
-  }
+BATTEN_INLINE LaneRange Empty() {
+  const Lanes far = Lanes{} + std::numeric_limits<double>::infinity();
+  return {far, -far};
 }
 
-BATTEN_INLINE void Extend(LaneRange& range, const double* x, const double* put_aside) {
-  for (int k = 0; k < kLanes; ++k) {
-    const double above = x[k] + put_aside[k], below = x[k] - put_aside[k];
-    range.low[k] = above < range.low[k] ? above : range.low[k];
-    range.high[k] = below > range.high[k] ? below : range.high[k];
-  }
+BATTEN_INLINE void Extend(LaneRange& range, const Lanes& x, const Lanes& put_aside) {
+  const Lanes above = x + put_aside, below = x - put_aside;
+  range.low = above < range.low ? above : range.low;
+  range.high = below > range.high ? below : range.high;
 }
 
 BATTEN_INLINE void Reduce(const LaneRange& range, double* low, double* high) {
-  *low = range.low[0];
-  *high = range.high[0];
-  for (int k = 1; k < kLanes; ++k) {
-    *low = range.low[k] < *low ? range.low[k] : *low;
-    *high = range.high[k] > *high ? range.high[k] : *high;
+  double lows[kLanes], highs[kLanes];
+  for (int k = 0; k < kLanes; ++k) {
+    lows[k] = range.low[k];
+    highs[k] = range.high[k];
   }
+  for (int half = kLanes / 2; half > 0; half /= 2) {
+    for (int k = 0; k < half; ++k) {
+      lows[k] = lows[k + half] < lows[k] ? lows[k + half] : lows[k];
+      highs[k] = highs[k + half] > highs[k] ? highs[k + half] : highs[k];
+    }
+  }
+  *low = lows[0];
+  *high = highs[0];
 }
 
-BATTEN_INLINE void PutAside(int count, double* lanes) {
-  for (int k = 0; k < kLanes; ++k) {
-    lanes[k] = k < count ? 0 : std::numeric_limits<double>::infinity();
-  }
+// Zero in the first `count` lanes, infinite in the others.
+BATTEN_INLINE Lanes PutAside(int count) {
+  constexpr double kOut = std::numeric_limits<double>::infinity();
+  static constexpr double kSteps[2 * kLanes] = {
+      0, 0, 0, 0, 0, 0, 0, 0, kOut, kOut, kOut, kOut, kOut, kOut, kOut, kOut};
+  return Load(kSteps + kLanes - (count < 0 ? 0 : count > kLanes ? kLanes : count));
 }
 
 // One pass over the rows, of which each gives its differences along y and those to the next two
 // rows. Lanes past the end of a row are read and put aside.
 BATTEN_CLONES
 void DifferenceRanges(const double* f, int m, int n, Ranges* ranges) {
-  LaneRange x, y, xx, yy, xy;
-  Clear(x);
-  Clear(y);
-  Clear(xx);
-  Clear(yy);
-  Clear(xy);
+  LaneRange x = Empty(), y = Empty(), xx = Empty(), yy = Empty(), xy = Empty();
   const int w = n + 1;
   for (int l = 0; l <= n; l += kLanes) {
-    double in0[kLanes], in1[kLanes], in2[kLanes];
-    PutAside(n + 1 - l, in0);
-    PutAside(n - l, in1);
-    PutAside(n - 1 - l, in2);
-    double a[kLanes], a1[kLanes], before[kLanes];
-    for (int k = 0; k < kLanes; ++k) {
-      a[k] = f[l + k];
-      a1[k] = f[l + k + 1] - f[l + k];
-      before[k] = 0;
-    }
+    const Lanes in0 = PutAside(n + 1 - l), in1 = PutAside(n - l), in2 = PutAside(n - 1 - l);
+    Lanes a = Load(f + l), a1 = Load(f + l + 1) - a, before{};
     for (int r = 0; r <= m; ++r) {
       const double* row = f + r * w + l;
-      double d2[kLanes];
-      for (int k = 0; k < kLanes; ++k) d2[k] = row[k + 2] - 2 * row[k + 1] + row[k];
       Extend(y, a1, in1);
-      Extend(yy, d2, in2);
+      Extend(yy, Load(row + 2) - Load(row + 1) - a1, in2);
       if (r == m) break;
-      double b[kLanes], b1[kLanes], step[kLanes], twist[kLanes], bend[kLanes];
-      for (int k = 0; k < kLanes; ++k) {
-        b[k] = row[w + k];
-        b1[k] = row[w + k + 1] - row[w + k];
-        step[k] = b[k] - a[k];
-        twist[k] = b1[k] - a1[k];
-        bend[k] = step[k] - before[k];
-      }
+      const Lanes b = Load(row + w), b1 = Load(row + w + 1) - b, step = b - a;
       Extend(x, step, in0);
-      Extend(xy, twist, in1);
-      if (r > 0) Extend(xx, bend, in0);
-      for (int k = 0; k < kLanes; ++k) {
-        before[k] = step[k];
-        a[k] = b[k];
-        a1[k] = b1[k];
-      }
+      Extend(xy, b1 - a1, in1);
+      if (r > 0) Extend(xx, step - before, in0);
+      before = step;
+      a = b;
+      a1 = b1;
     }
   }
   double low_xy, high_xy;

@@ -82,17 +82,39 @@ class Builder {
   std::vector<int> order_;
 };
 
+typedef double Lanes __attribute__((vector_size(64), aligned(8)));
+
+BATTEN_INLINE Lanes Load(const double* from) { return *reinterpret_cast<const Lanes*>(from); }
+BATTEN_INLINE Lanes Greater(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
+
+// Depth first; children wait on a stack of at most seven a level.
 BATTEN_CLONES
-void SquaredDistances(const BoxTree::Node& node, const double* q, double* squared) {
-  for (int k = 0; k < kWide; ++k) squared[k] = 0;
-  for (int d = 0; d < 3; ++d) {
+int Collect(const BoxTree::Node* nodes,
+            const double* q,
+            double limit,
+            BoxTree::Near* found,
+            int room,
+            int* waiting,
+            int* waiting_count) {
+  const Lanes x = Lanes{} + q[0], y = Lanes{} + q[1], z = Lanes{} + q[2], zero{};
+  int count = 0, left = *waiting_count;
+  while (left > 0 && count + kWide <= room) {
+    const BoxTree::Node& node = nodes[waiting[--left]];
+    const Lanes dx = Greater(Greater(Load(node.low[0]) - x, x - Load(node.high[0])), zero);
+    const Lanes dy = Greater(Greater(Load(node.low[1]) - y, y - Load(node.high[1])), zero);
+    const Lanes dz = Greater(Greater(Load(node.low[2]) - z, z - Load(node.high[2])), zero);
+    const Lanes squared = dx * dx + dy * dy + dz * dz;
     for (int k = 0; k < kWide; ++k) {
-      const double below = node.low[d][k] - q[d], above = q[d] - node.high[d][k];
-      const double outside = below > above ? below : above;
-      const double off = outside > 0 ? outside : 0;
-      squared[k] += off * off;
+      if (!(squared[k] <= limit)) continue;
+      if (node.child[k] < 0) {
+        found[count++] = {-1 - node.child[k], squared[k]};
+      } else {
+        waiting[left++] = node.child[k];
+      }
     }
   }
+  *waiting_count = left;
+  return count;
 }
 
 }  // namespace
@@ -101,22 +123,14 @@ BoxTree::BoxTree(const std::vector<Eigen::AlignedBox3d>& boxes) { Builder(boxes,
 
 void BoxTree::Within(const double* q, double squared, std::vector<Near>& found) const {
   if (nodes_.empty()) return;
-  constexpr int kDeepest = 8 * 24;  // eight children a level, of which seven wait
+  constexpr int kDeepest = kWide * 24, kBatch = 64;
   int waiting[kDeepest];
-  int count = 0;
-  waiting[count++] = 0;
-  while (count > 0) {
-    const Node& node = nodes_[waiting[--count]];
-    double distances[kWide];
-    SquaredDistances(node, q, distances);
-    for (int k = 0; k < kWide; ++k) {
-      if (!(distances[k] <= squared)) continue;
-      if (node.child[k] < 0) {
-        found.push_back({-1 - node.child[k], distances[k]});
-      } else {
-        waiting[count++] = node.child[k];
-      }
-    }
+  int left = 1;
+  waiting[0] = 0;
+  Near batch[kBatch];
+  while (left > 0) {
+    const int count = Collect(nodes_.data(), q, squared, batch, kBatch, waiting, &left);
+    found.insert(found.end(), batch, batch + count);
   }
 }
 
