@@ -2,6 +2,8 @@
 // batten convert: geometry to geometry, cloud to cloud.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -75,7 +77,11 @@ int Run(const Arguments& a) {
                    ", whatever unit that declared: say --unit");
     }
     WriteGeometry(geometry, a.out, {out_format, a.unit});
-    entry["kind"] = std::holds_alternative<NurbsSurface>(geometry.front()) ? "surface" : "curve";
+    const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
+      return std::holds_alternative<NurbsSurface>(one);
+    });
+    const bool all = surfaces == static_cast<std::ptrdiff_t>(geometry.size());
+    entry["kind"] = all ? "surface" : surfaces == 0 ? "curve" : "mixed";
     entry["count"] = geometry.size();
   }
   ClearProgress();
@@ -112,6 +118,9 @@ void AddConvertCommand(CLI::App& app, Action& action) {
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(
+      "In STEP curves of the plane stand at z = 0, and periodic shapes are closed ones with "
+      "clamped\n"
+      "knots; JSON keeps both as they are, bit by bit.\n"
       "Examples:\n"
       "  batten convert part.json part.step --unit mm\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"

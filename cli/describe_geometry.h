@@ -16,12 +16,11 @@ template <int Dim>
 std::vector<bool> ClosedDirections(const NurbsCurve<Dim>& curve);
 std::vector<bool> ClosedDirections(const NurbsSurface& surface);
 
-// Measured by quadrature and sampling between the knots; the box is refined to rounding from there.
 struct ShapeMeasures {
   Eigen::AlignedBox3d box;  // plane curves: z = 0
   double size = 0;          // length or area
-  // Extremes of a curve's curvature, of a surface's principal curvatures; min > max where none
-  // exists.
+  // Extremes of a curve's curvature, of a surface's principal curvatures, infinite where they grow
+  // without bound; min > max where there is no curvature.
   double curvature_min = std::numeric_limits<double>::infinity();
   double curvature_max = -std::numeric_limits<double>::infinity();
 };

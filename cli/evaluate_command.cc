@@ -8,9 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/geometry/curvature.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -44,7 +46,7 @@ struct Request {
   // A flag's value is usage, a file's line is input.
   [[noreturn]] void Refuse(const std::string& reason) const {
     if (line > 0) throw ReadError::AtLine(file, line, reason);
-    throw UsageError("--at: " + reason);
+    throw UsageError("evaluate --at: " + reason);
   }
 };
 
@@ -57,35 +59,40 @@ void RequireInside(const Request& request,
                    const SplineBasis& basis,
                    double parameter,
                    const char* name) {
-  if (parameter >= basis.lower() && parameter <= basis.upper()) return;
+  if (basis.periodic() || (parameter >= basis.lower() && parameter <= basis.upper())) return;
   request.Refuse(fmt::format(
       "{} = {} is outside the domain [{}, {}]", name, parameter, basis.lower(), basis.upper()));
 }
 
+// Whether the shape has these parameters; periodic directions take any.
+template <int Dim>
+void Check(const NurbsCurve<Dim>& curve, const Request& request) {
+  RequireCount(request, 1, "a curve has one parameter u");
+  RequireInside(request, curve.basis(), request.at[0], "u");
+}
+void Check(const NurbsSurface& surface, const Request& request) {
+  RequireCount(request, 2, "a surface has two parameters u,v");
+  RequireInside(request, surface.basis_u(), request.at[0], "u");
+  RequireInside(request, surface.basis_v(), request.at[1], "v");
+}
+
 template <int Dim>
 Json Evaluate(const NurbsCurve<Dim>& curve, const Request& request, int order) {
-  RequireCount(request, 1, "a curve has one parameter u");
   const std::vector<double>& at = request.at;
-  RequireInside(request, curve.basis(), at[0], "u");
-  const auto derivatives = curve.Derivatives(at[0], std::max(order, 3));
+  const auto derivatives = curve.Derivatives(at[0], order);
   Json result{{"at", at}, {"point", ToJson(derivatives.col(0))}, {"derivatives", Json::array()}};
   for (int k = 0; k <= order; ++k) result["derivatives"].push_back(ToJson(derivatives.col(k)));
   if (order >= 2) {
-    Eigen::Matrix3d space = Eigen::Matrix3d::Zero();
-    space.topRows<Dim>() = derivatives.template middleCols<3>(1);
-    const auto curvature = CurvatureOf(Eigen::Vector3d(space.col(0)), space.col(1), space.col(2));
     result["curvature"] = nullptr;
-    if (curvature)
-      result["curvature"] = {{"curvature", curvature->curvature}, {"torsion", curvature->torsion}};
+    if (const auto c = CurvatureAt(curve, at[0])) {
+      result["curvature"] = {{"curvature", c->curvature}, {"torsion", c->torsion}};
+    }
   }
   return result;
 }
 
 Json Evaluate(const NurbsSurface& surface, const Request& request, int order) {
-  RequireCount(request, 2, "a surface has two parameters u,v");
   const std::vector<double>& at = request.at;
-  RequireInside(request, surface.basis_u(), at[0], "u");
-  RequireInside(request, surface.basis_v(), at[1], "v");
   const SurfaceDerivatives derivatives = surface.Derivatives(at[0], at[1], order);
   Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}, {"derivatives", Json::array()}};
   for (int k = 0; k <= order; ++k) {
@@ -93,13 +100,11 @@ Json Evaluate(const NurbsSurface& surface, const Request& request, int order) {
     for (int l = 0; k + l <= order; ++l) row.push_back(ToJson(derivatives(k, l)));
     result["derivatives"].push_back(row);
   }
-  const SurfaceJet jet = surface.JetAt(at[0], at[1]);
-  const auto normal = UnitNormal(jet);
+  const auto normal = surface.NormalAt(at[0], at[1]);
   result["normal"] = normal ? ToJson(*normal) : Json(nullptr);
   if (order >= 2) {
-    const auto c = CurvatureOf(jet);
     result["curvature"] = nullptr;
-    if (c) {
+    if (const auto c = CurvatureAt(surface, at[0], at[1])) {
       result["curvature"] = {{"gaussian", c->gaussian},
                              {"mean", c->mean},
                              {"principal", {c->principal_low, c->principal_high}}};
@@ -145,34 +150,83 @@ std::vector<Request> Requests(const Arguments& a) {
   return requests;
 }
 
-void Print(const Json& value, const std::string& indent) {
-  for (const auto& [key, entry] : value.items()) {
-    if (entry.is_object()) {
-      fmt::print("{}{}\n", indent, key);
-      Print(entry, indent + "  ");
+// "C", "C'", …, "C^(4)" for a curve's derivatives.
+std::string CurveLabel(size_t k) {
+  constexpr size_t kPrimes = 3;
+  return k <= kPrimes ? "C" + std::string(k, '\'') : fmt::format("C^({})", k);
+}
+
+// "S", "S_u", "S_uv", … for a surface's.
+std::string SurfaceLabel(size_t k, size_t l) {
+  return k + l == 0 ? "S" : "S_" + std::string(k, 'u') + std::string(l, 'v');
+}
+
+// A name and its numbers in columns.
+void PrintRow(const std::string& name, const Json& value) {
+  std::string row = fmt::format("{:<14}", name);
+  for (const Json& number : value.is_array() ? value : Json::array({value})) {
+    row += fmt::format(" {:<22}", number.is_null() ? "none" : number.dump());
+  }
+  row.erase(row.find_last_not_of(' ') + 1);
+  fmt::print("{}\n", row);
+}
+
+void PrintText(const Json& result) {
+  for (const auto& [key, value] : result.items()) {
+    if (key == "derivatives") {
+      for (size_t k = 0; k < value.size(); ++k) {
+        if (!value[k].at(0).is_array()) {
+          PrintRow("  " + CurveLabel(k), value[k]);
+          continue;
+        }
+        for (size_t l = 0; l < value[k].size(); ++l) {
+          PrintRow("  " + SurfaceLabel(k, l), value[k][l]);
+        }
+      }
+    } else if (value.is_object()) {
+      for (const auto& [name, number] : value.items()) PrintRow("  " + name, number);
     } else {
-      fmt::print("{}{:<12} {}\n", indent, key, entry.dump());
+      PrintRow(key, value);
     }
   }
 }
 
+// A word about which of several geometries refused.
+void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>& requests) {
+  for (size_t g = 0; g < geometry.size(); ++g) {
+    for (const Request& request : requests) {
+      try {
+        std::visit([&](const auto& shape) { Check(shape, request); }, geometry[g]);
+      } catch (const UsageError& error) {
+        if (geometry.size() == 1) throw;
+        throw UsageError(fmt::format("{} (geometry of index {})", error.what(), g));
+      }
+    }
+  }
+}
+
+// Results are printed as they are computed: a million of them take no memory.
 int Run(const Arguments& a) {
   const std::vector<Request> requests = Requests(a);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
-  Json results = Json::array();
+  CheckAll(geometry, requests);
+  const Progress progress = MakeProgress(a.flags.quiet);
+  if (a.flags.json) fmt::print("{{\"results\": [");
+  bool first = true;
   for (size_t g = 0; g < geometry.size(); ++g) {
     for (const Request& request : requests) {
-      Json one = std::visit(
+      Report(progress, "evaluate", static_cast<double>(g) / static_cast<double>(geometry.size()));
+      Json result = std::visit(
           [&](const auto& shape) { return Evaluate(shape, request, a.derivatives); }, geometry[g]);
-      if (geometry.size() > 1) one["index"] = g;
-      results.push_back(std::move(one));
+      if (geometry.size() > 1) result["index"] = g;
+      if (a.flags.json) {
+        fmt::print("{}\n  {}", std::exchange(first, false) ? "" : ",", result.dump());
+      } else if (!a.flags.quiet) {
+        PrintText(result);
+      }
     }
   }
-  if (a.flags.json) {
-    fmt::print("{}\n", Json{{"results", results}}.dump(2));
-  } else if (!a.flags.quiet) {
-    for (const Json& one : results) Print(one, "");
-  }
+  if (a.flags.json) fmt::print("\n]}}\n");
   return kDone;
 }
 
@@ -183,7 +237,9 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   CLI::App& command =
       *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
-  command.add_option("--at", a->at, "Parameters u or u,v; may be given again")->type_name("u[,v]");
+  command.add_option("--at", a->at, "Parameters u or u,v; may be given again")
+      ->type_name("u[,v]")
+      ->allow_extra_args(false);
   command.add_option("--at-file", a->at_file, "Parameters, a row each; - is standard input")
       ->type_name("F.csv");
   constexpr int kMostDerivatives = 50;
@@ -194,7 +250,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
             a->derivatives =
                 static_cast<int>(ParseWhole("--derivatives", text, 0, kMostDerivatives));
           },
-          "Derivatives up to this order; from 2 on curvature too")
+          "Derivatives up to this order; from 2 on curvature and torsion too")
       ->default_str("0")
       ->type_name("K");
   command
@@ -203,8 +259,15 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
       ->type_name("FORMAT");
   AddCommonFlags(command, a->flags);
   command.footer(
-      "Examples:\n  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json\n  batten "
-      "evaluate curve.step --at 0 --at 1");
+      "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"
+      "outside the domain is refused; in a periodic direction it is taken whole periods away.\n"
+      "Normals are S_u x S_v / |...|, at collapsed edges their limit, none where there is no "
+      "limit.\n"
+      "Examples:\n"
+      "  batten evaluate part.json --at 0.5,0.25\n"
+      "  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json     with curvature\n"
+      "  batten evaluate curve.step --at 0 --at 1\n"
+      "  batten evaluate curve.json --at-file parameters.csv --json");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

@@ -19,8 +19,7 @@ namespace {
 std::string command_line;
 
 // Commands of the contract that later versions will have.
-const std::vector<std::string> kLaterCommands = {
-    "project", "edit", "make", "analyze", "section", "tessellate"};
+const std::vector<std::string> kLaterCommands = {"make", "section", "tessellate"};
 const std::vector<std::string> kLaterFits = {"curve", "primitive", "scan"};
 const std::vector<std::string> kLaterFlags = {"--grid",
                                               "--domain",
@@ -161,16 +160,20 @@ void AddCommonFlags(CLI::App& command, CommonFlags& flags) {
   command.add_flag("--json", flags.json, "Make standard output one JSON object");
 }
 
-void AddWorkFlags(CLI::App& command, WorkFlags& flags) {
+void AddThreadsFlag(CLI::App& command, int& threads) {
   constexpr int kMostThreads = 1024;
   command
       .add_option_function<std::string>(
           "--threads",
-          [&flags](const std::string& text) {
-            flags.threads = static_cast<int>(ParseWhole("--threads", text, 1, kMostThreads));
+          [&threads](const std::string& text) {
+            threads = static_cast<int>(ParseWhole("--threads", text, 1, kMostThreads));
           },
           "Threads to use [all cores]")
       ->type_name("N");
+}
+
+void AddWorkFlags(CLI::App& command, WorkFlags& flags) {
+  AddThreadsFlag(command, flags.threads);
   AddSeedFlag(command, flags.seed, "Seed of every random choice");
 }
 
@@ -197,6 +200,7 @@ int RunProgram(int argc, char** argv) {
       "Start with:\n"
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
       "  batten compare part.step scan.ply                 how well it fits, measured again\n"
+      "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten COMMAND --help                             flags, defaults and examples\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
@@ -208,7 +212,10 @@ int RunProgram(int argc, char** argv) {
   AddFitSurfaceCommand(fit, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);
+  AddProjectCommand(app, action);
+  AddEditCommand(app, action);
   AddConvertCommand(app, action);
+  AddAnalyzeCommand(app, action);
   AddInfoCommand(app, action);
   AddSampleCommand(app, action);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {

@@ -27,6 +27,8 @@ struct CommonFlags {
 };
 void AddCommonFlags(CLI::App& command, CommonFlags& flags);
 
+void AddThreadsFlag(CLI::App& command, int& threads);  // 0 stands for all cores
+
 // Flags of the commands that compute for long.
 struct WorkFlags {
   int threads = 0;  // 0: all cores
@@ -40,10 +42,13 @@ using Action = std::function<int()>;
 
 // Each declares its subcommand and sets `action` when that is the one chosen.
 void AddFitSurfaceCommand(CLI::App& fit, Action& action);
+void AddAnalyzeCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);
 void AddConvertCommand(CLI::App& app, Action& action);
+void AddEditCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddInfoCommand(CLI::App& app, Action& action);
+void AddProjectCommand(CLI::App& app, Action& action);
 void AddSampleCommand(CLI::App& app, Action& action);
 
 // The command line as it was typed, for reports.

@@ -2,6 +2,16 @@
 # Headers that serve their own folder only: not installed, and free to name third parties.
 set(BATTEN_INTERNAL_HEADERS
   fitting/joint_cells.h
+  geometry/adaptive_sum.h geometry/bernstein_polynomial.h geometry/box_minimum.h
+  geometry/box_tree.h geometry/checked_parameter.h geometry/composed_blossom.h
+  geometry/conic_fit.h geometry/control_rows.h geometry/evaluation_lanes.h
+  geometry/evaluation_table.h geometry/foot_kernels.h geometry/foot_proof.h geometry/foot_search.h
+  geometry/foot_table.h geometry/gauss_rule.h geometry/homogeneous.h geometry/join_tolerances.h
+  geometry/knot_groups.h geometry/knot_refinement.h geometry/knot_removal.h
+  geometry/limit_series.h geometry/local_points.h geometry/number_text.h geometry/polar_form.h
+  geometry/rational_patch.h geometry/revolved_circle.h geometry/run_time_dispatch.h
+  geometry/sample_tree.h geometry/spline_pieces.h geometry/steady_sections.h
+  geometry/weighted_means.h
   io/binary_column.h io/byte_source.h io/cloud_columns.h io/cloud_filter.h io/json_document.h
   io/occt_convert.h io/occt_session.h io/parameter_rectangle.h io/pcd_reader.h io/ply_reader.h
   io/row_batch.h io/step_model.h io/step_syntax.h io/step_units.h io/text_reader.h io/text_rows.h

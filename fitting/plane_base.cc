@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <queue>
 #include <stdexcept>
 #include <vector>
 
@@ -21,14 +23,21 @@ namespace {
 constexpr double kAxisIsGoodEnough = 0.75;      // of the best direction's cosine
 constexpr double kParallelIsGoodEnough = 1.15;  // of the smallest rectangle's area
 constexpr double kSteepShare = 0.05;            // of the normals may be steeper
+constexpr double kFoldedShare = 0.02;           // of the sheet may look away from its plane
+constexpr double kWall = 0.05;                  // cosine: less than 3° from the vertical
+constexpr double kLiesOpen = 0.3;               // cosine: 73° from it
+constexpr double kWallShare = 0.6;              // of the sheet may be walls
+constexpr double kLayeredShare = 0.1;           // of places in layers are too many
 
 // The cosine that all but a small share of the normals keep with the axis, whatever their sign.
-double Openness(const Eigen::Matrix3Xd& normals, const Eigen::Vector3d& axis) {
+double Openness(const Eigen::Matrix3Xd& normals,
+                const Eigen::Vector3d& axis,
+                double share = kSteepShare) {
   std::vector<double> cosines;
   cosines.reserve(static_cast<size_t>(normals.cols()));
   for (Eigen::Index k = 0; k < normals.cols(); ++k)
     cosines.push_back(std::abs(normals.col(k).dot(axis)));
-  return Quantile(std::move(cosines), kSteepShare);
+  return Quantile(std::move(cosines), share);
 }
 
 // Towards the axis of the smallest cone about the normals: repeated means of those that are
@@ -55,6 +64,85 @@ Eigen::Vector3d ConeAxis(const Eigen::Matrix3Xd& normals, Eigen::Vector3d axis) 
     }
   }
   return best;
+}
+
+// Normals with signs that agree between neighbours, in pieces: no sign passes a crease.
+struct SheetSides {
+  Eigen::Matrix3Xd normals;
+  std::vector<int> piece;
+  int pieces = 0;
+};
+
+// Spreads the sign over each sample's neighbours, first where two normals differ least.
+// [Hoppe et al. 1992, §3.3]
+SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals) {
+  constexpr int kNeighbours = 9;   // with the sample itself
+  constexpr double kCrease = 0.5;  // cosine: 60°
+  const Eigen::Index count = places.cols();
+  const std::vector<int> near = NeighbourIndex(places).Nearest(places, kNeighbours);
+  const auto each = static_cast<Eigen::Index>(near.size()) / count;
+  SheetSides sides{std::move(normals), std::vector<int>(static_cast<size_t>(count), -1), 0};
+  struct Step {
+    double cosine;
+    Eigen::Index from, to;
+    bool operator<(const Step& other) const { return cosine < other.cosine; }
+  };
+  for (Eigen::Index first = 0; first < count; ++first) {
+    if (sides.piece[first] >= 0) continue;
+    std::priority_queue<Step> steps;
+    steps.push({1, first, first});
+    while (!steps.empty()) {
+      const Step step = steps.top();
+      steps.pop();
+      if (sides.piece[step.to] >= 0) continue;
+      sides.piece[step.to] = sides.pieces;
+      if (sides.normals.col(step.from).dot(sides.normals.col(step.to)) < 0) {
+        sides.normals.col(step.to) *= -1;
+      }
+      for (Eigen::Index j = 0; j < each; ++j) {
+        const Eigen::Index next = near[step.to * each + j];
+        const double cosine = std::abs(sides.normals.col(step.to).dot(sides.normals.col(next)));
+        if (sides.piece[next] < 0 && cosine > kCrease) steps.push({cosine, step.to, next});
+      }
+    }
+    ++sides.pieces;
+  }
+  return sides;
+}
+
+// How much of a sheet looks away from an axis, clearly, while the greater part of its piece looks
+// along it: there the sheet goes under itself. Walls parallel to the axis do not.
+struct Folds {
+  double sheet = 0;  // share of the sheet
+  double plan = 0;   // share of what it covers, seen along the axis
+};
+
+Folds FoldsAlong(const SheetSides& sides, const Eigen::Vector3d& axis) {
+  std::vector<Eigen::Vector2d> counts(static_cast<size_t>(sides.pieces), Eigen::Vector2d::Zero());
+  std::vector<Eigen::Vector2d> areas = counts;
+  const Eigen::RowVectorXd cosines = axis.transpose() * sides.normals;
+  for (Eigen::Index k = 0; k < cosines.size(); ++k) {
+    if (std::abs(cosines[k]) <= kWall) continue;
+    const int side = cosines[k] > 0 ? 0 : 1;
+    counts[sides.piece[k]][side] += 1;
+    areas[sides.piece[k]][side] += std::abs(cosines[k]);
+  }
+  Folds folds;
+  for (size_t piece = 0; piece < counts.size(); ++piece) {
+    const int away = counts[piece][0] < counts[piece][1] ? 0 : 1;
+    folds.sheet += counts[piece][away];
+    folds.plan += areas[piece][away];
+  }
+  folds.sheet /= static_cast<double>(cosines.size());
+  folds.plan /= std::max(cosines.cwiseAbs().sum(), 1e-300);
+  return folds;
+}
+
+// Signs go astray where flanks lie closer than the samples: they tell of a fold of a good part of
+// the plan, which would show as layers, and there are none.
+bool IsFolded(const Folds& folds, double overlap, double allowed) {
+  constexpr double kNoLayers = 0.01;
+  return folds.sheet > allowed && (folds.plan <= kLayeredShare || overlap > kNoLayers);
 }
 
 // Andrew's monotone chain, counter-clockwise, without the collinear.
@@ -155,6 +243,95 @@ double OverlapShare(const Eigen::Matrix3Xd& local, double spacing, double steepe
   return places > 0 ? static_cast<double>(layered) / static_cast<double>(places) : 0;
 }
 
+// The directions a sheet with vertical walls may be a height field over: the coordinate axes, the
+// one that most normals keep to, and the principal axes of the points.
+std::vector<Eigen::Vector3d> UprightDirections(const Eigen::Matrix3Xd& normals,
+                                               const Eigen::Matrix3d& principal_axes) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const int d : {2, 1, 0}) directions.push_back(Eigen::Vector3d::Unit(d));
+  const Eigen::Matrix3d scatter = normals * normals.transpose();
+  directions.push_back(
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2));
+  for (int d = 0; d < 3; ++d) directions.push_back(principal_axes.col(d));
+  return directions;
+}
+
+// Among the directions in which the sheet neither folds (but for `allowed_fold`) nor lies in
+// layers, the one in which it is least steep; the first ones, the coordinate axes, are preferred
+// where they serve nearly as well.
+std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
+                                            const std::vector<Eigen::Vector3d>& directions,
+                                            const Eigen::Matrix3Xd& points,
+                                            double spacing,
+                                            double allowed_fold) {
+  constexpr size_t kAxes = 3;
+  constexpr double kSlack = 0.01;         // of overlap
+  constexpr double kEquallySteep = 0.05;  // in cosine
+  struct Candidate {
+    Eigen::Vector3d axis;
+    double openness, overlap;
+    bool preferred;
+  };
+  std::vector<Candidate> candidates;
+  double least_overlap = kLayeredShare;
+  for (size_t k = 0; k < directions.size(); ++k) {
+    // Not edge-on: a good part lies open, as it does in no grazing view but a coordinate axis's.
+    const double open_part = Openness(sides.normals, directions[k], kWallShare);
+    if (open_part < (k < kAxes ? kWall : kLiesOpen)) continue;
+    const double openness = Openness(sides.normals, directions[k]);
+    const double overlap = OverlapShare(FrameOf(directions[k]).transpose() * points,
+                                        spacing,
+                                        std::tan(std::acos(std::min(1.0, openness))));
+    if (IsFolded(FoldsAlong(sides, directions[k]), overlap, allowed_fold)) continue;
+    candidates.push_back({directions[k], openness, overlap, k < kAxes});
+    least_overlap = std::min(least_overlap, overlap);
+  }
+  std::erase_if(candidates, [&](const Candidate& c) { return c.overlap > least_overlap + kSlack; });
+  if (candidates.empty()) return std::nullopt;
+  const auto best = std::max_element(
+      candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+        return a.openness < b.openness;
+      });
+  const double good_enough =
+      std::min(kAxisIsGoodEnough * best->openness, best->openness - kEquallySteep);
+  for (const Candidate& c : candidates) {
+    if (c.preferred && c.openness >= good_enough) return c.axis;
+  }
+  return best->axis;
+}
+
+// The base in one direction: its frame, rectangle and overlap.
+PlaneBase BaseAlong(Eigen::Vector3d axis,
+                    double openness,
+                    const Eigen::Matrix3Xd& points,
+                    double spacing,
+                    double margin) {
+  int largest;
+  axis.cwiseAbs().maxCoeff(&largest);
+  if (axis[largest] < 0) axis = -axis;
+  const Eigen::Vector3d mean = points.rowwise().mean();
+  PlaneBase base;
+  base.axes = FrameOf(axis);
+  base.steepness = std::acos(std::clamp(openness, 0.0, 1.0));
+  const Eigen::Matrix3Xd local = base.axes.transpose() * (points.colwise() - mean);
+  std::vector<Eigen::Vector2d> plan(static_cast<size_t>(local.cols()));
+  for (Eigen::Index k = 0; k < local.cols(); ++k) plan[k] = local.col(k).head<2>();
+  const Rectangle r = SmallestRectangle(ConvexHull(std::move(plan)));
+  if (!(r.area > 0)) {
+    throw std::invalid_argument(
+        "all points lie on a line: a surface needs points in two directions");
+  }
+  const Eigen::Vector3d u = base.axes.col(0) * r.axis[0] + base.axes.col(1) * r.axis[1];
+  base.axes.col(0) = u;
+  base.axes.col(1) = axis.cross(u);
+  base.origin =
+      mean + base.axes.col(0) * (r.low[0] - margin) + base.axes.col(1) * (r.low[1] - margin);
+  base.length_u = r.high[0] - r.low[0] + 2 * margin;
+  base.length_v = r.high[1] - r.low[1] + 2 * margin;
+  base.overlap = OverlapShare(base.ToFrame(points), spacing, std::tan(base.steepness));
+  return base;
+}
+
 }  // namespace
 
 PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
@@ -179,7 +356,9 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
       SampleIndices(points.cols(), options.samples, options.seed);
   Eigen::Matrix3Xd normals =
       EstimateNormals(index, points, points(Eigen::all, samples), points.cols() < 200 ? 12 : 30);
-  if (points.cols() < 12) normals = pca.eigenvectors().col(0);
+  if (points.cols() < 12) {
+    normals = pca.eigenvectors().col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
+  }
 
   Eigen::Vector3d axis = pca.eigenvectors().col(0);
   double openness = -1;
@@ -200,29 +379,18 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
       break;
     }
   }
-  int largest;
-  axis.cwiseAbs().maxCoeff(&largest);
-  if (axis[largest] < 0) axis = -axis;
-
-  PlaneBase base;
-  base.axes = FrameOf(axis);
-  base.steepness = std::acos(std::clamp(openness, 0.0, 1.0));
-  const Eigen::Matrix3Xd local = base.axes.transpose() * centred;
-  std::vector<Eigen::Vector2d> plan(static_cast<size_t>(local.cols()));
-  for (Eigen::Index k = 0; k < local.cols(); ++k) plan[k] = local.col(k).head<2>();
-  const Rectangle r = SmallestRectangle(ConvexHull(std::move(plan)));
-  if (!(r.area > 0)) {
-    throw std::invalid_argument(
-        "all points lie on a line: a surface needs points in two directions");
+  PlaneBase base = BaseAlong(axis, openness, points, spacing, margin);
+  // A cone about normals of either sign may be that of a sheet that folds over the plane. Another
+  // direction must be clearly better, or rough clouds would turn with their noise.
+  const SheetSides sides = AgreeOnSides(points(Eigen::all, samples), normals);
+  const double folded = FoldsAlong(sides, axis).sheet;
+  if (folded > kFoldedShare || base.overlap > kLayeredShare) {
+    const double allowed = folded > 0 ? std::min(kFoldedShare, folded / 2) : kFoldedShare;
+    const auto upright = UprightDirections(normals, pca.eigenvectors());
+    if (const auto unfolded = UnfoldedAxis(sides, upright, centred, spacing, allowed)) {
+      base = BaseAlong(*unfolded, Openness(normals, *unfolded), points, spacing, margin);
+    }
   }
-  const Eigen::Vector3d u = base.axes.col(0) * r.axis[0] + base.axes.col(1) * r.axis[1];
-  base.axes.col(0) = u;
-  base.axes.col(1) = axis.cross(u);
-  base.origin =
-      mean + base.axes.col(0) * (r.low[0] - margin) + base.axes.col(1) * (r.low[1] - margin);
-  base.length_u = r.high[0] - r.low[0] + 2 * margin;
-  base.length_v = r.high[1] - r.low[1] + 2 * margin;
-  base.overlap = OverlapShare(base.ToFrame(points), spacing, std::tan(base.steepness));
   return base;
 }
 

@@ -32,7 +32,11 @@ struct PlaneBaseOptions {
 
 // The direction in which the sheet is least steep: the axis of the smallest cone that holds (all
 // but a few of) its normals; a coordinate axis is preferred where it serves nearly as well, z
-// before y before x, so that terrain stays a height field over the plan. The rectangle is the
+// before y before x, so that terrain stays a height field over the plan. Where the sheet would
+// fold over that plane (2 % of it or more look away from it, as behind a vertical wall seen from
+// aside), the least steep of the upright directions in which it does not: the coordinate axes, the
+// one most normals keep to, the principal axes; if it folds over all of them, the first choice
+// stands and `overlap` tells. The rectangle is the
 // minimum-area one by rotating calipers [Freeman & Shapira 1975], or the axis-parallel one where
 // that is nearly as small, widened by `margin` on every side. Throws std::invalid_argument when the
 // points are fewer than three or lie on a line, saying so.

@@ -1,12 +1,60 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/nurbs_curve.h"
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "batten/geometry/rational_derivatives.h"
 
 namespace batten {
+
+namespace {
+
+constexpr double kLargest = std::numeric_limits<double>::max();
+
+// The control points that act on a span, less one of them (an end of the span's own), and weights.
+template <int Dim>
+struct ActivePoints {
+  using Point = Eigen::Matrix<double, Dim, 1>;
+
+  ActivePoints(const NurbsCurve<Dim>& curve, int span, double u)
+      : count(curve.basis().degree() + 1),
+        points(curve.control_points().col(span - count + 1).data()),
+        weights(curve.rational() ? curve.weights().data() + span - count + 1 : nullptr),
+        origin(Eigen::Map<const Point>(points + (AtUpperHalf(curve, span, u) ? p() * Dim : 0))) {}
+
+  // Which end of the span is nearer: a clamped end is met exactly from its own control point.
+  static bool AtUpperHalf(const NurbsCurve<Dim>& curve, int span, double u) {
+    const double* knots = curve.basis().knots().data() + span;
+    return u - knots[0] > knots[1] - u;
+  }
+
+  int p() const { return count - 1; }
+  Point Offset(int r) const { return Eigen::Map<const Point>(points + r * Dim) - origin; }
+
+  // Σ N_r w_r (P_r − origin, 1); without weights the last component is not meant.
+  Eigen::Matrix<double, Dim + 1, 1> Sum(const double* N) const {
+    Point sum = Point::Zero();
+    double weight = 0;
+    for (int r = 0; r < count; ++r) {
+      const double c = weights ? N[r] * weights[r] : N[r];
+      sum += c * Offset(r);
+      weight += c;
+    }
+    Eigen::Matrix<double, Dim + 1, 1> result;
+    result << sum, weight;
+    return result;
+  }
+
+  int count;
+  const double* points;
+  const double* weights;  // none if all are equal
+  Point origin;
+};
+
+}  // namespace
 
 template <int Dim>
 NurbsCurve<Dim>::NurbsCurve(SplineBasis basis, Points control_points, Eigen::VectorXd weights)
@@ -30,6 +78,10 @@ NurbsCurve<Dim>::NurbsCurve(SplineBasis basis, Points control_points, Eigen::Vec
   if (!weights_.allFinite() || !(weights_.minCoeff() > 0)) {
     throw std::invalid_argument("NurbsCurve: a weight is not positive and finite");
   }
+  const Points range = control_points_.colwise() - control_points_.col(0);
+  if (!(weights_.maxCoeff() * (2 * range.cwiseAbs().maxCoeff()) <= kLargest)) {
+    throw std::invalid_argument("NurbsCurve: control points times weights are too far apart");
+  }
   rational_ = (weights_.array() != weights_[0]).any();
   if (basis_.periodic()) {
     const int p = basis_.degree();
@@ -44,38 +96,49 @@ NurbsCurve<Dim>::NurbsCurve(SplineBasis basis, Points control_points, Eigen::Vec
 template <int Dim>
 typename NurbsCurve<Dim>::Point NurbsCurve<Dim>::At(double u) const {
   u = basis_.Clamp(u);
-  const int p = basis_.degree();
   const int span = basis_.Span(u);
   double N[kMaxDegree + 1];
   basis_.Values(span, u, N);
-  Point sum = Point::Zero();
-  double weight = 0;
-  for (int r = 0; r <= p; ++r) {
-    const double c = N[r] * weights_[span - p + r];
-    sum += c * control_points_.col(span - p + r);
-    weight += c;
-  }
-  return sum / weight;
+  const ActivePoints<Dim> active(*this, span, u);
+  const Eigen::Matrix<double, Dim + 1, 1> sum = active.Sum(N);
+  if (!rational_) return active.origin + sum.template head<Dim>();
+  return active.origin + sum.template head<Dim>() / sum[Dim];
+}
+
+// Leibniz' rule for w·(C − origin), solved for the derivatives of C. [A4.2 for order 3]
+template <int Dim>
+CurveJet<Dim> NurbsCurve<Dim>::JetAt(double u) const {
+  u = basis_.Clamp(u);
+  const int span = basis_.Span(u), p = basis_.degree();
+  double N[4 * (kMaxDegree + 1)];
+  basis_.Derivatives(span, u, 3, N);
+  const ActivePoints<Dim> active(*this, span, u);
+  Eigen::Matrix<double, Dim + 1, 1> a[4];
+  for (int k = 0; k < 4; ++k) a[k] = active.Sum(N + k * (p + 1));
+  const auto lead = [&](int k) -> Point { return a[k].template head<Dim>(); };
+  if (!rational_) return {active.origin + lead(0), lead(1), lead(2), lead(3)};
+  const double w = a[0][Dim], w1 = a[1][Dim], w2 = a[2][Dim], w3 = a[3][Dim];
+  const Point c = lead(0) / w;
+  CurveJet<Dim> jet;
+  jet.point = active.origin + c;
+  jet.first = (lead(1) - w1 * c) / w;
+  jet.second = (lead(2) - 2 * w1 * jet.first - w2 * c) / w;
+  jet.third = (lead(3) - 3 * w1 * jet.second - 3 * w2 * jet.first - w3 * c) / w;
+  return jet;
 }
 
 template <int Dim>
 typename NurbsCurve<Dim>::Points NurbsCurve<Dim>::Derivatives(double u, int order) const {
   if (order < 0) throw std::invalid_argument("NurbsCurve::Derivatives: order is negative");
   u = basis_.Clamp(u);
-  const int p = basis_.degree();
-  const int span = basis_.Span(u);
-  std::vector<double> N((order + 1) * (p + 1));
-  basis_.Derivatives(span, u, order, N.data());
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(Dim + 1, order + 1);
-  for (int k = 0; k <= order; ++k) {
-    for (int r = 0; r <= p; ++r) {
-      const int i = span - p + r;
-      const double c = N[k * (p + 1) + r] * weights_[i];
-      A.col(k).template head<Dim>() += c * control_points_.col(i);
-      A(Dim, k) += c;
-    }
-  }
-  RationalCurveDerivatives(A);
+  const int span = basis_.Span(u), p = basis_.degree(), top = std::min(order, p);
+  double N[(kMaxDegree + 1) * (kMaxDegree + 1)];
+  basis_.Derivatives(span, u, top, N);
+  const ActivePoints<Dim> active(*this, span, u);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(Dim + 1, Eigen::Index{order} + 1);
+  for (int k = 0; k <= top; ++k) A.col(k) = active.Sum(N + k * (p + 1));
+  if (rational_) RationalCurveDerivatives(A);
+  A.col(0).template head<Dim>() += active.origin;
   return A.template topRows<Dim>();
 }
 

@@ -3,13 +3,82 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "batten/geometry/rational_derivatives.h"
 
 namespace batten {
+
+namespace {
+
+// (w·S, w) as plain numbers: Eigen's packets of four would go through memory.
+struct Homogeneous {
+  template <bool kRational>
+  void Add(double c, const Homogeneous& h) {
+    x += c * h.x;
+    y += c * h.y;
+    z += c * h.z;
+    if (kRational) w += c * h.w;
+  }
+  Eigen::Vector3d lead() const { return {x, y, z}; }
+
+  double x = 0, y = 0, z = 0, w = 0;
+};
+
+// The (p+1) × (q+1) control points that act on one cell, less one of them, and the weights.
+class ActiveNet {
+ public:
+  // Parameters that are in the domain already.
+  ActiveNet(const NurbsSurface& surface, double u, double v)
+      : span_u(surface.basis_u().Span(u)),
+        span_v(surface.basis_v().Span(v)),
+        p(surface.basis_u().degree()),
+        q(surface.basis_v().degree()),
+        stride_(surface.size_v()) {
+    const Eigen::Index first = Eigen::Index{span_u - p} * stride_ + span_v - q;
+    points_ = surface.control_points().data() + 3 * first;
+    weights_ = surface.weights().data() + first;
+    // The corner nearest to the parameters: a clamped end is met exactly from its own control
+    // point.
+    const Eigen::Index row = InUpperHalf(surface.basis_u(), span_u, u) ? p : 0;
+    const Eigen::Index column = InUpperHalf(surface.basis_v(), span_v, v) ? q : 0;
+    origin = Eigen::Map<const Eigen::Vector3d>(points_ + 3 * (row * stride_ + column));
+  }
+
+  // Σ_s N_s w_rs (P_rs − origin, 1) of row r, for each of `kOrders` functions N of q+1 values one
+  // after another; without weights the last component is not meant.
+  template <bool kRational, int kOrders>
+  std::array<Homogeneous, kOrders> RowSums(int r, const double* N) const {
+    const double* P = points_ + 3 * r * stride_;
+    const double* weight = weights_ + r * stride_;
+    std::array<Homogeneous, kOrders> sums;
+    for (int s = 0; s <= q; ++s, P += 3) {
+      Homogeneous h{P[0] - origin[0], P[1] - origin[1], P[2] - origin[2], 1};
+      if (kRational) h = {weight[s] * h.x, weight[s] * h.y, weight[s] * h.z, weight[s]};
+      for (int k = 0; k < kOrders; ++k) sums[k].template Add<kRational>(N[k * (q + 1) + s], h);
+    }
+    return sums;
+  }
+
+  int span_u, span_v, p, q;
+  Eigen::Vector3d origin;
+
+ private:
+  static bool InUpperHalf(const SplineBasis& basis, int span, double u) {
+    const double* knots = basis.knots().data() + span;
+    return u - knots[0] > knots[1] - u;
+  }
+
+  Eigen::Index stride_;
+  const double* points_;
+  const double* weights_;
+};
+
+}  // namespace
 
 NurbsSurface::NurbsSurface(SplineBasis basis_u,
                            SplineBasis basis_v,
@@ -36,6 +105,11 @@ NurbsSurface::NurbsSurface(SplineBasis basis_u,
   }
   if (!weights_.allFinite() || !(weights_.minCoeff() > 0)) {
     throw std::invalid_argument("NurbsSurface: a weight is not positive and finite");
+  }
+  const Eigen::Matrix3Xd range = control_points_.colwise() - control_points_.col(0);
+  if (!(weights_.maxCoeff() * (2 * range.cwiseAbs().maxCoeff()) <=
+        std::numeric_limits<double>::max())) {
+    throw std::invalid_argument("NurbsSurface: control points times weights are too far apart");
   }
   rational_ = (weights_.array() != weights_[0]).any();
   CheckPeriods();
@@ -65,65 +139,57 @@ void NurbsSurface::CheckPeriods() const {
 Eigen::Vector3d NurbsSurface::At(double u, double v) const {
   u = basis_u_.Clamp(u);
   v = basis_v_.Clamp(v);
-  const int p = basis_u_.degree(), q = basis_v_.degree();
-  const int su = basis_u_.Span(u), sv = basis_v_.Span(v);
+  const ActiveNet net(*this, u, v);
   double Nu[kMaxDegree + 1], Nv[kMaxDegree + 1];
-  basis_u_.Values(su, u, Nu);
-  basis_v_.Values(sv, v, Nv);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weight = 0;
-  for (int r = 0; r <= p; ++r) {
-    const Eigen::Index row = Eigen::Index{su - p + r} * size_v() + sv - q;
-    Eigen::Vector3d inner = Eigen::Vector3d::Zero();
-    double inner_weight = 0;
-    for (int s = 0; s <= q; ++s) {
-      const double c = Nv[s] * weights_[row + s];
-      inner += c * control_points_.col(row + s);
-      inner_weight += c;
+  basis_u_.Values(net.span_u, u, Nu);
+  basis_v_.Values(net.span_v, v, Nv);
+  const auto sum = [&](auto rational) {
+    Homogeneous total;
+    for (int r = 0; r <= net.p; ++r) {
+      total.Add<rational>(Nu[r], net.RowSums<rational, 1>(r, Nv)[0]);
     }
-    sum += Nu[r] * inner;
-    weight += Nu[r] * inner_weight;
-  }
-  return sum / weight;
+    return total;
+  };
+  if (!rational_) return net.origin + sum(std::false_type()).lead();
+  const Homogeneous total = sum(std::true_type());
+  return net.origin + total.lead() / total.w;
 }
 
 // Sums over v first, for the three v-orders at once, then over u. [A3.6 and A4.4 for order 2]
 SurfaceJet NurbsSurface::JetAt(double u, double v) const {
   u = basis_u_.Clamp(u);
   v = basis_v_.Clamp(v);
-  const int p = basis_u_.degree(), q = basis_v_.degree();
-  const int su = basis_u_.Span(u), sv = basis_v_.Span(v);
+  const ActiveNet net(*this, u, v);
+  const int p = net.p;
   double Nu[3 * (kMaxDegree + 1)], Nv[3 * (kMaxDegree + 1)];
-  basis_u_.Derivatives(su, u, 2, Nu);
-  basis_v_.Derivatives(sv, v, 2, Nv);
-  Eigen::Vector4d a00, a10, a01, a20, a11, a02;
-  a00 = a10 = a01 = a20 = a11 = a02 = Eigen::Vector4d::Zero();
-  for (int r = 0; r <= p; ++r) {
-    const Eigen::Index row = Eigen::Index{su - p + r} * size_v() + sv - q;
-    Eigen::Vector4d b0 = Eigen::Vector4d::Zero(), b1 = b0, b2 = b0;
-    for (int s = 0; s <= q; ++s) {
-      const double w = weights_[row + s];
-      Eigen::Vector4d h;
-      h << w * control_points_.col(row + s), w;
-      b0 += Nv[s] * h;
-      b1 += Nv[q + 1 + s] * h;
-      b2 += Nv[2 * (q + 1) + s] * h;
+  basis_u_.Derivatives(net.span_u, u, 2, Nu);
+  basis_v_.Derivatives(net.span_v, v, 2, Nv);
+  Homogeneous a00, a10, a01, a20, a11, a02;
+  const auto sum_rows = [&](auto rational) {
+    for (int r = 0; r <= p; ++r) {
+      const auto b = net.RowSums<rational, 3>(r, Nv);
+      a00.Add<rational>(Nu[r], b[0]);
+      a01.Add<rational>(Nu[r], b[1]);
+      a02.Add<rational>(Nu[r], b[2]);
+      a10.Add<rational>(Nu[p + 1 + r], b[0]);
+      a11.Add<rational>(Nu[p + 1 + r], b[1]);
+      a20.Add<rational>(Nu[2 * (p + 1) + r], b[0]);
     }
-    a00 += Nu[r] * b0;
-    a01 += Nu[r] * b1;
-    a02 += Nu[r] * b2;
-    a10 += Nu[p + 1 + r] * b0;
-    a11 += Nu[p + 1 + r] * b1;
-    a20 += Nu[2 * (p + 1) + r] * b0;
+  };
+  if (!rational_) {
+    sum_rows(std::false_type());
+    return {net.origin + a00.lead(), a10.lead(), a01.lead(), a20.lead(), a11.lead(), a02.lead()};
   }
+  sum_rows(std::true_type());
   SurfaceJet jet;
-  const double w = a00[3];
-  jet.point = a00.head<3>() / w;
-  jet.du = (a10.head<3>() - a10[3] * jet.point) / w;
-  jet.dv = (a01.head<3>() - a01[3] * jet.point) / w;
-  jet.duu = (a20.head<3>() - 2 * a10[3] * jet.du - a20[3] * jet.point) / w;
-  jet.dvv = (a02.head<3>() - 2 * a01[3] * jet.dv - a02[3] * jet.point) / w;
-  jet.duv = (a11.head<3>() - a10[3] * jet.dv - a01[3] * jet.du - a11[3] * jet.point) / w;
+  const double w = a00.w;
+  const Eigen::Vector3d c = a00.lead() / w;
+  jet.point = net.origin + c;
+  jet.du = (a10.lead() - a10.w * c) / w;
+  jet.dv = (a01.lead() - a01.w * c) / w;
+  jet.duu = (a20.lead() - 2 * a10.w * jet.du - a20.w * c) / w;
+  jet.dvv = (a02.lead() - 2 * a01.w * jet.dv - a02.w * c) / w;
+  jet.duv = (a11.lead() - a10.w * jet.dv - a01.w * jet.du - a11.w * c) / w;
   return jet;
 }
 
@@ -131,26 +197,25 @@ SurfaceDerivatives NurbsSurface::Derivatives(double u, double v, int order) cons
   if (order < 0) throw std::invalid_argument("NurbsSurface::Derivatives: order is negative");
   u = basis_u_.Clamp(u);
   v = basis_v_.Clamp(v);
-  const int p = basis_u_.degree(), q = basis_v_.degree();
-  const int su = basis_u_.Span(u), sv = basis_v_.Span(v);
-  std::vector<double> Nu((order + 1) * (p + 1)), Nv((order + 1) * (q + 1));
-  basis_u_.Derivatives(su, u, order, Nu.data());
-  basis_v_.Derivatives(sv, v, order, Nv.data());
-  const int stride = order + 1;
+  const ActiveNet net(*this, u, v);
+  const int p = net.p, q = net.q, top_u = std::min(order, p), top_v = std::min(order, q);
+  double Nu[(kMaxDegree + 1) * (kMaxDegree + 1)], Nv[(kMaxDegree + 1) * (kMaxDegree + 1)];
+  basis_u_.Derivatives(net.span_u, u, top_u, Nu);
+  basis_v_.Derivatives(net.span_v, v, top_v, Nv);
+  const Eigen::Index stride = Eigen::Index{order} + 1;
   Eigen::Matrix4Xd A = Eigen::Matrix4Xd::Zero(4, stride * stride);
   for (int r = 0; r <= p; ++r) {
-    const Eigen::Index row = Eigen::Index{su - p + r} * size_v() + sv - q;
-    for (int l = 0; l <= order; ++l) {
-      Eigen::Vector4d inner = Eigen::Vector4d::Zero();
-      for (int s = 0; s <= q; ++s) {
-        const double c = Nv[l * (q + 1) + s] * weights_[row + s];
-        inner.head<3>() += c * control_points_.col(row + s);
-        inner[3] += c;
+    for (int l = 0; l <= top_v; ++l) {
+      const double* N = Nv + l * (q + 1);
+      const Homogeneous sum =
+          rational_ ? net.RowSums<true, 1>(r, N)[0] : net.RowSums<false, 1>(r, N)[0];
+      for (int k = 0; k <= top_u && k + l <= order; ++k) {
+        A.col(k * stride + l) += Nu[k * (p + 1) + r] * Eigen::Vector4d(sum.x, sum.y, sum.z, sum.w);
       }
-      for (int k = 0; k + l <= order; ++k) A.col(k * stride + l) += Nu[k * (p + 1) + r] * inner;
     }
   }
-  RationalSurfaceDerivatives(order, A);
+  if (rational_) RationalSurfaceDerivatives(order, A);
+  A.col(0).head<3>() += net.origin;
   return SurfaceDerivatives(order, std::move(A));
 }
 
@@ -164,10 +229,6 @@ std::optional<Eigen::Vector3d> UnitNormal(const SurfaceJet& jet) {
     return std::nullopt;
   }
   return Eigen::Vector3d(n / length);
-}
-
-std::optional<Eigen::Vector3d> NurbsSurface::NormalAt(double u, double v) const {
-  return UnitNormal(JetAt(u, v));
 }
 
 NurbsSurface NurbsSurface::Translated(const Eigen::Vector3d& shift) const {

@@ -33,12 +33,23 @@ class SurfaceDerivatives {
 
 // S(u,v) = Σ N_i(u) N_j(v) w_ij P_ij / Σ N_i(u) N_j(v) w_ij on the product of the bases' domains.
 // A value: editing returns a new one. Parameters outside the domain are taken at its nearest edge
-// or, in a periodic direction, whole periods away (SplineBasis::Clamp). [Piegl & Tiller 1997, §4.4]
+// or, in a periodic direction, whole periods away; NaN, and ±∞ in a periodic direction, throw
+// std::invalid_argument (SplineBasis::Clamp). Corners of a clamped net are met exactly, and over a
+// collapsed edge the derivatives along it are exactly zero. [Piegl & Tiller 1997, §4.4]
+//
+// Rounding, per coordinate; ε = 2^-52, p and q the degrees, g × h the size of the cell between
+// knots, D the range of the coordinate over the cell's (p+1)(q+1) control points. Sums run over
+// control points less one of them, so what counts is D and not the distance from the origin:
+//  · a point is right to (7p + 7q + 4)·ε·D + ε·|S|, whatever the weights;
+//  · ∂^(k+l)S/∂u^k∂v^l without weights to (4p + 4q + 2)·ε·D·p!/(p−k)!·(2/g)^k·q!/(q−l)!·(2/h)^l;
+//  · with weights to (k+l+1)(7p + 7q + k + l + 6)·ε·B_kl, where B_kl is what Leibniz' rule gives
+//    with the absolute value of every term added: large where weights differ much.
 class NurbsSurface {
  public:
   // Control point (i,j) is column i·size_v + j (v runs fastest), Euclidean, in the data's units; no
   // weights means all ones. Throws std::invalid_argument unless sizes agree, everything is finite,
-  // weights are positive and, in a periodic direction of degree p, the last p rows are the first p.
+  // also weights times differences of coordinates, weights are positive and, in a periodic
+  // direction of degree p, the last p rows are the first p.
   NurbsSurface(SplineBasis basis_u,
                SplineBasis basis_v,
                Eigen::Matrix3Xd control_points,
@@ -57,13 +68,16 @@ class NurbsSurface {
 
   Eigen::Vector3d At(double u, double v) const;
 
-  // Point, first and second derivatives, without allocating. Right-continuous at knots.
+  // Point, first and second derivatives, without allocating. Right-continuous at knots, left at the
+  // upper ends.
   SurfaceJet JetAt(double u, double v) const;
 
   // Every partial derivative up to the total order. [A3.6, A4.4]
   SurfaceDerivatives Derivatives(double u, double v, int order) const;
 
-  // The unit normal S_u × S_v / |…|; none where the two are parallel or vanish.
+  // The unit normal S_u × S_v / |…|. Where the two are parallel or vanish the limit from inside the
+  // piece, which normal_limits.h defines (and normal_limits.cc this function): one at a pole, one
+  // for each ruling at a cone's tip, none on a fold or where it depends on the direction.
   std::optional<Eigen::Vector3d> NormalAt(double u, double v) const;
 
   // The surface moved by `shift`.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <memory>
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/geometry_json.h"
@@ -51,6 +52,10 @@ std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOp
   return {};
 }
 
+void CheckGeometryFormat(const std::string& path, const std::string& format) {
+  FormatOf(path, format);
+}
+
 void WriteGeometry(const std::vector<Geometry>& geometry,
                    const std::string& path,
                    const GeometryWriteOptions& options) {
@@ -65,6 +70,25 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
     case Format::kStep:
       return WriteStep(geometry, path, options.unit);
   }
+}
+
+void WriteGeometryFiles(const std::vector<GeometryFile>& files,
+                        const GeometryWriteOptions& options) {
+  if (files.size() == 1) return WriteGeometry(files[0].geometry, files[0].path, options);
+  // Each is written whole under its temporary name; what is left for the end are renames.
+  std::vector<std::unique_ptr<AtomicFile>> targets;
+  for (const GeometryFile& file : files) {
+    const AtomicFile& target = *targets.emplace_back(std::make_unique<AtomicFile>(file.path));
+    const std::string& temporary = target.temporary_path();
+    if (temporary.empty()) throw WriteError(file.path, "is not a file that can be replaced");
+    try {
+      WriteGeometry(file.geometry, temporary, options);
+    } catch (const WriteError& error) {
+      const std::string what = error.what(), prefix = temporary + ": ";
+      throw WriteError(file.path, what.substr(what.find(prefix) == 0 ? prefix.size() : 0));
+    }
+  }
+  for (const auto& target : targets) target->Commit();
 }
 
 }  // namespace batten

@@ -29,10 +29,22 @@ struct GeometryWriteOptions {
   std::string unit = "mm";  // of the coordinates: declared in STEP, which never scales them
 };
 
+// Refuses a path no geometry can be written to for its format. Throws UsageError.
+void CheckGeometryFormat(const std::string& path, const std::string& format = "");
+
 // Writes the file whole or not at all. The path "-" is standard output and needs a format. Throws
 // WriteError, UsageError, or std::invalid_argument without geometry.
 void WriteGeometry(const std::vector<Geometry>& geometry,
                    const std::string& path,
                    const GeometryWriteOptions& options = {});
+
+struct GeometryFile {
+  std::string path;
+  std::vector<Geometry> geometry;
+};
+
+// Writes every file, or none: nothing appears before all are written. Throws as WriteGeometry.
+void WriteGeometryFiles(const std::vector<GeometryFile>& files,
+                        const GeometryWriteOptions& options = {});
 
 }  // namespace batten

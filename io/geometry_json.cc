@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -96,9 +98,12 @@ class Field {
   const std::string* path_;
 };
 
-// The basis of one direction; `suffix` is "", "_u" or "_v". Its size is `size` where the form gives
-// it, else what the knots say.
-SplineBasis ReadBasis(const Field& entry, const std::string& suffix, int size) {
+// The basis of `size` functions of one direction; `suffix` is "", "_u" or "_v", `periodic` the flag
+// that says so.
+SplineBasis ReadBasis(const Field& entry,
+                      const std::string& suffix,
+                      int size,
+                      const std::optional<Field>& periodic) {
   const int degree = entry.Member("degree" + suffix).Integer(1, kMaxDegree);
   const Field field = entry.Member("knotvector" + suffix);
   const std::vector<double>& knots = field.Numbers();
@@ -116,7 +121,13 @@ SplineBasis ReadBasis(const Field& entry, const std::string& suffix, int size) {
     }
   }
   try {
-    return SplineBasis(degree, knots);
+    SplineBasis basis(degree, knots);
+    if (!periodic) return basis;
+    if (basis.clamped()) {
+      periodic->Fail("is true, but knotvector" + suffix +
+                     " is clamped; the knots of a periodic direction go on past its ends");
+    }
+    return SplineBasis::Periodic(degree, knots);
   } catch (const std::invalid_argument& error) {
     field.Fail(error.what());
   }
@@ -165,22 +176,64 @@ Eigen::VectorXd ReadWeights(const Field& control_points, Eigen::Index count) {
   return Eigen::Map<const Eigen::VectorXd>(weights.data(), count);
 }
 
-// Unclamped knots describe a periodic direction completely; clamped ones would contradict the flag.
-void CheckPeriodic(const Field& entry, const std::vector<const SplineBasis*>& bases) {
-  if (!entry.Has("periodic")) return;
+// For each of `count` directions, the flag that says it is periodic; none where it is not.
+std::vector<std::optional<Field>> ReadPeriodic(const Field& entry, size_t count) {
+  std::vector<std::optional<Field>> flags(count);
+  if (!entry.Has("periodic")) return flags;
   const Field field = entry.Member("periodic");
   const JsonValue& value = field.value();
-  const bool single = value.kind == Kind::kBoolean && bases.size() == 1;
-  if (!single && (value.kind != Kind::kList || value.items.size() != bases.size())) {
-    field.Fail("must be a list of " + std::to_string(bases.size()) + " times true or false");
+  const bool single = value.kind == Kind::kBoolean && count == 1;
+  if (!single && (value.kind != Kind::kList || value.items.size() != count)) {
+    field.Fail("must be a list of " + std::to_string(count) + " times true or false");
   }
-  for (size_t i = 0; i < bases.size(); ++i) {
+  for (size_t i = 0; i < count; ++i) {
     const Field flag = single ? field : field.Item(i);
     flag.Expect(Kind::kBoolean);
-    const bool clamped = bases[i]->knots().front() == bases[i]->lower() &&
-                         bases[i]->knots().back() == bases[i]->upper();
-    if (flag.value().boolean && clamped) {
-      flag.Fail("periodic shapes with clamped knots are not in this version");
+    if (flag.value().boolean) flags[i] = flag;
+  }
+  return flags;
+}
+
+// After how many control points a direction begins again.
+int Round(const SplineBasis& basis) {
+  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
+}
+
+// Makes the control points of a net of rows × columns repeat exactly after `round_rows` and
+// `round_columns` of them. What rounding to decimals explains is forgiven, 1e-12 of the size and a
+// few units in the last place; more is refused.
+template <typename Points>
+void CloseNet(const Field& control_points,
+              std::pair<int, int> rows_round,
+              std::pair<int, int> columns_round,
+              Points& points,
+              Eigen::VectorXd& weights) {
+  const auto [rows, round_rows] = rows_round;
+  const auto [columns, round_columns] = columns_round;
+  if (rows == round_rows && columns == round_columns) return;
+  constexpr double kForgiven = 1e-12, kRounding = 4 * std::numeric_limits<double>::epsilon();
+  const double allowed =
+      kForgiven * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm() +
+      kRounding * points.cwiseAbs().maxCoeff();
+  const auto fail = [&](const char* name, const char* what, Eigen::Index to, Eigen::Index from) {
+    control_points.Member(name).Fail(std::string(what) + ' ' + std::to_string(to) + " must be " +
+                                     what + ' ' + std::to_string(from) +
+                                     " again, for the shape is said to be periodic");
+  };
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) {
+      const Eigen::Index to = Eigen::Index{i} * columns + j;
+      const Eigen::Index from = Eigen::Index{i % round_rows} * columns + j % round_columns;
+      if (to == from) continue;
+      if (!((points.col(to) - points.col(from)).cwiseAbs().maxCoeff() <= allowed)) {
+        fail("points", "point", to, from);
+      }
+      if (points.col(to) != points.col(from)) points.col(to) = points.col(from).eval();
+      if (weights.size() == 0) continue;
+      if (!(std::abs(weights[to] - weights[from]) <= kForgiven * weights[from])) {
+        fail("weights", "weight", to, from);
+      }
+      weights[to] = weights[from];
     }
   }
 }
@@ -202,11 +255,12 @@ NurbsSurface ReadSurface(const Field& entry) {
   const int size_u = entry.Member("size_u").Integer(2, 1'000'000'000);
   const int size_v = entry.Member("size_v").Integer(2, 1'000'000'000);
   const Field control_points = entry.Member("control_points");
-  SplineBasis basis_u = ReadBasis(entry, "_u", size_u);
-  SplineBasis basis_v = ReadBasis(entry, "_v", size_v);
-  CheckPeriodic(entry, {&basis_u, &basis_v});
+  const auto periodic = ReadPeriodic(entry, 2);
+  SplineBasis basis_u = ReadBasis(entry, "_u", size_u, periodic[0]);
+  SplineBasis basis_v = ReadBasis(entry, "_v", size_v, periodic[1]);
   Eigen::Matrix3Xd points = ReadPoints<3>(control_points, std::int64_t{size_u} * size_v);
   Eigen::VectorXd weights = ReadWeights(control_points, points.cols());
+  CloseNet(control_points, {size_u, Round(basis_u)}, {size_v, Round(basis_v)}, points, weights);
   return NurbsSurface(
       std::move(basis_u), std::move(basis_v), std::move(points), std::move(weights));
 }
@@ -219,9 +273,9 @@ NurbsCurve<Dim> ReadCurve(const Field& entry) {
   if (entry.Has("size") && entry.Member("size").Integer(0, 1'000'000'000) != size) {
     entry.Member("size").Fail("is not the number of control points, " + std::to_string(size));
   }
-  SplineBasis basis = ReadBasis(entry, "", size);
-  CheckPeriodic(entry, {&basis});
+  SplineBasis basis = ReadBasis(entry, "", size, ReadPeriodic(entry, 1)[0]);
   Eigen::VectorXd weights = ReadWeights(control_points, points.cols());
+  CloseNet(control_points, {size, Round(basis)}, {1, 1}, points, weights);
   return NurbsCurve<Dim>(std::move(basis), std::move(points), std::move(weights));
 }
 
@@ -261,11 +315,21 @@ void AppendList(std::string& text, const Numbers& numbers) {
   text += ']';
 }
 
-// What curves and surfaces have in common: type, rational, dimension.
-void AppendHead(std::string& text, bool rational, int dimension) {
+// What curves and surfaces have in common: type, rational, dimension, and which directions are
+// periodic where one is.
+void AppendHead(std::string& text,
+                bool rational,
+                int dimension,
+                const std::vector<bool>& periodic) {
   text += R"({"type": "spline", "rational": )";
   text += rational ? "true" : "false";
   text += R"(, "dimension": )" + std::to_string(dimension);
+  if (std::find(periodic.begin(), periodic.end(), true) == periodic.end()) return;
+  text += R"(, "periodic": [)";
+  for (size_t i = 0; i < periodic.size(); ++i) {
+    text += std::string(i > 0 ? ", " : "") + (periodic[i] ? "true" : "false");
+  }
+  text += ']';
 }
 
 void AppendBasis(std::string& text, const SplineBasis& basis, const std::string& suffix) {
@@ -288,13 +352,14 @@ void AppendControlPoints(std::string& text, const Points& points, const Eigen::V
 
 template <int Dim>
 void AppendEntry(std::string& text, const NurbsCurve<Dim>& curve) {
-  AppendHead(text, curve.rational(), Dim);
+  AppendHead(text, curve.rational(), Dim, {curve.basis().periodic()});
   AppendBasis(text, curve.basis(), "");
   AppendControlPoints(text, curve.control_points(), curve.weights());
 }
 
 void AppendEntry(std::string& text, const NurbsSurface& surface) {
-  AppendHead(text, surface.rational(), 3);
+  AppendHead(
+      text, surface.rational(), 3, {surface.basis_u().periodic(), surface.basis_v().periodic()});
   AppendBasis(text, surface.basis_u(), "_u");
   AppendBasis(text, surface.basis_v(), "_v");
   text += ",\n  \"size_u\": " + std::to_string(surface.size_u());

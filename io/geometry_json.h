@@ -13,13 +13,16 @@ namespace batten {
 // The exchange form of NURBS-Python (geomdl): {"shape": {"type", "count", "data": [entry, …]}}. An
 // entry with `degree` is a curve (dimension 2 or 3), one with `degree_u` a surface; points are
 // Euclidean, a surface's v index runs fastest, missing weights are ones, names not of the form are
-// ignored. Throws ReadError naming `path` and the field, as in `shape.data[0].knotvector_u`, or the
-// line. Trimmed and periodic shapes are refused, and coordinates above 1e150 in magnitude.
+// ignored. A direction that `periodic` says to be so has knots and control points that repeat (see
+// SplineBasis::Periodic); points and weights that do so up to the rounding of decimals, 1e-12 of
+// the size, are made to repeat exactly. Throws ReadError naming `path` and the field, as in
+// `shape.data[0].knotvector_u`, or the line. Trimmed surfaces are refused, and coordinates above
+// 1e150 in magnitude.
 std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path);
 
-// The same form; numbers in the shortest decimal form that reads back bit by bit. The shape's type
-// is "mixed" when curves and surfaces stand together. Throws std::invalid_argument without
-// geometry.
+// The same form; numbers in the shortest decimal form that reads back bit by bit, `periodic` only
+// where a direction is. The shape's type is "mixed" when curves and surfaces stand together, which
+// NURBS-Python does not read. Throws std::invalid_argument without geometry.
 std::string ToGeometryJson(const std::vector<Geometry>& geometry);
 
 }  // namespace batten

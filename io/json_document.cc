@@ -68,12 +68,19 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
                    const nlohmann::detail::exception& error) override {
     const size_t end = std::min(position, text_.size());
     const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<long>(end), '\n');
+    const std::string place = open_.empty() ? "" : " (in " + Place() + ")";
     if (dynamic_cast<const nlohmann::detail::out_of_range*>(&error)) {
-      throw ReadError::AtLine(path_, line, token + " is out of the range of a double");
+      throw ReadError::AtLine(path_, line, token + " is out of the range of a double" + place);
     }
-    const std::string near = position >= text_.size() ? "the text ends too early"
-                                                      : "not JSON at '" + Printable(token) + "'";
-    throw ReadError::AtLine(path_, line, near);
+    if (position >= text_.size()) {
+      throw ReadError::AtLine(path_, line, "the text ends too early" + place);
+    }
+    const std::string word = NotANumber(end);
+    throw ReadError::AtLine(path_,
+                            line,
+                            (word.empty() ? "not JSON at '" + Printable(token) + "'"
+                                          : word + " is not a finite number") +
+                                place);
   }
 
  private:
@@ -81,6 +88,19 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool skipping() const { return skipped_levels_ > 0; }
 
   [[noreturn]] void Fail(const std::string& reason) const { throw ReadError(path_, reason); }
+
+  // NaN or Infinity, which some programs write though JSON has no word for them, where the parser
+  // stopped inside it; else empty.
+  std::string NotANumber(size_t stop) const {
+    constexpr std::string_view kLetters = "-NaInfity";
+    size_t begin = stop;
+    while (begin > 0 && kLetters.find(text_[begin - 1]) != std::string_view::npos) --begin;
+    const size_t end = std::min(text_.find_first_not_of(kLetters, begin), text_.size());
+    const std::string_view word = text_.substr(begin, end - begin);
+    const bool is_one =
+        word == "NaN" || word == "-NaN" || word == "Infinity" || word == "-Infinity";
+    return std::string(is_one ? word : "");
+  }
 
   // The end of what the parser had read, safe for a terminal.
   static std::string Printable(const std::string& token) {

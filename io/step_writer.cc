@@ -31,6 +31,7 @@
 #include <string_view>
 #include <variant>
 
+#include "batten/geometry/clamp.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/occt_convert.h"
 #include "batten/io/occt_session.h"
@@ -86,6 +87,18 @@ double SizeOf(const Geometry& geometry) {
         return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
       },
       geometry);
+}
+
+// The same shape with clamped knots where it is periodic: closed, its ends coincide.
+template <int Dim>
+Geometry Closed(const NurbsCurve<Dim>& curve) {
+  return curve.basis().periodic() ? Clamped(curve) : curve;
+}
+Geometry Closed(const NurbsSurface& surface) {
+  NurbsSurface closed = surface;
+  if (surface.basis_u().periodic()) closed = Clamped(closed, Direction::kU);
+  if (surface.basis_v().periodic()) closed = Clamped(closed, Direction::kV);
+  return closed;
 }
 
 // The shape with the smallest tolerance, by powers of ten from OpenCASCADE's own 1e-7 to a
@@ -192,7 +205,8 @@ std::string ToStep(const std::vector<Geometry>& geometry, const char* unit) {
   Interface_Static::SetCVal("write.step.product.name", "batten");
   STEPControl_Writer writer;
   for (const Geometry& one : geometry) {
-    if (writer.Transfer(ValidShape(one), STEPControl_AsIs) != IFSelect_RetDone) {
+    const Geometry closed = std::visit([](const auto& shape) { return Closed(shape); }, one);
+    if (writer.Transfer(ValidShape(closed), STEPControl_AsIs) != IFSelect_RetDone) {
       throw Standard_Failure("OpenCASCADE does not translate the shape to STEP");
     }
   }

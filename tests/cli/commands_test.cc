@@ -44,6 +44,35 @@ TEST_F(CommandsTest, JsonToStepToJsonIsTheSameGeometry) {
   EXPECT_EQ(folder_.Text("b.step"), folder_.Text("a.step"));
 }
 
+TEST_F(CommandsTest, PlaneAndPeriodicCurvesBecomeStepAsHelpSays) {
+  Run({"convert", parabola_, folder_.File("flat.step")});
+  Run({"convert", folder_.File("flat.step"), folder_.File("flat.json")});
+  const Json flat = Entry(folder_.Text("flat.json"));
+  EXPECT_EQ(flat["dimension"], 3);
+  EXPECT_EQ(flat["control_points"]["points"][1], Json({1.0, 2.0, 0.0}));
+
+  const std::string round = folder_.With(
+      "round.json",
+      R"({"shape": {"type": "curve", "count": 1, "data": [{"type": "spline", "dimension": 3, "degree": 2,
+      "periodic": [true], "knotvector": [-2, -1, 0, 1, 2, 3, 4, 5, 6], "control_points":
+      {"points": [[0, 0, 1], [1, 0, 2], [1, 1, 1], [0, 1, 2], [0, 0, 1], [1, 0, 2]]}}]}})");
+  Run({"convert", round, folder_.File("first.json")});
+  EXPECT_EQ(Entry(folder_.Text("first.json"))["periodic"], Json({true}));
+  Run({"convert", folder_.File("first.json"), folder_.File("second.json")});
+  EXPECT_EQ(folder_.Text("second.json"), folder_.Text("first.json"));
+  Run({"convert", round, folder_.File("round.step")});
+  Run({"convert", folder_.File("round.step"), folder_.File("closed.json")});
+  const Json closed = Entry(folder_.Text("closed.json"));
+  EXPECT_FALSE(closed.contains("periodic"));
+  const Json& points = closed["control_points"]["points"];
+  EXPECT_EQ(points.front(), points.back());
+  EXPECT_LT(
+      Difference(
+          RunJson({"evaluate", round, "--at", "0.7"})["results"][0]["point"],
+          RunJson({"evaluate", folder_.File("closed.json"), "--at", "0.7"})["results"][0]["point"]),
+      1e-12);
+}
+
 TEST_F(CommandsTest, UnitOfTheDataIsDeclaredButChangesNoNumber) {
   Run({"convert", patch_, folder_.File("mm.step"), "--unit", "mm"});
   Run({"convert", patch_, folder_.File("inch.step"), "--unit", "inch"});
@@ -233,6 +262,8 @@ TEST_F(CommandsTest, EveryCommandIsSilentWhenQuietAndOneObjectWhenJson) {
        std::vector<std::vector<std::string>>{{"fit", "surface", cloud_, "-o", out},
                                              {"compare", patch_, cloud_},
                                              {"evaluate", patch_, "--at", "0,0"},
+                                             {"project", patch_, cloud_},
+                                             {"edit", patch_, "-o", out, "reverse:dir=u"},
                                              {"convert", patch_, out},
                                              {"convert", cloud_, points},
                                              {"info", cloud_},

@@ -35,12 +35,14 @@ class UsageTest : public ::testing::Test {
 };
 
 TEST_F(UsageTest, NoArgumentsShowTheUsage) {
-  ExpectUsageError({}, {"usage", "fit", "compare", "evaluate", "convert", "info", "sample"});
+  ExpectUsageError(
+      {}, {"usage", "fit", "compare", "evaluate", "project", "edit", "convert", "info", "sample"});
   ExpectUsageError({"fit"}, {"usage", "surface"});
 }
 
 TEST_F(UsageTest, UnknownNamesAreAnsweredWithTheNearest) {
   ExpectUsageError({"comapre"}, {"'batten comapre'", "'compare'"});
+  ExpectUsageError({"projekt"}, {"'batten projekt'", "'project'"});
   ExpectUsageError({"fit", "surfcae"}, {"'batten fit surfcae'", "'surface'"});
   ExpectBadFlags({"--tolerence", "1"}, {"--tolerence", "'--tolerance'"});
   ExpectBadFlags({"--bogus"}, {"--bogus", "nearest known is '--"});
@@ -50,7 +52,7 @@ TEST_F(UsageTest, UnknownNamesAreAnsweredWithTheNearest) {
 }
 
 TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
-  for (const char* command : {"project", "edit", "make", "analyze", "section", "tessellate"}) {
+  for (const char* command : {"make", "section", "tessellate"}) {
     ExpectUsageError({command}, {command, "not in this version"});
     ExpectUsageError({command, "--help"}, {command, "not in this version"});
   }
@@ -176,6 +178,9 @@ TEST_F(UsageTest, HelpShowsExamplesAndDefaultsOfEveryCommand) {
                                              {"fit", "surface"},
                                              {"compare"},
                                              {"evaluate"},
+                                             {"project"},
+                                             {"edit"},
+                                             {"analyze"},
                                              {"convert"},
                                              {"info"},
                                              {"sample"}}) {

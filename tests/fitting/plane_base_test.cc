@@ -111,7 +111,7 @@ TEST(FindPlaneBaseTest, FindsTheSmallestRectangleOfATurnedOne) {
     const double length = random.Real(2, 8), turn = random.Real(0, pi);
     Eigen::Matrix3Xd points = Sheet(random, 1000, length, 1, [](double, double) { return 0; });
     points.leftCols<4>() << 0, length, length, 0, 0, 0, 1, 1, 0, 0, 0, 0;
-    points = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * points;
+    points = (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix() * points).eval();
     const PlaneBase base = Find(points, 0.1);
     const double area = base.length_u * base.length_v;
     // One parallel to the axes is taken when it is nearly as small.
@@ -188,6 +188,76 @@ TEST(FindPlaneBaseTest, FindsNoOverlapInASteepSheet) {
         random, 8000, 4, 4, [&](double x, double y) { return slope * std::sin(x) + 0.3 * y; });
     EXPECT_LE(Find(points, 0.05).overlap, 0.01);
   }
+}
+
+// A tray: floor, vertical walls and a rim, as deep drawing makes them; equally dense everywhere.
+Eigen::Matrix3Xd Tray(RandomSplines& random, int count, double depth) {
+  return Points(count, [&] {
+    constexpr double kHalf = 1, kRim = 0.4;  // half the width of the floor, width of the rim
+    const double floor = 4 * kHalf * kHalf, walls = 8 * kHalf * depth;
+    const double rim = 4 * (kHalf + kRim) * (kHalf + kRim) - floor;
+    const double area = random.Real(0, floor + walls + rim);
+    if (area < floor) return Eigen::Vector3d(random.Real(-1, 1), random.Real(-1, 1), 0);
+    if (area < floor + walls) {
+      const double along = random.Real(-kHalf, kHalf), side = random.Coin() ? kHalf : -kHalf;
+      const double z = random.Real(0, depth);
+      return random.Coin() ? Eigen::Vector3d(along, side, z) : Eigen::Vector3d(side, along, z);
+    }
+    Eigen::Vector3d p;
+    do {
+      p << random.Real(-kHalf - kRim, kHalf + kRim), random.Real(-kHalf - kRim, kHalf + kRim),
+          depth;
+    } while (std::max(std::abs(p[0]), std::abs(p[1])) < kHalf);
+    return p;
+  });
+}
+
+// More than 5 % of the normals are level, so that no cone of normals is small; yet only from above
+// does the sheet not fold.
+TEST(FindPlaneBaseTest, StandsUprightOverVerticalWalls) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    RandomSplines random(seed);
+    const double depth = random.Real(0.3, 1);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", depth " + std::to_string(depth));
+    const Eigen::Matrix3Xd tray = Tray(random, 8000, depth);
+    const PlaneBase base = Find(tray, 0.04);
+    EXPECT_EQ(base.axes.col(2), Eigen::Vector3d::UnitZ());
+    EXPECT_LE(base.overlap, 0.01);
+    EXPECT_GE(base.steepness, 85 * pi / 180);
+    // In any pose too: the walls then stand to within a few degrees.
+    const Eigen::Matrix3d turn = RandomTurn(random);
+    EXPECT_LE(AngleTo(Find(turn * tray, 0.04), turn.col(2)), 6 * pi / 180);
+  }
+}
+
+TEST(FindPlaneBaseTest, StandsUprightOverSlopesOfTen) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    // Ridges whose flanks have the slope ±10 but at their tops, sampled evenly over the surface.
+    const double phase = random.Real(0, 1);
+    Eigen::Matrix3Xd points = Points(12000, [&] {
+      const double x = random.Real(0, 2.4), y = random.Real(0, 2);
+      const double turn = std::sin(x * pi / 0.3 + phase);
+      return Eigen::Vector3d(x, y, 10 * 0.3 / pi * std::asin(0.999 * turn));
+    });
+    const PlaneBase base = Find(points, 0.063);
+    EXPECT_EQ(base.axes.col(2), Eigen::Vector3d::UnitZ());
+    EXPECT_LE(base.overlap, 0.01);
+  }
+}
+
+// A bend of more than half a turn folds over every plane: nothing is gained by another one, least
+// of all by one that sees the sheet edge-on.
+TEST(FindPlaneBaseTest, FindsOverlapInABendOfMoreThanHalfATurn) {
+  RandomSplines random(7);
+  const Eigen::Matrix3Xd points = Points(20000, [&] {
+    const double angle = random.Real(-100, 100) * pi / 180, y = random.Real(0, 2);
+    return Eigen::Vector3d(std::sin(angle), y, std::cos(angle));
+  });
+  const PlaneBase base = Find(points, 0.0187);
+  EXPECT_GE(base.overlap, 0.04);
+  EXPECT_GE(AngleTo(base, Eigen::Vector3d::UnitY()), 80 * pi / 180);
 }
 
 TEST(FindPlaneBaseTest, FindsOverlapInParallelSheets) {

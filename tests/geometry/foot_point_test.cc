@@ -120,6 +120,7 @@ class Comparison {
     EXPECT_LE(lower_bound, reached + kRounding * (extent_ + distance));
     EXPECT_LE(lower_bound, distance);
     EXPECT_GE(lower_bound, distance - 1e-10 * size_ - rounding);
+    if (size_ == 0) return;
     worst_ = std::max(worst_, (distance - reached) / size_);
     loosest_ = std::max(loosest_, (distance - lower_bound) / size_);
   }

@@ -7,30 +7,26 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <string>
 
 #include "batten/geometry/curvature.h"
 #include "exact_shapes.h"
+#include "extended_evaluation.h"
+#include "law_cases.h"
 #include "random_splines.h"
 #include "tolerances.h"
 
 namespace batten {
 namespace {
 
-// Calls law(surface, random) for surfaces of degrees up to 11, half of them rational with weights
-// that differ by up to 10⁴, half of them unclamped.
-void ForRandomSurfaces(const std::function<void(const NurbsSurface&, RandomSplines&)>& law) {
-  for (unsigned seed = 0; seed < 120; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    RandomSplines random(seed);
-    const int degree_u = 1 + static_cast<int>(seed) % 11, degree_v = random.Integer(1, 7);
-    const bool rational = random.Coin();
-    law(random.Surface(degree_u, degree_v, rational, {.clamped = random.Coin(), .most_spans = 3}),
-        random);
-    if (testing::Test::HasFailure()) return;
-  }
+// Whether a tangent may vanish: round a period of one row of control points nothing moves, and
+// between two rows the surface goes to and fro and turns.
+bool MayStandStill(const NurbsSurface& surface) {
+  const auto few_rows = [](const SplineBasis& basis) {
+    return basis.periodic() && basis.size() - basis.degree() <= 2;
+  };
+  return few_rows(surface.basis_u()) || few_rows(surface.basis_v());
 }
 
 struct UV {
@@ -57,28 +53,6 @@ TEST(NurbsSurfaceTest, MovesWithItsControlPointsUnderAffineMaps) {
   });
 }
 
-TEST(NurbsSurfaceTest, LiesInTheHullOfItsActiveControlPoints) {
-  ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
-    for (int trial = 0; trial < 10; ++trial) {
-      const auto [u, v] = RandomParameters(surface, random);
-      const int p = surface.basis_u().degree(), q = surface.basis_v().degree();
-      const int first_u = surface.basis_u().Span(u) - p, first_v = surface.basis_v().Span(v) - q;
-      const Eigen::Vector3d direction = random.Vector(1);
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (int r = 0; r <= p; ++r) {
-        for (int s = 0; s <= q; ++s) {
-          const double height = direction.dot(surface.control_point(first_u + r, first_v + s));
-          low = std::min(low, height);
-          high = std::max(high, height);
-        }
-      }
-      const double height = direction.dot(surface.At(u, v));
-      EXPECT_GE(height, low - kRounding);
-      EXPECT_LE(height, high + kRounding);
-    }
-  });
-}
-
 TEST(NurbsSurfaceTest, HasTheCornersOfItsNetWhenClamped) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines&) {
     const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
@@ -86,10 +60,10 @@ TEST(NurbsSurfaceTest, HasTheCornersOfItsNetWhenClamped) {
     if (v.knots().front() != v.lower() || v.knots().back() != v.upper()) return;
     const int i = u.size() - 1, j = v.size() - 1;
     const auto corner = [&](int a, int b) { return surface.control_point(a, b); };
-    EXPECT_NEAR((surface.At(u.lower(), v.lower()) - corner(0, 0)).norm(), 0, kRounding);
-    EXPECT_NEAR((surface.At(u.upper(), v.lower()) - corner(i, 0)).norm(), 0, kRounding);
-    EXPECT_NEAR((surface.At(u.lower(), v.upper()) - corner(0, j)).norm(), 0, kRounding);
-    EXPECT_NEAR((surface.At(u.upper(), v.upper()) - corner(i, j)).norm(), 0, kRounding);
+    EXPECT_EQ(surface.At(u.lower(), v.lower()), corner(0, 0));
+    EXPECT_EQ(surface.At(u.upper(), v.lower()), corner(i, 0));
+    EXPECT_EQ(surface.At(u.lower(), v.upper()), corner(0, j));
+    EXPECT_EQ(surface.At(u.upper(), v.upper()), corner(i, j));
   });
 }
 
@@ -110,6 +84,95 @@ TEST(NurbsSurfaceTest, JetEqualsDerivativesAndAt) {
     EXPECT_NEAR((jet.duu - all(2, 0)).norm(), 0, kRounding * size);
     EXPECT_NEAR((jet.duv - all(1, 1)).norm(), 0, kRounding * size);
     EXPECT_NEAR((jet.dvv - all(0, 2)).norm(), 0, kRounding * size);
+  });
+}
+
+// The control points of the cell at (u,v), and the one that sums are taken about.
+struct Cell {
+  Cell(const NurbsSurface& surface, double u, double v)
+      : p(surface.basis_u().degree()), q(surface.basis_v().degree()), points(3, (p + 1) * (q + 1)) {
+    const int su = surface.basis_u().Span(u), sv = surface.basis_v().Span(v);
+    for (int r = 0; r <= p; ++r) {
+      for (int s = 0; s <= q; ++s) {
+        points.col(r * (q + 1) + s) = surface.control_point(su - p + r, sv - q + s);
+      }
+    }
+    const auto upper_half = [](const SplineBasis& basis, int span, double t) {
+      return t - basis.knots()[span] > basis.knots()[span + 1] - t;
+    };
+    origin = points.col((upper_half(surface.basis_u(), su, u) ? p * (q + 1) : 0) +
+                        (upper_half(surface.basis_v(), sv, v) ? q : 0));
+    length_u = surface.basis_u().knots()[su + 1] - surface.basis_u().knots()[su];
+    length_v = surface.basis_v().knots()[sv + 1] - surface.basis_v().knots()[sv];
+  }
+  Eigen::Vector3d Range() const {
+    return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+  }
+
+  int p, q;
+  Eigen::Matrix3Xd points;
+  Eigen::Vector3d origin;
+  double length_u, length_v;
+};
+
+NurbsSurface Moved(const NurbsSurface& surface, double distance) {
+  return surface.Translated(Eigen::Vector3d::Constant(distance));
+}
+
+// Header: (7p + 7q + 4)·ε·D + ε·|S|. Far from the origin D does not grow.
+TEST(NurbsSurfaceTest, PointsAreRightToTheirBound) {
+  ForRandomSurfaces([](const NurbsSurface& near, RandomSplines& random) {
+    for (const double distance : {0.0, 1e3, 1e9}) {
+      const NurbsSurface surface = Moved(near, distance);
+      const auto [u, v] = RandomParameters(surface, random);
+      const Cell cell(surface, u, v);
+      const Sized exact = ExtendedSurface(surface, u, v, 0, cell.origin);
+      const Eigen::Vector3d point = surface.At(u, v), range = cell.Range();
+      for (int x = 0; x < 3; ++x) {
+        const long double error = point[x] - (cell.origin[x] + exact.value(x, 0));
+        EXPECT_LE(std::abs(static_cast<double>(error)),
+                  kEpsilon * ((7 * cell.p + 7 * cell.q + 4) * range[x] + std::abs(point[x])));
+      }
+    }
+  });
+}
+
+// Header: (4p + 4q + 2)·ε·D·p!/(p−k)!·(2/g)^k·q!/(q−l)!·(2/h)^l, and with weights
+// (k+l+1)(7p + 7q + k + l + 6)·ε·B_kl. The same for the jet.
+TEST(NurbsSurfaceTest, DerivativesAreRightToTheirBound) {
+  ForRandomSurfaces([](const NurbsSurface& near, RandomSplines& random) {
+    for (const double distance : {0.0, 1e9}) {
+      constexpr int kOrder = 5;
+      const NurbsSurface surface = Moved(near, distance);
+      const auto [u, v] = RandomParameters(surface, random);
+      const Cell cell(surface, u, v);
+      const int p = cell.p, q = cell.q;
+      const SurfaceDerivatives derivatives = surface.Derivatives(u, v, kOrder);
+      const SurfaceJet jet = surface.JetAt(u, v);
+      const Sized exact = ExtendedSurface(surface, u, v, kOrder, cell.origin);
+      const auto check = [&](int k, int l, const Eigen::Vector3d& got) {
+        const Eigen::Index column = k * (kOrder + 1) + l;
+        const LongMatrix error = got.cast<long double>() - exact.value.col(column);
+        LongMatrix bound =
+            (k + l + 1) * (7 * p + 7 * q + k + l + 6) * kEpsilon * exact.size.col(column);
+        if (!surface.rational()) {
+          double most = (4 * p + 4 * q + 2) * kEpsilon;
+          for (int i = 0; i < k; ++i) most *= std::max(0, p - i) * 2 / cell.length_u;
+          for (int j = 0; j < l; ++j) most *= std::max(0, q - j) * 2 / cell.length_v;
+          bound = (most * cell.Range()).cast<long double>();
+        }
+        EXPECT_LE(static_cast<double>((error.cwiseAbs() - bound).maxCoeff()), 0)
+            << k << ", " << l << " at distance " << distance;
+      };
+      for (int k = 0; k <= kOrder; ++k) {
+        for (int l = k == 0 ? 1 : 0; k + l <= kOrder; ++l) check(k, l, derivatives(k, l));
+      }
+      check(1, 0, jet.du);
+      check(0, 1, jet.dv);
+      check(2, 0, jet.duu);
+      check(1, 1, jet.duv);
+      check(0, 2, jet.dvv);
+    }
   });
 }
 
@@ -187,6 +250,7 @@ TEST(NurbsSurfaceTest, WeightsTimesAConstantChangeNothing) {
 
 TEST(NurbsSurfaceTest, ScalesWithItsControlPoints) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
+    if (MayStandStill(surface)) return;
     for (const double scale : {1e-9, 1e9}) {
       const NurbsSurface scaled(surface.basis_u(),
                                 surface.basis_v(),
@@ -205,6 +269,7 @@ TEST(NurbsSurfaceTest, ScalesWithItsControlPoints) {
 
 TEST(NurbsSurfaceTest, TakesParametersOutsideTheDomainAtItsNearestEdge) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
+    if (surface.basis_u().periodic() || surface.basis_v().periodic()) return;  // periodic_test.cc
     const auto [u, v] = RandomParameters(surface, random);
     const double low_u = surface.basis_u().lower(), high_v = surface.basis_v().upper();
     EXPECT_EQ(surface.At(low_u - 1, v), surface.At(low_u, v));
@@ -216,6 +281,7 @@ TEST(NurbsSurfaceTest, TakesParametersOutsideTheDomainAtItsNearestEdge) {
 
 TEST(NurbsSurfaceTest, SwappingTheDirectionsSwapsTheParameters) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
+    if (MayStandStill(surface)) return;
     Eigen::Matrix3Xd points(3, surface.control_points().cols());
     Eigen::VectorXd weights(points.cols());
     for (int i = 0; i < surface.size_u(); ++i) {
@@ -236,6 +302,7 @@ TEST(NurbsSurfaceTest, SwappingTheDirectionsSwapsTheParameters) {
 
 TEST(NurbsSurfaceTest, NormalsAreUnitAndPerpendicularToBothTangents) {
   ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
+    if (MayStandStill(surface)) return;
     const auto [u, v] = RandomParameters(surface, random);
     const SurfaceJet jet = surface.JetAt(u, v);
     const auto normal = surface.NormalAt(u, v);
@@ -249,7 +316,8 @@ TEST(NurbsSurfaceTest, NormalsAreUnitAndPerpendicularToBothTangents) {
   });
 }
 
-TEST(NurbsSurfaceTest, HasNoNormalAtACollapsedCorner) {
+// With S_u = 0 along the edge, S_u × S_v = (v − lower)·S_uv × S_v to first order.
+TEST(NurbsSurfaceTest, HasAtACollapsedEdgeTheNormalOfTheFirstTermThatDoesNotVanish) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
@@ -259,8 +327,14 @@ TEST(NurbsSurfaceTest, HasNoNormalAtACollapsedCorner) {
     for (int i = 0; i < whole.size_u(); ++i) points.col(i * whole.size_v()) = points.col(0);
     const NurbsSurface collapsed(whole.basis_u(), whole.basis_v(), points, whole.weights());
     for (int trial = 0; trial < 5; ++trial) {
-      const double u = random.Parameter(collapsed.basis_u());
-      EXPECT_FALSE(collapsed.NormalAt(u, collapsed.basis_v().lower())) << "u = " << u;
+      const double u = random.Parameter(collapsed.basis_u()), v = collapsed.basis_v().lower();
+      const SurfaceJet jet = collapsed.JetAt(u, v);
+      const auto normal = collapsed.NormalAt(u, v);
+      ASSERT_TRUE(normal) << "u = " << u;
+      const Eigen::Vector3d first = jet.duv.cross(jet.dv);
+      // Tangents at a small angle lose the digits of that angle.
+      const double sine = first.norm() / (jet.duv.norm() * jet.dv.norm());
+      EXPECT_NEAR((*normal - first.normalized()).norm(), 0, kIterated / sine) << "u = " << u;
     }
   }
 }
@@ -328,6 +402,28 @@ TEST(NurbsSurfaceTest, RefusesWhatDoesNotFitTogetherAndSaysWhat) {
     weights[3] = bad;
     EXPECT_THAT(refusal(good, weights), testing::HasSubstr("not positive and finite")) << bad;
   }
+}
+
+TEST(NurbsSurfaceTest, RefusesProductsThatADoubleCannotHold) {
+  const SplineBasis basis(1, {0, 0, 1, 1});
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, 4);
+  points(2, 1) = -1.7e308;
+  points(2, 2) = 1.7e308;
+  EXPECT_THROW(NurbsSurface(basis, basis, points), std::invalid_argument);
+  points /= 1e10;
+  EXPECT_NO_THROW(NurbsSurface(basis, basis, points, Eigen::Vector4d(1, 1, 1, 1e9)));
+  EXPECT_THROW(NurbsSurface(basis, basis, points, Eigen::Vector4d(1, 1, 1, 1e11)),
+               std::invalid_argument);
+}
+
+TEST(NurbsSurfaceTest, RefusesAParameterThatIsNotANumber) {
+  ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines&) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const double u = surface.basis_u().lower(), v = surface.basis_v().lower();
+    EXPECT_THROW(surface.At(nan, v), std::invalid_argument);
+    EXPECT_THROW(surface.JetAt(u, nan), std::invalid_argument);
+    EXPECT_THROW(surface.Derivatives(nan, nan, 2), std::invalid_argument);
+  });
 }
 
 TEST(NurbsSurfaceTest, RefusesANegativeOrder) {

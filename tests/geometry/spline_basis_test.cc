@@ -6,54 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "random_splines.h"
+#include "law_cases.h"
 #include "tolerances.h"
 
 namespace batten {
 namespace {
-
-constexpr int kHighestDegree = 11;
-
-// Calls law(basis, random) for clamped and unclamped bases of every degree up to kHighestDegree.
-void ForRandomBases(const std::function<void(const SplineBasis&, RandomSplines&)>& law) {
-  for (int degree = 1; degree <= kHighestDegree; ++degree) {
-    for (unsigned seed = 0; seed < 20; ++seed) {
-      SCOPED_TRACE("degree " + std::to_string(degree) + ", seed " + std::to_string(seed));
-      RandomSplines random(1000 * degree + seed);
-      const SplineBasis basis = random.Basis(degree, {.clamped = seed % 2 == 0, .most_spans = 7});
-      law(basis, random);
-      if (testing::Test::HasFailure()) return;
-    }
-  }
-}
-
-std::vector<double> Values(const SplineBasis& basis, int span, double u) {
-  std::vector<double> values(basis.degree() + 1);
-  basis.Values(span, u, values.data());
-  return values;
-}
-
-std::vector<double> Derivatives(const SplineBasis& basis, int span, double u, int order) {
-  std::vector<double> values((order + 1) * (basis.degree() + 1));
-  basis.Derivatives(span, u, order, values.data());
-  return values;
-}
-
-// N_{i,p}(u) by the recursion of Cox and de Boor, word for word; the upper end of the domain counts
-// to the span before it.
-double CoxDeBoor(const SplineBasis& basis, int i, int p, double u) {
-  const std::vector<double>& U = basis.knots();
-  if (p == 0) return i == basis.Span(u) ? 1 : 0;
-  const double left = U[i + p] - U[i], right = U[i + p + 1] - U[i + 1];
-  return (left > 0 ? (u - U[i]) / left * CoxDeBoor(basis, i, p - 1, u) : 0) +
-         (right > 0 ? (U[i + p + 1] - u) / right * CoxDeBoor(basis, i + 1, p - 1, u) : 0);
-}
 
 std::string Refusal(int degree, std::vector<double> knots) {
   try {
@@ -62,45 +23,6 @@ std::string Refusal(int degree, std::vector<double> knots) {
     return error.what();
   }
   return "accepted";
-}
-
-TEST(SplineBasisTest, SumsToOneOnTheClosedDomain) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    for (int trial = 0; trial < 20; ++trial) {
-      const double u = random.Parameter(basis);
-      double sum = 0;
-      for (const double value : Values(basis, basis.Span(u), u)) sum += value;
-      EXPECT_NEAR(sum, 1, kRounding) << "u = " << u;
-    }
-  });
-}
-
-TEST(SplineBasisTest, IsNowhereNegative) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    for (int trial = 0; trial < 20; ++trial) {
-      const double u = random.Parameter(basis);
-      EXPECT_THAT(Values(basis, basis.Span(u), u), testing::Each(testing::Ge(0.0))) << "u = " << u;
-    }
-  });
-}
-
-TEST(SplineBasisTest, VanishesOutsideItsSupportAndEqualsTheRecursionInside) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    if (basis.degree() > 7) return;  // the plain recursion costs 2^p
-    for (int trial = 0; trial < 5; ++trial) {
-      const double u = random.Parameter(basis);
-      const int span = basis.Span(u), p = basis.degree();
-      const std::vector<double> values = Values(basis, span, u);
-      for (int i = 0; i < basis.size(); ++i) {
-        const bool reached = span - p <= i && i <= span;
-        EXPECT_NEAR(CoxDeBoor(basis, i, p, u), reached ? values[i - span + p] : 0, kRounding)
-            << "N_" << i << " at " << u;
-        if (u < basis.knots()[i] || u > basis.knots()[i + p + 1]) {
-          EXPECT_FALSE(reached);
-        }
-      }
-    }
-  });
 }
 
 TEST(SplineBasisTest, SpanContainsItsParameter) {
@@ -128,9 +50,71 @@ TEST(SplineBasisTest, SpanOutsideTheDomainIsThatOfTheNearestEnd) {
     EXPECT_EQ(basis.Span(-infinity), basis.Span(basis.lower()));
     EXPECT_EQ(basis.Span(basis.upper() + 1), basis.Span(basis.upper()));
     EXPECT_EQ(basis.Span(infinity), basis.Span(basis.upper()));
+    if (basis.periodic()) return;  // periodic_test.cc
     EXPECT_EQ(basis.Clamp(-infinity), basis.lower());
     EXPECT_EQ(basis.Clamp(infinity), basis.upper());
   });
+}
+
+// The span is guessed from even knots: here they are as uneven as they come.
+TEST(SplineBasisTest, SpanIsRightHoweverUnevenTheKnots) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int degree = random.Integer(1, 5);
+    std::vector<double> knots(1, random.Real(-1, 1));
+    for (int i = random.Integer(2 * degree + 2, 120); i > 0; --i) {
+      const double next = knots.back() + random.Logarithmic(1e-13, seed % 2 == 0 ? 1 : 1e9);
+      knots.push_back(std::max(next, std::nextafter(knots.back(), 1e300)));
+    }
+    const SplineBasis basis(degree, knots);
+    for (int i = degree; i < basis.size(); ++i) {
+      EXPECT_EQ(basis.Span(knots[i]), i);
+      EXPECT_EQ(basis.Span(std::nextafter(knots[i + 1], knots[i])), i);
+      const double u = random.Real(basis.lower(), basis.upper());
+      const auto next = std::upper_bound(knots.begin(), knots.end(), u);
+      EXPECT_EQ(basis.Span(u), next - knots.begin() - 1) << "u = " << u;
+    }
+  }
+}
+
+TEST(SplineBasisTest, RefusesAParameterThatIsNotANumber) {
+  ForRandomBases([](const SplineBasis& basis, RandomSplines&) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(basis.Span(nan), std::invalid_argument);
+    EXPECT_THROW(basis.Clamp(nan), std::invalid_argument);
+    EXPECT_THROW(basis.Function(0, nan), std::invalid_argument);
+  });
+}
+
+TEST(SplineBasisTest, RefusesFunctionsItDoesNotHave) {
+  const SplineBasis basis(2, {0, 0, 0, 1, 1, 1});
+  for (const int i : {-1, 3, 1 << 30}) {
+    EXPECT_THROW(basis.Function(i, 0.5), std::invalid_argument) << i;
+    EXPECT_THROW(basis.FunctionDerivatives(i, 0.5, 1), std::invalid_argument) << i;
+  }
+  EXPECT_THROW(basis.FunctionDerivatives(1, 0.5, -1), std::invalid_argument);
+}
+
+TEST(SplineBasisTest, FunctionTakesParametersOutsideTheDomainAsClampDoes) {
+  ForRandomBases([](const SplineBasis& basis, RandomSplines&) {
+    const double outside = basis.upper() + 0.3;
+    for (int i = 0; i < basis.size(); ++i) {
+      EXPECT_EQ(basis.Function(i, outside), basis.Function(i, basis.Clamp(outside)));
+      EXPECT_EQ(basis.FunctionDerivatives(i, outside, 2),
+                basis.FunctionDerivatives(i, basis.Clamp(outside), 2));
+    }
+  });
+}
+
+TEST(SplineBasisTest, GrevilleAbscissaeAreExactWhereKnotsCoincide) {
+  for (int degree = 1; degree <= kMaxDegree; ++degree) {
+    const SplineBasis basis = SplineBasis::Uniform(degree, degree + 5, 0.1, 0.7);
+    EXPECT_EQ(basis.Greville(0), 0.1);
+    EXPECT_EQ(basis.Greville(degree + 4), 0.7);
+  }
+  const double large = 1.7e308;
+  EXPECT_EQ(SplineBasis(3, {0, 0, 0, 0, large, large, large, large}).Greville(3), large);
 }
 
 TEST(SplineBasisTest, SpanAtARepeatedKnotIsTheOneAfterIt) {
@@ -160,122 +144,6 @@ TEST(SplineBasisTest, SpansAreExactlyTheNonEmptyOnesOfTheDomain) {
     }
     EXPECT_EQ(reached, basis.upper());
   });
-}
-
-TEST(SplineBasisTest, DerivativesOfOrderZeroAreTheValues) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    const double u = random.Parameter(basis);
-    const int span = basis.Span(u);
-    const std::vector<double> values = Values(basis, span, u);
-    const std::vector<double> derivatives = Derivatives(basis, span, u, 0);
-    for (int r = 0; r <= basis.degree(); ++r) EXPECT_NEAR(derivatives[r], values[r], kRounding);
-  });
-}
-
-TEST(SplineBasisTest, DerivativesSumToZero) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    const double u = random.Parameter(basis);
-    const int p = basis.degree();
-    const std::vector<double> values = Derivatives(basis, basis.Span(u), u, p);
-    for (int k = 1; k <= p; ++k) {
-      double sum = 0, size = 0;
-      for (int r = 0; r <= p; ++r) {
-        sum += values[k * (p + 1) + r];
-        size += std::abs(values[k * (p + 1) + r]);
-      }
-      EXPECT_NEAR(sum, 0, kRounding * size) << "order " << k << " at " << u;
-    }
-  });
-}
-
-TEST(SplineBasisTest, DerivativesAreTheLimitsOfDifferences) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    const int p = basis.degree();
-    for (const int span : basis.Spans()) {
-      const double length = basis.knots()[span + 1] - basis.knots()[span];
-      const double u = basis.knots()[span] + random.Real(0.2, 0.8) * length;
-      const std::vector<double> exact = Derivatives(basis, span, u, p);
-      // Richardson's extrapolation of central differences: error O(h⁴).
-      const double h = 2e-3 * length;
-      const auto plus = Derivatives(basis, span, u + h, p);
-      const auto minus = Derivatives(basis, span, u - h, p);
-      const auto plus_half = Derivatives(basis, span, u + h / 2, p);
-      const auto minus_half = Derivatives(basis, span, u - h / 2, p);
-      for (int k = 1; k <= p; ++k) {
-        double size = 0;
-        for (int r = 0; r <= p; ++r) {
-          const int j = k * (p + 1) + r;
-          size = std::max({size, std::abs(exact[j]), std::abs(exact[j - p - 1]) / length});
-        }
-        for (int r = 0; r <= p; ++r) {
-          const int j = (k - 1) * (p + 1) + r;
-          const double difference =
-              (4 * (plus_half[j] - minus_half[j]) / h - (plus[j] - minus[j]) / (2 * h)) / 3;
-          EXPECT_NEAR(exact[k * (p + 1) + r], difference, kHalfDigits * size)
-              << "order " << k << ", function " << r << " of span " << span;
-        }
-      }
-    }
-  });
-}
-
-TEST(SplineBasisTest, DerivativesAboveTheDegreeVanish) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    const double u = random.Parameter(basis);
-    const int p = basis.degree();
-    const std::vector<double> values = Derivatives(basis, basis.Span(u), u, p + 2);
-    for (int j = (p + 1) * (p + 1); j < (p + 3) * (p + 1); ++j) EXPECT_EQ(values[j], 0);
-  });
-}
-
-TEST(SplineBasisTest, GrevilleAbscissaeReproduceTheParameter) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    for (int trial = 0; trial < 10; ++trial) {
-      const double u = random.Parameter(basis);
-      const int span = basis.Span(u), p = basis.degree();
-      const std::vector<double> values = Values(basis, span, u);
-      double sum = 0, size = 1;
-      for (int r = 0; r <= p; ++r) {
-        const double abscissa = basis.Greville(span - p + r);
-        sum += values[r] * abscissa;
-        size = std::max(size, std::abs(abscissa));
-      }
-      EXPECT_NEAR(sum, u, kRounding * size);
-    }
-  });
-}
-
-TEST(SplineBasisTest, ScalingAndShiftingTheKnotsChangesNoValue) {
-  ForRandomBases([](const SplineBasis& basis, RandomSplines& random) {
-    for (const double scale : {1e-9, 1e9}) {
-      std::vector<double> knots = basis.knots();
-      for (double& knot : knots) knot *= scale;
-      const SplineBasis scaled(basis.degree(), knots);
-      const double u = random.Real(basis.lower(), basis.upper());
-      const int span = basis.Span(u), p = basis.degree();
-      const std::vector<double> expected = Derivatives(basis, span, u, 1);
-      const std::vector<double> actual = Derivatives(scaled, span, scale * u, 1);
-      for (int r = 0; r <= p; ++r) {
-        EXPECT_NEAR(actual[r], expected[r], kRounding);
-        EXPECT_NEAR(actual[p + 1 + r] * scale,
-                    expected[p + 1 + r],
-                    kRounding * p / (basis.knots()[span + 1] - basis.knots()[span]));
-      }
-    }
-  });
-}
-
-TEST(SplineBasisTest, HighestDegreeSumsToOne) {
-  const SplineBasis basis = SplineBasis::Uniform(kMaxDegree, kMaxDegree + 6, -1, 2);
-  for (const double u : {-1.0, -0.3, 0.5, 1.99, 2.0}) {
-    const std::vector<double> values = Derivatives(basis, basis.Span(u), u, kMaxDegree + 1);
-    double sum = 0;
-    for (int r = 0; r <= kMaxDegree; ++r) {
-      EXPECT_GE(values[r], 0);
-      sum += values[r];
-    }
-    EXPECT_NEAR(sum, 1, kRounding);
-  }
 }
 
 TEST(SplineBasisTest, AcceptsTheLargestMultiplicities) {
@@ -321,6 +189,31 @@ TEST(SplineBasisTest, RefusesAKnotThatIsNotFinite) {
   EXPECT_THAT(Refusal(1, {0, 0, std::nan(""), 1, 1}), testing::HasSubstr("knot 2 is not finite"));
   EXPECT_THAT(Refusal(1, {0, 0, 1, infinity}), testing::HasSubstr("knot 3 is not finite"));
   EXPECT_THAT(Refusal(1, {-infinity, 0, 1, 1}), testing::HasSubstr("knot 0 is not finite"));
+}
+
+// Every value divides by differences of knots.
+TEST(SplineBasisTest, RefusesDifferencesThatADoubleCannotDivideBy) {
+  EXPECT_THAT(Refusal(1, {-1e308, -1e308, 1e308, 1e308}), testing::HasSubstr("farther apart"));
+  EXPECT_THAT(Refusal(1, {-1e308, 0, 1, 1e308}), testing::HasSubstr("farther apart"));
+  EXPECT_THAT(Refusal(1, {0, 0, 1e-310, 1, 1}), testing::HasSubstr("knots 1 and 2 differ by less"));
+  EXPECT_THAT(Refusal(1, {0, 0, 5e-324, 5e-324}), testing::HasSubstr("smallest normal double"));
+  EXPECT_THROW(SplineBasis::Uniform(3, 10, -1e308, 1e308), std::invalid_argument);
+  EXPECT_THROW(SplineBasis::Clamped(3, std::vector<double>{-1e308, 1e308}), std::invalid_argument);
+  EXPECT_THROW(SplineBasis::Uniform(3, 10, std::nan(""), 1), std::invalid_argument);
+
+  for (const double length : {std::numeric_limits<double>::min(), 1e308}) {
+    const SplineBasis basis(2, {0, 0, 0, length, length, length});
+    double values[3];
+    basis.Values(basis.Span(length / 2), length / 2, values);
+    EXPECT_NEAR(values[0], 0.25, kRounding);
+    EXPECT_NEAR(values[1], 0.5, kRounding);
+    EXPECT_NEAR(values[2], 0.25, kRounding);
+  }
+}
+
+TEST(SplineBasisTest, MessagesShowNumbersInFull) {
+  EXPECT_THAT(Refusal(1, {0, 0, 1e-12, 1e-12, 1, 1}), testing::HasSubstr("knot 1e-12 is repeated"));
+  EXPECT_THAT(Refusal(1, {0, 0, 2.5e-13, 1e-13, 1}), testing::HasSubstr("(2.5e-13 to 1e-13)"));
 }
 
 TEST(SplineBasisTest, RefusesAnEmptyDomain) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "random_geometry.h"
+#include "random_splines.h"
 #include "temporary_folder.h"
 
 namespace batten {
@@ -115,12 +117,143 @@ TEST(GeometryJsonTest, ReadsWhatTheExchangeFormAllows) {
   EXPECT_TRUE(same("\xEF\xBB\xBF" + kCurve) == curve);
 }
 
-TEST(GeometryJsonTest, ReadsUnclampedKnotsThatAreSaidToBePeriodic) {
-  const std::string unclamped = Replaced(kCurve, "[0, 0, 0, 1, 1, 1]", "[-2, -1, 0, 1, 2, 3]");
-  const std::string periodic = Replaced(unclamped, "\"degree\"", R"("periodic": [true], "degree")");
-  EXPECT_TRUE(ParseGeometryJson(periodic, "x") == ParseGeometryJson(unclamped, "x"));
-  EXPECT_THAT(Refusal(Replaced(kCurve, "\"degree\"", R"("periodic": true, "degree")")),
-              HasSubstr("shape.data[0].periodic: periodic shapes with clamped knots are not in"));
+TEST(GeometryJsonTest, ReadsBackPeriodicShapesBitByBit) {
+  SCOPED_TRACE(kSeed);
+  RandomSplines random(kSeed);
+  const BasisKind open, round{.periodic = true};
+  for (int degree = 1; degree <= 11; ++degree) {
+    for (const bool rational : {true, false}) {
+      ExpectRoundTrip({random.Curve<2>(degree, rational, round)});
+      ExpectRoundTrip({random.Curve<3>(degree, rational, round)});
+      const int other = random.Integer(1, 5);
+      for (const BasisKind& kind_u : {open, round}) {
+        for (const BasisKind& kind_v : {open, round}) {
+          ExpectRoundTrip({random.Surface(degree, other, rational, kind_u, kind_v)});
+        }
+      }
+    }
+  }
+}
+
+// One period of the square (0,0) (1,0) (1,1) (0,1), rounded to a curve of degree 2.
+const std::string kRound = R"({"shape": {"type": "curve", "count": 1, "data": [
+  {"type": "spline", "dimension": 2, "degree": 2, "periodic": [true], "knotvector": [-2, -1, 0, 1, 2, 3, 4, 5, 6],
+   "control_points": {"points": [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0], [1, 0]],
+                      "weights": [1, 2, 1, 2, 1, 2]}}]}})";
+
+TEST(GeometryJsonTest, SaysWhichDirectionsArePeriodicOnlyWhereOneIs) {
+  const auto round = ParseGeometryJson(kRound, "x");
+  EXPECT_TRUE(std::get<NurbsCurve<2>>(round[0]).basis().periodic());
+  EXPECT_THAT(ToGeometryJson(round), HasSubstr(R"("dimension": 2, "periodic": [true],)"));
+  const auto open = ParseGeometryJson(Replaced(kRound, "[true]", "[false]"), "x");
+  EXPECT_FALSE(std::get<NurbsCurve<2>>(open[0]).basis().periodic());
+  EXPECT_EQ(ToGeometryJson(open).find("periodic"), std::string::npos);
+  EXPECT_TRUE(ParseGeometryJson(Replaced(kRound, "[true]", "true"), "x") == round);
+}
+
+TEST(GeometryJsonTest, PeriodicPointsRepeatedUpToDecimalRoundingAreMadeToRepeat) {
+  const auto exact = ParseGeometryJson(kRound, "x");
+  EXPECT_TRUE(ParseGeometryJson(Replaced(kRound, "[0, 0], [1, 0]],", "[3e-13, 0], [1, -5e-13]],"),
+                                "x") == exact);
+  EXPECT_TRUE(ParseGeometryJson(
+                  Replaced(kRound, "1, 2]}}", "1.0000000000000002, 1.9999999999999996]}}"), "x") ==
+              exact);
+}
+
+TEST(GeometryJsonTest, NamesTheFieldThatIsNotPeriodic) {
+  const struct {
+    std::string old, with, message;
+  } cases[] = {
+      {"[-2, -1, 0, 1, 2, 3, 4, 5, 6]",
+       "[0, 0, 0, 1, 2, 3, 4, 4, 4]",
+       "shape.data[0].periodic[0]: is true, but knotvector is clamped"},
+      {"4, 5, 6]", "4, 5, 6.5]", "shape.data[0].knotvector: SplineBasis: knots 4 and 8 of a per"},
+      {"[0, 0], [1, 0]],",
+       "[0, 0], [1, 1e-9]],",
+       "shape.data[0].control_points.points: point 5 must be point 1 again"},
+      {"1, 2]}}", "1.1, 2]}}", "shape.data[0].control_points.weights: weight 4 must be weight 0"},
+      {"[true]", "[true, true]", "shape.data[0].periodic: must be a list of 1 times true or false"},
+      {"[true]", "[]", "shape.data[0].periodic: must be a list of 1 times true or false"},
+      {"[true]", "[1]", "shape.data[0].periodic: must be a list of 1 times true or false"},
+      {"[true]", "[\"yes\"]", "shape.data[0].periodic[0]: a text instead of true or false"},
+      {"[true]", "{}", "shape.data[0].periodic: must be a list of 1 times true or false"},
+  };
+  for (const auto& [old, with, message] : cases) {
+    EXPECT_THAT(Refusal(Replaced(kRound, old, with)), HasSubstr(message));
+  }
+}
+
+TEST(GeometryJsonTest, JudgesEachDirectionOfAPeriodicSurface) {
+  RandomSplines random(kSeed);
+  const NurbsSurface torus = random.Surface(2, 3, true, {.periodic = true}, {.periodic = true});
+  const int n = torus.size_u(), m = torus.size_v();
+  const auto with = [&](Eigen::Index k) {
+    Eigen::Matrix3Xd points = torus.control_points();
+    points(1, k) += 1e-6;
+    const NurbsSurface open(SplineBasis(2, torus.basis_u().knots()),
+                            SplineBasis(3, torus.basis_v().knots()),
+                            points,
+                            torus.weights());
+    return Replaced(
+        ToGeometryJson({open}), "\"degree_u\"", "\"periodic\": [true, true], \"degree_u\"");
+  };
+  const auto name = [](Eigen::Index to, Eigen::Index from) {
+    return "points: point " + std::to_string(to) + " must be point " + std::to_string(from);
+  };
+  EXPECT_THAT(Refusal(with(m - 1)), HasSubstr(name(m - 1, (m - 1) % (m - 3))));
+  EXPECT_THAT(Refusal(with(Eigen::Index{n - 1} * m)),
+              HasSubstr(name(Eigen::Index{n - 1} * m, Eigen::Index{(n - 1) % (n - 2)} * m)));
+}
+
+// What exchange.export_json of NURBS-Python 5 writes: names in this order, `delta`, weights only
+// where the shape is of its rational class, trims only where there are some.
+TEST(GeometryJsonTest, ReadsTheFormNurbsPythonWrites) {
+  const auto surface = ParseGeometryJson(
+      R"({"shape": {"type": "surface", "count": 1, "data": [{"type": "spline", "rational": true,
+      "dimension": 3, "degree_u": 1, "degree_v": 2, "knotvector_u": [0.0, 0.0, 1.0, 1.0],
+      "knotvector_v": [0.0, 0.0, 0.0, 1.0, 1.0, 1.0], "size_u": 2, "size_v": 3, "control_points":
+      {"points": [[0.0, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 1.0],
+      [1.0, 2.0, 0.0]], "weights": [1.0, 0.5, 1.0, 1.0, 0.5, 1.0]}, "delta": [0.05, 0.05],
+      "reversed": 0}]}})",
+      "x");
+  EXPECT_EQ(std::get<NurbsSurface>(surface[0]).control_point(0, 1), Eigen::Vector3d(0, 1, 1));
+  EXPECT_EQ(std::get<NurbsSurface>(surface[0]).weights()[1], 0.5);
+  const auto curves = ParseGeometryJson(
+      R"({"shape": {"type": "curve", "count": 2, "data": [{"type": "spline", "rational": false,
+      "dimension": 2, "degree": 1, "knotvector": [0.0, 0.0, 1.0, 1.0], "control_points": {"points":
+      [[5.0, 5.0], [10.0, 10.0]]}, "delta": 0.01}, {"type": "spline", "rational": false,
+      "dimension": 3, "degree": 1, "knotvector": [0.0, 0.0, 1.0, 1.0], "control_points": {"points":
+      [[5.0, 5.0, 1.0], [10.0, 10.0, 1.0]]}, "delta": 0.01, "id": 7, "name": "edge"}]}})",
+      "x");
+  ASSERT_EQ(curves.size(), 2u);
+  EXPECT_TRUE(std::holds_alternative<NurbsCurve<2>>(curves[0]));
+  EXPECT_TRUE(std::holds_alternative<NurbsCurve<3>>(curves[1]));
+}
+
+// What its importer asks of an entry: these names, points of plain lists, a weight a point.
+TEST(GeometryJsonTest, WritesWhatNurbsPythonReads) {
+  RandomSplines random(kSeed);
+  const auto entry = [](const Geometry& one) {
+    return nlohmann::json::parse(ToGeometryJson({one}))["shape"]["data"][0];
+  };
+  for (const BasisKind& kind : {BasisKind{}, BasisKind{.periodic = true}}) {
+    const auto curve = entry(random.Curve<3>(3, false, kind));
+    for (const char* name : {"degree", "knotvector", "control_points", "type", "dimension"}) {
+      EXPECT_TRUE(curve.contains(name)) << name;
+    }
+    const size_t count = curve["control_points"]["points"].size();
+    EXPECT_EQ(curve["control_points"]["weights"].size(), count);
+    EXPECT_EQ(curve["knotvector"].size(), count + 3 + 1);
+    const auto surface = entry(random.Surface(2, 3, true, kind));
+    for (const char* name :
+         {"degree_u", "degree_v", "knotvector_u", "knotvector_v", "size_u", "size_v", "type"}) {
+      EXPECT_TRUE(surface.contains(name)) << name;
+    }
+    const size_t net = surface["size_u"].get<size_t>() * surface["size_v"].get<size_t>();
+    EXPECT_EQ(surface["control_points"]["points"].size(), net);
+    EXPECT_EQ(surface["control_points"]["weights"].size(), net);
+    EXPECT_FALSE(surface.contains("trims"));
+  }
 }
 
 TEST(GeometryJsonTest, NamesTheFieldThatIsWrong) {
@@ -174,7 +307,7 @@ TEST(GeometryJsonTest, NamesTheFieldThatIsWrong) {
        "shape.data[0].trims: trimmed surfaces are not in this version"},
       {"\"dimension\": 3",
        R"("periodic": [true, false], "dimension": 3)",
-       "shape.data[0].periodic[0]: periodic shapes"},
+       "shape.data[0].periodic[0]: is true, but knotvector_u is clamped"},
   };
   for (const auto& [old, with, message] : cases) {
     EXPECT_THAT(Refusal(Replaced(kSurface, old, with)), HasSubstr(message));
@@ -199,6 +332,20 @@ TEST(GeometryJsonTest, NamesTheLineWhereTheSyntaxBreaks) {
   EXPECT_THAT(Refusal(Replaced(kSurface, "[2, 1, 0]", "[2, 1e999, 0]")),
               HasSubstr("line 4: 1e999 is out of the range of a double"));
   EXPECT_THAT(Refusal(kSurface + "x"), HasSubstr("line 5: "));
+}
+
+TEST(GeometryJsonTest, NamesTheFieldThatHoldsNoFiniteNumber) {
+  for (const char* word : {"NaN", "Infinity", "-Infinity"}) {
+    const std::string said = std::string(word) + " is not a finite number (in ";
+    EXPECT_THAT(Refusal(Replaced(kSurface, "[2, 1, 0]", "[2, " + std::string(word) + ", 0]")),
+                HasSubstr(said + "shape.data[0].control_points.points[5][1])"));
+    EXPECT_THAT(Refusal(Replaced(kSurface, "[0, 0, 0, 1", "[0, 0, " + std::string(word) + ", 1")),
+                HasSubstr(said + "shape.data[0].knotvector_u[2])"));
+    EXPECT_THAT(Refusal(Replaced(kSurface, "1, 1]}", "1, " + std::string(word) + "]}")),
+                HasSubstr(said + "shape.data[0].control_points.weights[5])"));
+  }
+  EXPECT_THAT(Refusal(Replaced(kSurface, "[2, 1, 0]", "[2, 1e999, 0]")),
+              HasSubstr("(in shape.data[0].control_points.points[5][1])"));
 }
 
 TEST(GeometryJsonTest, RefusesTextsWithoutGeometry) {
@@ -245,6 +392,48 @@ TEST(GeometryFileTest, ChoosesTheFormatByExtensionOrByName) {
     EXPECT_THAT(error.what(), HasSubstr("IGES is not in this version"));
   }
   EXPECT_EQ(folder.Entries(), 2);
+}
+
+TEST(GeometryFileTest, WritesSeveralFilesAllOrNone) {
+  const TemporaryFolder folder;
+  RandomGeometry random(kSeed);
+  std::vector<GeometryFile> files;
+  for (const char* name : {"a-1.json", "a-2.json", "a-3.json"}) {
+    files.push_back({folder.File(name), {random.Surface(3, 2, true, true)}});
+  }
+  WriteGeometryFiles(files);
+  EXPECT_EQ(folder.Entries(), 3);
+  for (const GeometryFile& file : files) {
+    EXPECT_TRUE(ReadGeometry(file.path) == file.geometry);
+    EXPECT_EQ(std::filesystem::status(file.path).permissions(),
+              std::filesystem::status(folder.With("plain", "")).permissions());
+  }
+
+  const TemporaryFolder other;
+  const std::string old = other.With("b-1.json", "old");
+  std::filesystem::create_directory(other.File("b-3.json"));
+  for (int k = 0; k < 3; ++k) files[k].path = other.File("b-" + std::to_string(k + 1) + ".json");
+  try {
+    WriteGeometryFiles(files);
+    FAIL() << "nothing was thrown";
+  } catch (const WriteError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("b-3.json"));
+  }
+  EXPECT_EQ(other.Text("b-1.json"), "old");
+  EXPECT_EQ(other.Entries(), 2);
+
+  // The second can't become STEP: every edge of it is a point.
+  const SplineBasis line = SplineBasis::Uniform(1, 2, 0, 1);
+  files = {{other.File("c-1.step"), {random.Surface(2, 2, true, false)}},
+           {other.File("c-2.step"), {NurbsSurface(line, line, Eigen::Matrix3Xd::Zero(3, 4))}}};
+  try {
+    WriteGeometryFiles(files);
+    FAIL() << "nothing was thrown";
+  } catch (const WriteError& error) {
+    EXPECT_THAT(error.what(),
+                ::testing::StartsWith(other.File("c-2.step") + ": can't become STEP"));
+  }
+  EXPECT_EQ(other.Entries(), 2);
 }
 
 TEST(GeometryFileTest, RefusesFilesThatCanNotBeRead) {

@@ -423,5 +423,78 @@ TEST(StepTest, TurnsAPeriodicTorusIntoClampedNurbs) {
   }
 }
 
+// Knots 0 … 8 and beyond, eight control points to the round: a smooth periodic basis.
+SplineBasis RoundBasis(int degree) {
+  std::vector<double> knots;
+  for (int i = -degree; i <= 8 + degree; ++i) knots.push_back(i);
+  return SplineBasis::Periodic(degree, std::move(knots));
+}
+
+double Angle(int i) { return i % 8 * std::numbers::pi / 4; }
+
+void ExpectClampedAndClosed(const SplineBasis& basis, const Eigen::Vector3d& gap) {
+  EXPECT_TRUE(basis.clamped());
+  EXPECT_FALSE(basis.periodic());
+  EXPECT_EQ(gap, Eigen::Vector3d::Zero());
+}
+
+TEST(StepTest, WritesPeriodicCurvesClosed) {
+  for (const bool rational : {false, true}) {
+    for (int degree = 1; degree <= 5; ++degree) {
+      const SplineBasis basis = RoundBasis(degree);
+      Eigen::Matrix3Xd points(3, basis.size());
+      Eigen::VectorXd weights(basis.size());
+      for (int i = 0; i < basis.size(); ++i) {
+        points.col(i) << std::cos(Angle(i)), std::sin(Angle(i)), 0.1 * std::sin(2 * Angle(i));
+        weights[i] = rational ? 1 + i % 8 % 3 : 1;
+      }
+      const NurbsCurve<3> curve(basis, points, weights);
+      const TemporaryFolder folder;
+      WriteStep({curve}, folder.File("a.step"));
+      const auto back = std::get<NurbsCurve<3>>(ReadStep(folder.File("a.step"))[0]);
+      ExpectClampedAndClosed(back.basis(),
+                             back.control_points().col(0) - back.control_points().rightCols<1>());
+      for (double u = 0; u <= 8; u += 0.37) {
+        EXPECT_LT((back.At(u) - curve.At(u)).norm(), kStepPrecision) << degree << ' ' << u;
+      }
+    }
+  }
+}
+
+TEST(StepTest, WritesPeriodicSurfacesClosedAndValid) {
+  // A tube round in u, one round in v, and a torus.
+  for (const auto& [round_u, round_v] : {std::pair{true, false}, {false, true}, {true, true}}) {
+    const SplineBasis bu = round_u ? RoundBasis(3) : SplineBasis::Uniform(2, 5, 0, 8);
+    const SplineBasis bv = round_v ? RoundBasis(2) : SplineBasis::Uniform(3, 6, 0, 8);
+    Eigen::Matrix3Xd points(3, bu.size() * bv.size());
+    for (int i = 0; i < bu.size(); ++i) {
+      for (int j = 0; j < bv.size(); ++j) {
+        const double along = round_u ? Angle(i) : Angle(j), across = round_u ? j : i;
+        const double r = round_u && round_v ? 3 + std::cos(Angle(j)) : 2 + 0.1 * across;
+        const double z = round_u && round_v ? std::sin(Angle(j)) : across;
+        points.col(i * bv.size() + j) << r * std::cos(along), r * std::sin(along), z;
+      }
+    }
+    const NurbsSurface surface(bu, bv, points);
+    const TemporaryFolder folder;
+    WriteStep({surface}, folder.File("a.step"));
+    EXPECT_TRUE(BRepCheck_Analyzer(Oracle(folder.File("a.step"), 1)).IsValid());
+    const auto back = std::get<NurbsSurface>(ReadStep(folder.File("a.step"))[0]);
+    for (int j = 0; round_u && j < back.size_v(); ++j) {
+      ExpectClampedAndClosed(back.basis_u(),
+                             back.control_point(0, j) - back.control_point(back.size_u() - 1, j));
+    }
+    for (int i = 0; round_v && i < back.size_u(); ++i) {
+      ExpectClampedAndClosed(back.basis_v(),
+                             back.control_point(i, 0) - back.control_point(i, back.size_v() - 1));
+    }
+    for (double u = 0; u <= 8; u += 0.73) {
+      for (double v = 0; v <= 8; v += 0.61) {
+        EXPECT_LT((back.At(u, v) - surface.At(u, v)).norm(), 5 * kStepPrecision);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace batten

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// batten edit: operations on curves and surfaces, one after the other.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/cli/edit_operations.h"
+#include "batten/cli/edit_syntax.h"
+#include "batten/cli/fit_output.h"
+#include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string geometry, out, format, out_format, unit = "mm";
+  std::vector<std::string> operations;
+  CommonFlags flags;
+};
+
+struct Edited {
+  std::vector<Geometry> shapes;
+  std::vector<std::string> shortfalls;
+};
+
+// Every operation on every shape there is by then.
+Edited EditAll(const std::vector<EditOperation>& operations,
+               std::vector<Geometry> shapes,
+               const Progress& progress) {
+  Edited edited{std::move(shapes), {}};
+  for (size_t k = 0; k < operations.size(); ++k) {
+    std::vector<Geometry> next;
+    for (size_t i = 0; i < edited.shapes.size(); ++i) {
+      Report(progress, "edit", static_cast<double>(k) / static_cast<double>(operations.size()));
+      const std::string which =
+          edited.shapes.size() > 1 ? fmt::format(" (geometry of index {})", i) : "";
+      try {
+        EditOutcome outcome = ApplyEdit(operations[k], edited.shapes[i]);
+        std::move(outcome.pieces.begin(), outcome.pieces.end(), std::back_inserter(next));
+        if (!outcome.shortfall.empty()) edited.shortfalls.push_back(outcome.shortfall + which);
+      } catch (const UsageError& error) {
+        throw UsageError(error.what() + which);
+      }
+    }
+    edited.shapes = std::move(next);
+  }
+  return edited;
+}
+
+// part.json becomes part-1.json, part-2.json, …
+std::string Numbered(const std::string& path, size_t number) {
+  const std::filesystem::path whole(path);
+  const std::string name =
+      whole.stem().string() + '-' + std::to_string(number) + whole.extension().string();
+  return (whole.parent_path() / name).string();
+}
+
+// The files to write: OUT, or one for each piece where an operation cuts.
+std::vector<GeometryFile> Outputs(const std::string& out,
+                                  bool pieces,
+                                  std::vector<Geometry> shapes) {
+  if (!pieces || out == "-") return {{out, std::move(shapes)}};
+  std::vector<GeometryFile> files;
+  for (Geometry& shape : shapes) {
+    files.push_back({Numbered(out, files.size() + 1), {std::move(shape)}});
+  }
+  return files;
+}
+
+// Files written together are open together; the system's usual limit is a thousand.
+void MakeRoom(size_t files) {
+  constexpr rlim_t kOthers = 64;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || files + kOthers <= limit.rlim_cur) return;
+  if (files + kOthers > limit.rlim_max) {
+    throw UsageError(fmt::format("edit: {} pieces are more files than this system lets be open, {}",
+                                 files,
+                                 limit.rlim_max - kOthers));
+  }
+  limit.rlim_cur = files + kOthers;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+Json Degrees(const Geometry& shape) {
+  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
+    return {surface->basis_u().degree(), surface->basis_v().degree()};
+  }
+  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
+    return Json::array({plane->basis().degree()});
+  }
+  return Json::array({std::get<NurbsCurve<3>>(shape).basis().degree()});
+}
+
+Json Sizes(const Geometry& shape) {
+  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
+    return {surface->size_u(), surface->size_v()};
+  }
+  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
+    return Json::array({plane->basis().size()});
+  }
+  return Json::array({std::get<NurbsCurve<3>>(shape).basis().size()});
+}
+
+const char* Kind(const Geometry& shape) {
+  return std::holds_alternative<NurbsSurface>(shape) ? "surface" : "curve";
+}
+
+Json Entry(const GeometryFile& file) {
+  Json entry{{"path", file.path}, {"kind", Kind(file.geometry.front())}};
+  if (file.geometry.size() == 1) {
+    entry["degree"] = Degrees(file.geometry.front());
+    entry["control_points"] = Sizes(file.geometry.front());
+  }
+  for (const Geometry& shape : file.geometry) {
+    if (entry["kind"] != Kind(shape)) entry["kind"] = "mixed";
+  }
+  entry["count"] = file.geometry.size();
+  return entry;
+}
+
+std::string Joined(const Json& numbers, const char* between) {
+  std::string text;
+  for (const Json& number : numbers) text += (text.empty() ? "" : between) + number.dump();
+  return text;
+}
+
+std::string Line(const Json& entry) {
+  const std::string what =
+      entry["path"].get<std::string>() + ": " + entry["kind"].get<std::string>();
+  if (!entry.contains("degree")) {
+    return fmt::format("{}, {} geometries", what, entry["count"].get<size_t>());
+  }
+  return fmt::format("{} of degree {}, {} control points",
+                     what,
+                     Joined(entry["degree"], ","),
+                     Joined(entry["control_points"], " x "));
+}
+
+int Run(const Arguments& a) {
+  CheckUnit(a.unit);
+  CheckDistinct({a.out}, a.flags.json);
+  std::vector<EditOperation> operations;
+  for (const std::string& text : a.operations) operations.push_back(ParseEditOperation(text));
+  const std::string& out_format = a.out_format.empty() && a.out == "-" ? a.format : a.out_format;
+  CheckGeometryFormat(a.out, out_format);
+  const bool pieces = std::any_of(operations.begin(), operations.end(), CutsIntoPieces);
+  CheckWritable(pieces && a.out != "-" ? Numbered(a.out, 1) : a.out);
+
+  const Progress progress = MakeProgress(a.flags.quiet);
+  Edited edited = EditAll(operations, ReadGeometry(a.geometry, {a.format}), progress);
+  const std::vector<GeometryFile> files = Outputs(a.out, pieces, std::move(edited.shapes));
+  MakeRoom(files.size());
+  Report(progress, "write", 1);
+  WriteGeometryFiles(files, {out_format, a.unit});
+  ClearProgress();
+
+  Json list = Json::array();
+  for (const GeometryFile& file : files) list.push_back(Entry(file));
+  if (a.flags.json) {
+    fmt::print("{}\n", Json{{"files", list}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else if (!a.flags.quiet && a.out != "-") {
+    for (const Json& entry : list) fmt::print("{}\n", Line(entry));
+  }
+  for (const std::string& shortfall : edited.shortfalls) PrintWarning(shortfall);
+  return edited.shortfalls.empty() ? kDone : kToleranceMissed;
+}
+
+}  // namespace
+
+void AddEditCommand(CLI::App& app, Action& action) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App& command = *app.add_subcommand(
+      "edit", "Change curves and surfaces: knots, degree, pieces, place, shape");
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+  command.add_option("OP", a->operations, "Operations, applied in order (below)")->required();
+  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")
+      ->required()
+      ->type_name("OUT");
+  command
+      .add_option("--format",
+                  a->format,
+                  "Format of GEOMETRY where its name does not tell, or of '-': json step")
+      ->type_name("FORMAT");
+  command
+      .add_option(
+          "--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+      ->type_name("FORMAT");
+  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
+      ->capture_default_str()
+      ->type_name("UNIT");
+  AddCommonFlags(command, a->flags);
+  command.footer(
+      "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"
+      "surfaces say dir=u or dir=v where a direction is meant; 'u' is another name of 'at'.\n" +
+      EditOperationsHelp() +
+      "After split or decompose the pieces of NAME.json are NAME-1.json, NAME-2.json, ..., and\n"
+      "what follows is done to each. Files appear all or none. Exit code 3 says that a removal or\n"
+      "reduction could not go as far as asked within its tolerance; what it could is written.\n"
+      "Examples:\n"
+      "  batten edit curve.json -o finer.json insert-knot:at=0.3,times=2 elevate:by=1\n"
+      "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
+      "  batten edit part.json -o moved.step rotate:axis=0,0,1,angle=90 translate:10,0,0\n"
+      "  batten edit part.json -o lighter.json remove-knot:dir=v,at=0.5,tolerance=0.01\n"
+      "  batten edit part.json -o edge.json iso:dir=u,at=0");
+  command.callback([a, &action] { action = [a] { return Run(*a); }; });
+}
+
+}  // namespace batten

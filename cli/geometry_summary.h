@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// What `analyze` and `info` say of a curve or surface, as JSON and as text.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "batten/io/geometry_file.h"
+
+namespace batten {
+
+// {"kind", "degree", "control_points", "knots", "domain", "periodic", "continuity", "rational",
+// "closed", "seam", "bounding_box", "length" | "area", "curvature", "shape"[, "shape_parameters"]}.
+//  continuity: per direction, the least k of C^k over the interior knots as measured there; the
+//    degree where there is none. seam: the same from the end of a closed direction to its start,
+//    null where it is not closed.
+//  curvature: the extremes of a curve's curvature, of a surface's principal curvatures; null for
+//    none, and in place of what grows without bound.
+//  shape: NameOf(ClassifyShape(…, {tolerance})); its parameters in the data's units and radians.
+nlohmann::ordered_json SummaryOf(const Geometry& geometry, double tolerance);
+
+// The summary of the only one, or {"results": […]} with "index".
+nlohmann::ordered_json SummaryOf(const std::vector<Geometry>& geometry, double tolerance);
+
+// An object, or each of its "results", a line for a key; objects inside are indented.
+void PrintAligned(const nlohmann::ordered_json& summary);
+
+// One line of JSON, or many with an indent. Names in files need not be UTF-8: what is not becomes
+// the replacement character.
+std::string JsonText(const nlohmann::ordered_json& json, int indent = -1);
+
+}  // namespace batten

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "batten/geometry/reverse.h"
+
+#include "batten/geometry/control_rows.h"
+#include "batten/geometry/knot_vectors.h"
+
+namespace batten {
+namespace {
+
+ControlRows ReversedRows(ControlRows rows) {
+  rows.basis = Reversed(rows.basis);
+  for (Eigen::MatrixXd& x : rows.coordinates) x = x.rowwise().reverse().eval();
+  if (rows.rational()) rows.weights = rows.weights.rowwise().reverse().eval();
+  return rows;
+}
+
+}  // namespace
+
+template <int Dim>
+NurbsCurve<Dim> Reversed(const NurbsCurve<Dim>& curve) {
+  return Edited(curve, ReversedRows);
+}
+
+NurbsSurface Reversed(const NurbsSurface& surface, Direction direction) {
+  return Edited(surface, direction, ReversedRows);
+}
+
+NurbsSurface Swapped(const NurbsSurface& surface) {
+  // The rows across u, read as rows across v.
+  return SurfaceOf(RowsOf(surface, Direction::kU), Direction::kV, surface.basis_v());
+}
+
+template NurbsCurve<2> Reversed(const NurbsCurve<2>&);
+template NurbsCurve<3> Reversed(const NurbsCurve<3>&);
+
+}  // namespace batten
