@@ -15,6 +15,9 @@ constexpr double kMiss = 2e-11;  // of the shape's size
 // Rounding of a coefficient of F over the square of the lengths that enter it: a handful of
 // operations on products whose sums have a few dozen terms of both signs.
 constexpr double kRounding = 8 * kEpsilon;
+// A distance far above the size is given to some units in its last place, of which this is the
+// share of its square: more than the rounding above for points ten sizes away.
+constexpr double kFarRounding = 4 * kRounding;
 constexpr int kDeepest = 100;
 constexpr int kMostCells = 200000;  // for one point, before the bound is given as it stands
 
@@ -58,7 +61,7 @@ void FootProof::Check(int piece, double box_squared) {
   const double q2 = local_q_.squaredNorm();
   const double reach = std::sqrt(q2) + table_.radii[piece];
   for (;;) {
-    wanted_ = epsilon_ * (2 * std::sqrt(squared_) + epsilon_);
+    wanted_ = epsilon_ * (2 * std::sqrt(squared_) + epsilon_) + kFarRounding * squared_;
     const double rounding = kRounding * (reach * reach + squared_);
     const bool exact = rounding > wanted_;
     // Two halves a level.

@@ -130,7 +130,8 @@ TEST(CurveFrameTest, TangentsAtCoincidentEndPointsAreLimits) {
           curve.control_points().col(n - 1) - curve.control_points().col(n - 1 - coincident);
       const auto start = TangentAt(curve, curve.basis().lower());
       const auto end = TangentAt(curve, curve.basis().upper());
-      ASSERT_TRUE(start && end) << "far " << far << " degree " << degree << " coincident " << coincident << ' ' << !!start << !!end;
+      ASSERT_TRUE(start && end) << "far " << far << " degree " << degree << " coincident "
+                                << coincident << ' ' << !!start << !!end;
       const double rounding = far == 0 ? kIterated : kHalfDigits * 10;
       EXPECT_NEAR((*start - first.normalized()).norm(), 0, rounding);
       EXPECT_NEAR((*end - last.normalized()).norm(), 0, rounding);

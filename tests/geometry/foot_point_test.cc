@@ -35,7 +35,7 @@ Eigen::Vector3d Query(const NurbsSurface& surface, RandomSplines& random) {
     case 1:
       return surface.At(u, v) + random.Vector(0.3 * size);
     case 2:
-      return CentreOf(surface) + random.Vector(100 * size);
+      return CentreOf(surface) + random.Vector(std::pow(10.0, random.Integer(2, 10)) * size);
     case 3:
       return CentreOf(surface) + random.Vector(kRounding * size);
     case 4:
@@ -115,7 +115,8 @@ class Comparison {
     Expect(foot.distance, foot.lower_bound, reached);
   }
   void Expect(double distance, double lower_bound, double reached) {
-    const double rounding = 16 * std::numeric_limits<double>::epsilon() * (extent_ + distance);
+    // Some units in the last place of the coordinates and, from far away, of the distance.
+    const double rounding = 64 * std::numeric_limits<double>::epsilon() * (extent_ + distance);
     EXPECT_LE(distance, reached + 1e-10 * size_ + rounding);
     EXPECT_LE(lower_bound, reached + kRounding * (extent_ + distance));
     EXPECT_LE(lower_bound, distance);
@@ -325,7 +326,7 @@ Eigen::Matrix<double, Dim, 1> CurveQuery(const NurbsCurve<Dim>& curve, RandomSpl
     case 1:
       return on + random.Vector(0.1).template head<Dim>();
     case 2:
-      return random.Vector(100).template head<Dim>();
+      return random.Vector(std::pow(10.0, random.Integer(2, 10))).template head<Dim>();
     default:
       return random.Vector(1.5).template head<Dim>();
   }
