@@ -122,8 +122,8 @@ class Comparison {
     EXPECT_LE(lower_bound, distance);
     EXPECT_GE(lower_bound, distance - 1e-10 * size_ - rounding);
     if (size_ == 0) return;
-    worst_ = std::max(worst_, (distance - reached) / size_);
-    loosest_ = std::max(loosest_, (distance - lower_bound) / size_);
+    worst_ = std::max(worst_, (distance - reached - rounding) / size_);
+    loosest_ = std::max(loosest_, (distance - lower_bound - rounding) / size_);
   }
   double worst() const { return worst_; }
   double loosest() const { return loosest_; }
@@ -451,9 +451,12 @@ TEST(LongFootPointTest, OfManyNastyShapesIsNeverWorseThanAPolishedDenseSampling)
     }
     see(comparison);
   }
-  std::printf("farther than the dense sampling by at most %.2g of the size; bounds below by %.2g\n",
-              worst,
-              loosest);
+  std::printf(
+      "beside rounding farther than the dense sampling by at most %.2g of the size, bounds below "
+      "by "
+      "%.2g\n",
+      worst,
+      loosest);
 }
 
 }  // namespace
