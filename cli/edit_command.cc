@@ -174,7 +174,9 @@ int Run(const Arguments& a) {
   } else if (!a.flags.quiet && a.out != "-") {
     for (const Json& entry : list) fmt::print("{}\n", Line(entry));
   }
-  for (const std::string& shortfall : edited.shortfalls) PrintWarning(shortfall);
+  if (!a.flags.quiet) {
+    for (const std::string& shortfall : edited.shortfalls) PrintWarning(shortfall);
+  }
   return edited.shortfalls.empty() ? kDone : kToleranceMissed;
 }
 

@@ -261,8 +261,8 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   command.footer(
       "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"
       "outside the domain is refused; in a periodic direction it is taken whole periods away.\n"
-      "Normals are S_u x S_v / |...|, at collapsed edges their limit, none where there is no "
-      "limit.\n"
+      "Normals are S_u x S_v / |...|. They and curvatures are limits at collapsed edges, and none\n"
+      "where there is no limit.\n"
       "Examples:\n"
       "  batten evaluate part.json --at 0.5,0.25\n"
       "  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json     with curvature\n"

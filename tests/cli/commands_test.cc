@@ -292,6 +292,7 @@ TEST_F(CommandsTest, InterruptedWorkLeavesNothingWithinASecond) {
             "--residuals",
             folder_.File("out.csv")},
            {"compare", patch_, big, "--residuals", folder_.File("out.csv")},
+           {"project", patch_, big},
            {"sample", patch_, "-o", folder_.File("out.xyz"), "--count", "10000000"}}) {
     const std::ptrdiff_t before = folder_.Entries();
     const ProgramRun run = Batten(command, {"", kAfter});
