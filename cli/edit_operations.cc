@@ -177,7 +177,8 @@ EditOutcome Reparameterize(const EditOperation& op, const Geometry& shape) {
   const std::vector<double>& x = op.Numbers(op.Has("to") ? "to" : "mobius");
   return InDirection(op, shape, [&](const auto& one, auto... direction) {
     if (x.size() == 2) return One(Reparameterized(one, direction..., x[0], x[1]));
-    return One(MobiusReparameterized(one, direction..., x[0], x[1], x[2], x[3]));
+    // The book maps old to new, the library's function new to old.
+    return One(MobiusReparameterized(one, direction..., x[3], -x[1], -x[2], x[0]));
   });
 }
 

@@ -96,7 +96,7 @@ const std::vector<Operation>& Operations() {
        {{"to", 2, 2, kAny, Key::Need::kNo}, {"mobius", 4, 4, kAny, Key::Need::kNo}},
        Dir::kMeant,
        "to=a;b",
-       "to the domain [a, b]; or mobius=A;B;C;D: u = (A s + B) / (C s + D)"},
+       "to the domain [a, b]; or mobius=A;B;C;D: u becomes (A u + B) / (C u + D)"},
       {"iso", {kAt}, Dir::kMeant, "at=0.5", "the curve of a surface on which u (or v) is fixed"},
       {"set-weight",
        {{"index", 1, 2, kIndex}, {"value", 1, 1, kPositive}},

@@ -164,7 +164,7 @@ TEST_F(EditTest, ParametersChangeAsNamed) {
   const auto unit = Edited<NurbsCurve<2>>(curve, {"reparameterize:to=0;1"});
   const auto mobius = Edited<NurbsCurve<2>>(unit, {"reparameterize:mobius=1;0;-1;2"});
   for (double s : {0.0, 0.3, 0.9, 1.0}) {
-    EXPECT_LT((mobius.At(s) - unit.At(s / (2 - s))).norm(), kRounding * 100);
+    EXPECT_LT((mobius.At(s) - unit.At(2 * s / (1 + s))).norm(), kRounding * 100);
   }
   const NurbsSurface surface = random_.Surface(2, 3, true);
   const NurbsSurface swapped = Edited<NurbsSurface>(surface, {"swap"});
