@@ -65,7 +65,8 @@ TEST(ClampedTest, MakesPeriodicCurvesClosedOnes) {
 template <typename Shape>
 double UnclampingUnits(const Shape& unclamped) {
   const double largest =
-      (unclamped.control_points().cwiseAbs() * unclamped.weights().asDiagonal()).maxCoeff();
+      (unclamped.control_points().array().abs().rowwise() * unclamped.weights().transpose().array())
+          .maxCoeff();
   return 64 * std::max(1.0, largest / unclamped.weights().minCoeff());
 }
 

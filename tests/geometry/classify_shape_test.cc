@@ -12,6 +12,7 @@
 #include "batten/geometry/homogeneous.h"
 #include "dense_samples.h"
 #include "exact_shapes.h"
+#include "fixtures.h"
 #include "random_splines.h"
 #include "tolerances.h"
 
@@ -252,7 +253,7 @@ TEST(ClassifyShapeTest, PointsKeepTheLawOfTheFoci) {
 
 TEST(ClassifyShapeTest, OtherCurvesAreFree) {
   RandomSplines random(5);
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < 1000; ++k) {
     const int degree = random.Integer(2, 11);
     const bool periodic = random.Integer(0, 3) == 0;
     const BasisKind kind{.clamped = random.Coin(), .periodic = periodic};
@@ -460,7 +461,7 @@ void CheckPatches(unsigned seed, int count, double least) {
   }
 }
 
-TEST(ClassifyShapeTest, PatchesOfPrimitivesAreRecognizedInEveryForm) { CheckPatches(7, 200, 1e-2); }
+TEST(ClassifyShapeTest, PatchesOfPrimitivesAreRecognizedInEveryForm) { CheckPatches(7, 400, 1e-2); }
 
 TEST(ClassifyShapeTest, WholePrimitivesAreRecognized) {
   RandomSplines random(8);
@@ -483,7 +484,7 @@ TEST(ClassifyShapeTest, WholePrimitivesAreRecognized) {
 // Any net in a plane, weights and all.
 TEST(ClassifyShapeTest, AnyFormOfAPlaneIsAPlane) {
   RandomSplines random(9);
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < 100; ++k) {
     SCOPED_TRACE(::testing::Message() << "seed 9, case " << k);
     const NurbsSurface any = random.Surface(random.Integer(1, 6),
                                             random.Integer(1, 6),
@@ -517,7 +518,7 @@ TEST(ClassifyShapeTest, AnyFormOfAPlaneIsAPlane) {
 
 TEST(ClassifyShapeTest, OtherSurfacesAreFree) {
   RandomSplines random(10);
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 100; ++k) {
     const int p = random.Integer(1, 7), q = random.Integer(1, 7);
     SCOPED_TRACE(::testing::Message() << "seed 10, case " << k << ": degrees " << p << ", " << q);
     const NurbsSurface surface =
@@ -600,6 +601,46 @@ TEST(ClassifyShapeTest, CollapsedSurfacesAreFree) {
     const NurbsSurface flat(any.basis_u(), any.basis_v(), points, weights);
     EXPECT_EQ(NameOf(ClassifyShape(flat)), "free");
   }
+}
+
+// exact_primitives.json: about the origin and the z axis.
+TEST(ClassifyShapeTest, OraclePrimitives) {
+  fixtures::CheckAll("exact_primitives.json", [](const auto& in, const auto& expected, double tol) {
+    const std::string kind = in.at("kind");
+    const auto& form = expected.at("one_valid_nurbs");
+    if (in.contains("radii")) {
+      const CurveShape shape = ClassifyShape(fixtures::Curve<3>(form));
+      ASSERT_EQ(NameOf(shape), kind);
+      const double a = in.at("radii")[0], b = in.at("radii")[1];
+      if (const auto* circle = std::get_if<CircleShape>(&shape)) {
+        fixtures::ExpectClose(circle->radius, a, tol);
+        EXPECT_LT(circle->center.norm(), tol * a);
+      } else {
+        const auto& ellipse = std::get<EllipseShape>(shape);
+        fixtures::ExpectClose(ellipse.major_radius, a, tol);
+        fixtures::ExpectClose(ellipse.minor_radius, b, tol);
+        EXPECT_LT(ellipse.center.norm(), tol * a);
+      }
+      return;
+    }
+    const SurfaceShape shape = ClassifyShape(fixtures::Surface(form));
+    ASSERT_EQ(NameOf(shape), kind);
+    const double first = in.at("parameters")[0];
+    if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
+      fixtures::ExpectClose(sphere->radius, first, tol);
+    } else if (const auto* cylinder = std::get_if<CylinderShape>(&shape)) {
+      fixtures::ExpectClose(cylinder->radius, first, tol);
+    } else if (const auto* torus = std::get_if<TorusShape>(&shape)) {
+      fixtures::ExpectClose(torus->major_radius, first, tol);
+      fixtures::ExpectClose(torus->minor_radius, in.at("parameters")[1], tol);
+    } else {
+      // Radius at z = 0, and the angle of the rulings to the axis.
+      const auto& cone = std::get<ConeShape>(shape);
+      const double angle = in.at("parameters")[1];
+      fixtures::ExpectClose(cone.half_angle, angle, tol);
+      fixtures::ExpectClose(cone.apex.norm(), first / std::tan(angle), tol);
+    }
+  });
 }
 
 TEST(LongClassifyShapeTest, PatchesOfPrimitivesAreRecognizedInEveryForm) {
