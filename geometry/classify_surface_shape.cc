@@ -213,7 +213,10 @@ class Classifier {
     const Eigen::Matrix3d axes =
         Eigen::JacobiSVD<Eigen::Matrix3d>(r, Eigen::ComputeFullV).matrixV();
     const Eigen::Matrix3Xd turned = axes.transpose() * centred;
-    const Eigen::Vector3d stretch = turned.rowwise().lpNorm<Eigen::Infinity>();
+    Eigen::Vector3d stretch = turned.rowwise().lpNorm<Eigen::Infinity>();
+    for (double& s : stretch) {
+      if (!(s > 0)) s = 1;  // all fitted points in one plane, others not
+    }
     Eigen::MatrixXd design(centred.cols(), 5);
     design << turned.colwise().squaredNorm().transpose(),
         (stretch.cwiseInverse().asDiagonal() * turned).transpose(),
@@ -358,6 +361,8 @@ class Classifier {
     for (const auto& xi : profile.colwise()) {
       if (xi[0] > -kOuter * radius) outer.col(count++) = xi;
     }
+    constexpr Eigen::Index kFewestOfACircle = 3;
+    if (count < kFewestOfACircle) return FreeForm{};
     return Torus(about, outer.leftCols(count));
   }
 
