@@ -47,11 +47,16 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
   return gram;
 }
 
-FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis& inner) {
+FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis* inner) {
   const auto term = [&](double factor, int k, int l) {
-    return Term{factor, DerivativeGram(outer, k), DerivativeGram(inner, l)};
+    return Term{factor,
+                DerivativeGram(outer, k),
+                inner ? DerivativeGram(*inner, l) : Eigen::MatrixXd::Ones(1, 1)};
   };
-  if (std::min(outer.degree(), inner.degree()) >= 2) {
+  if (!inner) {
+    terms_[0] = term(1, std::min(2, outer.degree()), 0);
+    term_count_ = 1;
+  } else if (std::min(outer.degree(), inner->degree()) >= 2) {
     terms_[0] = term(1, 2, 0);
     terms_[1] = term(2, 1, 1);
     terms_[2] = term(1, 0, 2);

@@ -22,10 +22,11 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order);
 
 // The thin-plate energy ∫∫ S_uu² + 2 S_uv² + S_vv² as a quadratic form in the coefficients; where a
 // degree is 1, and second derivatives vanish, the membrane energy ∫∫ S_u² + S_v² instead.
-// Parameters should be lengths, so that both directions weigh the same.
+// Parameters should be lengths, so that both directions weigh the same. Of a curve, without an
+// inner basis (null): ∫ C″², or ∫ C′² at degree 1.
 class FairnessForm {
  public:
-  FairnessForm(const SplineBasis& outer, const SplineBasis& inner);
+  FairnessForm(const SplineBasis& outer, const SplineBasis* inner);
 
   // Adds weight times the form; coefficient (i,j) is i·inner.size() + j.
   void AddTo(BlockBandedMatrix& matrix, double weight) const;

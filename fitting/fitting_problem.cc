@@ -44,10 +44,15 @@ Eigen::MatrixXd InNetOrder(const Eigen::MatrixXd& solution,
   return net;
 }
 
+void RequireInside(const Eigen::RowVectorXd& parameters, const SplineBasis& basis) {
+  if (parameters.minCoeff() < basis.lower() || parameters.maxCoeff() > basis.upper())
+    Reject("a parameter lies outside the domain");
+}
+
 }  // namespace
 
 FittingProblem::FittingProblem(SplineBasis basis_u,
-                               SplineBasis basis_v,
+                               std::optional<SplineBasis> basis_v,
                                std::shared_ptr<const FittingData> data,
                                double smoothing)
     : basis_u_(std::move(basis_u)),
@@ -66,17 +71,34 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
   if (!(smoothing_ >= 0) || !std::isfinite(smoothing_))
     Reject("smoothing is negative or not finite");
   if (m > 0) {
-    const Eigen::Vector2d low = data_->parameters.rowwise().minCoeff();
-    const Eigen::Vector2d high = data_->parameters.rowwise().maxCoeff();
-    if (low[0] < basis_u_.lower() || high[0] > basis_u_.upper() || low[1] < basis_v_.lower() ||
-        high[1] > basis_v_.upper()) {
-      Reject("a parameter lies outside the domain");
-    }
+    RequireInside(data_->parameters.row(0), basis_u_);
+    if (basis_v_) RequireInside(data_->parameters.row(1), *basis_v_);
   }
 }
 
+FittingProblem::FittingProblem(SplineBasis basis_u,
+                               SplineBasis basis_v,
+                               std::shared_ptr<const FittingData> data,
+                               double smoothing)
+    : FittingProblem(std::move(basis_u),
+                     std::optional<SplineBasis>(std::move(basis_v)),
+                     std::move(data),
+                     smoothing) {}
+
+FittingProblem::FittingProblem(SplineBasis basis,
+                               std::shared_ptr<const FittingData> data,
+                               double smoothing)
+    : FittingProblem(std::move(basis), std::optional<SplineBasis>(), std::move(data), smoothing) {}
+
 FittingProblem FittingProblem::WithBases(SplineBasis basis_u, SplineBasis basis_v) const {
-  return FittingProblem(std::move(basis_u), std::move(basis_v), data_, smoothing_);
+  if (is_curve()) Reject("a curve has one basis");
+  return FittingProblem(
+      std::move(basis_u), std::optional<SplineBasis>(std::move(basis_v)), data_, smoothing_);
+}
+
+FittingProblem FittingProblem::WithBasis(SplineBasis basis) const {
+  if (!is_curve()) Reject("a surface has two bases");
+  return FittingProblem(std::move(basis), data_, smoothing_);
 }
 
 FittingProblem FittingProblem::WithWeights(Eigen::VectorXd weights) const {
@@ -85,10 +107,25 @@ FittingProblem FittingProblem::WithWeights(Eigen::VectorXd weights) const {
   return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
 }
 
+FittingProblem FittingProblem::WithParameters(Eigen::Matrix2Xd parameters) const {
+  auto data = std::make_shared<FittingData>();
+  data->parameters = std::move(parameters);
+  data->values = data_->values;
+  data->weights = data_->weights;
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
+}
+
+FittingProblem FittingProblem::WithData(std::shared_ptr<const FittingData> data) const {
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
+}
+
 LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
-  const bool u_outside = problem.basis_u().size() >= problem.basis_v().size();
+  const bool u_outside = problem.is_curve() || problem.basis_u().size() >= problem.basis_v().size();
   const SplineBasis& outer = u_outside ? problem.basis_u() : problem.basis_v();
-  const SplineBasis& inner = u_outside ? problem.basis_v() : problem.basis_u();
+  const SplineBasis* inner = problem.is_curve() ? nullptr
+                             : u_outside        ? &problem.basis_v()
+                                                : &problem.basis_u();
+  const int inner_size = inner ? inner->size() : 1;
   const Eigen::VectorXd outer_parameters = problem.data().parameters.row(u_outside ? 0 : 1);
   const Eigen::VectorXd inner_parameters = problem.data().parameters.row(u_outside ? 1 : 0);
   const CellOrder order(outer, inner, outer_parameters, inner_parameters);
@@ -110,7 +147,7 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   double lambda = problem.smoothing() * unit;
   Eigen::MatrixXd solution;
   for (int attempt = 0;; ++attempt) {
-    BlockBandedMatrix matrix(outer.size(), inner.size(), outer.degree());
+    BlockBandedMatrix matrix(outer.size(), inner_size, outer.degree());
     equations.AddTo(matrix);
     if (lambda > 0) fairness.AddTo(matrix, lambda);
     // High degrees need more than rounding's worth of it.
@@ -136,8 +173,10 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
     squares -=
         solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(solution.col(d));
   }
-  result.coefficients =
-      InNetOrder(solution, u_outside, problem.basis_u().size(), problem.basis_v().size());
+  result.coefficients = InNetOrder(solution,
+                                   u_outside,
+                                   u_outside ? outer.size() : inner_size,
+                                   u_outside ? inner_size : outer.size());
   if (squares < kCancelled * equations.squares()) {
     const Eigen::VectorXd errors =
         (EvaluateAt(problem, result.coefficients, pool) - problem.data().values)
@@ -153,20 +192,22 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
 Eigen::MatrixXd EvaluateAt(const FittingProblem& problem,
                            const Eigen::MatrixXd& coefficients,
                            ThreadPool& pool) {
-  const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
+  const SplineBasis& bu = problem.basis_u();
+  const SplineBasis* bv = problem.is_curve() ? nullptr : &problem.basis_v();
   const Eigen::Matrix2Xd& uv = problem.data().parameters;
-  const int p = bu.degree(), q = bv.degree();
+  const int p = bu.degree(), q = bv ? bv->degree() : 0, size_v = bv ? bv->size() : 1;
   Eigen::MatrixXd values(coefficients.rows(), uv.cols());
   pool.For(uv.cols(), 2048, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     double Nu[kMaxDegree + 1], Nv[kMaxDegree + 1];
+    Nv[0] = 1;
     for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const int su = bu.Span(uv(0, k)), sv = bv.Span(uv(1, k));
+      const int su = bu.Span(uv(0, k)), sv = bv ? bv->Span(uv(1, k)) : 0;
       bu.Values(su, uv(0, k), Nu);
-      bv.Values(sv, uv(1, k), Nv);
+      if (bv) bv->Values(sv, uv(1, k), Nv);
       for (Eigen::Index d = 0; d < coefficients.rows(); ++d) {
         double sum = 0;
         for (int r = 0; r <= p; ++r) {
-          const Eigen::Index row = Eigen::Index{su - p + r} * bv.size() + sv - q;
+          const Eigen::Index row = Eigen::Index{su - p + r} * size_v + sv - q;
           double inner = 0;
           for (int s = 0; s <= q; ++s) inner += Nv[s] * coefficients(d, row + s);
           sum += Nu[r] * inner;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A spline least-squares problem at given parameters, and its linear solution.
+// A spline least-squares problem of a curve or surface, and its linear solution at given
+// parameters.
 #pragma once
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
@@ -12,15 +14,16 @@ namespace batten {
 
 // What is to be approximated: value k (d components) at parameters column k, with a weight.
 struct FittingData {
-  Eigen::Matrix2Xd parameters;  // (u, v)
-  Eigen::MatrixXd values;       // d × m: heights over a base (d = 1) or points (d = 3)
+  Eigen::Matrix2Xd parameters;  // (u, v); curves: (u, 0)
+  Eigen::MatrixXd values;       // d × m: heights over a base (d = 1) or points (d = 2, 3)
   Eigen::VectorXd weights;      // empty: ones
 };
 
 // Bases, data and fairness: everything the control points follow from. Minimises
 //   Σ w |S(u_k,v_k) − z_k|² + λ ∫∫ S_uu² + 2 S_uv² + S_vv²,   λ = smoothing · tr(A)/tr(P),
 // A the normal matrix and P the fairness matrix, so that `smoothing` means the same at every number
-// of points and in every unit. Data are shared between problems that differ in their bases.
+// of points and in every unit. A curve has one basis and the energy ∫ C″². Data are shared between
+// problems that differ in their bases.
 class FittingProblem {
  public:
   // Throws std::invalid_argument unless sizes agree, parameters lie in the bases' domains,
@@ -30,26 +33,39 @@ class FittingProblem {
                  std::shared_ptr<const FittingData> data,
                  double smoothing);
 
+  // A curve's problem.
+  FittingProblem(SplineBasis basis, std::shared_ptr<const FittingData> data, double smoothing);
+
   // The same data over other bases on the same domain; and with other weights.
   FittingProblem WithBases(SplineBasis basis_u, SplineBasis basis_v) const;
+  FittingProblem WithBasis(SplineBasis basis) const;  // of a curve
   FittingProblem WithWeights(Eigen::VectorXd weights) const;
+  FittingProblem WithParameters(Eigen::Matrix2Xd parameters) const;
+  FittingProblem WithData(std::shared_ptr<const FittingData> data) const;
 
+  bool is_curve() const { return !basis_v_; }
   const SplineBasis& basis_u() const { return basis_u_; }
-  const SplineBasis& basis_v() const { return basis_v_; }
+  const SplineBasis& basis_v() const { return basis_v_.value(); }  // surfaces only
   const FittingData& data() const { return *data_; }
+  const std::shared_ptr<const FittingData>& shared_data() const { return data_; }
   double smoothing() const { return smoothing_; }
   Eigen::Index size() const { return data_->parameters.cols(); }
-  int unknowns() const { return basis_u_.size() * basis_v_.size(); }
+  int unknowns() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
 
  private:
-  FittingProblem() = default;
-  SplineBasis basis_u_{1, {0, 0, 1, 1}}, basis_v_{1, {0, 0, 1, 1}};
+  FittingProblem(SplineBasis basis_u,
+                 std::optional<SplineBasis> basis_v,
+                 std::shared_ptr<const FittingData> data,
+                 double smoothing);
+
+  SplineBasis basis_u_;
+  std::optional<SplineBasis> basis_v_;
   std::shared_ptr<const FittingData> data_;
   double smoothing_ = 0;
 };
 
 struct LinearSolution {
-  Eigen::MatrixXd coefficients;  // d × (n_u · n_v), v fastest
+  Eigen::MatrixXd coefficients;  // d × (n_u · n_v), v fastest; curves: d × n
   double residual_squares = 0;   // Σ w |S − z|², to full accuracy even where it is tiny
   bool regularised = false;      // the matrix was singular: smoothing had to be raised
 };

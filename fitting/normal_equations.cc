@@ -26,11 +26,13 @@ inline void Rank1(double* gram, const double* a, int na, const double* b, int nb
 }  // namespace
 
 CellOrder::CellOrder(const SplineBasis& outer_basis,
-                     const SplineBasis& inner_basis,
+                     const SplineBasis* inner_basis,
                      const Eigen::VectorXd& outer,
                      const Eigen::VectorXd& inner) {
-  const std::vector<int> outer_spans = outer_basis.Spans(), inner_spans = inner_basis.Spans();
-  std::vector<int> outer_rank(outer_basis.size(), 0), inner_rank(inner_basis.size(), 0);
+  const std::vector<int> outer_spans = outer_basis.Spans(),
+                         inner_spans = inner_basis ? inner_basis->Spans() : std::vector<int>{0};
+  std::vector<int> outer_rank(outer_basis.size(), 0),
+      inner_rank(inner_basis ? inner_basis->size() : 1, 0);
   for (size_t k = 0; k < outer_spans.size(); ++k) outer_rank[outer_spans[k]] = static_cast<int>(k);
   for (size_t k = 0; k < inner_spans.size(); ++k) inner_rank[inner_spans[k]] = static_cast<int>(k);
   const int columns = static_cast<int>(inner_spans.size());
@@ -39,8 +41,8 @@ CellOrder::CellOrder(const SplineBasis& outer_basis,
   std::vector<int> cell_of(static_cast<size_t>(m));
   std::vector<Eigen::Index> start(static_cast<size_t>(cell_count_) + 1, 0);
   for (Eigen::Index k = 0; k < m; ++k) {
-    cell_of[k] =
-        outer_rank[outer_basis.Span(outer[k])] * columns + inner_rank[inner_basis.Span(inner[k])];
+    cell_of[k] = outer_rank[outer_basis.Span(outer[k])] * columns +
+                 (inner_basis ? inner_rank[inner_basis->Span(inner[k])] : 0);
     ++start[cell_of[k] + 1];
   }
   for (int c = 0; c < cell_count_; ++c) {
@@ -55,7 +57,7 @@ CellOrder::CellOrder(const SplineBasis& outer_basis,
 }
 
 NormalEquations::NormalEquations(const SplineBasis& outer_basis,
-                                 const SplineBasis& inner_basis,
+                                 const SplineBasis* inner_basis,
                                  const Eigen::VectorXd& outer,
                                  const Eigen::VectorXd& inner,
                                  const Eigen::MatrixXd& values,
@@ -63,7 +65,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                                  const CellOrder& order,
                                  ThreadPool& pool)
     : degree_outer_(outer_basis.degree()),
-      degree_inner_(inner_basis.degree()),
+      degree_inner_(inner_basis ? inner_basis->degree() : 0),
       cells_(order.cells()) {
   const int p = degree_outer_, q = degree_inner_;
   const int pairs_outer = (p + 1) * (p + 2) / 2, pairs_inner = (q + 1) * (q + 2) / 2;
@@ -88,7 +90,8 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                  const double weight = weights.size() > 0 ? weights[k] : 1.0;
                  if (weight == 0) continue;
                  outer_basis.Values(cell.outer_span, outer[k], No);
-                 inner_basis.Values(cell.inner_span, inner[k], Ni);
+                 Ni[0] = 1;
+                 if (inner_basis) inner_basis->Values(cell.inner_span, inner[k], Ni);
                  Pairs(No, p, po.data());
                  Pairs(Ni, q, pi.data());
                  if (p == 3 && q == 3) {
@@ -108,7 +111,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
              }
            });
 
-  const int inner_size = inner_basis.size();
+  const int inner_size = inner_basis ? inner_basis->size() : 1;
   rhs_ = Eigen::MatrixXd::Zero(Eigen::Index{outer_basis.size()} * inner_size, dimension);
   for (size_t c = 0; c < cells_.size(); ++c) {
     const double* rhs = cell_rhs.data() + c * functions * dimension;

@@ -14,9 +14,10 @@ namespace batten {
 // Points in the order of the knot cells their parameters lie in.
 class CellOrder {
  public:
-  // `outer` and `inner` hold one parameter a point, inside the bases' domains. O(m).
+  // `outer` and `inner` hold one parameter a point, inside the bases' domains. A curve has no inner
+  // basis (null): its only inner span is 0. O(m).
   CellOrder(const SplineBasis& outer_basis,
-            const SplineBasis& inner_basis,
+            const SplineBasis* inner_basis,
             const Eigen::VectorXd& outer,
             const Eigen::VectorXd& inner);
 
@@ -41,9 +42,9 @@ class CellOrder {
 // does not depend on the number of threads. O(m (p+1)² (q+1)² / 4).
 class NormalEquations {
  public:
-  // values: d × m; weights: empty for ones.
+  // values: d × m; weights: empty for ones; inner basis: null for a curve.
   NormalEquations(const SplineBasis& outer_basis,
-                  const SplineBasis& inner_basis,
+                  const SplineBasis* inner_basis,
                   const Eigen::VectorXd& outer,
                   const Eigen::VectorXd& inner,
                   const Eigen::MatrixXd& values,
@@ -51,7 +52,8 @@ class NormalEquations {
                   const CellOrder& order,
                   ThreadPool& pool);
 
-  // Adds A; the bandwidth must be the outer degree, the block size the inner basis' size.
+  // Adds A; the bandwidth must be the outer degree, the block size the inner basis' size (1 for a
+  // curve).
   void AddTo(BlockBandedMatrix& matrix) const;
 
   const Eigen::MatrixXd& rhs() const { return rhs_; }  // n × d

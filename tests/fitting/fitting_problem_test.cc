@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batten/geometry/nurbs_surface.h"
 #include "random_splines.h"
@@ -405,6 +408,200 @@ TEST(FittingProblemTest, RefusesParametersOutsideTheDomain) {
 TEST(FittingProblemTest, RefusesToBeWithoutData) {
   const SplineBasis basis = SplineBasis::Uniform(2, 4, 0, 1);
   EXPECT_THAT(Refusal([&] { FittingProblem(basis, basis, nullptr, 0); }), HasSubstr("data"));
+}
+
+// A curve's problem, many points a span, of one to three dimensions, weighted or not.
+FittingProblem RandomCurveProblem(unsigned seed, double smoothing) {
+  RandomSplines random(seed);
+  const int degree = random.Integer(1, 4);
+  const SplineBasis basis = SplineBasis::Uniform(
+      degree, degree + random.Integer(1, 8), random.Real(-2, 0), random.Real(1, 3));
+  auto data = RandomData(random, basis, basis, 40 * basis.size(), random.Integer(1, 3));
+  data->parameters.row(1).setZero();
+  if (random.Coin()) {
+    data->weights.resize(data->values.cols());
+    for (double& w : data->weights) w = random.Integer(0, 4) == 0 ? 0 : random.Real(0.5, 2);
+  }
+  return FittingProblem(basis, std::move(data), smoothing);
+}
+
+void ForRandomCurves(double smoothing, const std::function<void(const FittingProblem&)>& law) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    law(RandomCurveProblem(seed, smoothing));
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+// Row k has the functions at parameter k.
+Eigen::MatrixXd DesignMatrix(const FittingProblem& curve) {
+  const SplineBasis& basis = curve.basis_u();
+  Eigen::MatrixXd design(curve.size(), basis.size());
+  for (Eigen::Index k = 0; k < curve.size(); ++k) {
+    for (int i = 0; i < basis.size(); ++i)
+      design(k, i) = basis.Function(i, curve.data().parameters(0, k));
+  }
+  return design;
+}
+
+// ∫ N_i″ N_j″ by Simpson's rule on 64 parts a span; of degree one ∫ N_i′ N_j′.
+Eigen::MatrixXd EnergyMatrix(const SplineBasis& basis) {
+  const int order = std::min(2, basis.degree()), n = basis.size(), p = basis.degree();
+  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(n, n);
+  std::vector<double> values(static_cast<size_t>((order + 1) * (p + 1)));
+  for (const int span : basis.Spans()) {
+    const double a = basis.knots()[span], h = (basis.knots()[span + 1] - a) / 64;
+    for (int k = 0; k <= 64; ++k) {
+      basis.Derivatives(span, a + h * k, order, values.data());
+      const double weight = (k == 0 || k == 64 ? 1 : k % 2 == 1 ? 4 : 2) * h / 3;
+      const Eigen::Map<const Eigen::VectorXd> d(values.data() + order * (p + 1), p + 1);
+      energy.block(span - p, span - p, p + 1, p + 1) += weight * d * d.transpose();
+    }
+  }
+  return energy;
+}
+
+TEST(CurveProblemTest, HasTheSolutionOfDenseLeastSquares) {
+  // Simpson's rule is exact up to cubics: N″ of degree four has a product of degree four, and an
+  // error of the fourth power of 1/64 in the fairness.
+  for (const double smoothing : {0.0, 1e-6, 1e-2}) {
+    ForRandomCurves(smoothing, [&](const FittingProblem& problem) {
+      const Eigen::MatrixXd design = DesignMatrix(problem),
+                            energy = EnergyMatrix(problem.basis_u());
+      const Eigen::MatrixXd weighted = Weights(problem).asDiagonal() * design;
+      const Eigen::MatrixXd normal = design.transpose() * weighted;
+      const double lambda = smoothing * normal.trace() / energy.trace();
+      const Eigen::MatrixXd expected =
+          (normal + lambda * energy)
+              .ldlt()
+              .solve(weighted.transpose() * problem.data().values.transpose())
+              .transpose();
+      const LinearSolution solution = Solve(problem);
+      EXPECT_FALSE(solution.regularised);
+      EXPECT_LE(Difference(solution.coefficients, expected),
+                smoothing > 0 ? kHalfDigits : kConditioned);
+    });
+  }
+}
+
+TEST(CurveProblemTest, RecoversTheCurveThatTheDataWereTakenFrom) {
+  ForRandomCurves(0, [](const FittingProblem& given) {
+    RandomSplines random(1);
+    Eigen::MatrixXd net(given.data().values.rows(), given.unknowns());
+    for (double& c : net.reshaped()) c = random.Real(-1, 1);
+    auto data = std::make_shared<FittingData>(given.data());
+    data->values = Evaluate(given, net);
+    const FittingProblem problem(given.basis_u(), data, 0);
+    const LinearSolution solution = Solve(problem);
+    EXPECT_LE(Difference(solution.coefficients, net), kConditioned);
+    EXPECT_LE(solution.residual_squares, kConditioned * Weights(problem).sum());
+  });
+}
+
+TEST(CurveProblemTest, LeavesTheSquaresThatADirectSumFinds) {
+  for (const double smoothing : {0.0, 1e-4, 1.0}) {
+    ForRandomCurves(smoothing, [](const FittingProblem& problem) {
+      const LinearSolution solution = Solve(problem);
+      const double expected = DirectSquares(problem, solution.coefficients);
+      EXPECT_NEAR(solution.residual_squares, expected, kIterated * expected);
+    });
+  }
+}
+
+TEST(CurveProblemTest, EvaluatesThePointsOfTheCurve) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsCurve<3> curve =
+        random.Curve<3>(random.Integer(1, 5), false, {.clamped = random.Coin()});
+    auto data = std::make_shared<FittingData>();
+    data->parameters.setZero(2, 100);
+    data->values = Eigen::MatrixXd::Zero(3, 100);
+    for (double& u : data->parameters.row(0)) u = random.Parameter(curve.basis());
+    const FittingProblem problem(curve.basis(), data, 0);
+    const Eigen::MatrixXd values = Evaluate(problem, curve.control_points());
+    for (Eigen::Index k = 0; k < 100; ++k) {
+      EXPECT_LE(Difference(values.col(k), curve.At(data->parameters(0, k))), kRounding);
+    }
+  }
+}
+
+TEST(CurveProblemTest, GivesTheSameBitsForEveryNumberOfThreads) {
+  ForRandomCurves(1e-4, [](const FittingProblem& problem) {
+    EXPECT_EQ(Solve(problem, 3).coefficients, Solve(problem, 1).coefficients);
+  });
+}
+
+TEST(CurveProblemTest, BridgesEmptySpans) {
+  RandomSplines random(1);
+  const SplineBasis basis = SplineBasis::Uniform(3, 14, 0, 1);
+  auto data = std::make_shared<FittingData>();
+  data->parameters.setZero(2, 100);
+  data->values.resize(2, 100);
+  for (Eigen::Index k = 0; k < 100; ++k) {
+    const double u = k % 2 == 0 ? random.Real(0, 0.2) : random.Real(0.8, 1);
+    data->parameters(0, k) = u;
+    data->values.col(k) << u, 3 - 2 * u;
+  }
+  for (const double smoothing : {0.0, 1e-4}) {
+    const LinearSolution solution = Solve(FittingProblem(basis, data, smoothing));
+    EXPECT_EQ(solution.regularised, smoothing == 0);
+    // A straight line costs nothing: it goes through the gap. The least smoothing that there must
+    // be is 1e-12, beside which what keeps the matrix from rounding counts some percent.
+    const double tolerance = smoothing > 0 ? kHalfDigits : 0.03;
+    for (int i = 0; i < basis.size(); ++i) {
+      EXPECT_NEAR(solution.coefficients(0, i), basis.Greville(i), tolerance);
+      EXPECT_NEAR(solution.coefficients(1, i), 3 - 2 * basis.Greville(i), tolerance);
+    }
+  }
+}
+
+TEST(CurveProblemTest, HasOneBasisAndKeepsItsData) {
+  const FittingProblem curve = RandomCurveProblem(1, 1e-3), surface = RandomProblem(1, 1e-3);
+  EXPECT_TRUE(curve.is_curve());
+  EXPECT_FALSE(surface.is_curve());
+  EXPECT_EQ(curve.unknowns(), curve.basis_u().size());
+  const SplineBasis other =
+      SplineBasis::Uniform(5, 9, curve.basis_u().lower(), curve.basis_u().upper());
+  const FittingProblem finer = curve.WithBasis(other);
+  EXPECT_TRUE(finer.is_curve());
+  EXPECT_EQ(&finer.data(), &curve.data());
+  EXPECT_EQ(finer.basis_u(), other);
+  EXPECT_EQ(finer.smoothing(), curve.smoothing());
+  EXPECT_THAT(Refusal([&] { curve.WithBases(other, other); }), HasSubstr("curve"));
+  EXPECT_THAT(Refusal([&] { surface.WithBasis(surface.basis_u()); }), HasSubstr("surface"));
+  EXPECT_TRUE(curve.WithWeights(Eigen::VectorXd::Ones(curve.size())).is_curve());
+}
+
+TEST(CurveProblemTest, RefusesParametersOutsideTheDomain) {
+  const SplineBasis basis = SplineBasis::Uniform(2, 4, 0, 1);
+  RandomSplines random(9);
+  for (const double bad : {std::nextafter(0.0, -1.0), std::nextafter(1.0, 2.0), std::nan("")}) {
+    const auto data = RandomData(random, basis, basis, 10, 2);
+    data->parameters(0, 4) = bad;
+    EXPECT_NE(Refusal([&] { FittingProblem(basis, data, 0); }), "accepted") << bad;
+  }
+}
+
+TEST(FittingProblemTest, TakesOtherParametersForTheSameData) {
+  for (const FittingProblem& problem : {RandomProblem(2, 1e-3), RandomCurveProblem(2, 1e-3)}) {
+    RandomSplines random(2);
+    Eigen::Matrix2Xd parameters = problem.data().parameters;
+    for (double& u : parameters.row(0))
+      u = random.Real(problem.basis_u().lower(), problem.basis_u().upper());
+    const FittingProblem moved = problem.WithParameters(parameters);
+    EXPECT_EQ(moved.data().parameters, parameters);
+    EXPECT_EQ(moved.data().values, problem.data().values);
+    EXPECT_EQ(moved.data().weights, problem.data().weights);
+    EXPECT_EQ(moved.basis_u(), problem.basis_u());
+    EXPECT_EQ(moved.is_curve(), problem.is_curve());
+    EXPECT_EQ(moved.smoothing(), problem.smoothing());
+    EXPECT_NE(problem.data().parameters, parameters);
+    const Eigen::Index fewer = parameters.cols() - 1;
+    EXPECT_NE(Refusal([&] { problem.WithParameters(parameters.leftCols(fewer)); }), "accepted");
+    parameters(0, 0) = problem.basis_u().upper() + 1;
+    EXPECT_THAT(Refusal([&] { problem.WithParameters(parameters); }), HasSubstr("domain"));
+  }
 }
 
 }  // namespace

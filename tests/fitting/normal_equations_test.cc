@@ -51,8 +51,14 @@ void ForRandomCases(const std::function<void(const Case&)>& law) {
 
 NormalEquations Equations(const Case& c, int threads = 1) {
   ThreadPool pool(threads);
-  return NormalEquations(
-      c.outer, c.inner, c.u, c.v, c.values, c.weights, CellOrder(c.outer, c.inner, c.u, c.v), pool);
+  return NormalEquations(c.outer,
+                         &c.inner,
+                         c.u,
+                         c.v,
+                         c.values,
+                         c.weights,
+                         CellOrder(c.outer, &c.inner, c.u, c.v),
+                         pool);
 }
 
 // Row k: every tensor-product function at point k.
@@ -92,7 +98,7 @@ Eigen::MatrixXd Dense(const NormalEquations& equations, const Case& c) {
 
 TEST(CellOrderTest, PutsEveryPointIntoTheCellItsParametersLieIn) {
   ForRandomCases([](const Case& c) {
-    const CellOrder order(c.outer, c.inner, c.u, c.v);
+    const CellOrder order(c.outer, &c.inner, c.u, c.v);
     EXPECT_EQ(order.cell_count(), std::ssize(c.outer.Spans()) * std::ssize(c.inner.Spans()));
     std::vector<int> seen(c.u.size(), 0);
     Eigen::Index next = 0;
