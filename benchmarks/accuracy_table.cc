@@ -49,7 +49,7 @@ int main() {
   batten::SurfaceFitOptions coarse;
   coarse.control_points = {{12, 12}};
   batten::SurfaceFitOptions coarse_linear = coarse;
-  coarse_linear.optimize = batten::OptimizeMode::kNone;
+  coarse_linear.optimize = batten::Freedom{};
   Row("plane", batten::Tilted, 20000, 0, defaults);
   Row("Franke", batten::Franke, 20000, 0, defaults);
   Row("Franke", batten::Franke, 100000, 0, defaults);

@@ -20,13 +20,17 @@ std::string command_line;
 
 // Commands of the contract that later versions will have.
 const std::vector<std::string> kLaterCommands = {"make", "section", "tessellate"};
-const std::vector<std::string> kLaterFits = {"curve", "primitive", "scan"};
+const std::vector<std::string> kLaterFits = {"primitive", "scan"};
 const std::vector<std::string> kLaterFlags = {"--grid",
                                               "--domain",
                                               "--boundary",
                                               "--symmetric",
                                               "--thin",
                                               "--snap",
+                                              "--interpolate",
+                                              "--component",
+                                              "--start-tangent",
+                                              "--end-tangent",
                                               "--las-class",
                                               "--uncertainty",
                                               "--certify",
@@ -208,8 +212,11 @@ int RunProgram(int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");
   fit.require_subcommand(1);
-  fit.footer("Examples:\n  batten fit surface scan.ply -o part.step\n  batten fit surface --help");
+  fit.footer(
+      "Examples:\n  batten fit surface scan.ply -o part.step\n"
+      "  batten fit curve section.xyz -o section.step\n  batten fit surface --help");
   AddFitSurfaceCommand(fit, action);
+  AddFitCurveCommand(fit, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);

@@ -41,6 +41,7 @@ void AddSeedFlag(CLI::App& command, std::uint64_t& seed, const std::string& what
 using Action = std::function<int()>;
 
 // Each declares its subcommand and sets `action` when that is the one chosen.
+void AddFitCurveCommand(CLI::App& fit, Action& action);
 void AddFitSurfaceCommand(CLI::App& fit, Action& action);
 void AddAnalyzeCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);

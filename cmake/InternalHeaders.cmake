@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 # Headers that serve their own folder only: not installed, and free to name third parties.
 set(BATTEN_INTERNAL_HEADERS
-  fitting/joint_cells.h
+  fitting/fit_surface_given.h fitting/surface_outcome.h
+  fitting/joint_cells.h fitting/joint_feet.h fitting/term_cost.h fitting/unit_of.h
+  fitting/knot_descent.h fitting/knot_gaps.h fitting/knot_projection.h fitting/knot_search.h
   geometry/adaptive_sum.h geometry/bernstein_polynomial.h geometry/box_minimum.h
   geometry/box_tree.h geometry/checked_parameter.h geometry/composed_blossom.h
   geometry/conic_fit.h geometry/control_rows.h geometry/evaluation_lanes.h

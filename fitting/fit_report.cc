@@ -59,6 +59,16 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
   return result;
 }
 
+const ErrorSummary& FitReport::judged_error() const {
+  return judged_at_parameters ? parameter_error.value() : error;
+}
+
+std::optional<bool> FitReport::tolerance_reached() const {
+  const ErrorSummary& judged = judged_error();
+  if (!judged.tolerance) return std::nullopt;
+  return judged.out_of_tolerance == 0;
+}
+
 std::string FitReport::OneLine() const {
   std::string net, degrees;
   for (const int n : geometry.control_points) net += (net.empty() ? "" : " x ") + std::to_string(n);
@@ -75,11 +85,19 @@ std::string FitReport::OneLine() const {
                 static_cast<long long>(error.points),
                 static_cast<long long>(input.points));
   std::string line = text;
+  if (parameter_error) {
+    std::snprintf(text,
+                  sizeof text,
+                  "; at the parameters rms %.4g, max %.4g",
+                  parameter_error->rms,
+                  parameter_error->max);
+    line += text;
+  }
   if (error.tolerance) {
     std::snprintf(text,
                   sizeof text,
                   "; %lld out of tolerance %.4g",
-                  static_cast<long long>(error.out_of_tolerance),
+                  static_cast<long long>(judged_error().out_of_tolerance),
                   *error.tolerance);
     line += text;
   }

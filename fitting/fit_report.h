@@ -88,6 +88,9 @@ struct FitReport {
   GeometrySummary geometry;
   ErrorSummary error;      // over the used points
   ErrorSummary error_all;  // over all finite points
+  // Distances from the geometry at every point's own parameters, where those are what was fitted.
+  std::optional<ErrorSummary> parameter_error;
+  bool judged_at_parameters = false;  // the tolerance is held against those
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;
   std::vector<RoundSummary> iterations;
@@ -95,11 +98,11 @@ struct FitReport {
   std::vector<std::string> warnings;
   int threads = 1;
 
+  // What the tolerance is held against.
+  const ErrorSummary& judged_error() const;
+
   // None without a tolerance.
-  std::optional<bool> tolerance_reached() const {
-    if (!error.tolerance) return std::nullopt;
-    return error.out_of_tolerance == 0;
-  }
+  std::optional<bool> tolerance_reached() const;
 
   // One sentence for a terminal or a log.
   std::string OneLine() const;

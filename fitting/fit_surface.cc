@@ -2,7 +2,6 @@
 #include "batten/fitting/fit_surface.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,14 +9,17 @@
 #include <string>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/fit_surface_given.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/height_field.h"
-#include "batten/fitting/joint_stage.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/plane_base.h"
 #include "batten/fitting/refine.h"
+#include "batten/fitting/reweighting.h"
+#include "batten/fitting/stopwatch.h"
 #include "batten/fitting/strangers.h"
+#include "batten/fitting/surface_outcome.h"
 #include "batten/fitting/surface_preparation.h"
 #include "batten/fitting/voids.h"
 
@@ -29,6 +31,7 @@ constexpr double kOutlierShareForLoss =
     2e-3;  // less is what the test for outliers flags on clean data
 constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.15;
+constexpr double kExplains = 0.1;           // share of the misfit that a feature leaves
 constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
 constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
 constexpr double kVoidShareToWarn = 0.05;
@@ -36,24 +39,6 @@ constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
 constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
-constexpr int kHuberRounds = 8, kTukeyRounds = 8;
-constexpr double kExcessToOptimise = 1.2;  // residual against noise
-constexpr double kExcessToSayNoise = 2;
-constexpr double kExact = 1e-9;  // of the cloud's size: rounding
-constexpr double kPointsPerFreedomToOptimise = 9;
-constexpr int kMostToOptimise = 1500;
-
-class Stopwatch {
- public:
-  // Seconds since construction or the last call.
-  double Lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 // Heights over the base at the merged points that are used; parameters a hair inside the domain.
 FittingProblem MakeProblem(const PreparedCloud& prepared,
@@ -120,51 +105,6 @@ Eigen::VectorXd NormalResiduals(const FittingProblem& problem,
   return residuals;
 }
 
-// Iterative reweighting at fixed bases: returns the problem with its final weights.
-FittingProblem Reweighted(const FittingProblem& problem,
-                          const PlaneBase& base,
-                          const SurfaceFitOptions& options,
-                          ThreadPool& pool,
-                          FitReport& report) {
-  const bool automatic = !options.loss;
-  const Eigen::VectorXd original = problem.data().weights.size() > 0
-                                       ? problem.data().weights
-                                       : Eigen::VectorXd::Ones(problem.size()).eval();
-  FittingProblem current = problem;
-  const int rounds = automatic ? kHuberRounds + kTukeyRounds : 2 * kHuberRounds;
-  double previous = 0;
-  for (int round = 0; round < rounds; ++round) {
-    Report(options.progress, "solve", static_cast<double>(round) / rounds);
-    Stopwatch watch;
-    // Tukey's loss forgets far points, so it starts only where Huber's has found the bulk.
-    const bool start = round < kHuberRounds && (automatic || *options.loss == Loss::kTukey);
-    const Loss loss = start ? Loss::kHuber : options.loss.value_or(Loss::kTukey);
-    const LinearSolution solution = SolveLinear(current, pool);
-    const NurbsSurface surface =
-        HeightSurface(base, current.basis_u(), current.basis_v(), solution.coefficients);
-    const Eigen::MatrixXd heights = EvaluateAt(current, solution.coefficients, pool);
-    const Eigen::VectorXd residuals = NormalResiduals(current, surface, base, heights, pool);
-    const double scale = options.loss_scale.value_or(RobustScale(residuals));
-    current = current.WithWeights(original.cwiseProduct(LossWeights(loss, residuals, scale)));
-    RoundSummary summary;
-    summary.stage = "robust";
-    summary.control_points_u = current.basis_u().size();
-    summary.control_points_v = current.basis_v().size();
-    summary.rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
-    summary.max = residuals.cwiseAbs().maxCoeff();
-    summary.score = scale;
-    summary.seconds = watch.Lap();
-    report.iterations.push_back(summary);
-    const bool steady = std::abs(scale - previous) <= 2e-3 * scale;
-    previous = scale;
-    if (steady) {
-      if (!start) break;
-      round = std::max(round, kHuberRounds - 1);
-    }
-  }
-  return current;
-}
-
 // The coarsest uniform grid up to the chosen one that keeps the tolerance, else the chosen one.
 FittingProblem CoarsestWithin(const FittingProblem& chosen,
                               const PlaneBase& base,
@@ -190,46 +130,22 @@ FittingProblem CoarsestWithin(const FittingProblem& chosen,
   return chosen;
 }
 
-// Whether the joint stage is to run, and the sentence that says why.
-bool JointStagePays(const SurfaceFitOptions& options,
-                    double rms,
-                    double noise,
-                    Eigen::Index points,
-                    int unknowns,
-                    OptimizeSummary& summary) {
-  if (options.optimize == OptimizeMode::kNone) {
-    summary.why = "not asked for";
-    return false;
-  }
-  if (options.optimize == OptimizeMode::kParams) {
-    summary.why = "asked for";
-    return true;
-  }
-  if (!(noise > 0) || rms <= kExcessToOptimise * noise) {
-    summary.why = "residuals are at the noise";
-    return false;
-  }
-  if (static_cast<double>(points) < kPointsPerFreedomToOptimise * unknowns) {
-    summary.why = "residuals exceed the noise, but the points are too few for free parameters";
-    return false;
-  }
-  if (unknowns > kMostToOptimise) {
-    summary.why =
-        "residuals exceed the noise, but so many control points leave free parameters little to "
-        "gain";
-    return false;
-  }
-  summary.why = "residuals exceed the noise";
-  return true;
-}
-
 // One fit, stage by stage; members are what the stages hand on.
 class SurfaceFitter {
  public:
-  SurfaceFitter(const PointCloud& cloud, const SurfaceFitOptions& options)
-      : cloud_(cloud), options_(options), pool_(options.threads) {
+  // Over a base of its own choice, or over the one given.
+  SurfaceFitter(const PointCloud& cloud,
+                const SurfaceFitOptions& options,
+                std::optional<PlaneBase> base = std::nullopt)
+      : cloud_(cloud), options_(options), given_base_(std::move(base)), pool_(options.threads) {
     report_.threads = pool_.threads();
   }
+
+  // After Run(): whether points were set aside or bounded by a loss of the fitter's own choice.
+  bool doubted_points() const {
+    return !options_.loss && !options_.keep_outliers && (robust_ || !prepared_.used.all());
+  }
+  const PlaneBase& base() const { return prepared_.base; }
 
   SurfaceFit Run() {
     Prepare();
@@ -239,14 +155,33 @@ class SurfaceFitter {
     } else {
       Solve();
     }
-    OptimiseWhereItPays();
-    return Measure();
+    Eigen::VectorXd weights = problem_->data().weights;
+    if (weights.size() > 0) weights.conservativeResize(used_.size());
+    SurfaceDraft draft{std::move(*surface_),
+                       std::move(used_),
+                       std::move(parameters_),
+                       std::move(weights),
+                       robust_};
+    OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+    SurfaceFit fit = MeasureFit(draft.surface,
+                                cloud_,
+                                prepared_.merged,
+                                prepared_.used,
+                                options_,
+                                "a smooth height field",
+                                pool_,
+                                std::move(report_));
+    fit.report.geometry.base = "plane";
+    fit.report.seconds.project += watch_.Lap();
+    fit.report.seconds.total = total_.Lap();
+    return fit;
   }
 
  private:
   void Prepare() {
     prepared_ =
         PrepareCloud(cloud_, {options_.keep_outliers, options_.seed}, pool_, options_.progress);
+    if (given_base_) prepared_.base = *given_base_;
     const double overlap = prepared_.base.overlap;
     const std::string share = std::to_string(std::lround(100 * overlap)) + " % of places";
     if (overlap > kOverlapToRefuse) {
@@ -259,21 +194,9 @@ class SurfaceFitter {
       report_.warnings.push_back("the points lie over each other in " + share +
                                  ": a height field goes between the layers there");
     }
-    report_.input = Summary();
+    report_.input = SummariseInput(cloud_, prepared_.merged.duplicates, prepared_.statistics);
     report_.seconds.parameterize = prepared_.base_seconds;
     report_.seconds.prepare = watch_.Lap() - prepared_.base_seconds;
-  }
-
-  InputSummary Summary() const {
-    InputSummary input;
-    input.points = cloud_.size();
-    input.duplicates = prepared_.merged.duplicates;
-    input.spacing = prepared_.statistics.spacing;
-    input.noise = prepared_.statistics.noise;
-    input.origin = cloud_.origin();
-    input.box_min = cloud_.origin() + cloud_.points().rowwise().minCoeff();
-    input.box_max = cloud_.origin() + cloud_.points().rowwise().maxCoeff();
-    return input;
   }
 
   // Which points count is decided by their neighbours before there is a surface, then by their
@@ -294,7 +217,7 @@ class SurfaceFitter {
                              search_near ? &*problem_ : nullptr,
                              pool_,
                              report_);
-      if (robust_) problem_ = Reweighted(*problem_, prepared_.base, options_, pool_, report_);
+      if (robust_) Reweight();
       if (pass == kOutlierPasses || options_.keep_outliers) break;
       const PointMask now = SpokenFor(everything);
       if (!robust_ && !options_.loss && (now != prepared_.used).any() && !now.all()) {
@@ -313,6 +236,24 @@ class SurfaceFitter {
                      .WithBases(problem_->basis_u(), problem_->basis_v());
     }
     report_.seconds.solve = watch_.Lap();
+  }
+
+  void Reweight() {
+    const auto residuals = [&](const FittingProblem& problem, const LinearSolution& solution) {
+      return NormalResiduals(
+          problem,
+          HeightSurface(
+              prepared_.base, problem.basis_u(), problem.basis_v(), solution.coefficients),
+          prepared_.base,
+          EvaluateAt(problem, solution.coefficients, pool_),
+          pool_);
+    };
+    problem_ =
+        Reweighted(*problem_,
+                   {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
+                   residuals,
+                   pool_,
+                   report_.iterations);
   }
 
   // The points the present solution speaks for, of all.
@@ -351,7 +292,7 @@ class SurfaceFitter {
     refine.max_control_points =
         options_.control_points ? problem_->unknowns() : options_.max_control_points;
     RefineResult refined = RefineToTolerance(
-        *problem_, prepared_.base, used_.points(), refine, pool_, options_.progress);
+        *problem_, &prepared_.base, used_.points(), refine, pool_, options_.progress);
     Record(refined.rounds);
     report_.termination = refined.termination;
     surface_ = std::move(refined.surface);
@@ -375,110 +316,6 @@ class SurfaceFitter {
     report_.seconds.solve += watch_.Lap();
   }
 
-  void OptimiseWhereItPays() {
-    const PointDistances before = DistancesFrom(*surface_, used_.points(), parameters_, pool_);
-    const double rms =
-        std::sqrt(before.distances.squaredNorm() / static_cast<double>(used_.size()));
-    report_.seconds.project += watch_.Lap();
-    report_.optimize.rms_before = report_.optimize.rms_after = rms;
-    if (report_.termination == Termination::kCancelled) return;
-    const double noise = prepared_.statistics.noise;
-    const int unknowns = surface_->size_u() * surface_->size_v();
-    if (!JointStagePays(options_, rms, noise, used_.size(), unknowns, report_.optimize)) return;
-    JointOptions joint;
-    joint.noise = options_.optimize == OptimizeMode::kAuto ? noise : 0;
-    joint.loss = robust_ ? options_.loss.value_or(Loss::kTukey) : Loss::kNone;
-    joint.loss_scale = options_.loss_scale.value_or(RobustScale(before.distances));
-    joint.progress = options_.progress;
-    Eigen::VectorXd weights = problem_->data().weights;
-    if (weights.size() > 0) weights.conservativeResize(used_.size());
-    JointResult result =
-        OptimizeJointly(*surface_, used_.points(), weights, before.parameters, joint, pool_);
-    report_.optimize.ran = true;
-    report_.optimize.iterations = result.iterations;
-    report_.optimize.rms_after = result.rms_after;
-    if (!result.note.empty()) report_.optimize.why += "; " + result.note;
-    Record(result.rounds);
-    if (result.cancelled) report_.termination = Termination::kCancelled;
-    surface_ = std::move(result.surface);
-    report_.seconds.optimize = watch_.Lap();
-  }
-
-  // What is reported is measured on the surface as it is handed out, rounding of far coordinates
-  // included.
-  SurfaceFit Measure() {
-    const Eigen::Vector3d move = cloud_.origin() - options_.shift;
-    NurbsSurface written = move.isZero(0) ? *surface_ : surface_->Translated(move);
-    const NurbsSurface measured = move.isZero(0) ? *surface_ : written.Translated(-move);
-    const PointDistances found = DistancesTo(measured, prepared_.merged.cloud.points(), pool_);
-    SurfaceFit fit{std::move(written),
-                   Eigen::Matrix2Xd(2, cloud_.size()),
-                   Eigen::VectorXd(cloud_.size()),
-                   PointMask(cloud_.size()),
-                   {}};
-    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
-      const Eigen::Index place = prepared_.merged.place[k];
-      fit.parameters.col(k) = found.parameters.col(place);
-      fit.residuals[k] = found.distances[place];
-      fit.outliers[k] = !prepared_.used[place];
-    }
-    report_.error = Summarise(fit.residuals, options_.tolerance, !fit.outliers);
-    report_.error_all = Summarise(fit.residuals, options_.tolerance);
-    report_.input.used = report_.error.points;
-    report_.input.outliers = fit.outliers.count();
-    report_.geometry.kind = "surface";
-    report_.geometry.base = "plane";
-    report_.geometry.degree = {options_.degree_u, options_.degree_v};
-    report_.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
-    report_.geometry.rational = fit.surface.rational();
-    report_.geometry.closed = {false, false};
-    if (options_.tolerance && report_.error_all.out_of_tolerance > report_.error.out_of_tolerance) {
-      report_.warnings.push_back(
-          std::to_string(report_.error_all.out_of_tolerance - report_.error.out_of_tolerance) +
-          " points out of tolerance were set aside as outliers and are not counted (error_all "
-          "counts them; "
-          "--keep-outliers fits them)");
-    }
-    if (fit.surface.size_u() * fit.surface.size_v() > report_.input.used) {
-      report_.warnings.push_back(
-          "there are more control points than points: fairness decides the rest");
-    }
-    JudgeTermination();
-    report_.seconds.project += watch_.Lap();
-    report_.seconds.total = total_.Lap();
-    fit.report = std::move(report_);
-    return fit;
-  }
-
-  // The word for how it ended, held against what was measured.
-  void JudgeTermination() {
-    Termination& termination = report_.termination;
-    if (termination == Termination::kCancelled) return;
-    if (options_.tolerance) {
-      if (report_.error.out_of_tolerance == 0) {
-        termination = Termination::kToleranceReached;
-      } else if (termination == Termination::kToleranceReached) {
-        termination = Termination::kStalled;
-      }
-      return;
-    }
-    const double rounding = kExact * (report_.input.box_max - report_.input.box_min).norm();
-    if (report_.error.rms <= std::max(kExcessToSayNoise * prepared_.statistics.noise, rounding))
-      return;
-    if (options_.control_points) {
-      termination = Termination::kMaxControlPoints;
-      return;
-    }
-    termination = Termination::kStalled;
-    if (!(prepared_.statistics.noise > 0)) return;
-    report_.warnings.push_back(
-        "residuals are well above the noise of neighbouring points, but more control points would "
-        "not "
-        "predict left-out points better: the shape has edges, layers or detail that a smooth "
-        "height "
-        "field does not follow");
-  }
-
   void WarnOfVoids(double share) {
     if (share <= kVoidShareToWarn) return;
     report_.warnings.push_back("there are no points in " +
@@ -492,6 +329,7 @@ class SurfaceFitter {
 
   const PointCloud& cloud_;
   const SurfaceFitOptions& options_;
+  std::optional<PlaneBase> given_base_;
   ThreadPool pool_;
   Stopwatch watch_, total_;
   FitReport report_;
@@ -503,6 +341,15 @@ class SurfaceFitter {
   std::optional<NurbsSurface> surface_;  // in the cloud's local coordinates
   Eigen::Matrix2Xd parameters_;          // of used points
 };
+
+// Of a fit that set points aside and one of all points: what stands out of equal knots may be a
+// narrow feature, which free knots follow; outliers nothing follows.
+SurfaceFit Explained(SurfaceFit without, SurfaceFit with_all) {
+  if (!(with_all.report.error_all.rms < kExplains * without.report.error_all.rms)) return without;
+  with_all.report.warnings.push_back(
+      "points that stand out of a shape with equal knots were kept: free knots follow them");
+  return with_all;
+}
 
 }  // namespace
 
@@ -543,7 +390,13 @@ void Check(const SurfaceFitOptions& options) {
 
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Check(options);
-  return SurfaceFitter(cloud, options).Run();
+  if (options.given_parameters) return FitSurfaceAtParameters(cloud, options);
+  SurfaceFitter fitter(cloud, options);
+  SurfaceFit fit = fitter.Run();
+  if (!fitter.doubted_points() || !options.optimize || !options.optimize->knots) return fit;
+  SurfaceFitOptions all = options;
+  all.keep_outliers = true;
+  return Explained(std::move(fit), SurfaceFitter(cloud, all, fitter.base()).Run());
 }
 
 }  // namespace batten

@@ -9,18 +9,13 @@
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/freedom.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten {
-
-enum class OptimizeMode {
-  kAuto,    // when residuals exceed the noise and the data carry the freedom
-  kNone,    // never
-  kParams,  // control points and every point's parameters
-};
 
 struct SurfaceFitOptions {
   int degree_u = 3, degree_v = 3;                  // 1 … 25
@@ -33,7 +28,9 @@ struct SurfaceFitOptions {
   std::optional<Loss> loss = std::nullopt;  // robust when outliers are found, when absent
   std::optional<double> loss_scale =
       std::nullopt;  // standard deviation of good points, > 0; estimated
-  OptimizeMode optimize = OptimizeMode::kAuto;
+  std::optional<Freedom> optimize =
+      std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
+  bool given_parameters = false;                    // at the cloud's own (u, v) instead of a base's
   bool keep_outliers = false;                       // fit them like any other point
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // chooses samples

@@ -1,83 +1,152 @@
 // SPDX-License-Identifier: MIT
-// The joint problem seen cell by cell: what every knot cell says about its control points once all
-// foot points are eliminated. Used by the joint stage only.
+// The joint problem seen cell by cell: what every knot cell says about the unknowns once all foot
+// points are eliminated. Used by the joint stage only.
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/joint_feet.h"
 #include "batten/fitting/joint_stage.h"
-#include "batten/fitting/normal_equations.h"
-#include "batten/geometry/nurbs_surface.h"
+#include "batten/fitting/knot_gaps.h"
+#include "batten/fitting/residual_noise.h"
 
 namespace batten {
 
-// The control points of a changing surface, the foot points of all data on it, and, per knot cell,
-// the least-squares rows that remain of them. With T = [S_u S_v] at a foot point, eliminating its
-// parameters leaves the residual's part along the normal; where the foot is held by the domain's
-// edge, also the part across the edge, and at a corner all of it.
+// The unknowns of a changing shape, the foot points of all data on it, and, per knot cell, the
+// quadratic form that remains of the data there. Unknowns are control points, logarithms of weights
+// (what is positive stays so, and a common factor is a common summand) and logarithms of the gaps
+// between knots (what is ordered stays so). A periodic direction has its first and last control
+// points in common.
 class JointCells {
  public:
-  JointCells(const NurbsSurface& start,
-             const Eigen::Matrix3Xd& points,
+  // Throws std::invalid_argument where the problem and the net do not go together.
+  JointCells(const FittingProblem& problem,
+             const Eigen::MatrixXd& control_points,
              const Eigen::VectorXd& weights,
-             const Eigen::Matrix2Xd& parameters,
              const JointOptions& options,
              ThreadPool& pool);
 
-  // Control points, three numbers each; the optimiser writes here.
-  double* control_point(int k) { return net_.col(k).data(); }
-  int control_points() const { return static_cast<int>(net_.cols()); }
+  // The unknowns; the optimiser writes there. A block is a control point that is no copy.
+  int dimension() const { return shape_.dimension(); }
+  int blocks() const { return static_cast<int>(net_.cols()); }
+  int BlockOf(int control_point) const { return block_of_[static_cast<size_t>(control_point)]; }
+  double* point(int block) { return net_.col(block).data(); }
+  double* log_weight(int block) { return &log_weights_[block]; }
+  int directions() const { return static_cast<int>(directions_.size()); }
+  bool free_weights() const { return options_.free_weights; }
+  bool free_knots(int direction) const { return directions_[direction].free; }
+  double* log_gaps(int direction) { return directions_[direction].log_gaps.data(); }
+  int gaps(int direction) const {
+    return directions_[direction].free ? directions_[direction].gaps.groups() + 1 : 0;
+  }
+
+  // d knots / d log gaps at the accepted state, a row for each knot of the direction's basis.
+  Eigen::MatrixXd KnotChain(int direction) const;
 
   int cells() const { return static_cast<int>(cells_.size()); }
-  int functions() const { return functions_; }  // control points of a cell
-  int rows() const { return 6 * functions_ + 2; }
-  std::vector<int> ControlPointsOf(int cell) const;
+  int functions() const { return functions_; }      // control points of a cell
+  std::vector<int> BlocksOf(int cell) const;        // their blocks
+  int columns() const;                              // unknowns a cell depends on
+  int rows() const { return local_columns() + 1; }  // residuals of a cell
 
-  // Projects every point onto the surface of the present control points and sorts them into cells.
-  // False when the surface has turned over somewhere.
+  // Projects every point onto the shape of the present unknowns and sorts them into cells. False
+  // where the step there is refused: something is not finite, too far from the accepted state to be
+  // trusted, or a normal has turned over.
   bool Project();
 
-  // Makes the present state the one that later steps start from: foot points, damping, distances.
+  // The same without asking how far the accepted state is.
+  bool Return();
+
+  // Makes the present state the one that later steps start from: foot points, damping, Jacobians.
+  // The latter on the pool, so that nothing depends on its number of threads.
   void Accept();
 
-  // The rows of a cell: residual (rows()) and, when asked for, Jacobian (rows() × 3·functions(),
-  // row major) at the accepted state; without it, two rows that have the same sum of squares as the
-  // cost.
+  // Residuals (rows()) of a cell whose squares add up to twice its cost; with their Jacobian
+  // (rows() × columns(), row major) at the accepted state. Columns: control points, weights, gaps
+  // of u, gaps of v, as far as they are free.
   void Evaluate(int cell, double* residual, double* jacobian) const;
 
-  double SquaredDistances() const;  // Σ d² of the last projection, without weights
-  NurbsSurface Surface() const;
-  const Eigen::Matrix2Xd& feet() const { return accepted_feet_; }
+  // Σ d² of the last projection, without weights.
+  double SquaredDistances() const { return feet_.SquaredDistances(); }
 
-  double damping = 1e-2;  // of the proximal rows
+  // Σ w ρ'(d)/d d² there, and the sum that noise alone would leave (see ResidualNoise): where the
+  // first is not more, the rest of the residuals is noise.
+  struct Explained {
+    double squares, by_noise;
+  };
+  Explained NoiseShare() const;
+  const TensorShape& shape() const { return shape_; }
+  const Eigen::Matrix2Xd& feet() const { return feet_.parameters; }
+  const Eigen::VectorXd& log_weights() const { return log_weights_; }
+
+  double damping = 1e-2;  // of the steps from the next accepted state on
 
  private:
   struct Cell {
     int span_u, span_v;
-    Eigen::MatrixXd fairness;  // Lᵀ with K = L·Lᵀ the cell's thin-plate form
-    Eigen::MatrixXd proximal;  // Lᵀ of the cell's point-distance matrix, at the accepted state
+    Eigen::MatrixXd fairness;         // thin-plate form in the functions of the cell
+    Eigen::MatrixXd proximal;         // how far the shape moves, at the accepted state
+    double calm = 1;                  // what of the fairness counts
     Eigen::Index begin = 0, end = 0;  // its points in order_
-    Eigen::Matrix3Xd normals;         // of the start, on a grid
   };
+  struct Workspace;
 
-  void MakeCells(const NurbsSurface& start, double fairness_weight);
-  void Rational(int span_u, int span_v, double u, double v, double* R) const;
-  Eigen::Matrix3Xd Corner(const Cell& cell, const Eigen::Matrix3Xd& net) const;
-  double PointWeight(Eigen::Index k) const { return weights_.size() > 0 ? weights_[k] : 1.0; }
+  int local_columns() const;  // with the knots the cell depends on instead of the gaps
+  int local_knots() const;    // their number
+  bool only_points() const { return !options_.free_weights && local_knots() == 0; }
+  void MakeBlocks();
+  void MakeCells();
+  void MakeFairness();
+  bool UpdateShape();
+  bool NearAccepted() const;
+  bool ProjectPoints();
+  double Weight(Eigen::Index k) const;
+  double Distance(Eigen::Index k) const { return feet_.difference.col(k).norm(); }
+  void FillRow(const Workspace& work,
+               const Eigen::VectorXd& direction,
+               double scale,
+               double* row) const;
+  void Prepare(const Cell& cell, Eigen::Index k, Workspace& work) const;
+  Eigen::MatrixXd CellForm(const Cell& cell) const;
+  void Linearise();
+  void Rows(const Cell& cell, double* residual, double* jacobian) const;
+  Eigen::MatrixXd ProximalForm(const Cell& cell) const;
+  Eigen::VectorXd Displacement(const Cell& cell) const;
+  double CellCost(const Cell& cell) const;
+  double FreePrior() const;
+  double Prior(int block) const;
 
-  SplineBasis basis_u_, basis_v_;
-  Eigen::VectorXd net_weights_;
-  Eigen::Matrix3Xd net_, accepted_net_;
-  const Eigen::Matrix3Xd& points_;
-  Eigen::VectorXd weights_;
   const JointOptions& options_;
   ThreadPool& pool_;
+  std::shared_ptr<const FittingData> data_;
+  FootProjector projector_;
+  TensorShape shape_, accepted_;
+  // The knots of u and, for surfaces, of v.
+  struct Direction {
+    bool free;
+    KnotGaps gaps;
+    Eigen::VectorXd log_gaps;   // the unknowns
+    std::vector<int> group_of;  // of every knot
+    Eigen::MatrixXd chain;      // d knots (groups) / d log gaps, at the accepted state
+  };
+  std::vector<Direction> directions_;
+  std::vector<int> block_of_;
+  Eigen::MatrixXd net_;
+  Eigen::VectorXd log_weights_, accepted_log_weights_, cells_of_block_;
   int functions_;
+  double fairness_unit_ = 0, start_squares_ = -1, prior_ = 0, used_damping_ = 0;
   std::vector<Cell> cells_;
   std::vector<Eigen::Index> order_;  // points sorted by cell
-  std::vector<SurfaceJet> jets_;     // at the foot points of the last projection
-  Eigen::Matrix2Xd feet_, accepted_feet_;
+  std::vector<double> linear_;       // a cell: residuals, then the Jacobian
+  Feet feet_;
+  Eigen::Matrix2Xd accepted_feet_;
+  ResidualNoise residual_noise_;
+  std::optional<Facing> facing_;  // at the accepted state
+  Facing new_facing_;
 };
 
 }  // namespace batten

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
+#include <set>
+#include <stdexcept>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
@@ -13,17 +14,29 @@
 #pragma GCC diagnostic pop
 
 #include "batten/fitting/joint_cells.h"
+#include "batten/fitting/term_cost.h"
+#include "batten/fitting/unit_of.h"
 
 namespace batten {
 namespace {
+
+constexpr int kDenseUnknowns = 250;  // up to here a dense factorisation is faster
+constexpr double kExactRms = 4e-9;   // of the size: nothing is left but rounding
+constexpr double kRadius = 1e8;
+constexpr int kMostRefusals = 12;
+constexpr double kFirstDamping = 1e-2, kLeastFaded = 1e-9;
+constexpr int kRenewal = 20;
+constexpr double kValleyRadius = 1e4;
+constexpr double kLeastDamping = 1e-9, kMostDamping = 1e3;
 
 // Projects and sorts the points whenever Ceres looks at a new place.
 class Projector : public ceres::EvaluationCallback {
  public:
   explicit Projector(JointCells& cells) : cells_(cells) {}
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
-    if (new_evaluation_point) valid_ = cells_.Project();
-    // Ceres asks for Jacobians only where it starts and where it has accepted a step.
+    // Ceres asks for Jacobians where it starts, which is no step to be refused, and where it has
+    // accepted one.
+    if (new_evaluation_point) valid_ = evaluate_jacobians ? cells_.Return() : cells_.Project();
     if (evaluate_jacobians && valid_) cells_.Accept();
   }
   bool valid() const { return valid_; }
@@ -33,13 +46,31 @@ class Projector : public ceres::EvaluationCallback {
   bool valid_ = true;
 };
 
-// The rows of one knot cell.
+// The residuals of one knot cell.
 class CellCost : public ceres::CostFunction {
  public:
   CellCost(const JointCells& cells, const Projector& projector, int cell)
       : cells_(cells), projector_(projector), cell_(cell) {
     set_num_residuals(cells.rows());
-    mutable_parameter_block_sizes()->assign(static_cast<size_t>(cells.functions()), 3);
+    std::vector<int>& sizes = *mutable_parameter_block_sizes();
+    sizes.assign(static_cast<size_t>(cells.functions()), cells.dimension());
+    if (cells.free_weights()) sizes.insert(sizes.end(), static_cast<size_t>(cells.functions()), 1);
+    for (int d = 0; d < cells.directions(); ++d) {
+      if (cells.free_knots(d)) sizes.push_back(cells.gaps(d));
+    }
+  }
+
+  std::vector<double*> Blocks(JointCells& cells) const {
+    std::vector<double*> blocks;
+    const std::vector<int> own = cells.BlocksOf(cell_);
+    for (const int k : own) blocks.push_back(cells.point(k));
+    if (cells.free_weights()) {
+      for (const int k : own) blocks.push_back(cells.log_weight(k));
+    }
+    for (int d = 0; d < cells.directions(); ++d) {
+      if (cells.free_knots(d)) blocks.push_back(cells.log_gaps(d));
+    }
+    return blocks;
   }
 
   bool Evaluate(const double* const*, double* residuals, double** jacobians) const override {
@@ -48,15 +79,17 @@ class CellCost : public ceres::CostFunction {
       cells_.Evaluate(cell_, residuals, nullptr);
       return true;
     }
-    const int rows = cells_.rows(), columns = 3 * cells_.functions();
+    const int rows = cells_.rows(), columns = cells_.columns();
     std::vector<double> whole(static_cast<size_t>(rows) * columns);
     cells_.Evaluate(cell_, residuals, whole.data());
-    for (int block = 0; block < cells_.functions(); ++block) {
+    const std::vector<int>& sizes = parameter_block_sizes();
+    int column = 0;
+    for (size_t block = 0; block < sizes.size(); column += sizes[block++]) {
       if (jacobians[block] == nullptr) continue;
       for (int r = 0; r < rows; ++r) {
-        std::copy_n(whole.data() + static_cast<size_t>(r) * columns + 3 * block,
-                    3,
-                    jacobians[block] + 3 * r);
+        std::copy_n(whole.data() + static_cast<size_t>(r) * columns + column,
+                    sizes[block],
+                    jacobians[block] + static_cast<size_t>(r) * sizes[block]);
       }
     }
     return true;
@@ -68,115 +101,240 @@ class CellCost : public ceres::CostFunction {
   int cell_;
 };
 
+bool AtNoise(const JointCells& cells, const JointOptions& options) {
+  if (!options.stop_at_noise) return false;
+  const JointCells::Explained explained = cells.NoiseShare();
+  return explained.squares <= (1 + options.noise_slack) * explained.by_noise;
+}
+
 // Watches the noise, the user, and how well the damping suits.
 class Watcher : public ceres::IterationCallback {
  public:
-  Watcher(JointCells& cells,
-          const JointOptions& options,
-          double floor,
-          Eigen::Index points,
-          JointResult& result)
-      : cells_(cells), options_(options), floor_(floor), points_(points), result_(result) {}
+  Watcher(JointCells& cells, const JointOptions& options, JointResult& result)
+      : cells_(cells), options_(options), result_(result) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (summary.step_is_successful) {
-      const double squares = cells_.SquaredDistances();
-      RoundSummary round;
-      round.stage = "joint";
-      round.rms = std::sqrt(squares / static_cast<double>(points_));
-      round.score = 2 * summary.cost;
-      round.seconds = summary.iteration_time_in_seconds;
-      result_.rounds.push_back(round);
-      if (summary.iteration > 0) {
-        const double gain = summary.relative_decrease;
-        cells_.damping =
-            std::clamp(cells_.damping * std::max(0.2, 1 - std::pow(2 * gain - 1, 3)), 1e-9, 1e3);
-      }
-      if (squares <= floor_) {
-        result_.note = "residuals reached the noise";
-        return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-      }
-    }
+    const bool start = summary.iteration == 0;
+    const int iterations = result_.iterations + summary.iteration;
     if (options_.progress &&
-        !options_.progress("optimize",
-                           static_cast<double>(summary.iteration) / options_.max_iterations)) {
+        !options_.progress("optimize", static_cast<double>(iterations) / options_.max_iterations)) {
       result_.cancelled = true;
       return ceres::SOLVER_ABORT;
     }
-    return ceres::SOLVER_CONTINUE;
+    if (options_.free_weights) return Fade(summary);
+    if (!summary.step_is_successful) {
+      // Tried again with more of the damping of the cells, for which Ceres has to look at them
+      // anew.
+      ++refusals_;
+      Damp(std::pow(2.0, refusals_));
+      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    }
+    if (!start) {
+      refusals_ = 0;
+      Damp(std::max(0.2, 1 - std::pow(2 * summary.relative_decrease - 1, 3)));
+    }
+    if (!start || result_.rounds.empty()) Record(summary);
+    return Settled() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+  // Whether the last step was refused and another is worth trying.
+  bool tries_again() const {
+    return refusals_ > 0 && refusals_ <= kMostRefusals && !result_.cancelled;
   }
 
  private:
+  bool Settled() {
+    if (AtNoise(cells_, options_)) {
+      result_.note = kAtNoise;
+      return true;
+    }
+    return result_.rounds.back().rms <= kExactRms * options_.size;
+  }
+
+  // With free weights many shapes are the same set of points, the Jacobian becomes singular where
+  // they are met, and the way there is a curved valley: the damping fades with the squares of the
+  // residuals [Yamashita & Fukushima 2001], and is renewed now and then; steps may go uphill for a
+  // while; refused ones are left to Ceres.
+  ceres::CallbackReturnType Fade(const ceres::IterationSummary& summary) {
+    if (!summary.step_is_successful) return ceres::SOLVER_CONTINUE;
+    if (summary.iteration > 0 || result_.rounds.empty()) Record(summary);
+    const double start = result_.rms_before > 0 ? result_.rms_before : 1.0;
+    const double ratio = result_.rounds.back().rms / start;
+    cells_.damping =
+        std::clamp(kFirstDamping * std::pow(0.5, summary.iteration % kRenewal) * ratio * ratio,
+                   kLeastFaded,
+                   kMostDamping);
+    return Settled() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+  void Damp(double factor) {
+    cells_.damping = std::clamp(cells_.damping * factor, kLeastDamping, kMostDamping);
+  }
+
+  void Record(const ceres::IterationSummary& summary) {
+    RoundSummary round;
+    round.stage = "joint";
+    round.control_points_u = cells_.shape().basis_u.size();
+    round.control_points_v = cells_.shape().size_v();
+    round.rms = std::sqrt(cells_.SquaredDistances() / static_cast<double>(cells_.feet().cols()));
+    round.score = 2 * summary.cost;
+    round.seconds = summary.iteration_time_in_seconds;
+    result_.rounds.push_back(round);
+  }
+
   JointCells& cells_;
   const JointOptions& options_;
-  double floor_;
-  Eigen::Index points_;
   JointResult& result_;
+  int refusals_ = 0;
 };
 
-}  // namespace
+// Weights of geometric mean 1: their common factor says nothing.
+Eigen::VectorXd Normalised(const Eigen::VectorXd& weights) {
+  return weights / std::exp(weights.array().log().mean());
+}
 
-JointResult OptimizeJointly(const NurbsSurface& surface,
-                            const Eigen::Matrix3Xd& points,
-                            const Eigen::VectorXd& weights,
-                            const Eigen::Matrix2Xd& parameters,
-                            const JointOptions& options,
-                            ThreadPool& pool) {
-  JointCells cells(surface, points, weights, parameters, options, pool);
-  JointResult result{surface, parameters, 0, 0, 0, false, "", {}};
+FittingProblem AtShape(const FittingProblem& problem, const JointCells& cells) {
+  const TensorShape& shape = cells.shape();
+  const FittingProblem moved = problem.WithParameters(cells.feet());
+  return shape.basis_v ? moved.WithBases(shape.basis_u, *shape.basis_v)
+                       : moved.WithBasis(shape.basis_u);
+}
+
+// Every cell's block, every term's, and what is fixed.
+void Assemble(ceres::Problem& problem,
+              JointCells& cells,
+              const Projector& projector,
+              const JointOptions& options,
+              double unit) {
+  for (int cell = 0; cell < cells.cells(); ++cell) {
+    auto cost = std::make_unique<CellCost>(cells, projector, cell);
+    const std::vector<double*> blocks = cost->Blocks(cells);
+    problem.AddResidualBlock(cost.release(), nullptr, blocks);
+  }
+  for (const std::shared_ptr<const ResidualTerm>& term : options.terms) {
+    auto cost = std::make_unique<TermCost>(term, cells, unit);
+    const std::vector<double*> blocks = cost->Blocks(cells);
+    problem.AddResidualBlock(cost.release(), nullptr, blocks);
+  }
+  for (const int k : options.fixed_control_points) {
+    if (k < 0 || k >= cells.shape().net.cols()) {
+      throw std::invalid_argument("OptimizeJointly: fixed control point " + std::to_string(k) +
+                                  " is not in [0, " + std::to_string(cells.shape().net.cols() - 1) +
+                                  "]");
+    }
+    problem.SetParameterBlockConstant(cells.point(cells.BlockOf(k)));
+    if (cells.free_weights()) problem.SetParameterBlockConstant(cells.log_weight(cells.BlockOf(k)));
+  }
+}
+
+ceres::Solver::Options SolverOptions(const JointOptions& options, const JointCells& cells) {
+  ceres::Solver::Options solver;
+  const int unknowns = cells.blocks() * (cells.dimension() + (cells.free_weights() ? 1 : 0)) +
+                       cells.gaps(0) + (cells.directions() > 1 ? cells.gaps(1) : 0);
+  solver.linear_solver_type =
+      unknowns <= kDenseUnknowns ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.num_threads = 1;  // cells are made ready on the pool; sums are the same on any
+  // Damping is the cells' own; Ceres' keeps the factorisation from failing.
+  solver.initial_trust_region_radius = solver.max_trust_region_radius = kRadius;
+  if (options.free_weights) {
+    solver.initial_trust_region_radius = kValleyRadius;
+    solver.use_nonmonotonic_steps = true;
+    solver.max_num_consecutive_invalid_steps = 30;
+  }
+  solver.function_tolerance = options.least_gain;
+  solver.gradient_tolerance = 0;
+  solver.parameter_tolerance = 1e-14;
+  if (options.seconds > 0) solver.max_solver_time_in_seconds = options.seconds;
+  solver.logging_type = ceres::SILENT;
+  solver.update_state_every_iteration = true;
+  return solver;
+}
+
+// All in units in which the shape has about the size 1; `unit` is theirs.
+JointResult OptimizeScaled(const FittingProblem& problem,
+                           const Eigen::MatrixXd& control_points,
+                           const Eigen::VectorXd& weights,
+                           const JointOptions& options,
+                           double unit,
+                           ThreadPool& pool) {
+  JointCells cells(problem, control_points, weights, options, pool);
+  JointResult result{problem, control_points, cells.shape().weights, 0, 0, 0, false, "", {}};
   if (!cells.Project()) {
-    result.note = "the surface has no normal in places";
+    result.note = "the shape cannot be evaluated";
     return result;
   }
   const double before = cells.SquaredDistances();
-  const auto count = static_cast<double>(points.cols());
+  const auto count = static_cast<double>(std::max<Eigen::Index>(1, problem.size()));
   result.rms_before = result.rms_after = std::sqrt(before / count);
-  const double freedom = std::max(0.0, count - cells.control_points());
-  const double floor = options.noise * options.noise * freedom;
-  if (before <= floor) {
-    result.note = "residuals are at the noise";
+  if (AtNoise(cells, options)) {
+    result.note = kAtNoise;
     return result;
   }
 
+  if (options.max_iterations == 0) return result;
+  if (!options.fixed_control_points.empty()) cells.Accept();  // Ceres looks at what is fixed first
   Projector projector(cells);
-  Watcher watcher(cells, options, floor, points.cols(), result);
+  Watcher watcher(cells, options, result);
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &projector;
-  ceres::Problem problem(problem_options);
-  for (int cell = 0; cell < cells.cells(); ++cell) {
-    std::vector<double*> blocks;
-    for (const int k : cells.ControlPointsOf(cell)) blocks.push_back(cells.control_point(k));
-    problem.AddResidualBlock(new CellCost(cells, projector, cell), nullptr, blocks);
-  }
-  ceres::Solver::Options solver;
-  solver.max_num_iterations = options.max_iterations;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.num_threads = pool.threads();
-  solver.initial_trust_region_radius = 1e3;
-  solver.max_num_consecutive_invalid_steps = 20;
-  solver.function_tolerance = 1e-4;
-  solver.logging_type = ceres::SILENT;
-  solver.update_state_every_iteration = true;
+  ceres::Problem ceres_problem(problem_options);
+  Assemble(ceres_problem, cells, projector, options, unit);
+  ceres::Solver::Options solver = SolverOptions(options, cells);
   solver.callbacks.push_back(&watcher);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  do {
+    solver.max_num_iterations = options.max_iterations - result.iterations;
+    ceres::Solve(solver, &ceres_problem, &summary);
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
+  } while (summary.termination_type == ceres::USER_SUCCESS && watcher.tries_again() &&
+           result.iterations < options.max_iterations);
   if (summary.termination_type == ceres::FAILURE && result.note.empty()) {
     result.note = "Ceres stopped: " + summary.message;
   }
 
   // Once more at what Ceres settled on; the start stays if nothing was gained.
-  const bool valid = cells.Project();
-  const double after = valid ? cells.SquaredDistances() : before;
-  if (options.loss == Loss::kNone ? after < before : valid) {
-    cells.Accept();
-    result.surface = cells.Surface();
-    result.parameters = cells.feet();
+  if (!cells.Return()) return result;
+  const double after = cells.SquaredDistances();
+  if (after < before || options.loss != Loss::kNone || !options.terms.empty()) {
+    result.problem = AtShape(problem, cells);
+    result.control_points = cells.shape().net;
+    result.weights =
+        options.free_weights ? Normalised(cells.shape().weights) : cells.shape().weights;
     result.rms_after = std::sqrt(after / count);
   }
+  return result;
+}
+
+}  // namespace
+
+JointResult OptimizeJointly(const FittingProblem& problem,
+                            const Eigen::MatrixXd& control_points,
+                            const Eigen::VectorXd& weights,
+                            const JointOptions& options,
+                            ThreadPool& pool) {
+  const double unit = std::max(UnitOf(problem.data().values), UnitOf(control_points));
+  auto data = std::make_shared<FittingData>();
+  data->parameters = problem.data().parameters;
+  data->values = problem.data().values / unit;
+  data->weights = problem.data().weights;
+  JointOptions scaled = options;
+  scaled.noise /= unit;
+  scaled.size /= unit;
+  scaled.loss_scale /= unit;
+  scaled.weight_prior /= unit * unit;
+  JointResult result = OptimizeScaled(
+      problem.WithData(std::move(data)), control_points / unit, weights, scaled, unit, pool);
+  result.problem = result.problem.WithData([&] {
+    auto original = std::make_shared<FittingData>(problem.data());
+    original->parameters = result.problem.data().parameters;
+    return original;
+  }());
+  result.control_points *= unit;
+  result.rms_before *= unit;
+  result.rms_after *= unit;
   for (RoundSummary& round : result.rounds) {
-    round.control_points_u = surface.size_u();
-    round.control_points_v = surface.size_v();
+    round.rms *= unit;
+    round.score *= unit * unit;
   }
   return result;
 }

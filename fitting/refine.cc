@@ -62,7 +62,7 @@ double Emphasis(double distance, double tolerance) {
 class Refinement {
  public:
   Refinement(const FittingProblem& problem,
-             const PlaneBase& base,
+             const PlaneBase* base,
              const Eigen::Matrix3Xd& points,
              const RefineOptions& options,
              ThreadPool& pool)
@@ -90,6 +90,7 @@ class Refinement {
 
   // The best bases and weights once more, held within the range of the data where there are none.
   void Calm() {
+    if (!base_) return;
     const auto start = std::chrono::steady_clock::now();
     const CalmResult calm = SolveCalmly(*best_problem_, {options_.spacing, points_.cols()}, pool_);
     empty_share_ = calm.empty_share;
@@ -103,8 +104,9 @@ class Refinement {
   Eigen::Index Measure(const char* stage,
                        const LinearSolution& solution,
                        std::chrono::steady_clock::time_point start) {
-    NurbsSurface surface =
-        HeightSurface(base_, problem_.basis_u(), problem_.basis_v(), solution.coefficients);
+    const SplineBasis &basis_u = problem_.basis_u(), &basis_v = problem_.basis_v();
+    NurbsSurface surface = base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
+                                 : NurbsSurface(basis_u, basis_v, solution.coefficients);
     PointDistances found =
         DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
     distances_ = found.distances;
@@ -199,7 +201,7 @@ class Refinement {
   }
 
   FittingProblem problem_;
-  const PlaneBase& base_;
+  const PlaneBase* base_;
   const Eigen::Matrix3Xd& points_;
   const RefineOptions& options_;
   ThreadPool& pool_;
@@ -219,7 +221,7 @@ class Refinement {
 }  // namespace
 
 RefineResult RefineToTolerance(const FittingProblem& problem,
-                               const PlaneBase& base,
+                               const PlaneBase* base,
                                const Eigen::Matrix3Xd& points,
                                const RefineOptions& options,
                                ThreadPool& pool,

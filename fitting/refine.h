@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Refinement of a height field until it keeps a tolerance, as far as the data carry it.
+// Refinement of a surface until it keeps a tolerance, as far as the data carry it.
 #pragma once
 
 #include <optional>
@@ -33,9 +33,10 @@ struct RefineResult {
 // one for every 2.1 points. When lines are used up, rounds of reweighting trade small errors for
 // points brought within the tolerance. The surface with the fewest points out of tolerance is
 // returned. The problem's values are heights over `base`, `points` its first data in space; data
-// behind those only steady the solution.
+// behind those only steady the solution. Without a base (null) the values are the points
+// themselves.
 RefineResult RefineToTolerance(const FittingProblem& problem,
-                               const PlaneBase& base,
+                               const PlaneBase* base,
                                const Eigen::Matrix3Xd& points,
                                const RefineOptions& options,
                                ThreadPool& pool,

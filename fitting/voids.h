@@ -21,12 +21,12 @@ struct CalmResult {
 };
 
 // Solves, and holds the height field within the range of the measured heights (a fiftieth
-// more; along the border of the domain also what the usual slope makes of the strip around the points),
-// or within a band about the plane of the data as narrow as theirs, all over its domain: where
-// it leaves it, heights of a membrane stretched between the data are added as further data, heavier
-// until they hold, and the problem is solved again. By the maximum principle a membrane never
-// leaves the range of what it is fixed to. Where the surface keeps the range by itself, nothing is
-// added.
+// more; along the border of the domain also what the usual slope makes of the strip around the
+// points), or within a band about the plane of the data as narrow as theirs, all over its domain:
+// where it leaves it, heights of a membrane stretched between the data are added as further data,
+// heavier until they hold, and the problem is solved again. By the maximum principle a membrane
+// never leaves the range of what it is fixed to. Where the surface keeps the range by itself,
+// nothing is added.
 CalmResult SolveCalmly(const FittingProblem& problem, const CalmOptions& options, ThreadPool& pool);
 
 }  // namespace batten

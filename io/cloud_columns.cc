@@ -70,8 +70,9 @@ class ColumnChooser {
       }
     }
     const bool by_name = naming_ == FieldNaming::kText;
-    chosen.parameter = {Asked("u") || by_name ? Find("u") : -1,
-                        Asked("v") || by_name ? Find("v") : -1};
+    const bool parameters = by_name || options_.parameters;
+    chosen.parameter = {Asked("u") || parameters ? Find("u") : -1,
+                        Asked("v") || parameters ? Find("v") : -1};
     if (chosen.parameter[0] < 0) {
       if (Asked("v")) throw UsageError(file_ + ": the column v needs a column u beside it");
       chosen.parameter[1] = -1;

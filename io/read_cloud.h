@@ -28,6 +28,9 @@ struct CloudReadOptions {
   // x and y given but no z the cloud is plane.
   std::map<std::string, std::string> columns;
 
+  // Take u and v by their names from PCD and PLY too; text always does.
+  bool parameters = false;
+
   // Rows must match all of these.
   std::vector<RowFilter> where;
 

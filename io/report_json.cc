@@ -47,7 +47,7 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
           {"file", file}};
 }
 
-Json Error(const ErrorSummary& error) {
+Json Error(const ErrorSummary& error, const char* kind) {
   return {{"rms", Number(error.rms)},
           {"mean", Number(error.mean)},
           {"max", Number(error.max)},
@@ -60,7 +60,7 @@ Json Error(const ErrorSummary& error) {
           {"within_tolerance", Number(error.within_tolerance)},
           {"out_of_tolerance", error.out_of_tolerance},
           {"points", error.points},
-          {"kind", "orthogonal"}};
+          {"kind", kind}};
 }
 
 Json Optimize(const OptimizeSummary& optimize) {
@@ -101,21 +101,26 @@ Json Seconds(const StageSeconds& seconds) {
 }  // namespace
 
 std::string ToReportJson(const FitReport& report, const ReportContext& context) {
-  const Json json = {{"schema", "batten-report-1"},
-                     {"command", context.command},
-                     {"input", Input(report.input, context)},
-                     {"geometry", Shape(report.geometry, context.file)},
-                     {"error", Error(report.error)},
-                     {"error_all", Error(report.error_all)},
-                     {"optimize", Optimize(report.optimize)},
-                     {"termination", Name(report.termination)},
-                     {"tolerance_reached", OrNull(report.tolerance_reached())},
-                     {"iterations", Rounds(report.iterations, report.geometry.kind == "curve")},
-                     {"seconds", Seconds(report.seconds)},
-                     {"peak_memory_bytes", context.peak_memory_bytes},
-                     {"threads", report.threads},
-                     {"warnings", report.warnings},
-                     {"version", context.version}};
+  Json json = {{"schema", "batten-report-1"},
+               {"command", context.command},
+               {"input", Input(report.input, context)},
+               {"geometry", Shape(report.geometry, context.file)},
+               {"error", Error(report.error, "orthogonal")},
+               {"error_all", Error(report.error_all, "orthogonal")},
+               {"optimize", Optimize(report.optimize)},
+               {"termination", Name(report.termination)},
+               {"tolerance_reached", OrNull(report.tolerance_reached())},
+               {"iterations", Rounds(report.iterations, report.geometry.kind == "curve")},
+               {"seconds", Seconds(report.seconds)},
+               {"peak_memory_bytes", context.peak_memory_bytes},
+               {"threads", report.threads},
+               {"warnings", report.warnings},
+               {"version", context.version}};
+  if (report.parameter_error) {
+    const ErrorSummary& error = *report.parameter_error;
+    Json& entry = json["parameter_error"] = Error(error, "parameter");
+    entry["sum_of_squares"] = Number(error.rms * error.rms * static_cast<double>(error.points));
+  }
   // File names need not be UTF-8; what is not becomes the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

@@ -56,7 +56,7 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
     ExpectUsageError({command}, {command, "not in this version"});
     ExpectUsageError({command, "--help"}, {command, "not in this version"});
   }
-  for (const char* kind : {"curve", "primitive", "scan"}) {
+  for (const char* kind : {"primitive", "scan"}) {
     ExpectUsageError({"fit", kind, cloud_, "-o", "x.json"}, {kind, "not in this version"});
   }
   for (const std::vector<std::string>& flags :
@@ -72,11 +72,8 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
                                              {"--las-class", "2"},
                                              {"--base", "torus"},
                                              {"--closed", "u"},
-                                             {"--parameterization", "given"},
                                              {"--trim", "auto"},
                                              {"--normals", "file"},
-                                             {"--optimize", "params,weights"},
-                                             {"--optimize", "knots"},
                                              {"--report", "r.html"}}) {
     ExpectBadFlags(flags, {flags.front(), "not in this version"});
   }

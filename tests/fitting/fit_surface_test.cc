@@ -314,10 +314,10 @@ TEST(FitSurfaceTest, RunsTheJointStageWhereControlPointsAreFewAndOnlyThere) {
   EXPECT_FALSE(FitSurface(cloud).report.optimize.ran);
   SurfaceFitOptions options;
   options.control_points = {{12, 12}};
-  options.optimize = OptimizeMode::kNone;
+  options.optimize = Freedom{};
   const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101);
   const TruthError linear = ErrorToTruth(FitSurface(cloud, options).surface, truth);
-  options.optimize = OptimizeMode::kAuto;
+  options.optimize = std::nullopt;
   const SurfaceFit joint = FitSurface(cloud, options);
   EXPECT_TRUE(joint.report.optimize.ran);
   EXPECT_LT(joint.report.optimize.rms_after, joint.report.optimize.rms_before);

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "batten/cli/fit_arguments.h"
+
+#include <map>
+#include <memory>
+
+#include "batten/cli/parse_values.h"
+#include "batten/cli/terminal.h"
+#include "batten/fitting/progress.h"
+#include "batten/io/file_format.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+// 500 m in the data's unit: CAD kernels lose digits beyond.
+double FarAway(const std::string& unit) {
+  static const std::map<std::string, double> kPerMetre = {{"mm", 1000},
+                                                          {"cm", 100},
+                                                          {"m", 1},
+                                                          {"km", 0.001},
+                                                          {"um", 1e6},
+                                                          {"inch", 39.3701},
+                                                          {"in", 39.3701},
+                                                          {"ft", 3.28084},
+                                                          {"foot", 3.28084}};
+  const auto found = kPerMetre.find(unit);
+  return 500 * (found == kPerMetre.end() ? 1000 : found->second);
+}
+
+void AddText(CLI::App& command,
+             const std::string& flag,
+             std::string& value,
+             const std::string& help,
+             const std::string& type) {
+  command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+}
+
+}  // namespace
+
+void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
+
+std::optional<Loss> ToLoss(const std::string& word) {
+  CheckChoice("--loss", word, {"auto", "none", "huber", "cauchy", "tukey"});
+  if (word == "auto") return std::nullopt;
+  if (word == "none") return Loss::kNone;
+  if (word == "huber") return Loss::kHuber;
+  if (word == "cauchy") return Loss::kCauchy;
+  return Loss::kTukey;
+}
+
+std::optional<double> ToSmoothing(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  constexpr double kMost = 1e12;  // beyond, the points drown in rounding
+  const double smoothing = ParseNumber("--smoothing", text, Sign::kNotNegative);
+  if (smoothing > kMost) throw UsageError("--smoothing: '" + text + "' is more than 1e12");
+  return smoothing;
+}
+
+std::optional<double> ToLossScale(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  return ParseNumber("--loss-scale", text, Sign::kPositive);
+}
+
+std::optional<Freedom> ToFreedom(const std::string& words) {
+  if (words == "auto") return std::nullopt;
+  Freedom freedom;
+  if (words == "none") return freedom;
+  std::string rest = words + ",";
+  for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
+    const std::string word = rest.substr(0, comma);
+    bool* const named = word == "params"    ? &freedom.parameters
+                        : word == "weights" ? &freedom.weights
+                        : word == "knots"   ? &freedom.knots
+                                            : nullptr;
+    if (named == nullptr) {
+      throw UsageError("--optimize: '" + words +
+                       "' is not auto, none or a list of params, weights and knots");
+    }
+    if (*named) throw UsageError("--optimize: '" + words + "' names " + word + " twice");
+    *named = true;
+  }
+  return freedom;
+}
+
+std::optional<Eigen::Vector3d> ToShift(const std::string& origin) {
+  if (origin == "keep") return Eigen::Vector3d::Zero();
+  if (origin == "local") return std::nullopt;
+  if (origin.find_first_of("0123456789") == std::string::npos) {
+    CheckChoice("--origin", origin, {"keep", "local", "x,y,z"});
+  }
+  const std::vector<double> numbers = ParseNumbers("--origin", origin);
+  if (numbers.size() != 3)
+    throw UsageError("--origin: '" + origin + "' is not keep, local or x,y,z");
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) {
+  command
+      .add_option(words.points,
+                  a.clouds,
+                  "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
+      ->required();
+  command.add_option("-o,--output", a.out, "Where to write: .step .stp .json")
+      ->required()
+      ->type_name("OUT");
+  command
+      .add_option_function<std::string>(
+          "--tolerance",
+          [&a](const std::string& text) {
+            a.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+          },
+          "Distance every point must keep; refines where it is missed [none]")
+      ->type_name("T");
+  AddText(command,
+          "--control-points",
+          a.control_points,
+          std::string(words.control_points) + " control points, or chosen by cross-validation",
+          words.control_points);
+  AddText(command,
+          "--max-control-points",
+          a.max_control_points,
+          "Never more control points than this",
+          "K");
+  AddText(command,
+          "--smoothing",
+          a.smoothing,
+          std::string("Fairness relative to the data: auto (") + words.smoothing + ") or a number",
+          "L");
+  AddText(command, "--loss", a.loss, words.loss, "LOSS");
+  AddText(command,
+          "--loss-scale",
+          a.loss_scale,
+          "Standard deviation of good points: auto or a number",
+          "S");
+  AddText(command, "--parameterization", a.parameterization, words.parameterizations, "FROM");
+  AddText(command,
+          "--optimize",
+          a.optimize,
+          "Joint stage by Ceres: auto (where residuals exceed the noise and the points carry it), "
+          "none, or what is free besides the control points, any of params,weights,knots",
+          "MODE");
+  AddText(command,
+          "--origin",
+          a.origin,
+          "Subtracted from what is written: keep (nothing), local, or x,y,z",
+          "ORIGIN");
+  command
+      .add_option(
+          "--output-format", a.out_format, "Format of OUT where its name does not tell: json step")
+      ->type_name("FORMAT");
+  AddCloudArguments(command, a.cloud);
+  AddOutputArguments(command, a.output);
+  AddWorkFlags(command, a.work);
+  AddCommonFlags(command, a.flags);
+}
+
+FitFiles::FitFiles(const FitArguments& arguments)
+    : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
+  CheckOutputArguments(a_.output);
+  shift_ = ToShift(a_.origin);
+  // A format word belongs to the file whose kind it names.
+  out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
+  if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
+    throw UsageError("-o " + a_.out + ": geometry is written as .json or .step");
+  }
+  std::vector<std::string> outputs = a_.output.reports;
+  outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
+  CheckDistinct(outputs, a_.flags.json);
+  for (const std::string& path : outputs) CheckWritable(path);
+}
+
+const PointCloud& FitFiles::Read(bool parameters) {
+  CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
+  if (word_is_geometry_) read.format.clear();
+  read.parameters = parameters;
+  file_ = ReadCloud(a_.clouds, read);
+  read_seconds_ = Seconds();
+  return file_.cloud;
+}
+
+void FitFiles::Refuse(const std::string& reason) const {
+  const std::string first = a_.clouds.front() == "-" ? "standard input" : a_.clouds.front();
+  throw ReadError(first + (a_.clouds.size() > 1 ? " and others" : ""), reason);
+}
+
+Eigen::Vector3d FitFiles::shift() const { return shift_.value_or(file_.cloud.origin()); }
+
+double FitFiles::Seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+int FitFiles::Write(const Geometry& geometry,
+                    const Eigen::VectorXd& residuals,
+                    const Eigen::MatrixXd& parameters,
+                    const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
+                    FitReport& report) const {
+  if (report.termination == Termination::kCancelled) throw Cancelled();
+  report.input.files = a_.clouds;
+  report.input.points = file_.points_in_file - file_.filtered;
+  report.input.non_finite = file_.non_finite;
+  const double far = file_.cloud.World(0).cwiseAbs().maxCoeff();
+  if (a_.origin == "keep" && far > FarAway(a_.output.unit)) {
+    report.warnings.push_back(
+        "coordinates are more than 500 m from zero, where CAD systems lose digits: "
+        "--origin local writes them near zero and reports the shift");
+  }
+  const double before = Seconds();
+  const auto written =
+      WriteResiduals(a_.output.residuals, file_.cloud, residuals, parameters, outliers);
+  WriteGeometry({geometry}, a_.out, {out_format_, a_.output.unit});
+  if (written) written->Commit();
+  report.seconds.read = read_seconds_;
+  report.seconds.write = Seconds() - before;
+  report.seconds.total = Seconds();
+  const std::string line = a_.out == "-" ? "" : a_.out + ": " + report.OneLine();
+  WriteReports(report, {a_.output, a_.flags, a_.out, line, shift()});
+  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
+}
+
+}  // namespace batten

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// What the fits have in common on the command line.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/cli/cloud_arguments.h"
+#include "batten/cli/fit_output.h"
+#include "batten/cli/program.h"
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/freedom.h"
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/robust_loss.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_cloud.h"
+
+namespace batten {
+
+struct FitArguments {
+  std::vector<std::string> clouds;
+  std::string out, out_format;
+  CloudArguments cloud;
+  OutputArguments output;
+  CommonFlags flags;
+  WorkFlags work;
+  std::optional<double> tolerance;
+  std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
+              loss_scale = "auto", optimize = "auto", origin = "keep", parameterization;
+};
+
+// The options every fit has, with the words that differ.
+struct FitWords {
+  const char* points;             // name of the positional argument
+  const char* control_points;     // of its value
+  const char* smoothing;          // the default, in numbers
+  const char* loss;               // help
+  const char* parameterizations;  // the choices
+};
+void AddFitArguments(CLI::App& command, FitArguments& arguments, const FitWords& words);
+
+[[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
+
+// Values of the shared flags. Each throws UsageError naming flag, value and rule.
+std::optional<Loss> ToLoss(const std::string& word);  // none for auto
+std::optional<double> ToSmoothing(const std::string& text);
+std::optional<double> ToLossScale(const std::string& text);
+// auto (none), none (nothing free), or any of params, weights and knots in any order.
+std::optional<Freedom> ToFreedom(const std::string& words);
+// What is subtracted from the coordinates written; none says the cloud's own origin.
+std::optional<Eigen::Vector3d> ToShift(const std::string& origin);
+
+// A fit from its files' point of view: checks the outputs before any work is done, reads, and
+// writes geometry, residuals and reports.
+class FitFiles {
+ public:
+  explicit FitFiles(const FitArguments& arguments);
+
+  // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
+  // can't be used.
+  const PointCloud& Read(bool parameters);
+
+  // Runs `fit`; the library's reason why points can't be fitted gets the name of their file.
+  template <class Function>
+  auto Explained(const Function& fit) const {
+    try {
+      return fit();
+    } catch (const std::invalid_argument& error) {
+      Refuse(error.what());
+    }
+  }
+  [[noreturn]] void Refuse(const std::string& reason) const;
+
+  Eigen::Vector3d shift() const;
+
+  // Writes everything and returns the exit code.
+  int Write(const Geometry& geometry,
+            const Eigen::VectorXd& residuals,
+            const Eigen::MatrixXd& parameters,
+            const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
+            FitReport& report) const;
+
+ private:
+  double Seconds() const;  // since construction
+
+  const FitArguments& a_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::optional<Eigen::Vector3d> shift_;
+  std::string out_format_;
+  bool word_is_geometry_;
+  CloudFile file_;
+  double read_seconds_ = 0;
+};
+
+}  // namespace batten

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/surface_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/optimize.h"
+
+namespace batten {
+namespace {
+
+constexpr double kSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
+constexpr double kFewPoints = 12;  // to a control point
+constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
+constexpr double kExcessToOptimise = 1.2;  // residual against noise
+constexpr double kExcessToSayNoise = 2;
+constexpr double kExact = 1e-9;  // of the cloud's size: rounding
+constexpr double kPointsPerFreedomToOptimise = 2.5;
+constexpr int kMostToOptimise = 1500;
+
+// Whether the joint stage is to run, and the sentence that says why.
+bool JointStagePays(const SurfaceFitOptions& options,
+                    double rms,
+                    double noise,
+                    Eigen::Index points,
+                    int unknowns,
+                    OptimizeSummary& summary) {
+  if (options.optimize && !options.optimize->any()) {
+    summary.why = "not asked for";
+    return false;
+  }
+  if (options.optimize) {
+    summary.why = "asked for";
+    return true;
+  }
+  if (!(noise > 0) || rms <= kExcessToOptimise * noise) {
+    summary.why = "residuals are at the noise";
+    return false;
+  }
+  if (static_cast<double>(points) < kPointsPerFreedomToOptimise * unknowns) {
+    summary.why = "residuals exceed the noise, but the points are too few for free parameters";
+    return false;
+  }
+  if (unknowns > kMostToOptimise) {
+    summary.why =
+        "residuals exceed the noise, but so many control points leave free parameters little to "
+        "gain";
+    return false;
+  }
+  summary.why = "residuals exceed the noise";
+  return true;
+}
+
+// The word for how it ended, held against what was measured.
+void JudgeTermination(const SurfaceFitOptions& options,
+                      const std::string& shape,
+                      FitReport& report) {
+  Termination& termination = report.termination;
+  if (termination == Termination::kCancelled) return;
+  if (options.tolerance) {
+    if (report.error.out_of_tolerance == 0) {
+      termination = Termination::kToleranceReached;
+    } else if (termination == Termination::kToleranceReached) {
+      termination = Termination::kStalled;
+    }
+    return;
+  }
+  const double rounding = kExact * (report.input.box_max - report.input.box_min).norm();
+  if (report.error.rms <= std::max(kExcessToSayNoise * report.input.noise, rounding)) return;
+  if (options.control_points) {
+    termination = Termination::kMaxControlPoints;
+    return;
+  }
+  termination = Termination::kStalled;
+  if (!(report.input.noise > 0)) return;
+  report.warnings.push_back(
+      "residuals are well above the noise of neighbouring points, but more control points would "
+      "not predict left-out points better: the shape has edges, layers or detail that " +
+      shape + " does not follow");
+}
+
+// Fairness beside free parameters. Where there are many points to a control point it only has to
+// calm what no point holds; few can be followed by folds, which it must keep down.
+double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
+  const double share = static_cast<double>(points) / unknowns;
+  return share < kFewPoints ? kFirmFairness : kFaintFairness;
+}
+
+}  // namespace
+
+void OptimiseWhereItPays(SurfaceDraft& draft,
+                         const SurfaceFitOptions& options,
+                         ThreadPool& pool,
+                         Stopwatch& watch,
+                         FitReport& report) {
+  const PointDistances before =
+      DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool);
+  const Eigen::Index points = draft.used.size();
+  const double rms = std::sqrt(before.distances.squaredNorm() / static_cast<double>(points));
+  report.seconds.project += watch.Lap();
+  report.optimize.rms_before = report.optimize.rms_after = rms;
+  if (report.termination == Termination::kCancelled) return;
+  const double noise = report.input.noise;
+  const int unknowns = draft.surface.size_u() * draft.surface.size_v();
+  if (!JointStagePays(options, rms, noise, points, unknowns, report.optimize)) return;
+  OptimizeOptions optimize;
+  if (options.optimize) optimize.free = *options.optimize;
+  optimize.loss = draft.robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
+  optimize.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
+  optimize.fairness = options.smoothing.value_or(FairnessOfFreePoints(points, unknowns));
+  optimize.seed = options.seed;
+  optimize.progress = options.progress;
+  auto data = std::make_shared<FittingData>();
+  data->parameters = draft.parameters;
+  data->values = draft.used.points();
+  data->weights = draft.weights;
+  const FittingProblem problem(
+      draft.surface.basis_u(),
+      draft.surface.basis_v(),
+      std::move(data),
+      options.smoothing.value_or(optimize.free.knots ? kSmoothingOfFreeKnots : kSmoothing));
+  OptimizeResult result =
+      Optimize(problem, draft.surface.control_points(), draft.surface.weights(), optimize, pool);
+  report.optimize.ran = result.ran;
+  report.optimize.iterations = result.iterations;
+  if (!result.note.empty()) {
+    report.optimize.why = result.ran ? report.optimize.why + "; " + result.note : result.note;
+  }
+  report.iterations.insert(report.iterations.end(), result.rounds.begin(), result.rounds.end());
+  if (result.cancelled) report.termination = Termination::kCancelled;
+  draft.surface = NurbsSurface(result.problem.basis_u(),
+                               result.problem.basis_v(),
+                               std::move(result.control_points),
+                               std::move(result.weights));
+  const PointDistances after =
+      DistancesFrom(draft.surface, draft.used.points(), result.problem.data().parameters, pool);
+  report.optimize.rms_after =
+      std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
+  report.seconds.optimize = watch.Lap();
+}
+
+InputSummary SummariseInput(const PointCloud& cloud,
+                            Eigen::Index duplicates,
+                            const CloudStatistics& statistics) {
+  InputSummary input;
+  input.points = cloud.size();
+  input.duplicates = duplicates;
+  input.spacing = statistics.spacing;
+  input.noise = statistics.noise;
+  input.origin = cloud.origin();
+  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  return input;
+}
+
+SurfaceFit MeasureFit(const NurbsSurface& surface,
+                      const PointCloud& cloud,
+                      const MergedCloud& merged,
+                      const PointMask& used,
+                      const SurfaceFitOptions& options,
+                      const std::string& shape,
+                      ThreadPool& pool,
+                      FitReport report) {
+  const Eigen::Vector3d move = cloud.origin() - options.shift;
+  NurbsSurface written = move.isZero(0) ? surface : surface.Translated(move);
+  const NurbsSurface measured = move.isZero(0) ? surface : written.Translated(-move);
+  const PointDistances found = DistancesTo(measured, merged.cloud.points(), pool);
+  SurfaceFit fit{std::move(written),
+                 Eigen::Matrix2Xd(2, cloud.size()),
+                 Eigen::VectorXd(cloud.size()),
+                 PointMask(cloud.size()),
+                 {}};
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const Eigen::Index place = merged.place[k];
+    fit.parameters.col(k) = found.parameters.col(place);
+    fit.residuals[k] = found.distances[place];
+    fit.outliers[k] = !used[place];
+  }
+  report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
+  report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.input.used = report.error.points;
+  report.input.outliers = fit.outliers.count();
+  report.geometry.kind = "surface";
+  report.geometry.degree = {options.degree_u, options.degree_v};
+  report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
+  report.geometry.rational = fit.surface.rational();
+  report.geometry.closed = {false, false};
+  if (options.tolerance && report.error_all.out_of_tolerance > report.error.out_of_tolerance) {
+    report.warnings.push_back(
+        std::to_string(report.error_all.out_of_tolerance - report.error.out_of_tolerance) +
+        " points out of tolerance were set aside as outliers and are not counted (error_all "
+        "counts them; --keep-outliers fits them)");
+  }
+  if (fit.surface.size_u() * fit.surface.size_v() > report.input.used) {
+    report.warnings.push_back(
+        "there are more control points than points: fairness decides the rest");
+  }
+  JudgeTermination(options, shape, report);
+  fit.report = std::move(report);
+  return fit;
+}
+
+}  // namespace batten
