@@ -26,7 +26,8 @@ constexpr double kFinestGain = 1e-9;  // where weights or knots are free: valley
 constexpr int kValleySteps = 300;
 constexpr int kQuickSteps = 40;
 constexpr double kFaintFairness = 1e-9;
-constexpr double kExact = 5e-9;    // of the size
+constexpr double kExact = 5e-9;  // of the size
+constexpr int kManyForKnots = 200, kFewStarts = 2, kShortDescent = 40;
 constexpr double kLargestNet = 2;  // against the data
 constexpr double kUneven = 4;      // stretch that calls for other parameters
 constexpr int kSpreadings = 2;
@@ -353,6 +354,10 @@ class Optimizer {
     knots.u = options_.knots_u;
     knots.v = options_.knots_v;
     knots.seed = options_.seed;
+    if (result_.problem.unknowns() > kManyForKnots) {
+      knots.starts = kFewStarts;
+      knots.max_iterations = kShortDescent;
+    }
     knots.seconds = options_.seconds > 0 ? std::max(1e-3, options_.seconds - Elapsed()) : 0;
     knots.progress = options_.progress;
     const FreeKnotResult found = OptimizeKnots(result_.problem, knots, pool_);
