@@ -265,6 +265,15 @@ double JointCells::Weight(Eigen::Index k) const {
          LossWeight(options_.loss, Distance(k), options_.loss_scale);
 }
 
+double JointCells::RobustSquares() const {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < feet_.difference.cols(); ++k) {
+    sum += 2 * (data_->weights.size() > 0 ? data_->weights[k] : 1.0) *
+           LossValue(options_.loss, Distance(k), options_.loss_scale);
+  }
+  return sum;
+}
+
 JointCells::Explained JointCells::NoiseShare() const {
   Eigen::VectorXd weights(feet_.difference.cols());
   for (Eigen::Index k = 0; k < weights.size(); ++k) weights[k] = Weight(k);

@@ -73,6 +73,9 @@ class JointCells {
   // Σ d² of the last projection, without weights.
   double SquaredDistances() const { return feet_.SquaredDistances(); }
 
+  // Σ w 2ρ(d) there.
+  double RobustSquares() const;
+
   // Σ w ρ'(d)/d d² there, and the sum that noise alone would leave (see ResidualNoise): where the
   // first is not more, the rest of the residuals is noise.
   struct Explained {

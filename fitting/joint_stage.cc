@@ -2,9 +2,9 @@
 #include "batten/fitting/joint_stage.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <set>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 
 #pragma GCC diagnostic push
@@ -21,7 +21,9 @@ namespace batten {
 namespace {
 
 constexpr int kDenseUnknowns = 250;  // up to here a dense factorisation is faster
-constexpr double kExactRms = 4e-9;   // of the size: nothing is left but rounding
+constexpr double kExactRms = 4e-9;   // of the size: exact for CAD; on from here while it falls fast
+constexpr double kRoundingRms = 1e-13;  // of the size: nothing is left but rounding
+constexpr double kFast = 0.25;          // of the rms before, left by a fast step
 constexpr double kRadius = 1e8;
 constexpr int kMostRefusals = 12;
 constexpr double kFirstDamping = 1e-2, kLeastFaded = 1e-9;
@@ -49,8 +51,10 @@ class Projector : public ceres::EvaluationCallback {
 // The residuals of one knot cell.
 class CellCost : public ceres::CostFunction {
  public:
-  CellCost(const JointCells& cells, const Projector& projector, int cell)
-      : cells_(cells), projector_(projector), cell_(cell) {
+  // `idle`: for a cell of which everything is fixed, an unknown that nothing depends on. Ceres
+  // leaves out blocks without a free unknown, but points may move into the cell and out of it.
+  CellCost(const JointCells& cells, const Projector& projector, int cell, double* idle)
+      : cells_(cells), projector_(projector), cell_(cell), idle_(idle) {
     set_num_residuals(cells.rows());
     std::vector<int>& sizes = *mutable_parameter_block_sizes();
     sizes.assign(static_cast<size_t>(cells.functions()), cells.dimension());
@@ -58,6 +62,7 @@ class CellCost : public ceres::CostFunction {
     for (int d = 0; d < cells.directions(); ++d) {
       if (cells.free_knots(d)) sizes.push_back(cells.gaps(d));
     }
+    if (idle_) sizes.push_back(1);
   }
 
   std::vector<double*> Blocks(JointCells& cells) const {
@@ -70,6 +75,7 @@ class CellCost : public ceres::CostFunction {
     for (int d = 0; d < cells.directions(); ++d) {
       if (cells.free_knots(d)) blocks.push_back(cells.log_gaps(d));
     }
+    if (idle_) blocks.push_back(idle_);
     return blocks;
   }
 
@@ -83,8 +89,10 @@ class CellCost : public ceres::CostFunction {
     std::vector<double> whole(static_cast<size_t>(rows) * columns);
     cells_.Evaluate(cell_, residuals, whole.data());
     const std::vector<int>& sizes = parameter_block_sizes();
+    const size_t own = sizes.size() - (idle_ ? 1 : 0);
+    if (idle_ && jacobians[own] != nullptr) std::fill_n(jacobians[own], rows, 0.0);
     int column = 0;
-    for (size_t block = 0; block < sizes.size(); column += sizes[block++]) {
+    for (size_t block = 0; block < own; column += sizes[block++]) {
       if (jacobians[block] == nullptr) continue;
       for (int r = 0; r < rows; ++r) {
         std::copy_n(whole.data() + static_cast<size_t>(r) * columns + column,
@@ -99,6 +107,7 @@ class CellCost : public ceres::CostFunction {
   const JointCells& cells_;
   const Projector& projector_;
   int cell_;
+  double* idle_;
 };
 
 bool AtNoise(const JointCells& cells, const JointOptions& options) {
@@ -148,7 +157,10 @@ class Watcher : public ceres::IterationCallback {
       result_.note = kAtNoise;
       return true;
     }
-    return result_.rounds.back().rms <= kExactRms * options_.size;
+    const std::vector<RoundSummary>& rounds = result_.rounds;
+    const double rms = rounds.back().rms;
+    const bool fast = rounds.size() > 1 && rms < kFast * rounds[rounds.size() - 2].rms;
+    return rms <= (fast ? kRoundingRms : kExactRms) * options_.size;
   }
 
   // With free weights many shapes are the same set of points, the Jacobian becomes singular where
@@ -200,31 +212,69 @@ FittingProblem AtShape(const FittingProblem& problem, const JointCells& cells) {
                        : moved.WithBasis(shape.basis_u);
 }
 
-// Every cell's block, every term's, and what is fixed.
-void Assemble(ceres::Problem& problem,
-              JointCells& cells,
-              const Projector& projector,
-              const JointOptions& options,
-              double unit) {
-  for (int cell = 0; cell < cells.cells(); ++cell) {
-    auto cost = std::make_unique<CellCost>(cells, projector, cell);
-    const std::vector<double*> blocks = cost->Blocks(cells);
-    problem.AddResidualBlock(cost.release(), nullptr, blocks);
-  }
-  for (const std::shared_ptr<const ResidualTerm>& term : options.terms) {
-    auto cost = std::make_unique<TermCost>(term, cells, unit);
-    const std::vector<double*> blocks = cost->Blocks(cells);
-    problem.AddResidualBlock(cost.release(), nullptr, blocks);
-  }
+// Which blocks hold a fixed control point.
+std::vector<bool> FixedBlocks(const JointCells& cells, const JointOptions& options) {
+  std::vector<bool> fixed(static_cast<size_t>(cells.blocks()), false);
   for (const int k : options.fixed_control_points) {
     if (k < 0 || k >= cells.shape().net.cols()) {
       throw std::invalid_argument("OptimizeJointly: fixed control point " + std::to_string(k) +
                                   " is not in [0, " + std::to_string(cells.shape().net.cols() - 1) +
                                   "]");
     }
-    problem.SetParameterBlockConstant(cells.point(cells.BlockOf(k)));
-    if (cells.free_weights()) problem.SetParameterBlockConstant(cells.log_weight(cells.BlockOf(k)));
+    fixed[static_cast<size_t>(cells.BlockOf(k))] = true;
   }
+  return fixed;
+}
+
+using Terms = std::vector<std::unique_ptr<TermCost>>;
+
+// Every cell's block, every term's, and what is fixed.
+void Assemble(ceres::Problem& problem,
+              JointCells& cells,
+              const Projector& projector,
+              const JointOptions& options,
+              Terms terms,
+              double& idle) {
+  const std::vector<bool> fixed = FixedBlocks(cells, options);
+  bool knots = false;
+  for (int d = 0; d < cells.directions(); ++d) knots = knots || cells.free_knots(d);
+  for (int cell = 0; cell < cells.cells(); ++cell) {
+    const std::vector<int> own = cells.BlocksOf(cell);
+    const bool held = !knots && std::all_of(own.begin(), own.end(), [&](int block) {
+      return fixed[static_cast<size_t>(block)];
+    });
+    auto cost = std::make_unique<CellCost>(cells, projector, cell, held ? &idle : nullptr);
+    const std::vector<double*> blocks = cost->Blocks(cells);
+    problem.AddResidualBlock(cost.release(), nullptr, blocks);
+  }
+  for (std::unique_ptr<TermCost>& term : terms) {
+    const std::vector<double*> blocks = term->Blocks(cells);
+    problem.AddResidualBlock(term.release(), nullptr, blocks);
+  }
+  for (int block = 0; block < cells.blocks(); ++block) {
+    if (!fixed[static_cast<size_t>(block)]) continue;
+    problem.SetParameterBlockConstant(cells.point(block));
+    if (cells.free_weights()) problem.SetParameterBlockConstant(cells.log_weight(block));
+  }
+}
+
+// The robust sum that is minimised, of points and terms, without what only calms the steps; nothing
+// where a term cannot be evaluated.
+std::optional<double> Misfit(const JointCells& cells, const Terms& terms) {
+  double misfit = cells.RobustSquares();
+  for (const std::unique_ptr<TermCost>& term : terms) {
+    std::vector<double> residuals(static_cast<size_t>(term->num_residuals()));
+    if (!term->Evaluate(nullptr, residuals.data(), nullptr)) return std::nullopt;
+    for (const double r : residuals) misfit += r * r;
+  }
+  return std::isfinite(misfit) ? std::make_optional(misfit) : std::nullopt;
+}
+
+Terms MakeTerms(const JointCells& cells, const JointOptions& options, double unit) {
+  Terms terms;
+  for (const std::shared_ptr<const ResidualTerm>& term : options.terms)
+    terms.push_back(std::make_unique<TermCost>(term, cells, unit));
+  return terms;
 }
 
 ceres::Solver::Options SolverOptions(const JointOptions& options, const JointCells& cells) {
@@ -258,27 +308,34 @@ JointResult OptimizeScaled(const FittingProblem& problem,
                            double unit,
                            ThreadPool& pool) {
   JointCells cells(problem, control_points, weights, options, pool);
-  JointResult result{problem, control_points, cells.shape().weights, 0, 0, 0, false, "", {}};
+  JointResult result{problem, control_points, cells.shape().weights};
   if (!cells.Project()) {
     result.note = "the shape cannot be evaluated";
     return result;
   }
+  const Terms terms = MakeTerms(cells, options, unit);
+  const std::optional<double> misfit = Misfit(cells, terms);
   const double before = cells.SquaredDistances();
   const auto count = static_cast<double>(std::max<Eigen::Index>(1, problem.size()));
   result.rms_before = result.rms_after = std::sqrt(before / count);
+  if (!misfit) {
+    result.note = "a residual term cannot be evaluated at the start";
+    return result;
+  }
+  result.misfit_before = result.misfit_after = *misfit;
   if (AtNoise(cells, options)) {
     result.note = kAtNoise;
     return result;
   }
 
   if (options.max_iterations == 0) return result;
-  if (!options.fixed_control_points.empty()) cells.Accept();  // Ceres looks at what is fixed first
   Projector projector(cells);
   Watcher watcher(cells, options, result);
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &projector;
   ceres::Problem ceres_problem(problem_options);
-  Assemble(ceres_problem, cells, projector, options, unit);
+  double idle = 0;
+  Assemble(ceres_problem, cells, projector, options, MakeTerms(cells, options, unit), idle);
   ceres::Solver::Options solver = SolverOptions(options, cells);
   solver.callbacks.push_back(&watcher);
   ceres::Solver::Summary summary;
@@ -295,12 +352,15 @@ JointResult OptimizeScaled(const FittingProblem& problem,
   // Once more at what Ceres settled on; the start stays if nothing was gained.
   if (!cells.Return()) return result;
   const double after = cells.SquaredDistances();
-  if (after < before || options.loss != Loss::kNone || !options.terms.empty()) {
+  const bool plain = options.loss == Loss::kNone && options.terms.empty();
+  const std::optional<double> left = Misfit(cells, terms);
+  if (left && (plain ? after < before : *left < *misfit)) {
     result.problem = AtShape(problem, cells);
     result.control_points = cells.shape().net;
     result.weights =
         options.free_weights ? Normalised(cells.shape().weights) : cells.shape().weights;
     result.rms_after = std::sqrt(after / count);
+    result.misfit_after = *left;
   }
   return result;
 }
@@ -332,6 +392,8 @@ JointResult OptimizeJointly(const FittingProblem& problem,
   result.control_points *= unit;
   result.rms_before *= unit;
   result.rms_after *= unit;
+  result.misfit_before *= unit * unit;
+  result.misfit_after *= unit * unit;
   for (RoundSummary& round : result.rounds) {
     round.rms *= unit;
     round.score *= unit * unit;

@@ -45,10 +45,11 @@ struct JointResult {
   Eigen::MatrixXd control_points;  // d × n, v fastest
   Eigen::VectorXd weights;         // of geometric mean 1 where they were free
   int iterations = 0;              // of Ceres
-  double rms_before = 0, rms_after = 0;
+  double rms_before = 0, rms_after = 0;        // of the distances
+  double misfit_before = 0, misfit_after = 0;  // Σ w 2ρ(d) and the terms' squares
   bool cancelled = false;
-  std::string note;  // why it ended, when that is worth a word
-  std::vector<RoundSummary> rounds;
+  std::string note = {};  // why it ended, when that is worth a word
+  std::vector<RoundSummary> rounds = {};
 };
 
 // Minimises Σ w ρ(d_k), d_k the distance of datum k, over the control points and whatever else is
@@ -57,12 +58,11 @@ struct JointResult {
 // knot cell. Ceres' evaluation callback projects all points and sorts them into cells before every
 // evaluation, so points that cross knots are never extrapolated. Steps are damped by the
 // point-distance matrix, and those that turn a normal over are refused. Weights are free as
-// logarithms, knots as logarithms of their gaps. Without terms the result is never worse than the
-// start. `problem` gives bases, data (points, d = 3, or 2 for plane curves), and parameters to
-// start from, foot points if they are free; `weights` may be empty. Throws std::invalid_argument
-// where sizes do not agree or an index is out of range.
-// [Golub & Pereyra 2003, on variable projection; Wang, Pottmann & Liu 2006, on point and tangent
-// distance]
+// logarithms, knots as logarithms of their gaps. The result is never worse than the start: in rms,
+// or, with a loss or terms, in misfit. `problem` gives bases, data (points, d = 3, or 2 for plane
+// curves), and parameters to start from, foot points if they are free; `weights` may be empty.
+// Throws std::invalid_argument where sizes do not agree or an index is out of range. [Golub &
+// Pereyra 2003, on variable projection; Wang, Pottmann & Liu 2006, on point and tangent distance]
 JointResult OptimizeJointly(const FittingProblem& problem,
                             const Eigen::MatrixXd& control_points,
                             const Eigen::VectorXd& weights,

@@ -32,11 +32,9 @@ constexpr double kLargestNet = 2;  // against the data
 constexpr double kUneven = 4;      // stretch that calls for other parameters
 constexpr int kSpreadings = 2;
 constexpr double kMarginOfNoise = 0.001;  // what neighbours share is counted as noise
-constexpr double
-    kSlack = 0.03,
-    kSlackOfFew = 1.5,
-    kSlackOfFairness =
-        0.5;  // bias worth no start, the estimate's error, control points that fairness takes
+constexpr double kSlack = 0.03;           // of the squares: bias that is worth no start,
+constexpr double kSlackOfFew = 1.5;       // the error of the estimate, by the root of the points,
+constexpr double kSlackOfFairness = 0.5;  // and what fairness takes of each control point
 constexpr double kMargin = 0.05;    // of the domain, by which the shape is larger than the data
 constexpr double kLeastEnd = 0.95;  // of an end span: further in it is not cut
 
@@ -82,7 +80,8 @@ class Optimizer {
     }
     if (options_.free.weights) {
       WithWeights();
-    } else if (options_.free.parameters || !options_.terms.empty()) {
+    } else if (options_.free.parameters || !options_.terms.empty() ||
+               (options_.free.knots && !Linear())) {
       Joint(options_.free, options_.max_iterations, more ? kFinestGain : options_.least_gain);
     }
     if (options_.free.knots) Coalesce();
@@ -102,6 +101,7 @@ class Optimizer {
     const JointResult start =
         OptimizeJointly(result_.problem, result_.control_points, result_.weights, probe, pool_);
     result_.rms_before = result_.rms_after = start.rms_after;
+    misfit_ = start.misfit_after;
     at_noise_ = !start.note.empty();
     result_.note = start.note;
   }
@@ -145,7 +145,8 @@ class Optimizer {
     result_.rounds.insert(result_.rounds.end(), joint.rounds.begin(), joint.rounds.end());
     result_.cancelled = result_.cancelled || joint.cancelled;
     if (!joint.note.empty()) result_.note = joint.note;
-    if (Plain() && joint.rms_after > result_.rms_after) return;
+    if (Plain() ? joint.rms_after > result_.rms_after : !(joint.misfit_after <= misfit_)) return;
+    misfit_ = joint.misfit_after;
     result_.problem = std::move(joint.problem);
     result_.control_points = std::move(joint.control_points);
     result_.weights = std::move(joint.weights);
@@ -157,9 +158,7 @@ class Optimizer {
     JointOptions joint = Settings(free);
     joint.max_iterations = steps;
     joint.least_gain = least_gain;
-    joint.size =
-        (result_.control_points.rowwise().maxCoeff() - result_.control_points.rowwise().minCoeff())
-            .norm();
+    joint.size = Size();
     JointResult found =
         OptimizeJointly(result_.problem, result_.control_points, result_.weights, joint, pool_);
     at_noise_ = found.note == kAtNoise;
@@ -170,15 +169,18 @@ class Optimizer {
   // the weights it needs, gets a long run with next to none.
   void WithWeights() {
     const OptimizeResult start = result_;
+    const double start_misfit = misfit_;
     Joint(options_.free, kQuickSteps, kFinestGain);
     if (Over() || Exact()) return;
     OptimizeResult quick = std::move(result_);
+    const double quick_misfit = std::exchange(misfit_, start_misfit);
     result_ = start;
     result_.iterations = quick.iterations;
     result_.rounds = quick.rounds;
     fairness_ = std::min(options_.fairness, kFaintFairness);
     Joint(options_.free, kValleySteps - kQuickSteps, kFinestGain);
-    if (Plain() && result_.rms_after > quick.rms_after) {
+    if (Plain() ? result_.rms_after > quick.rms_after : misfit_ > quick_misfit) {
+      misfit_ = quick_misfit;
       quick.iterations = result_.iterations;
       quick.cancelled = result_.cancelled;
       quick.rounds = result_.rounds;
@@ -188,10 +190,12 @@ class Optimizer {
 
   bool Exact() const { return result_.rms_after <= kExact * Size(); }
 
-  // Takes another problem's linear solution where it is nearer to the data.
-  void TryLinear(const FittingProblem& problem) {
-    if (problem.size() < problem.unknowns()) return;
-    const Eigen::MatrixXd net = SolveLinear(problem, pool_).coefficients;
+  // Takes the linear solution of another problem (of other bases, parameters or weights) where it
+  // is nearer to the data, which keep their own weights.
+  void TryLinear(const FittingProblem& other) {
+    if (other.size() < other.unknowns()) return;
+    const Eigen::MatrixXd net = SolveLinear(other, pool_).coefficients;
+    const FittingProblem problem = other.WithWeights(result_.problem.data().weights);
     JointOptions probe = Settings({.parameters = options_.free.parameters});
     probe.max_iterations = 0;
     JointResult found = OptimizeJointly(problem, net, {}, probe, pool_);
@@ -236,8 +240,10 @@ class Optimizer {
     result_.control_points = SolveLinear(wider, pool_).coefficients;
     JointOptions probe = Settings({.parameters = true});
     probe.max_iterations = 0;
-    result_.rms_after =
-        OptimizeJointly(result_.problem, result_.control_points, {}, probe, pool_).rms_after;
+    const JointResult start =
+        OptimizeJointly(result_.problem, result_.control_points, {}, probe, pool_);
+    result_.rms_after = start.rms_after;
+    narrow_misfit_ = std::exchange(misfit_, start.misfit_after);
   }
 
   // Cut back to where the foot points are, but never past a knot.
@@ -277,20 +283,23 @@ class Optimizer {
     cut.weights /= std::exp(cut.weights.array().log().mean());
     JointOptions probe = Settings({.parameters = true});
     probe.max_iterations = 0;
-    cut.rms_after =
-        OptimizeJointly(cut.problem, cut.control_points, cut.weights, probe, pool_).rms_after;
+    const JointResult measured =
+        OptimizeJointly(cut.problem, cut.control_points, cut.weights, probe, pool_);
+    cut.rms_after = measured.rms_after;
     // Beside it the shape without weights. The record is that of both.
     cut.cancelled = result_.cancelled;
     result_.problem = narrow_->problem;
     result_.control_points = narrow_->control_points;
     result_.weights = narrow_->weights;
     result_.rms_after = narrow_->rms_after;
+    misfit_ = narrow_misfit_;
     if (!cut.cancelled && cut.rms_after > kExact * Size(cut.control_points)) {
       at_noise_ = false;
       fairness_ = options_.fairness;
       Joint({.parameters = true}, options_.max_iterations, options_.least_gain);
     }
-    if (!WeightsPay(cut)) return;
+    if (!WeightsPay(cut, measured.misfit_after)) return;
+    misfit_ = measured.misfit_after;
     cut.iterations = result_.iterations;
     cut.rounds = result_.rounds;
     cut.cancelled = result_.cancelled;
@@ -299,14 +308,13 @@ class Optimizer {
 
   // Whether weights explain clearly more than as many free numbers explain of noise, and have not
   // let the net run along the shape, far out of the data. [Schwarz 1978]
-  bool WeightsPay(const OptimizeResult& with) const {
+  bool WeightsPay(const OptimizeResult& with, double misfit) const {
     if (Size(with.control_points) > kLargestNet * Size(with.problem.data().values)) return false;
-    if (!Plain()) return true;
     const auto points = static_cast<double>(with.problem.size());
     const auto numbers = static_cast<double>(with.weights.size());
-    const double gain =
-        points * (result_.rms_after * result_.rms_after - with.rms_after * with.rms_after);
-    const double noise = points / std::max(1.0, points - numbers) * with.rms_after * with.rms_after;
+    const double left = Plain() ? points * with.rms_after * with.rms_after : misfit;
+    const double gain = (Plain() ? points * result_.rms_after * result_.rms_after : misfit_) - left;
+    const double noise = left / std::max(1.0, points - numbers);
     return gain > std::log(points) * numbers * noise;
   }
 
@@ -342,14 +350,11 @@ class Optimizer {
       net = SolveLinear(fine, pool_).coefficients;
     }
     const FittingProblem even = given.WithParameters(fine.data().parameters);
-    if (getenv("DBG")) {
-      fprintf(stderr, "spread\n");
-    }
     TryLinear(even);
   }
 
   void SearchKnots() {
-    if (Over() || !Linear() || options_.loss != Loss::kNone) return;
+    if (Over() || !Linear()) return;
     FreeKnotOptions knots;
     knots.u = options_.knots_u;
     knots.v = options_.knots_v;
@@ -360,11 +365,24 @@ class Optimizer {
     }
     knots.seconds = options_.seconds > 0 ? std::max(1e-3, options_.seconds - Elapsed()) : 0;
     knots.progress = options_.progress;
-    const FreeKnotResult found = OptimizeKnots(result_.problem, knots, pool_);
+    const FreeKnotResult found = OptimizeKnots(Reweighted(), knots, pool_);
     result_.iterations += found.iterations;
     result_.cancelled = result_.cancelled || found.cancelled;
     if (!found.note.empty()) result_.note = found.note;
     if (found.squares_after < found.squares_before) TryLinear(found.problem);
+  }
+
+  // The problem with the weights that the loss gives its data at the present shape.
+  FittingProblem Reweighted() const {
+    const FittingProblem& problem = result_.problem;
+    if (options_.loss == Loss::kNone) return problem;
+    const Eigen::VectorXd distances =
+        (EvaluateAt(problem, result_.control_points, pool_) - problem.data().values)
+            .colwise()
+            .norm();
+    Eigen::VectorXd weights = LossWeights(options_.loss, distances, options_.loss_scale);
+    if (problem.data().weights.size() > 0) weights.array() *= problem.data().weights.array();
+    return problem.WithWeights(std::move(weights));
   }
 
   // Knots nearer than rounding of the domain become one, and the rest settles again.
@@ -392,6 +410,7 @@ class Optimizer {
   ThreadPool& pool_;
   double fairness_;
   OptimizeResult result_;
+  double misfit_ = 0, narrow_misfit_ = 0;   // what is minimised with a loss or terms
   std::unique_ptr<OptimizeResult> narrow_;  // what there was before the shape was made larger
   bool at_noise_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

@@ -59,7 +59,7 @@ struct OptimizeResult {
 //  · free knots start from the best that variable projection finds at fixed parameters;
 //  · control points and parameters settle before weights and knots join them;
 //  · knots that have come together become one of higher multiplicity, and all is solved again.
-// Never worse than the shape given (without a loss or terms, whose sums are minimised instead).
+// Never worse than the shape given: in rms or, with a loss or terms, in the sum that is minimised.
 // Nothing is done where the residuals are at the noise: more would only follow it.
 // Starts from `control_points` (d × n; d = 3, or 2 for curves in the plane) and `weights` (empty:
 // ones). Throws std::invalid_argument where sizes do not agree or an option breaks its rule.
