@@ -95,11 +95,13 @@ std::optional<Eigen::Vector3d> ToShift(const std::string& origin) {
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
 }
 
-void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) {
+void AddEveryFitsArguments(CLI::App& command,
+                           FitArguments& a,
+                           const char* points,
+                           const char* loss) {
   command
-      .add_option(words.points,
-                  a.clouds,
-                  "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
+      .add_option(
+          points, a.clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
       ->required();
   command.add_option("-o,--output", a.out, "Where to write: .step .stp .json")
       ->required()
@@ -110,8 +112,31 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
           [&a](const std::string& text) {
             a.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
           },
-          "Distance every point must keep; refines where it is missed [none]")
+          "Distance every point must keep; refines where it is missed and there is freedom [none]")
       ->type_name("T");
+  AddText(command, "--loss", a.loss, loss, "LOSS");
+  AddText(command,
+          "--loss-scale",
+          a.loss_scale,
+          "Standard deviation of good points: auto or a number",
+          "S");
+  AddText(command,
+          "--origin",
+          a.origin,
+          "Subtracted from what is written: keep (nothing), local, or x,y,z",
+          "ORIGIN");
+  command
+      .add_option(
+          "--output-format", a.out_format, "Format of OUT where its name does not tell: json step")
+      ->type_name("FORMAT");
+  AddCloudArguments(command, a.cloud);
+  AddOutputArguments(command, a.output);
+  AddWorkFlags(command, a.work);
+  AddCommonFlags(command, a.flags);
+}
+
+void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) {
+  AddEveryFitsArguments(command, a, words.points, words.loss);
   AddText(command,
           "--control-points",
           a.control_points,
@@ -127,12 +152,6 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
           a.smoothing,
           std::string("Fairness relative to the data: auto (") + words.smoothing + ") or a number",
           "L");
-  AddText(command, "--loss", a.loss, words.loss, "LOSS");
-  AddText(command,
-          "--loss-scale",
-          a.loss_scale,
-          "Standard deviation of good points: auto or a number",
-          "S");
   AddText(command, "--parameterization", a.parameterization, words.parameterizations, "FROM");
   AddText(command,
           "--optimize",
@@ -140,19 +159,6 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
           "Joint stage by Ceres: auto (where residuals exceed the noise and the points carry it), "
           "none, or what is free besides the control points, any of params,weights,knots",
           "MODE");
-  AddText(command,
-          "--origin",
-          a.origin,
-          "Subtracted from what is written: keep (nothing), local, or x,y,z",
-          "ORIGIN");
-  command
-      .add_option(
-          "--output-format", a.out_format, "Format of OUT where its name does not tell: json step")
-      ->type_name("FORMAT");
-  AddCloudArguments(command, a.cloud);
-  AddOutputArguments(command, a.output);
-  AddWorkFlags(command, a.work);
-  AddCommonFlags(command, a.flags);
 }
 
 FitFiles::FitFiles(const FitArguments& arguments)
@@ -190,7 +196,7 @@ double FitFiles::Seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-int FitFiles::Write(const Geometry& geometry,
+int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
                     const Eigen::MatrixXd& parameters,
                     const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
@@ -208,7 +214,7 @@ int FitFiles::Write(const Geometry& geometry,
   const double before = Seconds();
   const auto written =
       WriteResiduals(a_.output.residuals, file_.cloud, residuals, parameters, outliers);
-  WriteGeometry({geometry}, a_.out, {out_format_, a_.output.unit});
+  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit});
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
   report.seconds.write = Seconds() - before;

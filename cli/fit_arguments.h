@@ -31,7 +31,7 @@ struct FitArguments {
               loss_scale = "auto", optimize = "auto", origin = "keep", parameterization;
 };
 
-// The options every fit has, with the words that differ.
+// The options of a fit with control points, with the words that differ.
 struct FitWords {
   const char* points;             // name of the positional argument
   const char* control_points;     // of its value
@@ -40,6 +40,12 @@ struct FitWords {
   const char* parameterizations;  // the choices
 };
 void AddFitArguments(CLI::App& command, FitArguments& arguments, const FitWords& words);
+
+// Those among them that every fit has.
+void AddEveryFitsArguments(CLI::App& command,
+                           FitArguments& arguments,
+                           const char* points,
+                           const char* loss);
 
 [[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
 
@@ -76,7 +82,7 @@ class FitFiles {
   Eigen::Vector3d shift() const;
 
   // Writes everything and returns the exit code.
-  int Write(const Geometry& geometry,
+  int Write(const std::vector<Geometry>& geometry,
             const Eigen::VectorXd& residuals,
             const Eigen::MatrixXd& parameters,
             const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,

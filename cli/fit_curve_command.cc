@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 // batten fit curve: points in, a curve and its report out.
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "batten/cli/fit_arguments.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
+#include "batten/fitting/curve_closure.h"
 #include "batten/fitting/fit_curve.h"
+#include "batten/fitting/interpolate_cloud.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
@@ -16,32 +21,121 @@ struct Arguments : FitArguments {
     max_control_points = "2000";
     parameterization = "chord";
   }
-  std::string degree = "3", order = "auto", closed = "auto", distance = "auto", corners = "none";
+  std::string degree = "3", order = "auto", closed = "auto", component = "the only one",
+              distance = "auto", corners = "auto", start_tangent, end_tangent;
+  bool interpolate = false;
 };
 
-// Words of the contract that a later version will understand are told apart from mistakes.
 void CheckChoices(const Arguments& a) {
-  CheckChoice("--order", a.order, {"auto", "given"}, {"unordered"});
-  CheckChoice("--closed", a.closed, {"auto", "no"}, {"yes"});
+  CheckChoice("--order", a.order, {"auto", "given", "unordered"});
+  CheckChoice("--closed", a.closed, {"auto", "yes", "no"});
   CheckChoice("--parameterization",
               a.parameterization,
-              {"chord", "centripetal", "uniform", "given"},
-              {"foley", "universal"});
-  CheckChoice("--distance", a.distance, {"auto", "point", "parameter"}, {"tangent", "squared"});
-  CheckChoice("--corners", a.corners, {"none"}, {"auto"});
+              {"chord", "centripetal", "uniform", "foley", "universal", "given"});
+  CheckChoice("--distance", a.distance, {"auto", "point", "tangent", "squared", "parameter"});
+  CheckChoice("--corners", a.corners, {"auto", "none"});
+}
+
+// Flags that say two things at once.
+void CheckTogether(const Arguments& a) {
+  if (!a.interpolate) {
+    if (!a.start_tangent.empty() || !a.end_tangent.empty()) {
+      throw UsageError(
+          "--start-tangent and --end-tangent are for --interpolate: an approximation is as the "
+          "points are");
+    }
+    return;
+  }
+  const auto refuse = [](const char* flag, bool given) {
+    if (given) {
+      throw UsageError(std::string(flag) +
+                       " has no meaning with --interpolate, which goes through every point");
+    }
+  };
+  refuse("--control-points", a.control_points != "chosen");
+  refuse("--smoothing", a.smoothing != "auto");
+  refuse("--loss", a.loss != "auto" && a.loss != "none");
+  refuse("--loss-scale", a.loss_scale != "auto");
+  refuse("--optimize", a.optimize != "auto" && a.optimize != "none");
+  refuse("--distance", a.distance != "auto");
+  refuse("--component", a.component != "the only one");
+  refuse("--order unordered", a.order == "unordered");
+  if (a.closed == "yes" && !(a.start_tangent.empty() && a.end_tangent.empty()))
+    throw UsageError("--closed yes leaves no ends for --start-tangent and --end-tangent");
+}
+
+std::optional<Eigen::Vector3d> ToDirection(const std::string& flag, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::vector<double> numbers = ParseNumbers(flag, text);
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  if (numbers.size() < 2 || numbers.size() > 3)
+    throw UsageError(flag + ": '" + text + "' is not a direction x,y or x,y,z");
+  for (size_t k = 0; k < numbers.size(); ++k) direction[static_cast<Eigen::Index>(k)] = numbers[k];
+  if (direction.isZero(0)) throw UsageError(flag + ": '" + text + "' has no length");
+  return direction;
+}
+
+PointOrder ToOrder(const std::string& word) {
+  if (word == "given") return PointOrder::kGiven;
+  if (word == "unordered") return PointOrder::kUnordered;
+  return PointOrder::kAuto;
+}
+
+ClosedChoice ToClosed(const std::string& word) {
+  if (word == "yes") return ClosedChoice::kYes;
+  if (word == "no") return ClosedChoice::kNo;
+  return ClosedChoice::kAuto;
 }
 
 CurveParameterization ToParameterization(const std::string& word) {
   if (word == "given") return CurveParameterization::kGiven;
   if (word == "uniform") return CurveParameterization::kUniform;
   if (word == "centripetal") return CurveParameterization::kCentripetal;
+  if (word == "foley") return CurveParameterization::kFoley;
+  if (word == "universal") return CurveParameterization::kUniversal;
   return CurveParameterization::kChord;
 }
 
 CurveDistance ToDistance(const std::string& word) {
   if (word == "parameter") return CurveDistance::kParameter;
   if (word == "point") return CurveDistance::kPoint;
+  if (word == "tangent") return CurveDistance::kTangent;
+  if (word == "squared") return CurveDistance::kSquared;
   return CurveDistance::kAuto;
+}
+
+// Which of several curves: one by its number, all, or the only one there is.
+struct Component {
+  bool all = false;
+  std::optional<int> number = std::nullopt;
+};
+
+Component ToComponent(const std::string& text) {
+  if (text == "the only one") return {};
+  if (text == "all") return {.all = true};
+  constexpr int kMost = 1000000;
+  return {.number = static_cast<int>(ParseWhole("--component", text, 1, kMost))};
+}
+
+// What several fits of one cloud say together: every point has the distance from its own curve.
+template <int Dim>
+CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
+  CurveFit<Dim> joint = fits.front();
+  if (fits.size() == 1) return joint;
+  FitReport& report = joint.report;
+  report.warnings.clear();
+  for (size_t k = 1; k < fits.size(); ++k) {
+    const CurveFit<Dim>& fit = fits[k];
+    for (Eigen::Index i = 0; i < joint.residuals.size(); ++i) {
+      if (fit.residuals[i] >= joint.residuals[i]) continue;
+      joint.residuals[i] = fit.residuals[i];
+      joint.parameters[i] = fit.parameters[i];
+    }
+    report.Join(fit.report);
+  }
+  report.error = Summarise(joint.residuals, tolerance, !joint.outliers);
+  report.error_all = Summarise(joint.residuals, tolerance);
+  return joint;
 }
 
 CurveFitOptions ToOptions(const Arguments& a) {
@@ -57,7 +151,9 @@ CurveFitOptions ToOptions(const Arguments& a) {
   options.max_control_points = static_cast<int>(
       ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
   options.parameterization = ToParameterization(a.parameterization);
-  options.keep_order = a.order == "given";
+  options.order = ToOrder(a.order);
+  options.closed = ToClosed(a.closed);
+  options.corners = a.corners == "auto";
   options.distance = ToDistance(a.distance);
   options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
@@ -75,15 +171,48 @@ CurveFitOptions ToOptions(const Arguments& a) {
 }
 
 template <int Dim>
-int Fit(const FitFiles& files, const PointCloud& cloud, const CurveFitOptions& options) {
-  CurveFit<Dim> fit = files.Explained([&] { return FitCurve<Dim>(cloud, options); });
+int Fit(const FitFiles& files,
+        const PointCloud& cloud,
+        const CurveFitOptions& options,
+        const Component& component) {
+  std::vector<CurveFit<Dim>> fits = files.Explained([&] {
+    if (component.all) return FitCurves<Dim>(cloud, options);
+    std::vector<CurveFit<Dim>> one;
+    one.push_back(component.number ? FitComponent<Dim>(cloud, *component.number, options)
+                                   : FitCurve<Dim>(cloud, options));
+    return one;
+  });
+  CurveFit<Dim> joint = Together(fits, options.tolerance);
+  std::vector<Geometry> curves;
+  for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
   return files.Write(
-      fit.curve, fit.residuals, fit.parameters.transpose(), fit.outliers, fit.report);
+      curves, joint.residuals, joint.parameters.transpose(), joint.outliers, joint.report);
+}
+
+template <int Dim>
+int Interpolate(const FitFiles& files, const PointCloud& cloud, const Arguments& a) {
+  CloudInterpolationOptions options;
+  options.degree = static_cast<int>(ParseWhole("--degree", a.degree, 1, kMaxDegree));
+  options.parameterization = ToParameterization(a.parameterization);
+  options.keep_order = a.order == "given";
+  options.start_tangent = ToDirection("--start-tangent", a.start_tangent);
+  options.end_tangent = ToDirection("--end-tangent", a.end_tangent);
+  options.closed =
+      a.closed == "yes" || (a.closed == "auto" && !options.start_tangent && !options.end_tangent &&
+                            options.parameterization != CurveParameterization::kGiven &&
+                            JudgeEnds(cloud.points(), 0).repeated);
+  options.tolerance = a.tolerance;
+  options.shift = files.shift();
+  CurveFit<Dim> fit = files.Explained([&] { return InterpolateCloud<Dim>(cloud, options); });
+  return files.Write(
+      {fit.curve}, fit.residuals, fit.parameters.transpose(), fit.outliers, fit.report);
 }
 
 int Run(const Arguments& a) {
   CheckChoices(a);
+  CheckTogether(a);
   CurveFitOptions options = ToOptions(a);
+  const Component component = ToComponent(a.component);
   FitFiles files(a);
   const bool given = options.parameterization == CurveParameterization::kGiven;
   const PointCloud& cloud = files.Read(given);
@@ -91,7 +220,12 @@ int Run(const Arguments& a) {
     files.Refuse("has no column u, which --parameterization given needs (--columns u=1 names one)");
   }
   options.shift = files.shift();
-  return cloud.dimension() == 2 ? Fit<2>(files, cloud, options) : Fit<3>(files, cloud, options);
+  if (a.interpolate) {
+    return cloud.dimension() == 2 ? Interpolate<2>(files, cloud, a)
+                                  : Interpolate<3>(files, cloud, a);
+  }
+  return cloud.dimension() == 2 ? Fit<2>(files, cloud, options, component)
+                                : Fit<3>(files, cloud, options, component);
 }
 
 }  // namespace
@@ -102,37 +236,54 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
   const auto add = [&](const char* flag, std::string& value, const char* help, const char* type) {
     command.add_option(flag, value, help)->capture_default_str()->type_name(type);
   };
-  AddFitArguments(command,
-                  *a,
-                  {"POINTS",
-                   "N",
-                   "1e-10",
-                   "auto none huber cauchy tukey; auto is none",
-                   "Where parameters come from: chord centripetal uniform given; given is a column "
-                   "u"});
+  AddFitArguments(
+      command,
+      *a,
+      {"POINTS",
+       "N",
+       "1e-10",
+       "auto none huber cauchy tukey; auto is none",
+       "Where parameters come from: chord centripetal uniform foley universal given; given is a "
+       "column u"});
   add("--degree", a->degree, "Degree of the curve", "P");
+  command.add_flag("--interpolate", a->interpolate, "Go through every point, in their order");
+  const auto direction = [&](const char* flag, std::string& value, const char* help) {
+    command.add_option(flag, value, help)->type_name("x,y[,z]");
+  };
+  direction("--start-tangent", a->start_tangent, "Direction of an interpolating curve's start");
+  direction("--end-tangent", a->end_tangent, "Direction of its end");
   add("--order",
       a->order,
-      "auto given; given refuses parameters that do not follow the order of the points",
+      "Order of the points: auto (the file's if it follows a curve), given (the file's), unordered "
+      "(found from where they lie)",
       "ORDER");
-  add("--closed", a->closed, "auto no: the curve is open", "CLOSED");
+  add("--closed", a->closed, "auto (found), yes (any gap is bridged), no (open)", "CLOSED");
+  add("--component",
+      a->component,
+      "Which of several separate curves: a number, 1 the longest, or all (one OUT for them all)",
+      "K");
   add("--distance",
       a->distance,
-      "What is fitted: point (the nearest), parameter (at the point's own); auto is parameter with "
-      "parameters given",
+      "What is fitted: point (the nearest), tangent or squared (the same, by steps that converge "
+      "faster), parameter (at the point's own); auto is point, or parameter with parameters given",
       "KIND");
-  add("--corners", a->corners, "none", "CORNERS");
+  add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS");
   command.footer(
       "Examples:\n"
       "  batten fit curve section.xyz -o section.step\n"
       "  batten fit curve outline.csv -o outline.json --tolerance 0.01 --report "
       "outline-report.json\n"
+      "  batten fit curve slice.xy -o slice.step --component all\n"
+      "  batten fit curve knots.xyz -o knots.step --interpolate --start-tangent 1,0,0\n"
+      "  batten fit curve ring.xyz -o ring.json --order unordered --closed yes --loss tukey\n"
       "  batten fit curve heat.xy -o heat.json --parameterization given --columns u=1,x=1,y=2 "
       "--control-points 9\n"
-      "  batten fit curve arc.xy -o arc.step --degree 2 --control-points 3 --optimize "
-      "params,weights\n"
+      "  batten fit curve arc.xy -o arc.step --degree 2 --optimize params,weights\n"
+      "Points may come in any order; the curve closes where its points do, smoothly or at a "
+      "corner.\n"
+      "Without a tolerance it has as many control points as the data can tell apart from fewer.\n"
       "Where parameters are given and residuals exceed the noise, auto moves the knots.\n"
-      "Points are taken in the order of the file. Two columns are a plane curve.\n"
+      "Two columns are a plane curve.\n"
       "Exit code 3 says the best curve is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }

@@ -85,7 +85,7 @@ int Run(const Arguments& a) {
   }
   options.shift = files.shift();
   SurfaceFit fit = files.Explained([&] { return FitSurface(cloud, options); });
-  return files.Write(fit.surface, fit.residuals, fit.parameters, fit.outliers, fit.report);
+  return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
 }  // namespace

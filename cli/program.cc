@@ -20,7 +20,7 @@ std::string command_line;
 
 // Commands of the contract that later versions will have.
 const std::vector<std::string> kLaterCommands = {"make", "section", "tessellate"};
-const std::vector<std::string> kLaterFits = {"primitive", "scan"};
+const std::vector<std::string> kLaterFits = {"scan"};
 const std::vector<std::string> kLaterFlags = {"--grid",
                                               "--domain",
                                               "--boundary",
@@ -217,6 +217,7 @@ int RunProgram(int argc, char** argv) {
       "  batten fit curve section.xyz -o section.step\n  batten fit surface --help");
   AddFitSurfaceCommand(fit, action);
   AddFitCurveCommand(fit, action);
+  AddFitPrimitiveCommand(fit, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);

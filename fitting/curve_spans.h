@@ -17,6 +17,8 @@ enum class CurveDistance {
   kAuto,       // at the parameters where those are given, orthogonal otherwise
   kParameter,  // from the point at the datum's own parameter
   kPoint,      // from the nearest point
+  kTangent,    // the same, brought down further by tangent distances (distance_minimisation.h)
+  kSquared,    // the same, by squared distances
 };
 
 // The curve of dimension 2 or 3 that the coefficients (d × n) are over a basis.

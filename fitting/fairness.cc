@@ -4,7 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
+
+#include "batten/fitting/coefficient_order.h"
 
 namespace batten {
 namespace {
@@ -47,7 +50,8 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
   return gram;
 }
 
-FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis* inner) {
+FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis* inner)
+    : outer_rows_(CoefficientOrder(outer).Rows(outer)), inner_rows_(DistinctIndices(inner)) {
   const auto term = [&](double factor, int k, int l) {
     return Term{factor,
                 DerivativeGram(outer, k),
@@ -69,19 +73,26 @@ FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis* inner) {
 }
 
 void FairnessForm::AddTo(BlockBandedMatrix& matrix, double weight) const {
-  const int inner_size = matrix.block_size();
+  const auto outer_size = static_cast<int>(outer_rows_.size()),
+             inner_size = static_cast<int>(inner_rows_.size());
   for (int t = 0; t < term_count_; ++t) {
     const Term& term = terms_[t];
     const int reach = static_cast<int>(term.inner.cols()) - 1;
-    for (int k = 0; k < matrix.blocks(); ++k) {
+    for (int k = 0; k < outer_size; ++k) {
       for (int below = 0; below < term.outer.cols() && below <= k; ++below) {
-        const double c = weight * term.factor * term.outer(k - below, below);
-        auto block = matrix.at(k, below);
+        const int row = outer_rows_[static_cast<size_t>(k)],
+                  row2 = outer_rows_[static_cast<size_t>(k - below)];
+        // Two functions of one coefficient meet on the diagonal, from either side.
+        const double times = row == row2 && below > 0 ? 2 : 1;
+        const double c = times * weight * term.factor * term.outer(k - below, below);
+        auto block = matrix.at(std::max(row, row2), std::abs(row2 - row));
         for (int j = 0; j < inner_size; ++j) {
-          block(j, j) += c * term.inner(j, 0);
+          const int column = inner_rows_[static_cast<size_t>(j)];
+          block(column, column) += c * term.inner(j, 0);
           for (int a = 1; a <= reach && j + a < inner_size; ++a) {
-            block(j + a, j) += c * term.inner(j, a);
-            block(j, j + a) += c * term.inner(j, a);
+            const int column2 = inner_rows_[static_cast<size_t>(j + a)];
+            block(column2, column) += c * term.inner(j, a);
+            block(column, column2) += c * term.inner(j, a);
           }
         }
       }

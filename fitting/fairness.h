@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "batten/fitting/block_banded_matrix.h"
 #include "batten/geometry/spline_basis.h"
@@ -28,12 +29,12 @@ class FairnessForm {
  public:
   FairnessForm(const SplineBasis& outer, const SplineBasis* inner);
 
-  // Adds weight times the form; coefficient (i,j) is i·inner.size() + j.
+  // Adds weight times the form to a matrix of EmptyMatrix' sizes and order of rows.
   void AddTo(BlockBandedMatrix& matrix, double weight) const;
 
   double Trace() const;
 
-  // cᵀ P c of one coefficient vector.
+  // cᵀ P c of one coefficient vector, repeated ones included; (i,j) is i·inner.size() + j.
   double Energy(const Eigen::VectorXd& coefficients) const;
 
  private:
@@ -43,6 +44,7 @@ class FairnessForm {
   };
   Term terms_[3];
   int term_count_;
+  std::vector<int> outer_rows_, inner_rows_;  // in the matrix
 };
 
 }  // namespace batten

@@ -69,15 +69,47 @@ std::optional<bool> FitReport::tolerance_reached() const {
   return judged.out_of_tolerance == 0;
 }
 
+void FitReport::Join(const FitReport& other) {
+  const auto append = [](auto& list, const auto& more) {
+    list.insert(list.end(), more.begin(), more.end());
+  };
+  append(geometry.control_points, other.geometry.control_points);
+  append(geometry.closed, other.geometry.closed);
+  append(iterations, other.iterations);
+  append(warnings, other.warnings);
+  geometry.rational = geometry.rational || other.geometry.rational;
+  geometry.count += other.geometry.count;
+  input.used += other.input.used;
+  input.duplicates += other.input.duplicates;
+  input.spacing = std::max(input.spacing, other.input.spacing);
+  input.noise = std::max(input.noise, other.input.noise);
+  seconds.parameterize += other.seconds.parameterize;
+  seconds.solve += other.seconds.solve;
+  seconds.project += other.seconds.project;
+  seconds.refine += other.seconds.refine;
+  seconds.optimize += other.seconds.optimize;
+  seconds.total += other.seconds.total;
+  optimize.ran = optimize.ran || other.optimize.ran;
+  optimize.iterations += other.optimize.iterations;
+  const bool good =
+      termination == Termination::kToleranceReached || termination == Termination::kNoiseReached;
+  if (good || other.termination == Termination::kCancelled) termination = other.termination;
+}
+
 std::string FitReport::OneLine() const {
   std::string net, degrees;
-  for (const int n : geometry.control_points) net += (net.empty() ? "" : " x ") + std::to_string(n);
+  const char* const between = geometry.count > 1 ? " + " : " x ";
+  for (const int n : geometry.control_points)
+    net += (net.empty() ? "" : between) + std::to_string(n);
   for (const int p : geometry.degree) degrees += (degrees.empty() ? "" : ",") + std::to_string(p);
+  const std::string kind = geometry.count > 1
+                               ? std::to_string(geometry.count) + " " + geometry.kind + "s"
+                               : geometry.kind;
   char text[512];
   std::snprintf(text,
                 sizeof text,
                 "%s of degree %s, %s control points: rms %.4g, max %.4g over %lld of %lld points",
-                geometry.kind.c_str(),
+                kind.c_str(),
                 degrees.c_str(),
                 net.c_str(),
                 error.rms,
@@ -85,6 +117,14 @@ std::string FitReport::OneLine() const {
                 static_cast<long long>(error.points),
                 static_cast<long long>(input.points));
   std::string line = text;
+  if (geometry.primitive) {
+    std::string shape = geometry.primitive->kind;
+    if (geometry.primitive->radius) {
+      std::snprintf(text, sizeof text, " of radius %.10g", *geometry.primitive->radius);
+      shape += text;
+    }
+    line = shape + ", " + line;
+  }
   if (parameter_error) {
     std::snprintf(text,
                   sizeof text,

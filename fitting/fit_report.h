@@ -51,6 +51,18 @@ struct InputSummary {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
+// The numbers of a primitive, in the coordinates of the geometry as written; which of them there
+// are depends on the kind. Directions have length one, angles are in radians.
+struct PrimitiveSummary {
+  std::string kind;  // "line", "circle"
+  std::optional<Eigen::Vector3d> point, direction;
+  std::optional<Eigen::Vector3d> center, axis;
+  std::optional<double> radius;
+  std::optional<double> sweep;  // of an arc; 2π of a full circle
+  double scale = 0;             // standard deviation of the good points from it
+  std::string why;              // this kind
+};
+
 struct GeometrySummary {
   std::string kind;  // "surface" or "curve"
   std::string base;  // "plane", …; empty in comparisons
@@ -59,6 +71,8 @@ struct GeometrySummary {
   bool rational = false;
   std::vector<bool> closed;
   int trims = 0;
+  int count = 1;  // several curves: control_points and closed have an entry for each
+  std::optional<PrimitiveSummary> primitive = std::nullopt;  // where that is what was fitted
 };
 
 // The joint stage.
@@ -103,6 +117,9 @@ struct FitReport {
 
   // None without a tolerance.
   std::optional<bool> tolerance_reached() const;
+
+  // Takes in the report of another curve of the same cloud. Errors are not joined.
+  void Join(const FitReport& other);
 
   // One sentence for a terminal or a log.
   std::string OneLine() const;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "batten/fitting/block_banded_matrix.h"
+#include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/fairness.h"
 #include "batten/fitting/normal_equations.h"
 
@@ -26,6 +27,22 @@ constexpr double kCancelled = 1e-9;
 
 [[noreturn]] void Reject(const std::string& rule) {
   throw std::invalid_argument("FittingProblem: " + rule);
+}
+
+// The rows of the solver as the coefficients of the bases, outer-inner; repeated ones too.
+Eigen::MatrixXd InOuterOrder(const Eigen::MatrixXd& rows,
+                             const SplineBasis& outer,
+                             const SplineBasis* inner) {
+  const std::vector<int> outer_rows = CoefficientOrder(outer).Rows(outer),
+                         inner_rows = DistinctIndices(inner);
+  const Eigen::Index distinct = inner ? DistinctCount(*inner) : 1;
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(outer_rows.size() * inner_rows.size()),
+                      rows.cols());
+  Eigen::Index to = 0;
+  for (const int i : outer_rows) {
+    for (const int j : inner_rows) all.row(to++) = rows.row(i * distinct + j);
+  }
+  return all;
 }
 
 // From outer-inner order to v fastest: nothing to do when u is outside, a transposition otherwise.
@@ -90,6 +107,10 @@ FittingProblem::FittingProblem(SplineBasis basis,
                                double smoothing)
     : FittingProblem(std::move(basis), std::optional<SplineBasis>(), std::move(data), smoothing) {}
 
+int FittingProblem::unknowns() const {
+  return DistinctCount(basis_u_) * (basis_v_ ? DistinctCount(*basis_v_) : 1);
+}
+
 FittingProblem FittingProblem::WithBases(SplineBasis basis_u, SplineBasis basis_v) const {
   if (is_curve()) Reject("a curve has one basis");
   return FittingProblem(
@@ -147,7 +168,7 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   double lambda = problem.smoothing() * unit;
   Eigen::MatrixXd solution;
   for (int attempt = 0;; ++attempt) {
-    BlockBandedMatrix matrix(outer.size(), inner_size, outer.degree());
+    BlockBandedMatrix matrix = EmptyMatrix(outer, inner);
     equations.AddTo(matrix);
     if (lambda > 0) fairness.AddTo(matrix, lambda);
     // High degrees need more than rounding's worth of it.
@@ -169,11 +190,12 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   }
   // zᵀz − 2cᵀb + cᵀAc with (A + λP)c = b, so cᵀAc = cᵀb − λ cᵀPc.
   double squares = equations.squares();
+  const Eigen::MatrixXd coefficients = InOuterOrder(solution, outer, inner);
   for (Eigen::Index d = 0; d < solution.cols(); ++d) {
     squares -=
-        solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(solution.col(d));
+        solution.col(d).dot(equations.rhs().col(d)) + lambda * fairness.Energy(coefficients.col(d));
   }
-  result.coefficients = InNetOrder(solution,
+  result.coefficients = InNetOrder(coefficients,
                                    u_outside,
                                    u_outside ? outer.size() : inner_size,
                                    u_outside ? inner_size : outer.size());

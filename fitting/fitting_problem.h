@@ -23,7 +23,8 @@ struct FittingData {
 //   Σ w |S(u_k,v_k) − z_k|² + λ ∫∫ S_uu² + 2 S_uv² + S_vv²,   λ = smoothing · tr(A)/tr(P),
 // A the normal matrix and P the fairness matrix, so that `smoothing` means the same at every number
 // of points and in every unit. A curve has one basis and the energy ∫ C″². Data are shared between
-// problems that differ in their bases.
+// problems that differ in their bases. Around a periodic basis the shape is closed and as smooth at
+// the seam as elsewhere.
 class FittingProblem {
  public:
   // Throws std::invalid_argument unless sizes agree, parameters lie in the bases' domains,
@@ -50,7 +51,8 @@ class FittingProblem {
   const std::shared_ptr<const FittingData>& shared_data() const { return data_; }
   double smoothing() const { return smoothing_; }
   Eigen::Index size() const { return data_->parameters.cols(); }
-  int unknowns() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
+  int net_size() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
+  int unknowns() const;  // control points that differ: periodic bases repeat some
 
  private:
   FittingProblem(SplineBasis basis_u,
@@ -65,7 +67,7 @@ class FittingProblem {
 };
 
 struct LinearSolution {
-  Eigen::MatrixXd coefficients;  // d × (n_u · n_v), v fastest; curves: d × n
+  Eigen::MatrixXd coefficients;  // d × (n_u · n_v), v fastest, repeated ones too; curves: d × n
   double residual_squares = 0;   // Σ w |S − z|², to full accuracy even where it is tiny
   bool regularised = false;      // the matrix was singular: smoothing had to be raised
 };

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/fairness.h"
 #include "batten/fitting/normal_equations.h"
 
@@ -21,15 +22,6 @@ constexpr double kWildestWeight = 25;    // a log weight at most, against the me
 
 [[noreturn]] void Reject(const std::string& rule) {
   throw std::invalid_argument("Optimize: " + rule);
-}
-
-// Index of a row of control points among those that are no copies.
-int WithoutCopies(const SplineBasis& basis, int i) {
-  return basis.periodic() ? i % (basis.size() - basis.degree()) : i;
-}
-
-int Distinct(const SplineBasis& basis) {
-  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
 }
 
 }  // namespace
@@ -56,7 +48,7 @@ JointCells::JointCells(const FittingProblem& problem,
   if (dimension != 3 && !(problem.is_curve() && dimension == 2)) {
     Reject("points must be of three coordinates, or two for a curve");
   }
-  if (control_points.cols() != problem.unknowns() || shape_.weights.size() != problem.unknowns()) {
+  if (control_points.cols() != problem.net_size() || shape_.weights.size() != problem.net_size()) {
     Reject("control points or weights are not as many as the bases say");
   }
   if (!control_points.allFinite() || !shape_.weights.allFinite() ||
@@ -91,10 +83,10 @@ JointCells::JointCells(const FittingProblem& problem,
 
 void JointCells::MakeBlocks() {
   const int size_v = shape_.size_v();
-  const int distinct_v = shape_.basis_v ? Distinct(*shape_.basis_v) : 1;
-  const int distinct_u = Distinct(shape_.basis_u);
+  const int distinct_v = shape_.basis_v ? DistinctCount(*shape_.basis_v) : 1;
+  const int distinct_u = DistinctCount(shape_.basis_u);
   const auto wide_enough = [](const SplineBasis& basis) {
-    return !basis.periodic() || Distinct(basis) > basis.degree();
+    return !basis.periodic() || DistinctCount(basis) > basis.degree();
   };
   if (!wide_enough(shape_.basis_u) || (shape_.basis_v && !wide_enough(*shape_.basis_v))) {
     Reject("a periodic direction needs more different control points than its degree");
@@ -103,8 +95,8 @@ void JointCells::MakeBlocks() {
   log_weights_.resize(net_.cols());
   for (int i = 0; i < shape_.basis_u.size(); ++i) {
     for (int j = 0; j < size_v; ++j) {
-      const int block = WithoutCopies(shape_.basis_u, i) * distinct_v +
-                        (shape_.basis_v ? WithoutCopies(*shape_.basis_v, j) : 0);
+      const int block = DistinctIndex(shape_.basis_u, i) * distinct_v +
+                        (shape_.basis_v ? DistinctIndex(*shape_.basis_v, j) : 0);
       block_of_.push_back(block);
       net_.col(block) = shape_.net.col(Eigen::Index{i} * size_v + j);
       log_weights_[block] = std::log(shape_.weights[Eigen::Index{i} * size_v + j]);

@@ -140,7 +140,7 @@ std::optional<KnotProjection::Solved> KnotProjection::Solve(const MovingKnots& k
       *outer, inner, outer_parameters, inner_parameters, values_, weights_, order, pool);
   const double jitter = 4 * std::numeric_limits<double>::epsilon() * equations.trace() /
                         static_cast<double>(knots.unknowns());
-  BlockBandedMatrix matrix(outer->size(), inner ? inner->size() : 1, outer->degree());
+  BlockBandedMatrix matrix = EmptyMatrix(*outer, inner);
   equations.AddTo(matrix);
   matrix.AddToDiagonal(jitter);
   std::optional<FairnessForm> fairness;

@@ -2,6 +2,7 @@
 #include "batten/fitting/normal_equations.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace batten {
 namespace {
@@ -66,6 +67,8 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                                  ThreadPool& pool)
     : degree_outer_(outer_basis.degree()),
       degree_inner_(inner_basis ? inner_basis->degree() : 0),
+      outer_rows_(CoefficientOrder(outer_basis).Rows(outer_basis)),
+      inner_rows_(DistinctIndices(inner_basis)),
       cells_(order.cells()) {
   const int p = degree_outer_, q = degree_inner_;
   const int pairs_outer = (p + 1) * (p + 2) / 2, pairs_inner = (q + 1) * (q + 2) / 2;
@@ -111,15 +114,18 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
              }
            });
 
-  const int inner_size = inner_basis ? inner_basis->size() : 1;
-  rhs_ = Eigen::MatrixXd::Zero(Eigen::Index{outer_basis.size()} * inner_size, dimension);
+  const int inner_size = inner_basis ? DistinctCount(*inner_basis) : 1;
+  rhs_ = Eigen::MatrixXd::Zero(Eigen::Index{DistinctCount(outer_basis)} * inner_size, dimension);
   for (size_t c = 0; c < cells_.size(); ++c) {
     const double* rhs = cell_rhs.data() + c * functions * dimension;
+    const int* columns = inner_rows_.data() + (cells_[c].inner_span - q);
     for (int d = 0; d < dimension; ++d) {
       for (int r = 0; r <= p; ++r) {
         const Eigen::Index row =
-            Eigen::Index{cells_[c].outer_span - p + r} * inner_size + cells_[c].inner_span - q;
-        for (int s = 0; s <= q; ++s) rhs_(row + s, d) += rhs[d * functions + r * (q + 1) + s];
+            Eigen::Index{outer_rows_[static_cast<size_t>(cells_[c].outer_span - p + r)]} *
+            inner_size;
+        for (int s = 0; s <= q; ++s)
+          rhs_(row + columns[s], d) += rhs[d * functions + r * (q + 1) + s];
       }
     }
     squares_ += cell_squares[c];
@@ -136,21 +142,33 @@ void NormalEquations::AddTo(BlockBandedMatrix& matrix) const {
   const size_t gram_size = static_cast<size_t>((p + 1) * (p + 2) / 2) * pairs_inner;
   for (size_t c = 0; c < cells_.size(); ++c) {
     const double* gram = grams_.data() + c * gram_size;
-    const int row0 = cells_[c].outer_span - p, column0 = cells_[c].inner_span - q;
+    const int row0 = cells_[c].outer_span - p;
+    const int* columns = inner_rows_.data() + (cells_[c].inner_span - q);
     for (int r = 0, a = 0; r <= p; ++r) {
       for (int r2 = r; r2 <= p; ++r2, ++a) {
-        auto block = matrix.at(row0 + r2, r2 - r);
+        // Two functions of one coefficient meet on the diagonal, from either side.
+        const int row = outer_rows_[static_cast<size_t>(row0 + r)],
+                  row2 = outer_rows_[static_cast<size_t>(row0 + r2)];
+        const double times = row == row2 && r != r2 ? 2 : 1;
+        auto block = matrix.at(std::max(row, row2), std::abs(row2 - row));
         const double* pair = gram + a * pairs_inner;
         for (int s = 0, b = 0; s <= q; ++s) {
-          block(column0 + s, column0 + s) += pair[b++];
+          const int column = columns[s];
+          block(column, column) += times * pair[b++];
           for (int s2 = s + 1; s2 <= q; ++s2, ++b) {
-            block(column0 + s2, column0 + s) += pair[b];
-            block(column0 + s, column0 + s2) += pair[b];
+            block(columns[s2], column) += times * pair[b];
+            block(column, columns[s2]) += times * pair[b];
           }
         }
       }
     }
   }
+}
+
+BlockBandedMatrix EmptyMatrix(const SplineBasis& outer_basis, const SplineBasis* inner_basis) {
+  const CoefficientOrder order(outer_basis);
+  return BlockBandedMatrix(
+      order.count(), inner_basis ? DistinctCount(*inner_basis) : 1, order.bandwidth());
 }
 
 }  // namespace batten

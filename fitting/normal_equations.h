@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/fitting/block_banded_matrix.h"
+#include "batten/fitting/coefficient_order.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -52,20 +53,26 @@ class NormalEquations {
                   const CellOrder& order,
                   ThreadPool& pool);
 
-  // Adds A; the bandwidth must be the outer degree, the block size the inner basis' size (1 for a
-  // curve).
+  // Adds A to a matrix of EmptyMatrix' sizes.
   void AddTo(BlockBandedMatrix& matrix) const;
 
+  // Rows as in the matrix: those of the outer basis in its CoefficientOrder, inside each the
+  // different inner coefficients.
   const Eigen::MatrixXd& rhs() const { return rhs_; }  // n × d
   double squares() const { return squares_; }          // Σ w |z|²
-  double trace() const { return trace_; }              // of A
+  double trace() const { return trace_; }              // of A, repeated coefficients apart
 
  private:
   int degree_outer_, degree_inner_;
+  std::vector<int> outer_rows_, inner_rows_;
   std::vector<CellOrder::Cell> cells_;
   std::vector<double> grams_;  // a cell: products of pairs of outer × pairs of inner functions
   Eigen::MatrixXd rhs_;
   double squares_ = 0, trace_ = 0;
 };
+
+// A zero matrix for the coefficients of a tensor-product spline that differ; inner basis null for a
+// curve.
+BlockBandedMatrix EmptyMatrix(const SplineBasis& outer_basis, const SplineBasis* inner_basis);
 
 }  // namespace batten

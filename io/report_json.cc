@@ -36,15 +36,30 @@ Json Input(const InputSummary& input, const ReportContext& context) {
           {"unit", context.unit}};
 }
 
+Json Primitive(const PrimitiveSummary& primitive) {
+  Json json = {{"kind", primitive.kind}};
+  if (primitive.point) json["point"] = Vector(*primitive.point);
+  if (primitive.direction) json["direction"] = Vector(*primitive.direction);
+  if (primitive.center) json["center"] = Vector(*primitive.center);
+  if (primitive.axis) json["axis"] = Vector(*primitive.axis);
+  if (primitive.radius) json["radius"] = Number(*primitive.radius);
+  if (primitive.sweep) json["sweep"] = Number(*primitive.sweep);
+  json["scale"] = Number(primitive.scale);
+  json["why"] = primitive.why;
+  return json;
+}
+
 Json Shape(const GeometrySummary& geometry, const std::string& file) {
-  return {{"kind", geometry.kind},
-          {"base", geometry.base},
-          {"degree", geometry.degree},
-          {"control_points", geometry.control_points},
-          {"rational", geometry.rational},
-          {"closed", geometry.closed},
-          {"trims", geometry.trims},
-          {"file", file}};
+  Json json = {{"kind", geometry.kind},
+               {"base", geometry.base},
+               {"degree", geometry.degree},
+               {"control_points", geometry.control_points},
+               {"rational", geometry.rational},
+               {"closed", geometry.closed},
+               {"trims", geometry.trims},
+               {"file", file}};
+  if (geometry.primitive) json["primitive"] = Primitive(*geometry.primitive);
+  return json;
 }
 
 Json Error(const ErrorSummary& error, const char* kind) {

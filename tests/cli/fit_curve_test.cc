@@ -154,22 +154,28 @@ TEST_F(FitCurveCommandTest, RefusesBadInputWithItsReason) {
                 "no usable point");
 }
 
-TEST_F(FitCurveCommandTest, TellsWhatIsNotInThisVersionFromMistakes) {
-  for (const std::vector<std::string>& flags :
-       std::vector<std::vector<std::string>>{{"--interpolate"},
-                                             {"--component", "all"},
-                                             {"--start-tangent", "1,0"},
-                                             {"--end-tangent", "1,0"},
-                                             {"--order", "unordered"},
-                                             {"--closed", "yes"},
-                                             {"--parameterization", "foley"},
-                                             {"--parameterization", "universal"},
-                                             {"--distance", "tangent"},
-                                             {"--distance", "squared"},
-                                             {"--corners", "auto"}}) {
-    std::vector<std::string> arguments = flags;
+TEST_F(FitCurveCommandTest, RefusesMistakesAndFlagsThatContradictEachOther) {
+  using Flags = std::vector<std::string>;
+  for (const auto& [flags, word] : std::vector<std::pair<Flags, std::string>>{
+           {{"--start-tangent", "1,0"}, "--interpolate"},
+           {{"--end-tangent", "1,0"}, "--interpolate"},
+           {{"--interpolate", "--control-points", "9"}, "--control-points"},
+           {{"--interpolate", "--smoothing", "1"}, "--smoothing"},
+           {{"--interpolate", "--loss", "tukey"}, "--loss"},
+           {{"--interpolate", "--optimize", "knots"}, "--optimize"},
+           {{"--interpolate", "--order", "unordered"}, "--order unordered"},
+           {{"--interpolate", "--component", "2"}, "--component"},
+           {{"--interpolate", "--start-tangent", "0,0"}, "no length"},
+           {{"--interpolate", "--closed", "yes", "--end-tangent", "1,0"}, "--closed yes"},
+           {{"--parameterization", "given", "--order", "unordered"}, "order"},
+           {{"--parameterization", "given", "--closed", "yes"}, "close"},
+           {{"--component", "0"}, "--component"},
+           {{"--component", "al"}, "--component"},
+           {{"--closed", "maybe"}, "--closed"},
+           {{"--corners", "some"}, "--corners"}}) {
+    Flags arguments = flags;
     arguments.insert(arguments.begin(), step_);
-    ExpectRefused(arguments, 2, "not in this version");
+    ExpectRefused(arguments, 2, word);
   }
   ExpectRefused({step_, "--parameterization", "chrod"}, 2, "'chord'");
   ExpectRefused({step_, "--degree", "0"}, 2, "--degree");

@@ -56,9 +56,7 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
     ExpectUsageError({command}, {command, "not in this version"});
     ExpectUsageError({command, "--help"}, {command, "not in this version"});
   }
-  for (const char* kind : {"primitive", "scan"}) {
-    ExpectUsageError({"fit", kind, cloud_, "-o", "x.json"}, {kind, "not in this version"});
-  }
+  ExpectUsageError({"fit", "scan", cloud_, "-o", "x.json"}, {"scan", "not in this version"});
   for (const std::vector<std::string>& flags :
        std::vector<std::vector<std::string>>{{"--grid", "3,3"},
                                              {"--domain", "0,0,1,1"},

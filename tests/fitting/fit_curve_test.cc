@@ -164,7 +164,7 @@ TEST(FitCurveTest, TakesGivenParametersInAnyOrder) {
   const CurveFit<2> shuffled = FitCurve<2>(cloud.Picked(order), options);
   EXPECT_EQ(fit.curve, shuffled.curve);
   EXPECT_EQ(fit.residuals(order), shuffled.residuals);
-  options.keep_order = true;
+  options.order = PointOrder::kGiven;
   EXPECT_NO_THROW(FitCurve<2>(cloud, options));
   EXPECT_THROW(FitCurve<2>(cloud.Picked(order), options), std::invalid_argument);
 }
@@ -244,19 +244,25 @@ TEST(FitCurveTest, ReportsDistancesThatADenseMeasurementFinds) {
   EXPECT_FALSE(fit.report.parameter_error.has_value());
 }
 
-// With n control points the noise leaves σ·√(n/N) of error; twice as much is granted for the noise
-// that chord lengths carry into the parameters.
+// With n control points the noise leaves σ·√(n/N) of error; over the seeds half as much again is
+// granted for the noise that chord lengths carry into the parameters, and to one of them, whose
+// dozen degrees of freedom scatter, twice as much again.
 TEST(FitCurveTest, FollowsTheShapeAndNotTheNoise) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  constexpr unsigned kSeeds = 12;
+  double squares = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const CurveFit<2> fit = FitCurve<2>(NoisyArc(1000, 5, seed));
     const double n = fit.curve.basis().size();
-    EXPECT_LE(n, 25);
-    EXPECT_LT(OffTheCircle(fit.curve), 2 * kSigma * std::sqrt(n / 1000));
+    EXPECT_LE(n, 16);
+    const double against_limit = OffTheCircle(fit.curve) / (kSigma * std::sqrt(n / 1000));
+    squares += against_limit * against_limit;
+    EXPECT_LT(against_limit, 3);
     EXPECT_NEAR(fit.report.input.noise, kSigma, 0.25 * kSigma);
     EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
     EXPECT_FALSE(fit.report.optimize.ran);
   }
+  EXPECT_LT(std::sqrt(squares / kSeeds), 1.5);
 }
 
 TEST(FitCurveTest, HalvesSpansUntilTheToleranceIsKept) {
@@ -284,8 +290,8 @@ TEST(FitCurveTest, SaysWhenATolerancecanNotBeKept) {
   options.tolerance = kSigma / 4;
   const CurveFit<2> fit = FitCurve<2>(NoisyArc(300, 2, 8), options);
   EXPECT_FALSE(fit.report.tolerance_reached().value());
-  EXPECT_EQ(fit.report.termination, Termination::kMaxControlPoints);
-  EXPECT_LE(fit.curve.basis().size(), 300 / 2.1);
+  EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
+  EXPECT_LE(fit.curve.basis().size(), 300 / 10);
   options.control_points = 4;
   EXPECT_EQ(FitCurve<2>(NoisyArc(300, 2, 8), options).curve.basis().size(), 4);
   options.control_points.reset();
@@ -304,6 +310,7 @@ TEST(FitCurveTest, HoldsTheToleranceAgainstTheDistanceAskedFor) {
   const CurveFit<2> at_parameter = FitCurve<2>(CloudOf<2>(points, u), options);
   EXPECT_LE(at_parameter.report.parameter_error->max, 0.5);
   options.distance = CurveDistance::kPoint;
+  options.corners = false;  // hairpins between two points
   const CurveFit<2> nearest = FitCurve<2>(CloudOf<2>(points, u), options);
   EXPECT_LE(nearest.report.error.max, 0.5);
   EXPECT_LT(nearest.curve.basis().size(), at_parameter.curve.basis().size());
@@ -328,6 +335,7 @@ TEST(FitCurveTest, ForgetsFarPointsWhenALossIsAskedFor) {
   CurveFitOptions options;
   options.parameterization = CurveParameterization::kUniform;
   options.control_points = 8;
+  options.loss = Loss::kNone;
   const double plain = OffTheCircle(FitCurve<2>(PointCloud(points, {0, 0, 0}, 2), options).curve);
   options.loss = Loss::kTukey;
   const CurveFit<2> fit = FitCurve<2>(PointCloud(points, {0, 0, 0}, 2), options);
@@ -422,9 +430,12 @@ TEST(OrderPointsTest, StepsByWhatTheNameSays) {
     points.col(k) << std::cos(a), std::sin(a), 0.3 * a;
   }
   const PointCloud cloud(points);
-  const Eigen::VectorXd uniform = OrderPoints(cloud, CurveParameterization::kUniform).parameters,
-                        chord = OrderPoints(cloud, CurveParameterization::kChord).parameters,
-                        root = OrderPoints(cloud, CurveParameterization::kCentripetal).parameters;
+  const Eigen::VectorXd
+      uniform =
+          OrderPoints(cloud, {.parameterization = CurveParameterization::kUniform}).parameters,
+      chord = OrderPoints(cloud, {.parameterization = CurveParameterization::kChord}).parameters,
+      root =
+          OrderPoints(cloud, {.parameterization = CurveParameterization::kCentripetal}).parameters;
   const auto step = [](const Eigen::VectorXd& u, int k) { return u[k + 1] - u[k]; };
   for (int k = 0; k < 29; ++k) {
     const double ratio =
@@ -440,7 +451,8 @@ TEST(OrderPointsTest, StepsByWhatTheNameSays) {
 TEST(OrderPointsTest, FindsNoNoiseInExactPoints) {
   Eigen::Matrix3Xd points(3, 200);
   for (int k = 0; k < 200; ++k) points.col(k) << std::cos(k / 50.0), std::sin(k / 50.0), k / 100.0;
-  const OrderedPoints ordered = OrderPoints(PointCloud(points), CurveParameterization::kChord);
+  const OrderedPoints ordered =
+      OrderPoints(PointCloud(points), {.parameterization = CurveParameterization::kChord});
   EXPECT_LT(ordered.noise, 1e-7);  // the fourth power of a step of 0.02, over the cubic's constant
   EXPECT_NEAR(ordered.spacing, std::hypot(0.02, 0.01), 1e-5);
 }

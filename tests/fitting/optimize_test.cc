@@ -63,8 +63,8 @@ JointCase Linear(FittingProblem problem) {
 
 void ExpectValid(const OptimizeResult& result, const JointCase& c) {
   EXPECT_TRUE(result.control_points.allFinite());
-  ASSERT_EQ(result.control_points.cols(), result.problem.unknowns());
-  ASSERT_EQ(result.weights.size(), result.problem.unknowns());
+  ASSERT_EQ(result.control_points.cols(), result.problem.net_size());
+  ASSERT_EQ(result.weights.size(), result.problem.net_size());
   EXPECT_TRUE(result.weights.allFinite());
   EXPECT_GT(result.weights.minCoeff(), 0);
   EXPECT_TRUE(std::isfinite(result.rms_before) && std::isfinite(result.rms_after));

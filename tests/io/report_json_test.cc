@@ -182,5 +182,23 @@ TEST(ReportJsonTest, StaysJsonWhenAFileNameIsNotUtf8) {
   EXPECT_EQ(json["input"]["files"][0], "caf\xEF\xBF\xBD \"x\"\n.ply");
 }
 
+TEST(ReportJsonTest, WritesTheNumbersThatAPrimitiveHas) {
+  FitReport report = Example();
+  EXPECT_FALSE(Json::parse(ToReportJson(report, Context()))["geometry"].contains("primitive"));
+  PrimitiveSummary circle;
+  circle.kind = "circle";
+  circle.center = Eigen::Vector3d(1, 2, 3);
+  circle.axis = Eigen::Vector3d::UnitZ();
+  circle.radius = 0.1;
+  circle.sweep = 1.5;
+  circle.scale = 0.01;
+  circle.why = "asked for";
+  report.geometry.primitive = circle;
+  const Json json = Json::parse(ToReportJson(report, Context()))["geometry"]["primitive"];
+  EXPECT_EQ(Keys(json), Words({"kind", "center", "axis", "radius", "sweep", "scale", "why"}));
+  EXPECT_EQ(json["center"], Json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(json["radius"], 0.1);
+}
+
 }  // namespace
 }  // namespace batten

@@ -1,0 +1,603 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/curve_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "batten/fitting/curve_corners.h"
+#include "batten/fitting/curve_ends.h"
+#include "batten/fitting/curve_feet.h"
+#include "batten/fitting/distance_minimisation.h"
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/optimize.h"
+#include "batten/fitting/reweighting.h"
+#include "batten/fitting/row_means.h"
+#include "batten/fitting/span_adaptation.h"
+#include "batten/fitting/stopwatch.h"
+
+namespace batten {
+namespace {
+
+constexpr double kSmoothing = 1e-10;  // enough for gaps, too little to be seen elsewhere
+constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weights
+constexpr int kRobustPasses = 3;
+constexpr double kManyStrays = 0.003;  // of the points: then some will have been missed
+constexpr double kExcessToSayNoise = 2;
+constexpr double kExcessToOptimise = 1.1;  // residual against noise
+constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
+constexpr double kTiny = 1e-300;  // a scale must be positive, even of residuals that vanish
+constexpr double kExact = 1e-9;   // of the cloud's size: rounding
+constexpr double kAlike = 1e-8;   // of the size: curves that differ less are one
+constexpr int kStartSpans = 15, kStartForTolerance = 5;
+constexpr Eigen::Index kPointsOfStartSpan = 8;
+constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000;
+constexpr int kFeetSteps = 2;
+constexpr double kFewForControlPoint = 4;  // data
+constexpr int kRoundsOfDistance = 20;
+constexpr double kNoiseToAnchor = 0.1;  // of the spacing
+constexpr double kAtCorner = 1e-9;      // of the domain
+constexpr double kVariancesPerControlPoint = 3;
+constexpr int kMostToRelocate = 80;  // spans; the time grows with their square
+
+// One fit, stage by stage; members are what the stages hand on.
+template <int Dim>
+class CurveFitter {
+ public:
+  CurveFitter(const PointCloud& cloud,
+              const OrderedPoints& ordered,
+              const PointMask& strays,
+              const CurveFitOptions& options,
+              ThreadPool& pool)
+      : cloud_(cloud), ordered_(ordered), strays_(strays), options_(options), pool_(pool) {
+    report_.threads = pool_.threads();
+    distance_ = options.distance;
+    if (distance_ == CurveDistance::kAuto) {
+      distance_ = options.parameterization == CurveParameterization::kGiven
+                      ? CurveDistance::kParameter
+                      : CurveDistance::kPoint;
+    }
+    if (distance_ == CurveDistance::kTangent) model_ = DistanceModel::kTangent;
+    if (distance_ == CurveDistance::kSquared) model_ = DistanceModel::kSquared;
+    if (model_) distance_ = CurveDistance::kPoint;
+  }
+
+  CurveFit<Dim> Run() {
+    MakeProblem();
+    FindCorners();
+    if (distance_ == CurveDistance::kParameter && !ordered_.closed) {
+      FitAtParameters();
+    } else if (options_.control_points) {
+      FitWithControlPoints();
+    } else {
+      FitAdaptively();
+    }
+    OptimiseWhereItPays();
+    return Measure();
+  }
+
+ private:
+  void MakeProblem() {
+    Report(options_.progress, "prepare", 0);
+    auto data = std::make_shared<FittingData>();
+    const Eigen::VectorXd& u = ordered_.parameters;
+    data->parameters = Eigen::Matrix2Xd::Zero(2, u.size());
+    data->parameters.row(0) = u;
+    data->values = ordered_.cloud.points().template topRows<Dim>();
+    middle_ = data->values.rowwise().mean();
+    data->values.colwise() -= middle_;
+    size_ = (data->values.rowwise().maxCoeff() - data->values.rowwise().minCoeff()).norm();
+    const Eigen::VectorXd& weights = ordered_.cloud.weights();
+    if (weights.size() > 0) data->weights = weights / weights.mean();
+    problem_ = FittingProblem(
+        SplineBasis::Uniform(options_.degree, options_.degree + 1, ordered_.lower, ordered_.upper),
+        std::move(data),
+        options_.smoothing.value_or(kSmoothing));
+    InputSummary& input = report_.input;
+    input.points = cloud_.size();
+    input.duplicates = ordered_.repeats;
+    input.spacing = ordered_.spacing;
+    input.noise = noise_ = ordered_.noise;
+    input.origin = cloud_.origin();
+    input.box_min = cloud_.origin() + cloud_.points().rowwise().minCoeff();
+    input.box_max = cloud_.origin() + cloud_.points().rowwise().maxCoeff();
+    report_.seconds.prepare = watch_.Lap();
+  }
+
+  // Corners by their parameters, sharpest first.
+  void FindCorners() {
+    if (!options_.corners || options_.degree < 2 || distance_ == CurveDistance::kParameter) return;
+    const RowMeans row = IncreasingRow(ordered_.cloud.points(), ordered_.lengths);
+    if (row.parameters.size() < 3) return;
+    CornerOptions corner;
+    corner.noise = ordered_.noise;
+    corner.closed = ordered_.closed;
+    corner.period = ordered_.length;
+    std::vector<CurveCorner> found = batten::FindCorners(row.points, row.parameters, corner);
+    std::sort(found.begin(), found.end(), [](const CurveCorner& a, const CurveCorner& b) {
+      return a.angle > b.angle;
+    });
+    for (const CurveCorner& c : found) {
+      const double at = ParameterAt(c.parameter);
+      if (ordered_.closed || (at > ordered_.lower && at < ordered_.upper)) corners_.push_back(at);
+    }
+    Anchor();
+    report_.seconds.parameterize = watch_.Lap();
+  }
+
+  // Where a curve has run so far, linear between points.
+  double ParameterAt(double length) const {
+    const Eigen::VectorXd &lengths = ordered_.lengths, &u = ordered_.parameters;
+    if (ordered_.closed) length -= ordered_.length * std::floor(length / ordered_.length);
+    const auto above = std::upper_bound(lengths.begin(), lengths.end(), length);
+    const Eigen::Index k = std::max<Eigen::Index>(1, above - lengths.begin());
+    const bool last = k == lengths.size();
+    if (last && !ordered_.closed) return ordered_.upper;
+    const double l0 = lengths[k - 1], l1 = last ? ordered_.length : lengths[k];
+    const double u0 = u[k - 1], u1 = last ? ordered_.upper : u[k];
+    return l1 > l0 ? u0 + (u1 - u0) * ((length - l0) / (l1 - l0)) : u0;
+  }
+
+  // Of points that follow the curve closely, the one at a corner holds it: between sides that
+  // hardly part nothing else would.
+  void Anchor() {
+    if (ordered_.noise > kNoiseToAnchor * ordered_.spacing) return;
+    for (Eigen::Index k = 0; k < ordered_.parameters.size(); ++k) {
+      for (const double corner : corners_) {
+        if (std::abs(ordered_.parameters[k] - corner) <=
+            kAtCorner * (ordered_.upper - ordered_.lower))
+          anchored_.push_back(k);
+      }
+    }
+  }
+
+  SpanLayout EqualSpans(int spans, std::vector<double> corners) const {
+    std::sort(corners.begin(), corners.end());
+    return SpanLayout::Equal(
+        options_.degree, spans, ordered_.lower, ordered_.upper, corners, ordered_.closed);
+  }
+
+  // As many spans as were asked for, at the given parameters, or as the data carry; with a loss,
+  // the weights it gives too.
+  void FitAtParameters() {
+    const bool robust = options_.loss && *options_.loss != Loss::kNone;
+    const FittingProblem start = *problem_;
+    const int passes = robust && !options_.control_points ? kBasisPasses : 1;
+    for (int pass = 0; pass < passes; ++pass) {
+      if (options_.control_points) {
+        problem_ = problem_->WithBasis(Uniform(*options_.control_points));
+      } else if (robust || !options_.tolerance) {
+        SpanChoice choice =
+            ChooseSpans(*problem_, options_.max_control_points, pool_, options_.progress);
+        problem_ = std::move(choice.problem);
+        Record(choice.rounds);
+      }
+      if (robust) Reweight(start.WithBasis(problem_->basis_u()));
+    }
+    report_.seconds.solve = watch_.Lap();
+    if (options_.tolerance) {
+      RefineAtParameters();
+    } else {
+      report_.termination = Termination::kNoiseReached;
+      Take(SolveLinear(*problem_, pool_));
+    }
+  }
+
+  SplineBasis Uniform(int control_points) const {
+    return SplineBasis::Uniform(options_.degree, control_points, ordered_.lower, ordered_.upper);
+  }
+
+  void Reweight(const FittingProblem& problem) {
+    problem_ = Reweighted(
+        problem,
+        {*options_.loss, options_.loss_scale, options_.progress},
+        [&](const FittingProblem& current, const LinearSolution& solution) {
+          return CurveDistances(current, solution.coefficients, distance_, pool_);
+        },
+        pool_,
+        report_.iterations);
+  }
+
+  void RefineAtParameters() {
+    if (!options_.control_points) problem_ = problem_->WithBasis(Uniform(options_.degree + 1));
+    SpanRefineOptions refine;
+    refine.tolerance = *options_.tolerance;
+    refine.distance = distance_;
+    refine.noise = ordered_.noise;
+    refine.max_control_points = options_.control_points.value_or(options_.max_control_points);
+    SpanRefinement refined = RefineSpans(*problem_, refine, pool_, options_.progress);
+    Record(refined.rounds);
+    report_.termination = refined.termination;
+    problem_ = std::move(refined.problem);
+    Take(refined.solution);
+    report_.seconds.refine = watch_.Lap();
+  }
+
+  SpanAdaptOptions AdaptOptions() const {
+    SpanAdaptOptions adapt;
+    adapt.tolerance = options_.tolerance;
+    adapt.feet = distance_ == CurveDistance::kPoint;
+    adapt.exact = kAlike * size_;
+    adapt.noise = noise_;
+    if (problem_->size() <= kManyPoints) adapt.anchored = anchored_;
+    adapt.max_control_points = options_.max_control_points;
+    adapt.progress = options_.progress;
+    return adapt;
+  }
+
+  // From a few equal spans to as many as the data tell apart, or the tolerance needs.
+  SpanAdaptation Adapted(const FittingProblem& problem, const std::vector<double>& corners) const {
+    const Eigen::Index few = std::max<Eigen::Index>(1, problem.size() / kPointsOfStartSpan);
+    const int start = options_.tolerance ? kStartForTolerance : kStartSpans;
+    const int room = options_.max_control_points - (ordered_.closed ? 0 : options_.degree);
+    const int spans = std::min(static_cast<int>(std::min<Eigen::Index>(start, few)), room);
+    const int fewest = ordered_.closed ? options_.degree + 1 : 1;
+    SpanAdaptation adapted =
+        AdaptSpans(problem, EqualSpans(std::max(fewest, spans), corners), AdaptOptions(), pool_);
+    if (adapted.layout.spans() > kMostToRelocate) return adapted;
+    if (options_.tolerance)
+      return RelocatedWithinTolerance(std::move(adapted), AdaptOptions(), pool_);
+    return RelocatedSpans(std::move(adapted), AdaptOptions(), pool_);
+  }
+
+  // With the corners that were found, unless in noise a smooth curve explains the data as well with
+  // fewer control points: what looks like a corner close by may be a bend of the whole.
+  SpanAdaptation Adapted(const FittingProblem& problem) {
+    SpanAdaptation sharp = Adapted(problem, corners_);
+    if (corners_.empty() || ordered_.noise <= kNoiseToAnchor * ordered_.spacing) return sharp;
+    std::vector<Eigen::Index> anchored;
+    std::swap(anchored, anchored_);
+    SpanAdaptation smooth = Adapted(problem, {});
+    const double variance = std::max(
+        {std::pow(std::min(sharp.noise, smooth.noise), 2), std::pow(kAlike * size_, 2), kTiny});
+    const auto score = [&](const SpanAdaptation& adapted) {
+      const Eigen::VectorXd distances =
+          AtTheirPlaces(adapted.problem, adapted.solution.coefficients);
+      const double missed = options_.tolerance
+                                ? std::max(0.0, distances.maxCoeff() - *options_.tolerance)
+                                : distances.squaredNorm() / variance;
+      return std::pair(options_.tolerance ? missed : 0.0,
+                       (options_.tolerance ? 0 : missed) +
+                           kVariancesPerControlPoint * adapted.layout.control_points());
+    };
+    if (score(smooth) < score(sharp)) {
+      corners_.clear();
+      return smooth;
+    }
+    std::swap(anchored, anchored_);
+    return sharp;
+  }
+
+  void FitAdaptively() {
+    std::optional<Loss> loss = options_.loss;
+    const auto strays = static_cast<double>(strays_.count());
+    if (!loss && strays > kManyStrays * static_cast<double>(strays_.size())) loss = Loss::kTukey;
+    const bool robust = loss && *loss != Loss::kNone;
+    const bool many = problem_->size() > kManyPoints && !robust && !options_.tolerance;
+    SpanAdaptation adapted = Adapted(many ? MeansOfRows(*problem_, kMeans) : *problem_);
+    Record(adapted.rounds);
+    const double means = many ? static_cast<double>(problem_->size()) / kMeans : 1;
+    noise_ = std::max(noise_, adapted.noise * std::sqrt(means));
+    for (int pass = 0; robust && pass < kRobustPasses; ++pass) {
+      const FittingProblem weighted = Weighted(adapted, *loss);
+      adapted = Adapted(weighted);
+      Record(adapted.rounds);
+    }
+    if (robust) adapted.problem = Weighted(adapted, *loss);
+    report_.termination = adapted.full         ? Termination::kMaxControlPoints
+                          : options_.tolerance ? Termination::kStalled
+                                               : Termination::kNoiseReached;
+    FittingProblem whole =
+        many ? problem_->WithBasis(adapted.layout.Basis()) : std::move(adapted.problem);
+    Settle(std::move(whole), adapted.layout);
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  // The adapted problem with weights by a loss, against the weights that the points came with.
+  FittingProblem Weighted(const SpanAdaptation& adapted, Loss loss) const {
+    const Eigen::VectorXd distances =
+        CurveDistances(adapted.problem, adapted.solution.coefficients, distance_, pool_);
+    const double scale =
+        options_.loss_scale.value_or(std::max({RobustScale(distances), kAlike * size_, kTiny}));
+    Eigen::VectorXd weights = LossWeights(loss, distances, scale);
+    const Eigen::VectorXd& own = problem_->data().weights;
+    if (own.size() > 0) weights.array() *= own.array();
+    return adapted.problem.WithWeights(std::move(weights));
+  }
+
+  // The last fits, on all data; open ends first go where noise lets the points say they are.
+  void Settle(FittingProblem problem, SpanLayout layout) {
+    const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
+    FeetFit fit = FitAtFeet(problem, steps, anchored_, pool_);
+    if (steps > 0 && !layout.closed() && noise_ > ordered_.spacing) {
+      layout = WithLooseEnds(layout, fit, noise_, ordered_.spacing);
+      fit = FitAtFeet(fit.problem.WithBasis(layout.Basis()), steps, anchored_, pool_);
+    }
+    // Of few points the parameters are the larger part of the error.
+    const bool few =
+        static_cast<double>(problem.size()) < kFewForControlPoint * layout.control_points();
+    if (steps > 0 && (model_ || (anchored_.empty() && (few || options_.tolerance)))) {
+      fit = AtLeastDistance(fit, Minimisation(), pool_);
+      RoundSummary round;
+      round.stage = model_ == DistanceModel::kSquared ? "squared distance" : "tangent distance";
+      round.control_points_u = problem.unknowns();
+      round.control_points_v = 1;
+      round.rms = std::sqrt(fit.solution.residual_squares / static_cast<double>(problem.size()));
+      round.score = fit.steps;
+      Record({round});
+    }
+    problem_ = std::move(fit.problem);
+    Take(fit.solution);
+  }
+
+  DistanceMinimisationOptions Minimisation() const {
+    DistanceMinimisationOptions minimise;
+    minimise.model = model_.value_or(DistanceModel::kTangent);
+    if (!model_) minimise.max_rounds = kRoundsOfDistance;
+    minimise.progress = options_.progress;
+    return minimise;
+  }
+
+  // Spans for so many control points: equal ones, or spread as the data would have them.
+  void FitWithControlPoints() {
+    const int asked = *options_.control_points;
+    const int ends = ordered_.closed ? 0 : options_.degree;
+    while (!corners_.empty() && asked < Least(ends)) corners_.pop_back();
+    const int spans = asked - ends - (options_.degree - 1) * static_cast<int>(corners_.size());
+    if (spans < 1 || (ordered_.closed && asked <= options_.degree)) {
+      throw std::invalid_argument("a closed curve of degree " + std::to_string(options_.degree) +
+                                  " needs more than " + std::to_string(options_.degree) +
+                                  " control points");
+    }
+    const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
+    SpanLayout layout = EqualSpans(spans, corners_);
+    FeetFit fit = FitAtFeet(problem_->WithBasis(layout.Basis()), steps, anchored_, pool_);
+    if (spans > 1 + static_cast<int>(corners_.size())) {
+      SpanAdaptOptions adapt = AdaptOptions();
+      adapt.tolerance.reset();
+      const SpanAdaptation free = AdaptSpans(
+          *problem_,
+          EqualSpans(std::min<int>(kStartSpans, std::max(spans, ordered_.closed ? spans : 1)),
+                     corners_),
+          adapt,
+          pool_);
+      const SpanLayout spread = free.layout.Resampled(spans);
+      FeetFit other = FitAtFeet(free.problem.WithBasis(spread.Basis()), steps, anchored_, pool_);
+      if (other.solution.residual_squares < fit.solution.residual_squares) {
+        fit = std::move(other);
+        layout = spread;
+      }
+    }
+    report_.termination = Termination::kMaxControlPoints;
+    if (options_.loss && *options_.loss != Loss::kNone) {
+      Reweight(fit.problem);
+      fit.problem = *problem_;
+    }
+    Settle(std::move(fit.problem), layout);
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  int Least(int ends) const {
+    const auto corners = static_cast<int>(corners_.size());
+    return ends + corners * (options_.degree - 1) + std::max(1, corners + (ends > 0 ? 1 : 0));
+  }
+
+  void Take(const LinearSolution& solution) {
+    curve_ = CurveOf<Dim>(problem_->basis_u(), solution.coefficients);
+    if (!solution.regularised) return;
+    report_.warnings.push_back(
+        "the points do not determine every control point: fairness was raised");
+  }
+
+  // What is free by the options or, where they leave it open, where it pays: parameters, or knots
+  // where the parameters stay as they are given.
+  void OptimiseWhereItPays() {
+    OptimizeSummary& summary = report_.optimize;
+    const Eigen::VectorXd distances = AtTheirPlaces(*problem_, curve_->control_points());
+    const double rms = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
+    summary.rms_before = summary.rms_after = rms;
+    report_.seconds.project = watch_.Lap();
+    if (report_.termination == Termination::kCancelled) return;
+    OptimizeOptions optimize;
+    if (options_.optimize) {
+      optimize.free = *options_.optimize;
+      summary.why = optimize.free.any() ? "asked for" : "not asked for";
+      if (!optimize.free.any()) return;
+      if (optimize.free.knots && problem_->basis_u().periodic()) {
+        throw std::invalid_argument(
+            "the knots of a closed smooth curve can't be free; closed no frees them, without a "
+            "smooth seam");
+      }
+    } else {
+      const bool held = distance_ == CurveDistance::kParameter;
+      optimize.free = {.parameters = !held, .knots = held};
+      if (options_.tolerance && distances.maxCoeff() <= *options_.tolerance) {
+        summary.why = "the tolerance is kept";
+        return;
+      }
+      if (!options_.tolerance && rms <= std::max(kExcessToOptimise * noise_, Rounding())) {
+        summary.why = "residuals are at the noise";
+        return;
+      }
+      const double enough =
+          options_.tolerance ? kPointsPerFreedomForTolerance : kPointsPerFreedomToOptimise;
+      if (static_cast<double>(problem_->size()) < enough * problem_->unknowns()) {
+        summary.why = "residuals exceed the noise, but the points are too few for more freedom";
+        return;
+      }
+      summary.why = "residuals exceed the noise";
+    }
+    if (optimize.free.parameters) distance_ = CurveDistance::kPoint;
+    optimize.loss = options_.loss.value_or(Loss::kNone);
+    optimize.loss_scale = options_.loss_scale.value_or(std::max(RobustScale(distances), kTiny));
+    optimize.fairness = std::min(optimize.fairness, problem_->smoothing());
+    optimize.seed = options_.seed;
+    optimize.progress = options_.progress;
+    OptimizeResult result =
+        Optimize(*problem_, curve_->control_points(), curve_->weights(), optimize, pool_);
+    summary.ran = result.ran;
+    summary.iterations = result.iterations;
+    summary.rms_before = result.rms_before;
+    summary.rms_after = result.rms_after;
+    if (!result.note.empty()) {
+      summary.why = result.ran ? summary.why + "; " + result.note : result.note;
+    }
+    Record(result.rounds);
+    if (result.cancelled) report_.termination = Termination::kCancelled;
+    problem_ = std::move(result.problem);
+    curve_ = NurbsCurve<Dim>(
+        problem_->basis_u(), std::move(result.control_points), std::move(result.weights));
+    report_.seconds.optimize = watch_.Lap();
+  }
+
+  // Distances at the parameters, across the curve where these are foot points.
+  Eigen::VectorXd AtTheirPlaces(const FittingProblem& problem, const Eigen::MatrixXd& net) const {
+    const CurveSamples samples = CurveAt(problem, net, pool_);
+    Eigen::MatrixXd offsets = problem.data().values - samples.points;
+    if (distance_ == CurveDistance::kPoint) offsets = Across(std::move(offsets), samples.tangents);
+    Eigen::VectorXd distances = offsets.colwise().norm().transpose();
+    const Eigen::VectorXd& weights = problem.data().weights;
+    if (weights.size() > 0) distances = (weights.array() > 0).select(distances, 0).eval();
+    return distances;
+  }
+
+  // What is reported is measured on the curve as it is handed out, rounding of far coordinates
+  // included.
+  CurveFit<Dim> Measure() {
+    const Eigen::Matrix<double, Dim, 1> move =
+        (cloud_.origin() - options_.shift).template head<Dim>();
+    NurbsCurve<Dim> written = Moved(*curve_, middle_ + move);
+    const NurbsCurve<Dim> measured = Moved(written, -move);
+    const PointDistances found = DistancesTo<Dim>(measured, cloud_.points(), pool_);
+    CurveFit<Dim> fit{
+        std::move(written), found.parameters.row(0).transpose(), found.distances, Forgotten(), {}};
+    const PointMask own = Own();
+    report_.error = Summarise(fit.residuals, options_.tolerance, own && !fit.outliers);
+    report_.error_all = Summarise(fit.residuals, options_.tolerance, own || strays_);
+    if (distance_ == CurveDistance::kParameter) MeasureAtParameters(measured, fit);
+    report_.input.used = report_.error.points;
+    report_.input.outliers = fit.outliers.count();
+    report_.geometry.kind = "curve";
+    report_.geometry.base = Name(options_.parameterization);
+    report_.geometry.degree = {options_.degree};
+    report_.geometry.control_points = {problem_->unknowns()};
+    report_.geometry.rational = fit.curve.rational();
+    report_.geometry.closed = {ordered_.closed};
+    if (problem_->unknowns() > ordered_.cloud.size()) {
+      report_.warnings.push_back(
+          "there are more control points than points: fairness decides the rest");
+    }
+    JudgeTermination();
+    report_.seconds.project += watch_.Lap();
+    report_.seconds.total = total_.Lap();
+    fit.report = std::move(report_);
+    return fit;
+  }
+
+  void MeasureAtParameters(const NurbsCurve<Dim>& measured, const CurveFit<Dim>& fit) {
+    Eigen::VectorXd offsets = Eigen::VectorXd::Zero(cloud_.size());
+    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
+      const Eigen::Index place = ordered_.place[static_cast<size_t>(k)];
+      if (place < 0) continue;
+      offsets[k] =
+          (measured.At(ordered_.parameters[place]) - cloud_.points().col(k).template head<Dim>())
+              .norm();
+    }
+    report_.parameter_error = Summarise(offsets, options_.tolerance, Own() && !fit.outliers);
+    report_.judged_at_parameters = true;
+  }
+
+  // The points of this curve.
+  PointMask Own() const {
+    PointMask own(cloud_.size());
+    for (Eigen::Index k = 0; k < cloud_.size(); ++k)
+      own[k] = ordered_.place[static_cast<size_t>(k)] >= 0;
+    return own;
+  }
+
+  // Strays, and the points that a loss gives no weight.
+  PointMask Forgotten() const {
+    PointMask forgotten = strays_;
+    const Eigen::VectorXd& weights = problem_->data().weights;
+    for (Eigen::Index k = 0; k < cloud_.size() && weights.size() > 0; ++k) {
+      const Eigen::Index place = ordered_.place[static_cast<size_t>(k)];
+      if (place >= 0 && weights[place] == 0) forgotten[k] = true;
+    }
+    return forgotten;
+  }
+
+  static NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve,
+                               const Eigen::Matrix<double, Dim, 1>& move) {
+    if (move.isZero(0)) return curve;
+    return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + move, curve.weights());
+  }
+
+  double Rounding() const {
+    return kExact * (report_.input.box_max - report_.input.box_min).norm();
+  }
+
+  // The word for how it ended, held against what was measured.
+  void JudgeTermination() {
+    Termination& termination = report_.termination;
+    if (termination == Termination::kCancelled) return;
+    const ErrorSummary& error = report_.judged_error();
+    if (options_.tolerance) {
+      if (error.out_of_tolerance == 0) {
+        termination = Termination::kToleranceReached;
+      } else if (termination != Termination::kMaxControlPoints) {
+        const bool noisy = noise_ > 0 && error.rms <= kExcessToSayNoise * noise_;
+        termination = noisy ? Termination::kNoiseReached : Termination::kStalled;
+      }
+      return;
+    }
+    if (error.rms <= std::max(kExcessToSayNoise * noise_, Rounding())) {
+      if (!options_.control_points) termination = Termination::kNoiseReached;
+      return;
+    }
+    termination = options_.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
+  }
+
+  void Record(const std::vector<RoundSummary>& rounds) {
+    report_.iterations.insert(report_.iterations.end(), rounds.begin(), rounds.end());
+  }
+
+  const PointCloud& cloud_;
+  const OrderedPoints& ordered_;
+  const PointMask& strays_;
+  const CurveFitOptions& options_;
+  ThreadPool& pool_;
+  Stopwatch watch_, total_;
+  FitReport report_;
+  CurveDistance distance_;                             // kParameter or kPoint
+  std::optional<DistanceModel> model_ = std::nullopt;  // to go on with after points
+  double size_ = 0;                                    // of the points' box
+  double noise_ = 0;                                   // standard deviation across the curve
+  std::vector<double> corners_;                        // their parameters, sharpest first
+  std::vector<Eigen::Index> anchored_;                 // data at corners
+  std::optional<FittingProblem> problem_;
+  Eigen::Matrix<double, Dim, 1> middle_;  // of the points, in the cloud's local coordinates
+  std::optional<NurbsCurve<Dim>> curve_;  // relative to the middle, as the problem's values are
+};
+
+}  // namespace
+
+template <int Dim>
+CurveFit<Dim> FitOrdered(const PointCloud& cloud,
+                         const OrderedPoints& ordered,
+                         const PointMask& strays,
+                         const CurveFitOptions& options,
+                         ThreadPool& pool) {
+  return CurveFitter<Dim>(cloud, ordered, strays, options, pool).Run();
+}
+
+template CurveFit<2> FitOrdered<2>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+template CurveFit<3> FitOrdered<3>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+
+}  // namespace batten

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// The stages of one curve's fit, from ordered points to the curve and its report.
+#pragma once
+
+#include "batten/fitting/curve_arrangement.h"
+#include "batten/fitting/fit_curve.h"
+
+namespace batten {
+
+// Fits the points of one component of a cloud. `strays` belong to no component. Errors as FitCurve.
+template <int Dim>
+CurveFit<Dim> FitOrdered(const PointCloud& cloud,
+                         const OrderedPoints& ordered,
+                         const PointMask& strays,
+                         const CurveFitOptions& options,
+                         ThreadPool& pool);
+
+extern template CurveFit<2> FitOrdered<2>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+extern template CurveFit<3> FitOrdered<3>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+
+}  // namespace batten

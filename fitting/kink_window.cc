@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/kink_window.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace batten {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixX3d;
+using Eigen::RowVector3d;
+using Eigen::VectorXd;
+
+// By how much, in squared standard deviations of the noise, the kink must leave less than …
+constexpr double kOverCubic = 8, kPerChance = 2;  // and so much more for each e-fold of places
+constexpr double kOverQuartic = 3;                // with half of that
+constexpr double kOverBroad = 6, kOverHalf = 4;   // a turn over half of the window, and a quarter
+// … and may leave more than what is richer or only a little different,
+constexpr double kSurelyTurns = 25;
+constexpr double kUnderSextic = 4, kUnderRound = 5;
+constexpr double kUnderCubic = 6, kUnderQuartic = 8;  // in windows too narrow to tell
+constexpr double kPoorest = 1.6;   // of the noise's variance: beyond, the shape is another
+constexpr double kDimensions = 2;  // in which noise shows
+constexpr double kReach = 0.5;     // of the half window: where the kink is searched for
+constexpr int kTried = 33;
+
+struct Residuals {
+  double squares, noise;
+};
+
+// Weighted least squares in t ∈ [−1, 1] by functions made orthonormal one by one.
+class Fits {
+ public:
+  explicit Fits(const KinkWindow& window) {
+    const auto m = static_cast<Index>(window.u.size());
+    low_ = window.u.front();
+    half_ = 0.5 * (window.u.back() - low_);
+    t_.resize(m);
+    root_.resize(m);
+    rest_.resize(m, 3);
+    for (Index k = 0; k < m; ++k) {
+      const auto i = static_cast<size_t>(k);
+      t_[k] = (window.u[i] - low_) / half_ - 1;
+      root_[k] = std::sqrt(window.n[i]);
+      rest_.row(k) = root_[k] * window.p[i].transpose();
+    }
+    data_ = rest_;
+    for (int power = 0; power <= 2; ++power) {
+      VectorXd column = Orthogonal(t_.array().pow(power).matrix());
+      column /= column.norm();
+      basis_.push_back(column);
+      rest_ -= column * (column.transpose() * rest_);
+    }
+  }
+
+  Index size() const { return t_.size(); }
+  double half() const { return half_; }
+  double Place(double u) const { return (u - low_) / half_ - 1; }
+  double Parameter(double t) const { return low_ + half_ * (t + 1); }
+
+  // Of the function's values, what is left besides the parabolas.
+  VectorXd Orthogonal(const VectorXd& values) const {
+    VectorXd column = root_.cwiseProduct(values);
+    for (const VectorXd& other : basis_) column -= other * other.dot(column);
+    return column;
+  }
+
+  double Squares() const { return rest_.squaredNorm(); }
+
+  // Sum of squared residuals of a parabola and this function.
+  double SquaresWith(const VectorXd& values) const {
+    const VectorXd column = Orthogonal(values);
+    const double norm = column.squaredNorm();
+    if (!(norm > 1e-12 * static_cast<double>(size()))) return Squares();
+    return rest_.squaredNorm() - (column.transpose() * rest_).squaredNorm() / norm;
+  }
+
+  // Sums of squared residuals of polynomials of degrees 3 … 6.
+  std::array<double, 4> SquaresOfPolynomials() const {
+    std::array<double, 4> squares;
+    std::vector<VectorXd> basis;
+    double rest = rest_.squaredNorm();
+    for (int power = 3; power <= 6; ++power) {
+      VectorXd column = Orthogonal(t_.array().pow(power).matrix());
+      for (const VectorXd& other : basis) column -= other * other.dot(column);
+      const double norm = column.norm();
+      if (norm > 1e-9) {
+        basis.push_back(column / norm);
+        rest -= (basis.back().transpose() * rest_).squaredNorm();
+      }
+      squares[static_cast<size_t>(power - 3)] = rest;
+    }
+    return squares;
+  }
+
+  // A straight turn from 0 to slope 1 at s, over `width`.
+  VectorXd Turn(double s, double width) const {
+    VectorXd values(size());
+    for (Index k = 0; k < size(); ++k) {
+      const double x = t_[k] - s, from = x + width / 2;
+      values[k] = from <= 0 ? 0 : x >= width / 2 ? x : from * from / (2 * width);
+    }
+    return values;
+  }
+
+  // What a parabola and this function leave: mean square, and the noise that neighbours show.
+  Residuals ResidualsOf(const VectorXd& values, double noise) const {
+    VectorXd column = Orthogonal(values);
+    column /= column.norm();
+    const MatrixX3d left = rest_ - column * (column.transpose() * rest_);
+    const Index steps = size() - 1;
+    const double differences = (left.bottomRows(steps) - left.topRows(steps)).squaredNorm();
+    const double plane = kDimensions;
+    return {left.squaredNorm() / (plane * static_cast<double>(size() - 4) - 1),
+            std::max(noise, std::sqrt(0.5 * differences / (plane * static_cast<double>(steps))))};
+  }
+
+  // Coefficients of 1, t, t² and the turn, one a row.
+  Eigen::Matrix<double, 4, 3> Coefficients(const VectorXd& turn) const {
+    Eigen::MatrixX4d columns(size(), 4);
+    columns << root_, root_.cwiseProduct(t_), root_.cwiseProduct(t_.cwiseAbs2()),
+        root_.cwiseProduct(turn);
+    return columns.householderQr().solve(data_);
+  }
+
+ private:
+  double low_ = 0, half_ = 0;
+  VectorXd t_, root_;
+  MatrixX3d rest_, data_;
+  std::vector<VectorXd> basis_;
+};
+
+struct Best {
+  double s = 0, squares = std::numeric_limits<double>::infinity();
+  bool inside = false;  // not at an end of the range searched
+};
+
+// Sought around `middle`, in a range that leaves half of the shorter side outside.
+Best BestTurn(const Fits& fits, double middle, double width) {
+  const double reach = kReach * (1 - std::abs(middle));
+  Best best;
+  int at = 0;
+  std::array<double, kTried> squares;
+  for (int i = 0; i < kTried; ++i) {
+    const double s = middle + reach * (2.0 * i / (kTried - 1) - 1);
+    squares[i] = fits.SquaresWith(fits.Turn(s, width));
+    if (squares[i] < best.squares) {
+      best = {s, squares[i], i > 0 && i + 1 < kTried};
+      at = i;
+    }
+  }
+  if (!best.inside) return best;
+  const double step = 2 * reach / (kTried - 1);
+  const double left = squares[at - 1], right = squares[at + 1],
+               bend = left - 2 * best.squares + right;
+  if (bend > 0) {
+    const double s = best.s + 0.5 * step * (left - right) / bend;
+    const double value = fits.SquaresWith(fits.Turn(s, width));
+    if (value < best.squares) best = {s, value, true};
+  }
+  return best;
+}
+
+}  // namespace
+
+Verdict KinkOf(
+    const KinkWindow& window, double at, double noise, double least_angle, double chances) {
+  const Fits fits(window);
+  const double middle = fits.Place(at);
+  const Best sharp = BestTurn(fits, middle, 0);
+  Verdict verdict;
+  verdict.kink.parameter = fits.Parameter(sharp.s);
+  if (!sharp.inside) return verdict;
+  const Eigen::Matrix<double, 4, 3> c = fits.Coefficients(fits.Turn(sharp.s, 0));
+  const RowVector3d before = c.row(1) + 2 * sharp.s * c.row(2), after = before + c.row(3);
+  const double angle = std::atan2(before.cross(after).norm(), before.dot(after));
+  if (!(angle >= least_angle)) return verdict;
+
+  const Residuals left = fits.ResidualsOf(fits.Turn(sharp.s, 0), noise);
+  const std::array<double, 4> smooth = fits.SquaresOfPolynomials();
+  verdict.turns = smooth[0] - sharp.squares > kSurelyTurns * noise * noise;
+  if (left.squares > kPoorest * left.noise * left.noise) return verdict;
+  const double variance = left.noise * left.noise;
+  const double over = sharp.squares;
+  if (smooth[0] - over < (kOverCubic + kPerChance * chances) * variance) return verdict;
+  if (smooth[1] - over < (kOverQuartic + 0.5 * kPerChance * chances) * variance) return verdict;
+  if (smooth[3] - over < -kUnderSextic * variance) return verdict;
+  if (BestTurn(fits, middle, 1).squares - over < kOverBroad * variance) return verdict;
+  if (BestTurn(fits, middle, 0.5).squares - over < kOverHalf * variance) return verdict;
+  for (const double width : {0.12, 0.25}) {
+    if (over - BestTurn(fits, middle, width).squares > kUnderRound * variance) return verdict;
+  }
+  const RowVector3d place = c.row(0) + sharp.s * c.row(1) + sharp.s * sharp.s * c.row(2);
+  verdict.corner = true;
+  verdict.kink = {fits.Parameter(sharp.s), angle, fits.half(), over, place.transpose()};
+  return verdict;
+}
+
+bool IsSmoother(const KinkWindow& window, double at, double noise) {
+  const Fits fits(window);
+  const double sharp = fits.SquaresWith(fits.Turn(fits.Place(at), 0));
+  const std::array<double, 4> smooth = fits.SquaresOfPolynomials();
+  const double scatter = fits.ResidualsOf(fits.Turn(fits.Place(at), 0), noise).noise,
+               variance = scatter * scatter;
+  return sharp - smooth[0] > kUnderCubic * variance || sharp - smooth[1] > kUnderQuartic * variance;
+}
+
+}  // namespace batten
