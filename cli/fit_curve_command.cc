@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // batten fit curve: points in, a curve and its report out.
+#include <fmt/format.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -38,6 +40,10 @@ void CheckChoices(const Arguments& a) {
 
 // Flags that say two things at once.
 void CheckTogether(const Arguments& a) {
+  if (a.order == "given" && a.component != "the only one") {
+    throw UsageError(
+        "--order given makes the points one curve: --component has no meaning with it");
+  }
   if (!a.interpolate) {
     if (!a.start_tangent.empty() || !a.end_tangent.empty()) {
       throw UsageError(
@@ -58,6 +64,8 @@ void CheckTogether(const Arguments& a) {
   refuse("--loss-scale", a.loss_scale != "auto");
   refuse("--optimize", a.optimize != "auto" && a.optimize != "none");
   refuse("--distance", a.distance != "auto");
+  refuse("--max-control-points", a.max_control_points != "2000");
+  refuse("--corners", a.corners != "auto");
   refuse("--component", a.component != "the only one");
   refuse("--order unordered", a.order == "unordered");
   if (a.closed == "yes" && !(a.start_tangent.empty() && a.end_tangent.empty()))
@@ -123,7 +131,6 @@ CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
   CurveFit<Dim> joint = fits.front();
   if (fits.size() == 1) return joint;
   FitReport& report = joint.report;
-  report.warnings.clear();
   for (size_t k = 1; k < fits.size(); ++k) {
     const CurveFit<Dim>& fit = fits[k];
     for (Eigen::Index i = 0; i < joint.residuals.size(); ++i) {
@@ -131,10 +138,13 @@ CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
       joint.residuals[i] = fit.residuals[i];
       joint.parameters[i] = fit.parameters[i];
     }
+    joint.outliers = joint.outliers || fit.outliers;
     report.Join(fit.report);
   }
   report.error = Summarise(joint.residuals, tolerance, !joint.outliers);
   report.error_all = Summarise(joint.residuals, tolerance);
+  report.input.used = report.error.points;
+  report.input.outliers = joint.outliers.count();
   return joint;
 }
 
@@ -204,6 +214,11 @@ int Interpolate(const FitFiles& files, const PointCloud& cloud, const Arguments&
   options.tolerance = a.tolerance;
   options.shift = files.shift();
   CurveFit<Dim> fit = files.Explained([&] { return InterpolateCloud<Dim>(cloud, options); });
+  const EndGap ends = JudgeEnds(cloud.points(), 0);
+  if (a.closed == "yes" && !ends.closed) {
+    fit.report.warnings.push_back("the ends of the points are " + fmt::format("{:.4g}", ends.gap) +
+                                  " apart: the curve bridges that gap");
+  }
   return files.Write(
       {fit.curve}, fit.residuals, fit.parameters.transpose(), fit.outliers, fit.report);
 }
@@ -242,7 +257,8 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
       {"POINTS",
        "N",
        "1e-10",
-       "auto none huber cauchy tukey; auto is none",
+       "auto none huber cauchy tukey; auto leaves out points far off their neighbours, and is "
+       "tukey where there are many",
        "Where parameters come from: chord centripetal uniform foley universal given; given is a "
        "column u"});
   add("--degree", a->degree, "Degree of the curve", "P");

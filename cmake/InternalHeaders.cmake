@@ -2,7 +2,7 @@
 # Headers that serve their own folder only: not installed, and free to name third parties.
 set(BATTEN_INTERNAL_HEADERS
   fitting/banded_lu.h fitting/collocation.h
-  fitting/corner_turns.h fitting/corner_windows.h fitting/kink_window.h
+  fitting/corner_noise.h fitting/corner_screen.h fitting/corner_turns.h fitting/corner_windows.h fitting/kink_window.h
   fitting/banded_lu.h fitting/bezier_chain.h fitting/collocation.h fitting/tangent_pieces.h
   fitting/corner_data.h fitting/corner_turns.h fitting/corner_windows.h fitting/kink_window.h
   fitting/banded_lu.h fitting/bezier_chain.h fitting/collocation.h
@@ -10,7 +10,7 @@ set(BATTEN_INTERNAL_HEADERS
   fitting/fit_surface_given.h fitting/surface_outcome.h
   fitting/curve_guide.h fitting/curve_nodes.h fitting/node_paths.h fitting/path_branches.h
   fitting/point_grid.h
-  fitting/curve_ends.h fitting/curve_feet.h fitting/curve_fitter.h fitting/row_means.h
+  fitting/curve_cut.h fitting/curve_ends.h fitting/curve_feet.h fitting/curve_fitter.h fitting/fit_corners.h fitting/row_means.h
   fitting/curve_guide.h fitting/curve_nodes.h fitting/curve_strangers.h fitting/node_paths.h
   fitting/path_branches.h fitting/point_grid.h
   fitting/joint_cells.h fitting/joint_feet.h fitting/term_cost.h fitting/unit_of.h

@@ -19,8 +19,11 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kFewestSteps = 6;           // of a side of the narrowest windows
-constexpr size_t kFewestPoints = 5;          // of a side
+constexpr double kFewestSteps = 6, kScatteredSteps = 38;  // of a side of the narrowest windows
+constexpr double kSteady = 0.05, kScattered = 0.45;       // noise in steps that asks for them
+constexpr double kFewestWidths = 34, kBroadWidths = 60;   // of the noise, of the same side
+constexpr double kBroad = 2;                              // noise in steps up to which the first
+constexpr size_t kFewestPoints = 5;                       // of a side
 constexpr double kLineAngle = 0.07;          // standard deviation of a side's direction there
 constexpr double kWider = 1.6;               // from scale to scale
 constexpr double kReaches[] = {1, 1.5, 2};   // of a side: windows tried
@@ -30,6 +33,7 @@ constexpr double kWidest = 10;               // of the narrowest side, that meas
 constexpr double kBlurred = 0.1;             // of a side: how well a place is known
 constexpr double kStride = 0.25;             // of a side, between places looked at
 constexpr double kShareOfAngle = 0.7;        // that lines on both sides show of a corner at least
+constexpr double kLongestSide = 0.25;        // of the whole length
 constexpr double kLeastSide = 0.4;           // of the width, where an end or a corner cuts it
 
 // Sums over the first k points, so that every window's sums are two look-ups.
@@ -55,11 +59,11 @@ class WindowSearch {
   }
 
   std::vector<CurveCorner> Run() {
-    for (double side = NarrowestSide(); side <= Length() / 2; side *= kWider) Scan(side);
+    for (double side = NarrowestSide(); side <= kLongestSide * Length(); side *= kWider) Scan(side);
     std::vector<CurveCorner> corners;
     for (const Kink& kink : kinks_) {
       const double u = kink.parameter;
-      if (options_.closed && (u < 0 || u >= options_.period)) continue;
+      if (options_.closed && (u < 0 || u >= Length())) continue;
       const Kink sharpened = Sharpened(kink);
       corners.push_back(
           {data_.ParameterAt(Wrapped(sharpened.parameter)), sharpened.angle, sharpened.place});
@@ -120,11 +124,20 @@ class WindowSearch {
     }
   }
 
-  // A line through n = w/h points over w has a slope of standard deviation √12 σ / (w √n).
+  // A line through n = w/h points over w has a slope of standard deviation √12 σ / (w √n). Noise
+  // hides how sharp a turn of few points is, so that smooth curves with few points to a bend have
+  // corners unless sides are long.
   double NarrowestSide() const {
     const double by_noise =
         std::pow(std::sqrt(12.0) * options_.noise * std::sqrt(step_) / kLineAngle, 2.0 / 3.0);
-    return std::max(kFewestSteps * step_, by_noise);
+    const double steps = Between(kSteady, kScattered, kFewestSteps, kScatteredSteps),
+                 widths = Between(kBroad, 3 * kBroad, kFewestWidths, kBroadWidths);
+    return std::max({steps * step_, by_noise, widths * options_.noise});
+  }
+
+  // From a to b as the noise grows from low to high, in steps.
+  double Between(double low, double high, double a, double b) const {
+    return std::lerp(a, b, std::clamp((options_.noise / step_ - low) / (high - low), 0.0, 1.0));
   }
 
   // Places where lines on both sides turn enough, the sharpest of their surroundings.

@@ -10,10 +10,13 @@
 #include "batten/fitting/curve_closure.h"
 #include "batten/fitting/curve_sequence.h"
 #include "batten/fitting/curve_strays.h"
+#include "batten/fitting/statistics.h"
 
 namespace batten {
 namespace {
 
+constexpr size_t kFewestForLoneEnds = 50, kMostLone = 3;
+constexpr double kLoneInSteps = 20;
 constexpr double kMostStrays = 0.5;  // of the points: more are no strays
 
 std::string Length(double value) {
@@ -24,10 +27,40 @@ std::string Length(double value) {
 
 // The gap that was closed because the user said so.
 void TellGap(double gap, double spacing, CurveArrangement& result) {
-  constexpr double kWideInSpacings = 3;
+  constexpr double kWideInSpacings = 1.5;
   if (gap <= kWideInSpacings * spacing) return;
   result.warnings.push_back("the ends of the points are " + Length(gap) +
                             " apart: the curve bridges that gap");
+}
+
+// Where there are strays, points at the ends that a step leaves behind, far longer than the others,
+// are more of them.
+PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask strays) {
+  if (!strays.any()) return strays;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    if (!strays[k]) kept.push_back(k);
+  }
+  if (kept.size() < kFewestForLoneEnds) return strays;
+  const auto step = [&](size_t k) {
+    return (points.col(kept[k + 1]) - points.col(kept[k])).norm();
+  };
+  std::vector<double> steps;
+  for (size_t k = 0; k + 1 < kept.size(); ++k) steps.push_back(step(k));
+  const double most = kLoneInSteps * Median(std::move(steps));
+  const auto leave = [&](size_t k) { strays[kept[k]] = true; };
+  for (size_t k = kMostLone; k-- > 0;) {
+    if (step(k) <= most) continue;
+    for (size_t i = 0; i <= k; ++i) leave(i);
+    break;
+  }
+  for (size_t k = kMostLone; k-- > 0;) {
+    const size_t last = kept.size() - 1;
+    if (step(last - 1 - k) <= most) continue;
+    for (size_t i = 0; i <= k; ++i) leave(last - i);
+    break;
+  }
+  return strays;
 }
 
 CurveArrangement InOrder(const PointCloud& cloud, const ArrangeOptions& options) {
@@ -47,7 +80,7 @@ CurveArrangement InOrder(const PointCloud& cloud, const ArrangeOptions& options)
     if (options.find_strays) {
       const PointMask strays = FindStrays(cloud.points(), options.closed == ClosedChoice::kYes);
       if (static_cast<double>(strays.count()) <= kMostStrays * static_cast<double>(cloud.size()))
-        result.strays = strays;
+        result.strays = WithLoneEnds(cloud.points(), strays);
     }
     order.left_out = result.strays;
     OrderedPoints open = OrderPoints(cloud, order);

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "batten/fitting/corner_noise.h"
+#include "batten/fitting/corner_screen.h"
 #include "batten/fitting/corner_turns.h"
 #include "batten/fitting/corner_windows.h"
 #include "batten/fitting/statistics.h"
@@ -17,6 +19,10 @@ namespace {
 using Eigen::Index;
 
 constexpr double kExact = 0.02;  // of the spacing: noise that leaves the direction of single steps
+
+constexpr double kNoisy = 0.05;  // of the spacing: noise that must not be taken for exact
+constexpr double kClearlyMore = 1.15;
+constexpr Index kMostSteps = 5000;  // about, of which a median is taken
 
 [[noreturn]] void Refuse(const std::string& reason) {
   throw std::invalid_argument("FindCorners: " + reason);
@@ -42,7 +48,8 @@ void CheckParameters(const Eigen::Matrix3Xd& points,
 
 double MedianStep(const Eigen::Matrix3Xd& points) {
   std::vector<double> steps;
-  for (Index k = 1; k < points.cols(); ++k)
+  const Index stride = 1 + points.cols() / kMostSteps;
+  for (Index k = 1; k < points.cols(); k += stride)
     steps.push_back((points.col(k) - points.col(k - 1)).norm());
   return Median(std::move(steps));
 }
@@ -56,6 +63,42 @@ std::vector<Index> Different(const Eigen::Matrix3Xd& points, bool closed) {
   while (closed && kept.size() > 1 && points.col(kept.back()) == points.col(kept.front()))
     kept.pop_back();
   return kept;
+}
+
+double MedianGap(const Eigen::VectorXd& parameters) {
+  std::vector<double> gaps;
+  const Index stride = 1 + parameters.size() / kMostSteps;
+  for (Index k = 1; k < parameters.size(); k += stride)
+    gaps.push_back(parameters[k] - parameters[k - 1]);
+  return Median(std::move(gaps));
+}
+
+// Each range as an open curve of its own.
+std::vector<CurveCorner> CornersOfRanges(const Eigen::Matrix3Xd& points,
+                                         const Eigen::VectorXd& parameters,
+                                         const CornerOptions& options) {
+  const std::vector<CornerRange> ranges = RangesWithCorners(points, MedianGap(parameters), options);
+  const Index m = points.cols();
+  std::vector<CurveCorner> corners;
+  for (const CornerRange& range : ranges) {
+    if (range.size == m) return CornersOfNoisy(points, parameters, options);
+    Eigen::Matrix3Xd part(3, range.size);
+    Eigen::VectorXd u(range.size);
+    for (Index i = 0; i < range.size; ++i) {
+      const Index k = range.begin + i, inside = (k % m + m) % m;
+      part.col(i) = points.col(inside);
+      u[i] = parameters[inside] + (k < 0 ? -1 : k >= m ? 1 : 0) * options.period;
+    }
+    CornerOptions open = options;
+    open.closed = false;
+    for (CurveCorner corner : CornersOfNoisy(part, u, open)) {
+      if (corner.parameter < parameters[0]) corner.parameter += options.period;
+      if (options.closed && corner.parameter >= parameters[0] + options.period)
+        corner.parameter -= options.period;
+      corners.push_back(corner);
+    }
+  }
+  return corners;
 }
 
 }  // namespace
@@ -91,9 +134,11 @@ std::vector<CurveCorner> FindCorners(const Eigen::Matrix3Xd& points,
   const Eigen::VectorXd u = parameters(kept);
   const Eigen::Vector3d origin = points.col(kept[0]);
   const Eigen::Matrix3Xd local = points(Eigen::all, kept).colwise() - origin;
-  std::vector<CurveCorner> corners = options.noise <= kExact * MedianStep(local)
-                                         ? CornersOfExact(local, u, options)
-                                         : CornersOfNoisy(local, u, options);
+  const double step = MedianStep(local), own = NoiseAcross(local);
+  CornerOptions used = options;
+  if (own > kClearlyMore * options.noise && own > kNoisy * step) used.noise = own;
+  std::vector<CurveCorner> corners = used.noise <= kExact * step ? CornersOfExact(local, u, used)
+                                                                 : CornersOfRanges(local, u, used);
   for (CurveCorner& corner : corners) corner.place += origin;
   std::sort(corners.begin(), corners.end(), [](const CurveCorner& a, const CurveCorner& b) {
     return a.parameter < b.parameter;

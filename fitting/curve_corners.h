@@ -15,7 +15,8 @@ struct CurveCorner {
 };
 
 struct CornerOptions {
-  double noise = 0;                          // standard deviation of a coordinate, ≥ 0; 0: exact
+  double noise = 0;                          // standard deviation of a coordinate, ≥ 0; 0: exact.
+                                             // More is taken where points clearly show more.
   bool closed = false;                       // the last point is followed by the first
   double period = 0;                         // of the parameters of a closed curve, > 0
   double least_angle = 0.52359877559829887;  // 30°; in (0, π)
@@ -34,8 +35,10 @@ void Check(const CornerOptions& options);
 // noise matters, windows of growing size are fitted by a parabola with one kink, and a corner is a
 // kink that explains them better than smooth curves do, better than a turn that takes half the
 // window, and not worse than a turn a little rounded: what is rounded by less than noise can tell
-// is a corner. Single points far off do not count. Corners that noise hides are not found; at the
-// ends of an open curve there are none. O(m log m).
+// is a corner. Their sides must be long, about 40 points and 35 standard deviations of the noise
+// from half a spacing of noise on: shorter bends of smooth curves look the same. Single points far
+// off do not count. Corners that noise hides are not found; at the ends of an open curve there are
+// none. O(m log m).
 //
 // Throws std::invalid_argument where sizes differ, parameters do not increase or a closed curve's
 // exceed the period.

@@ -5,16 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#include "batten/fitting/curve_cut.h"
 #include "batten/geometry/curve_evaluator.h"
 #include "batten/geometry/foot_point.h"
-#include "batten/geometry/knot_vectors.h"
-#include "batten/geometry/split.h"
 
 namespace batten {
 namespace {
 
-constexpr double kMostCut = 0.9;      // of an end span
-constexpr double kLeastFilled = 0.5;  // of the domain; less, and the curve is far from its data
+constexpr double kNearCorner = 1.5;   // mean steps: so far from a corner data may end
+constexpr double kLeastFilled = 0.5;  // of a piece; less, and the curve is far from its data
 
 template <int Dim>
 CurveSamples SamplesOf(const FittingProblem& problem,
@@ -50,41 +49,123 @@ Eigen::Matrix2Xd FeetOf(const FittingProblem& problem,
   return parameters;
 }
 
-// Stretches the parameters of an open curve's data over the whole domain, which they may have left
-// partly empty: a curve that is longer than its data would be free to go anywhere there.
-void FillDomain(const FittingProblem& problem, Eigen::Matrix2Xd& parameters) {
-  const SplineBasis& basis = problem.basis_u();
-  if (basis.periodic()) return;
-  double first = basis.upper(), last = basis.lower();
+// Where a curve may bend sharply or end: both ends of the domain, and knots of multiplicity p.
+// Around a periodic basis without such knots: none.
+std::vector<double> SharpPlaces(const SplineBasis& basis) {
+  const int p = basis.degree();
+  std::vector<double> places;
+  bool sharp = !basis.periodic();
+  for (const int span : basis.Spans()) {
+    const double knot = basis.knots()[static_cast<size_t>(span)];
+    const bool corner = p > 1 && basis.Multiplicity(knot) >= p;
+    if (corner || knot == basis.lower()) places.push_back(knot);
+    sharp = sharp || corner;
+  }
+  places.push_back(basis.upper());
+  return sharp ? places : std::vector<double>{};
+}
+
+// First and last parameter of the data with weight in a piece between sharp places.
+struct Reach {
+  double first, last;
+  Eigen::Index count = 0;
+};
+
+std::vector<Reach> ReachOf(const FittingProblem& problem,
+                           const Eigen::Matrix2Xd& parameters,
+                           const std::vector<double>& places,
+                           const std::vector<size_t>& piece_of) {
+  std::vector<Reach> reach(places.size() - 1, {places.back(), places.front(), 0});
   const Eigen::VectorXd& weights = problem.data().weights;
   for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
     if (weights.size() > 0 && weights[k] == 0) continue;
-    first = std::min(first, parameters(0, k));
-    last = std::max(last, parameters(0, k));
+    Reach& piece = reach[piece_of[static_cast<size_t>(k)]];
+    piece.first = std::min(piece.first, parameters(0, k));
+    piece.last = std::max(piece.last, parameters(0, k));
+    ++piece.count;
   }
-  const double length = basis.upper() - basis.lower();
-  if (!(last - first > kLeastFilled * length) || (first <= basis.lower() && last >= basis.upper()))
-    return;
-  parameters.row(0) =
-      (basis.lower() + (parameters.row(0).array() - first) * (length / (last - first)))
-          .max(basis.lower())
-          .min(basis.upper());
+  return reach;
+}
+
+std::vector<size_t> PiecesOf(const Eigen::Matrix2Xd& parameters,
+                             const std::vector<double>& places) {
+  std::vector<size_t> piece_of;
+  for (const double u : parameters.row(0)) {
+    const auto above = std::upper_bound(places.begin(), places.end(), u);
+    piece_of.push_back(static_cast<size_t>(
+        std::clamp<std::ptrdiff_t>(above - places.begin() - 1, 0, std::ssize(places) - 2)));
+  }
+  return piece_of;
+}
+
+// Data stay between the corners they lie between and reach near them, and to the ends of an open
+// domain: a curve that is longer than its data would be free to go anywhere.
+void KeepReach(const FittingProblem& problem, Eigen::Matrix2Xd& parameters) {
+  const SplineBasis& basis = problem.basis_u();
+  const std::vector<double> places = SharpPlaces(basis);
+  if (places.empty()) return;
+  const double period = basis.periodic() ? basis.upper() - basis.lower() : 0;
+  const std::vector<size_t> piece_of = PiecesOf(problem.data().parameters, places);
+  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
+    const size_t piece = piece_of[static_cast<size_t>(k)];
+    double& u = parameters(0, k);
+    // Feet beyond the seam are near the end they came from.
+    if (period > 0) u += period * std::round((problem.data().parameters(0, k) - u) / period);
+    u = std::clamp(u, places[piece], places[piece + 1]);
+  }
+  std::vector<Reach> before = ReachOf(problem, problem.data().parameters, places, piece_of);
+  const std::vector<Reach> after = ReachOf(problem, parameters, places, piece_of);
+  if (!basis.periodic()) {
+    before.front().first = basis.lower();
+    before.back().last = basis.upper();
+  }
+  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
+    const size_t piece = piece_of[static_cast<size_t>(k)];
+    const Reach &was = before[piece], &is = after[piece];
+    const double length = is.last - is.first;
+    const auto count = static_cast<double>(std::max<Eigen::Index>(1, is.count));
+    const double near = kNearCorner * length / count;
+    const bool from_end = !basis.periodic() && piece == 0,
+               to_end = !basis.periodic() && piece + 2 == places.size();
+    const double first =
+        std::min(is.first, from_end ? was.first : std::max(was.first, places[piece] + near));
+    const double last =
+        std::max(is.last, to_end ? was.last : std::min(was.last, places[piece + 1] - near));
+    if (!(length > kLeastFilled * (last - first))) continue;
+    double& u = parameters(0, k);
+    const double stretched = u <= is.first  ? first
+                             : u >= is.last ? last
+                                            : first + (u - is.first) * ((last - first) / length);
+    u = std::clamp(stretched, places[piece], places[piece + 1]);
+  }
+}
+
+// The parameters of the data that have weight.
+std::vector<double> OfWeight(const FittingProblem& problem) {
+  const Eigen::VectorXd& weights = problem.data().weights;
+  std::vector<double> parameters;
+  parameters.reserve(static_cast<size_t>(problem.size()));
+  for (Eigen::Index k = 0; k < problem.size(); ++k) {
+    if (weights.size() == 0 || weights[k] > 0)
+      parameters.push_back(problem.data().parameters(0, k));
+  }
+  return parameters;
 }
 
 // Whether parameters still run forward, by the means of blocks of data in a row: noise makes single
 // ones step back. Around a closed curve steps count the short way.
 bool RunForward(const FittingProblem& problem) {
-  constexpr Eigen::Index kBlocks = 200, kLeastBlock = 3;
-  const auto u = problem.data().parameters.row(0);
+  constexpr size_t kBlocks = 200, kLeastBlock = 3;
+  const std::vector<double> u = OfWeight(problem);
   const SplineBasis& basis = problem.basis_u();
   const double period = basis.upper() - basis.lower();
-  const Eigen::Index blocks = std::min(kBlocks, u.size() / kLeastBlock);
+  const size_t blocks = std::min(kBlocks, u.size() / kLeastBlock);
   double previous = 0;
-  for (Eigen::Index b = 0; b < blocks; ++b) {
-    const Eigen::Index begin = b * u.size() / blocks, end = (b + 1) * u.size() / blocks;
+  for (size_t b = 0; b < blocks; ++b) {
+    const size_t begin = b * u.size() / blocks, end = (b + 1) * u.size() / blocks;
     const double first = u[begin];
     double mean = 0;  // against the first of the block
-    for (Eigen::Index k = begin; k < end; ++k) {
+    for (size_t k = begin; k < end; ++k) {
       double step = u[k] - first;
       if (basis.periodic()) step -= period * std::round(step / period);
       mean += step / static_cast<double>(end - begin);
@@ -137,22 +218,27 @@ Eigen::MatrixXd Across(Eigen::MatrixXd columns, const Eigen::MatrixXd& tangents)
 
 FittingProblem MovedToFeet(const FittingProblem& problem,
                            const Eigen::MatrixXd& coefficients,
-                           const std::vector<Eigen::Index>& anchored,
-                           ThreadPool& pool) {
+                           ThreadPool& pool,
+                           const std::vector<Eigen::Index>& anchored) {
   Eigen::Matrix2Xd parameters = coefficients.rows() == 2 ? FeetOf<2>(problem, coefficients, pool)
                                                          : FeetOf<3>(problem, coefficients, pool);
-  FillDomain(problem, parameters);
+  KeepReach(problem, parameters);
   for (const Eigen::Index k : anchored) parameters.col(k) = problem.data().parameters.col(k);
   return problem.WithParameters(std::move(parameters));
 }
 
 FeetFit FitAtFeet(const FittingProblem& problem,
                   int steps,
-                  const std::vector<Eigen::Index>& anchored,
-                  ThreadPool& pool) {
-  FeetFit fit{problem, SolveLinear(problem, pool), 0};
+                  ThreadPool& pool,
+                  const std::vector<Eigen::Index>& anchored) {
+  // What a loss forgets may have been all there was at an end.
+  Eigen::Matrix2Xd parameters = problem.data().parameters;
+  if (steps > 0 && problem.data().weights.size() > 0) KeepReach(problem, parameters);
+  const FittingProblem filled =
+      parameters == problem.data().parameters ? problem : problem.WithParameters(parameters);
+  FeetFit fit{filled, SolveLinear(filled, pool), 0};
   for (; fit.steps < steps; ++fit.steps) {
-    FittingProblem moved = MovedToFeet(fit.problem, fit.solution.coefficients, anchored, pool);
+    FittingProblem moved = MovedToFeet(fit.problem, fit.solution.coefficients, pool, anchored);
     if (!RunForward(moved)) break;
     fit.problem = std::move(moved);
     fit.solution = SolveLinear(fit.problem, pool);
@@ -162,38 +248,16 @@ FeetFit FitAtFeet(const FittingProblem& problem,
 
 namespace {
 
-// The same curve from the first to the last datum with weight, on the same domain.
+// Cuts the curve to its data; false where that would cost control points.
 template <int Dim>
-void CutToData(FeetFit& fit) {
-  const SplineBasis& basis = fit.problem.basis_u();
-  if (basis.periodic()) return;
-  Eigen::Matrix2Xd parameters = fit.problem.data().parameters;
-  double first = basis.upper(), last = basis.lower();
-  const Eigen::VectorXd& weights = fit.problem.data().weights;
-  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
-    if (weights.size() > 0 && weights[k] == 0) continue;
-    first = std::min(first, parameters(0, k));
-    last = std::max(last, parameters(0, k));
-  }
-  const std::vector<int> spans = basis.Spans();
-  const auto knot = [&](int i) { return basis.knots()[static_cast<size_t>(i)]; };
-  // No further than the end spans, so that there are as many control points.
-  first = std::min(
-      first, knot(spans.front()) + kMostCut * (knot(spans.front() + 1) - knot(spans.front())));
-  last = std::max(
-      last, knot(spans.back() + 1) - kMostCut * (knot(spans.back() + 1) - knot(spans.back())));
-  if (first <= basis.lower() && last >= basis.upper()) return;
-  NurbsCurve<Dim> curve(basis, fit.solution.coefficients);
-  if (first > basis.lower()) curve = Split(curve, first).second;
-  if (last < basis.upper()) curve = Split(curve, last).first;
-  const double length = basis.upper() - basis.lower();
-  parameters.row(0) =
-      (basis.lower() + (parameters.row(0).array() - first) * (length / (last - first)))
-          .max(basis.lower())
-          .min(basis.upper());
-  const SplineBasis same = Scaled(curve.basis(), basis.lower(), basis.upper());
-  fit.problem = fit.problem.WithBasis(same).WithParameters(std::move(parameters));
-  fit.solution.coefficients = curve.control_points();
+bool Cut(FeetFit& fit) {
+  auto cut = CutToData(NurbsCurve<Dim>(fit.problem.basis_u(), fit.solution.coefficients),
+                       fit.problem.data());
+  if (!cut) return false;
+  fit.problem =
+      fit.problem.WithBasis(cut->curve.basis()).WithParameters(std::move(cut->parameters));
+  fit.solution.coefficients = cut->curve.control_points();
+  return true;
 }
 
 }  // namespace
@@ -207,7 +271,8 @@ FeetFit AtLeastDistance(const FeetFit& fit,
   parameters.row(0) = found.parameters;
   FeetFit lower{fit.problem.WithParameters(std::move(parameters)), fit.solution, found.rounds};
   lower.solution.coefficients = found.control_points;
-  found.control_points.rows() == 2 ? CutToData<2>(lower) : CutToData<3>(lower);
+  const bool cut = found.control_points.rows() == 2 ? Cut<2>(lower) : Cut<3>(lower);
+  if (!cut) return fit;
   const Eigen::VectorXd squares =
       (EvaluateAt(lower.problem, lower.solution.coefficients, pool) - lower.problem.data().values)
           .colwise()

@@ -31,8 +31,8 @@ Eigen::MatrixXd Across(Eigen::MatrixXd columns, const Eigen::MatrixXd& tangents)
 // Data of the `anchored` indices stay: those at a corner, which keep it in its place.
 FittingProblem MovedToFeet(const FittingProblem& problem,
                            const Eigen::MatrixXd& coefficients,
-                           const std::vector<Eigen::Index>& anchored,
-                           ThreadPool& pool);
+                           ThreadPool& pool,
+                           const std::vector<Eigen::Index>& anchored = {});
 
 struct FeetFit {
   FittingProblem problem;
@@ -45,12 +45,13 @@ struct FeetFit {
 // from them, is not taken.
 FeetFit FitAtFeet(const FittingProblem& problem,
                   int steps,
-                  const std::vector<Eigen::Index>& anchored,
-                  ThreadPool& pool);
+                  ThreadPool& pool,
+                  const std::vector<Eigen::Index>& anchored = {});
 
 // The fit brought down by the distances of a model (distance_minimisation.h), which follows the
 // points as closely as the basis can; `steps` counts its rounds. An open curve that has become
-// longer than its data is cut to them, its domain the same.
+// longer than its data is cut to them, its domain the same; by more than an end span, and the fit
+// comes back as it was.
 FeetFit AtLeastDistance(const FeetFit& fit,
                         const DistanceMinimisationOptions& options,
                         ThreadPool& pool);

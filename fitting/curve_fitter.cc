@@ -9,13 +9,16 @@
 #include <string>
 #include <utility>
 
-#include "batten/fitting/curve_corners.h"
+#include "batten/fitting/choose_smoothing.h"
+#include "batten/fitting/curve_cut.h"
 #include "batten/fitting/curve_ends.h"
 #include "batten/fitting/curve_feet.h"
 #include "batten/fitting/distance_minimisation.h"
 #include "batten/fitting/distances.h"
+#include "batten/fitting/fit_corners.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
+#include "batten/fitting/rational_spans.h"
 #include "batten/fitting/reweighting.h"
 #include "batten/fitting/row_means.h"
 #include "batten/fitting/span_adaptation.h"
@@ -27,6 +30,10 @@ namespace {
 constexpr double kSmoothing = 1e-10;  // enough for gaps, too little to be seen elsewhere
 constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weights
 constexpr int kRobustPasses = 3;
+constexpr int kRoundsOfStart = 8;
+constexpr Eigen::Index kRunOfPoints = 3;
+constexpr Eigen::Index kFewPoints = 100;
+constexpr double kShareOfStart = 0.2;
 constexpr double kManyStrays = 0.003;  // of the points: then some will have been missed
 constexpr double kExcessToSayNoise = 2;
 constexpr double kExcessToOptimise = 1.1;  // residual against noise
@@ -34,6 +41,7 @@ constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance 
 constexpr double kTiny = 1e-300;  // a scale must be positive, even of residuals that vanish
 constexpr double kExact = 1e-9;   // of the cloud's size: rounding
 constexpr double kAlike = 1e-8;   // of the size: curves that differ less are one
+constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kStartSpans = 15, kStartForTolerance = 5;
 constexpr Eigen::Index kPointsOfStartSpan = 8;
 constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000;
@@ -41,7 +49,6 @@ constexpr int kFeetSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
 constexpr double kNoiseToAnchor = 0.1;  // of the spacing
-constexpr double kAtCorner = 1e-9;      // of the domain
 constexpr double kVariancesPerControlPoint = 3;
 constexpr int kMostToRelocate = 80;  // spans; the time grows with their square
 
@@ -68,20 +75,40 @@ class CurveFitter {
   }
 
   CurveFit<Dim> Run() {
+    RequireEnough();
     MakeProblem();
     FindCorners();
     if (distance_ == CurveDistance::kParameter && !ordered_.closed) {
       FitAtParameters();
+    } else if (options_.smooth_by != CurveSmoothing::kWeight) {
+      FitSmoothly();
     } else if (options_.control_points) {
       FitWithControlPoints();
     } else {
       FitAdaptively();
     }
-    OptimiseWhereItPays();
+    if (!FitRationally()) OptimiseWhereItPays();
     return Measure();
   }
 
  private:
+  void RequireEnough() const {
+    const Eigen::Index points = ordered_.cloud.size();
+    if (points <= options_.degree) {
+      throw std::invalid_argument(std::to_string(points) +
+                                  " different points are too few for a curve of degree " +
+                                  std::to_string(options_.degree) + ": lower the degree to " +
+                                  std::to_string(std::max<Eigen::Index>(1, points - 1)));
+    }
+    if (ordered_.closed && points < 3) {
+      throw std::invalid_argument("a closed curve needs at least 3 different points");
+    }
+    if (ordered_.closed && options_.optimize && options_.optimize->knots) {
+      throw std::invalid_argument(
+          "the knots of a closed curve can't be free; without closing it (closed no) they can");
+    }
+  }
+
   void MakeProblem() {
     Report(options_.progress, "prepare", 0);
     auto data = std::make_shared<FittingData>();
@@ -109,51 +136,19 @@ class CurveFitter {
     report_.seconds.prepare = watch_.Lap();
   }
 
-  // Corners by their parameters, sharpest first.
+  // Corners, and the parameters with the seam at one of them.
   void FindCorners() {
+    given_ = problem_->data().parameters.row(0).transpose();
     if (!options_.corners || options_.degree < 2 || distance_ == CurveDistance::kParameter) return;
-    const RowMeans row = IncreasingRow(ordered_.cloud.points(), ordered_.lengths);
-    if (row.parameters.size() < 3) return;
-    CornerOptions corner;
-    corner.noise = ordered_.noise;
-    corner.closed = ordered_.closed;
-    corner.period = ordered_.length;
-    std::vector<CurveCorner> found = batten::FindCorners(row.points, row.parameters, corner);
-    std::sort(found.begin(), found.end(), [](const CurveCorner& a, const CurveCorner& b) {
-      return a.angle > b.angle;
-    });
-    for (const CurveCorner& c : found) {
-      const double at = ParameterAt(c.parameter);
-      if (ordered_.closed || (at > ordered_.lower && at < ordered_.upper)) corners_.push_back(at);
-    }
-    Anchor();
+    FitCorners found = CornersForFit(
+        ordered_, options_.degree, options_.control_points.value_or(options_.max_control_points));
+    corners_ = std::move(found.parameters);
+    anchored_ = std::move(found.anchored);
+    given_ = found.data;
+    Eigen::Matrix2Xd parameters = problem_->data().parameters;
+    parameters.row(0) = given_;
+    problem_ = problem_->WithParameters(std::move(parameters));
     report_.seconds.parameterize = watch_.Lap();
-  }
-
-  // Where a curve has run so far, linear between points.
-  double ParameterAt(double length) const {
-    const Eigen::VectorXd &lengths = ordered_.lengths, &u = ordered_.parameters;
-    if (ordered_.closed) length -= ordered_.length * std::floor(length / ordered_.length);
-    const auto above = std::upper_bound(lengths.begin(), lengths.end(), length);
-    const Eigen::Index k = std::max<Eigen::Index>(1, above - lengths.begin());
-    const bool last = k == lengths.size();
-    if (last && !ordered_.closed) return ordered_.upper;
-    const double l0 = lengths[k - 1], l1 = last ? ordered_.length : lengths[k];
-    const double u0 = u[k - 1], u1 = last ? ordered_.upper : u[k];
-    return l1 > l0 ? u0 + (u1 - u0) * ((length - l0) / (l1 - l0)) : u0;
-  }
-
-  // Of points that follow the curve closely, the one at a corner holds it: between sides that
-  // hardly part nothing else would.
-  void Anchor() {
-    if (ordered_.noise > kNoiseToAnchor * ordered_.spacing) return;
-    for (Eigen::Index k = 0; k < ordered_.parameters.size(); ++k) {
-      for (const double corner : corners_) {
-        if (std::abs(ordered_.parameters[k] - corner) <=
-            kAtCorner * (ordered_.upper - ordered_.lower))
-          anchored_.push_back(k);
-      }
-    }
   }
 
   SpanLayout EqualSpans(int spans, std::vector<double> corners) const {
@@ -234,9 +229,11 @@ class CurveFitter {
   SpanAdaptation Adapted(const FittingProblem& problem, const std::vector<double>& corners) const {
     const Eigen::Index few = std::max<Eigen::Index>(1, problem.size() / kPointsOfStartSpan);
     const int start = options_.tolerance ? kStartForTolerance : kStartSpans;
-    const int room = options_.max_control_points - (ordered_.closed ? 0 : options_.degree);
+    const auto sharp = static_cast<int>(corners.size());
+    const int room = options_.max_control_points - (ordered_.closed ? 0 : options_.degree) -
+                     sharp * (options_.degree - 1);
     const int spans = std::min(static_cast<int>(std::min<Eigen::Index>(start, few)), room);
-    const int fewest = ordered_.closed ? options_.degree + 1 : 1;
+    const int fewest = sharp > 0 ? sharp : ordered_.closed ? options_.degree + 1 : 1;
     SpanAdaptation adapted =
         AdaptSpans(problem, EqualSpans(std::max(fewest, spans), corners), AdaptOptions(), pool_);
     if (adapted.layout.spans() > kMostToRelocate) return adapted;
@@ -249,7 +246,8 @@ class CurveFitter {
   // fewer control points: what looks like a corner close by may be a bend of the whole.
   SpanAdaptation Adapted(const FittingProblem& problem) {
     SpanAdaptation sharp = Adapted(problem, corners_);
-    if (corners_.empty() || ordered_.noise <= kNoiseToAnchor * ordered_.spacing) return sharp;
+    const bool plain = ordered_.noise <= kNoiseToAnchor * ordered_.spacing;
+    if (corners_.empty() || (plain && problem.size() >= kFewPoints)) return sharp;
     std::vector<Eigen::Index> anchored;
     std::swap(anchored, anchored_);
     SpanAdaptation smooth = Adapted(problem, {});
@@ -276,13 +274,16 @@ class CurveFitter {
   void FitAdaptively() {
     std::optional<Loss> loss = options_.loss;
     const auto strays = static_cast<double>(strays_.count());
-    if (!loss && strays > kManyStrays * static_cast<double>(strays_.size())) loss = Loss::kTukey;
+    const bool noisy = ordered_.noise > 0;  // else what is off is the curve
+    if (!loss && noisy && strays > kManyStrays * static_cast<double>(strays_.size()))
+      loss = Loss::kTukey;
     const bool robust = loss && *loss != Loss::kNone;
     const bool many = problem_->size() > kManyPoints && !robust && !options_.tolerance;
     SpanAdaptation adapted = Adapted(many ? MeansOfRows(*problem_, kMeans) : *problem_);
     Record(adapted.rounds);
     const double means = many ? static_cast<double>(problem_->size()) / kMeans : 1;
-    noise_ = std::max(noise_, adapted.noise * std::sqrt(means));
+    if (noise_ == 0) noise_ = adapted.noise * std::sqrt(means);
+    if (robust) adapted = Roughly(std::move(adapted));
     for (int pass = 0; robust && pass < kRobustPasses; ++pass) {
       const FittingProblem weighted = Weighted(adapted, *loss);
       adapted = Adapted(weighted);
@@ -298,6 +299,26 @@ class CurveFitter {
     report_.seconds.solve = watch_.Lap();
   }
 
+  // A start for the loss: least absolute distances, nearly, at the layout there is, so that
+  // whatever most points follow is followed. [Huber's loss with a scale well below the residuals']
+  SpanAdaptation Roughly(SpanAdaptation adapted) const {
+    const Eigen::VectorXd own = adapted.problem.data().weights;
+    const int steps = distance_ == CurveDistance::kPoint ? 1 : 0;
+    for (int round = 0; round < kRoundsOfStart; ++round) {
+      const Eigen::VectorXd distances =
+          AtTheirPlaces(adapted.problem.WithWeights(own), adapted.solution.coefficients);
+      const double scale =
+          kShareOfStart * std::max({RobustScale(distances), kAlike * size_, kTiny});
+      Eigen::VectorXd weights = LossWeights(Loss::kHuber, distances, scale);
+      if (own.size() > 0) weights.array() *= own.array();
+      FeetFit fit =
+          FitAtFeet(adapted.problem.WithWeights(std::move(weights)), steps, pool_, anchored_);
+      adapted.problem = std::move(fit.problem);
+      adapted.solution = std::move(fit.solution);
+    }
+    return adapted;
+  }
+
   // The adapted problem with weights by a loss, against the weights that the points came with.
   FittingProblem Weighted(const SpanAdaptation& adapted, Loss loss) const {
     const Eigen::VectorXd distances =
@@ -305,18 +326,32 @@ class CurveFitter {
     const double scale =
         options_.loss_scale.value_or(std::max({RobustScale(distances), kAlike * size_, kTiny}));
     Eigen::VectorXd weights = LossWeights(loss, distances, scale);
+    if (!options_.loss) RestoreRuns(weights);
     const Eigen::VectorXd& own = problem_->data().weights;
     if (own.size() > 0) weights.array() *= own.array();
     return adapted.problem.WithWeights(std::move(weights));
   }
 
+  // Several points in a row far from the curve are its own, not strays: the curve is not there yet.
+  static void RestoreRuns(Eigen::VectorXd& weights) {
+    for (Eigen::Index k = 0; k < weights.size();) {
+      Eigen::Index end = k;
+      while (end < weights.size() && weights[end] == 0) ++end;
+      if (end - k >= kRunOfPoints) weights.segment(k, end - k).setOnes();
+      k = std::max(end, k + 1);
+    }
+  }
+
   // The last fits, on all data; open ends first go where noise lets the points say they are.
   void Settle(FittingProblem problem, SpanLayout layout) {
-    const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
-    FeetFit fit = FitAtFeet(problem, steps, anchored_, pool_);
+    // Of many points one step says as much.
+    const int steps = distance_ != CurveDistance::kPoint ? 0
+                      : problem.size() > kManyPoints     ? 1
+                                                         : kFeetSteps;
+    FeetFit fit = FitAtFeet(problem, steps, pool_, anchored_);
     if (steps > 0 && !layout.closed() && noise_ > ordered_.spacing) {
       layout = WithLooseEnds(layout, fit, noise_, ordered_.spacing);
-      fit = FitAtFeet(fit.problem.WithBasis(layout.Basis()), steps, anchored_, pool_);
+      fit = FitAtFeet(fit.problem.WithBasis(layout.Basis()), steps, pool_, anchored_);
     }
     // Of few points the parameters are the larger part of the error.
     const bool few =
@@ -343,6 +378,35 @@ class CurveFitter {
     return minimise;
   }
 
+  // More spans than the data need, and fairness that keeps them from following the noise: chosen on
+  // means where there are many points, which leaves its meaning, and once more at the feet.
+  void FitSmoothly() {
+    const auto most = static_cast<int>(problem_->size() / kPointsOfSmoothSpan);
+    const int spans = std::max(ordered_.closed ? options_.degree + 1 : 1,
+                               std::min({most, kMostSmoothSpans, options_.max_control_points}));
+    const SpanLayout layout = EqualSpans(
+        options_.control_points
+            ? std::max(1, *options_.control_points - (ordered_.closed ? 0 : options_.degree))
+            : spans,
+        corners_);
+    FittingProblem problem = problem_->WithBasis(layout.Basis());
+    for (int pass = 0; pass < 2; ++pass) {
+      problem = problem.WithSmoothing(
+          options_.smooth_by == CurveSmoothing::kNoise
+              ? SmoothingFromNoise(problem,
+                                   std::max({ordered_.noise, kAlike * size_, kTiny}),
+                                   pool_,
+                                   options_.progress)
+              : SmoothingByCrossValidation(problem, pool_, options_.progress));
+      const int steps = distance_ == CurveDistance::kPoint ? 1 : 0;
+      problem = FitAtFeet(problem, steps, pool_, anchored_).problem;
+    }
+    report_.termination = Termination::kNoiseReached;
+    problem_ = std::move(problem);
+    Take(SolveLinear(*problem_, pool_));
+    report_.seconds.solve = watch_.Lap();
+  }
+
   // Spans for so many control points: equal ones, or spread as the data would have them.
   void FitWithControlPoints() {
     const int asked = *options_.control_points;
@@ -356,7 +420,7 @@ class CurveFitter {
     }
     const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
     SpanLayout layout = EqualSpans(spans, corners_);
-    FeetFit fit = FitAtFeet(problem_->WithBasis(layout.Basis()), steps, anchored_, pool_);
+    FeetFit fit = FitAtFeet(problem_->WithBasis(layout.Basis()), steps, pool_, anchored_);
     if (spans > 1 + static_cast<int>(corners_.size())) {
       SpanAdaptOptions adapt = AdaptOptions();
       adapt.tolerance.reset();
@@ -367,7 +431,7 @@ class CurveFitter {
           adapt,
           pool_);
       const SpanLayout spread = free.layout.Resampled(spans);
-      FeetFit other = FitAtFeet(free.problem.WithBasis(spread.Basis()), steps, anchored_, pool_);
+      FeetFit other = FitAtFeet(free.problem.WithBasis(spread.Basis()), steps, pool_, anchored_);
       if (other.solution.residual_squares < fit.solution.residual_squares) {
         fit = std::move(other);
         layout = spread;
@@ -388,6 +452,7 @@ class CurveFitter {
   }
 
   void Take(const LinearSolution& solution) {
+    squares_ = solution.residual_squares;
     curve_ = CurveOf<Dim>(problem_->basis_u(), solution.coefficients);
     if (!solution.regularised) return;
     report_.warnings.push_back(
@@ -398,6 +463,14 @@ class CurveFitter {
   // where the parameters stay as they are given.
   void OptimiseWhereItPays() {
     OptimizeSummary& summary = report_.optimize;
+    // Of many points the squares of the solution say as much, at once.
+    const bool many = problem_->size() > kManyPoints && !options_.optimize && !options_.tolerance;
+    const double before = std::sqrt(squares_ / static_cast<double>(problem_->size()));
+    if (many && before <= kExcessToOptimise * std::sqrt(Dim - 1.0) * noise_) {
+      summary.rms_before = summary.rms_after = before;
+      summary.why = "residuals are at the noise";
+      return;
+    }
     const Eigen::VectorXd distances = AtTheirPlaces(*problem_, curve_->control_points());
     const double rms = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
     summary.rms_before = summary.rms_after = rms;
@@ -408,11 +481,6 @@ class CurveFitter {
       optimize.free = *options_.optimize;
       summary.why = optimize.free.any() ? "asked for" : "not asked for";
       if (!optimize.free.any()) return;
-      if (optimize.free.knots && problem_->basis_u().periodic()) {
-        throw std::invalid_argument(
-            "the knots of a closed smooth curve can't be free; closed no frees them, without a "
-            "smooth seam");
-      }
     } else {
       const bool held = distance_ == CurveDistance::kParameter;
       optimize.free = {.parameters = !held, .knots = held};
@@ -433,13 +501,50 @@ class CurveFitter {
       summary.why = "residuals exceed the noise";
     }
     if (optimize.free.parameters) distance_ = CurveDistance::kPoint;
+    SetUp(optimize, distances);
+    Adopt(Optimize(*problem_, curve_->control_points(), curve_->weights(), optimize, pool_));
+  }
+
+  void SetUp(OptimizeOptions& optimize, const Eigen::VectorXd& distances) const {
     optimize.loss = options_.loss.value_or(Loss::kNone);
     optimize.loss_scale = options_.loss_scale.value_or(std::max(RobustScale(distances), kTiny));
     optimize.fairness = std::min(optimize.fairness, problem_->smoothing());
     optimize.seed = options_.seed;
     optimize.progress = options_.progress;
-    OptimizeResult result =
-        Optimize(*problem_, curve_->control_points(), curve_->weights(), optimize, pool_);
+  }
+
+  // With weights free, few spans may do what takes many without.
+  bool FitRationally() {
+    if (!options_.optimize || !options_.optimize->weights || options_.control_points) return false;
+    OptimizeSummary& summary = report_.optimize;
+    const Eigen::VectorXd distances = AtTheirPlaces(*problem_, curve_->control_points());
+    RationalSpansOptions rational;
+    rational.optimize.free = *options_.optimize;
+    SetUp(rational.optimize, distances);
+    rational.goal = std::max(noise_ > kNoiseToAnchor * ordered_.spacing ? noise_ : 0, Rounding());
+    rational.tolerance = options_.tolerance;
+    rational.most_control_points = problem_->unknowns();
+    const SplineBasis& basis = problem_->basis_u();
+    std::vector<double> corners = corners_;
+    const SpanLayout start = SpanLayout::Equal(options_.degree,
+                                               1 + static_cast<int>(corners.size()),
+                                               basis.lower(),
+                                               basis.upper(),
+                                               corners,
+                                               ordered_.closed);
+    // Parameters as they came: feet on many spans are not those of few.
+    Eigen::Matrix2Xd parameters = problem_->data().parameters;
+    parameters.row(0) = given_;
+    std::optional<OptimizeResult> found = FewestRationalSpans(
+        problem_->WithParameters(std::move(parameters)), start, rational, pool_);
+    if (!found) return false;
+    summary.why = "asked for; fewer spans do with weights";
+    Adopt(std::move(*found));
+    return true;
+  }
+
+  void Adopt(OptimizeResult&& result) {
+    OptimizeSummary& summary = report_.optimize;
     summary.ran = result.ran;
     summary.iterations = result.iterations;
     summary.rms_before = result.rms_before;
@@ -449,9 +554,18 @@ class CurveFitter {
     }
     Record(result.rounds);
     if (result.cancelled) report_.termination = Termination::kCancelled;
-    problem_ = std::move(result.problem);
-    curve_ = NurbsCurve<Dim>(
-        problem_->basis_u(), std::move(result.control_points), std::move(result.weights));
+    NurbsCurve<Dim> curve(
+        result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
+    if (distance_ != CurveDistance::kPoint) {
+      problem_ = std::move(result.problem);
+      curve_ = std::move(curve);
+    } else if (auto cut = CutToData(curve, result.problem.data())) {
+      problem_ = result.problem.WithBasis(cut->curve.basis()).WithParameters(cut->parameters);
+      curve_ = std::move(cut->curve);
+    } else {
+      summary.why += "; not taken, as it left the ends of the points";
+      summary.rms_after = summary.rms_before;
+    }
     report_.seconds.optimize = watch_.Lap();
   }
 
@@ -576,8 +690,10 @@ class CurveFitter {
   CurveDistance distance_;                             // kParameter or kPoint
   std::optional<DistanceModel> model_ = std::nullopt;  // to go on with after points
   double size_ = 0;                                    // of the points' box
+  double squares_ = 0;                                 // Σ w d² of the solution
   double noise_ = 0;                                   // standard deviation across the curve
   std::vector<double> corners_;                        // their parameters, sharpest first
+  Eigen::VectorXd given_;                              // parameters before any fit
   std::vector<Eigen::Index> anchored_;                 // data at corners
   std::optional<FittingProblem> problem_;
   Eigen::Matrix<double, Dim, 1> middle_;  // of the points, in the cloud's local coordinates

@@ -335,7 +335,7 @@ CurvePath PathOf(const Places& places,
       static_cast<int>(std::log10(world.cwiseAbs().maxCoeff() / (look.link * places.unit))) + 2,
       4,
       17));
-  message << "OrderAlongCurves: the points branch near (" << world[0] << ", " << world[1];
+  message << "the points branch near (" << world[0] << ", " << world[1];
   if (cloud.dimension() == 3) message << ", " << world[2];
   message << "): a curve neither branches nor crosses itself; fit its parts one by one, or give "
              "the points in their order";
@@ -396,8 +396,7 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
   Report(progress, "order", 0);
   const Places places = cloud.size() > 0 ? PlacesOf(cloud) : Places{};
   if (places.points.cols() < 2) {
-    throw std::invalid_argument(
-        "OrderAlongCurves: cloud: a curve needs at least two different points");
+    throw std::invalid_argument("a curve needs at least two different points");
   }
   Look look = BestLook(cloud, places, pool, progress);
   Report(progress, "order", 0.8);

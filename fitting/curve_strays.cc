@@ -384,9 +384,29 @@ std::vector<char> OffTheLine(const Line& line) {
   return marked;
 }
 
+// Whether no point stands out from the line through those beside it more than chance has it among
+// so many: then none is a stray, and looking closer is not needed.
+bool PlainlyClean(const Eigen::Matrix3Xd& points) {
+  constexpr Eigen::Index kManyPoints = 5000, kSample = 2000;
+  constexpr double kAmongMany = 5.5;  // medians: 6.6 standard deviations in one direction
+  if (points.cols() < kManyPoints) return false;
+  const auto bend = [&](Eigen::Index k) {
+    return (points.col(k - 1) - 2 * points.col(k) + points.col(k + 1)).squaredNorm();
+  };
+  std::vector<double> sample;
+  for (Eigen::Index k = 1; k + 1 < points.cols(); k += points.cols() / kSample)
+    sample.push_back(bend(k));
+  const double most = kAmongMany * kAmongMany * Median(std::move(sample));
+  for (Eigen::Index k = 1; k + 1 < points.cols(); ++k) {
+    if (!(bend(k) <= most)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 PointMask FindStrays(const Eigen::Matrix3Xd& points, bool closed) {
+  if (PlainlyClean(points)) return PointMask::Constant(points.cols(), false);
   Line line{points, {}, closed};
   for (Eigen::Index k = 0; k < points.cols(); ++k) line.kept.push_back(k);
   for (int round = 0; round < kRounds; ++round) {

@@ -68,7 +68,8 @@ class Components {
     return list;
   }
 
-  CurveFit<Dim> Fit(size_t component) {
+  // `alone`: the others are not fitted.
+  CurveFit<Dim> Fit(size_t component, bool alone) {
     Stopwatch watch;
     CurveFit<Dim> fit =
         FitOrdered<Dim>(cloud_, arranged_.curves[component], arranged_.strays, options_, pool_);
@@ -76,7 +77,7 @@ class Components {
     fit.report.seconds.total = watch.Lap() + seconds_;
     fit.report.warnings.insert(
         fit.report.warnings.begin(), arranged_.warnings.begin(), arranged_.warnings.end());
-    if (size() > 1) {
+    if (alone && size() > 1) {
       fit.report.warnings.insert(fit.report.warnings.begin(),
                                  "the points are " + std::to_string(size()) +
                                      " separate curves; this is number " +
@@ -111,11 +112,23 @@ void Check(const CurveFitOptions& options) {
   if (options.control_points && *options.control_points > kMostControlPoints) {
     Reject("control_points must not exceed a million");
   }
+  if (options.control_points && *options.control_points > options.max_control_points) {
+    Reject("control_points must not exceed max_control_points");
+  }
+  if (options.loss_scale && options.loss && *options.loss == Loss::kNone) {
+    Reject("loss_scale is of no use without a loss");
+  }
   if (options.max_control_points <= options.degree) {
     Reject("max_control_points must exceed the degree");
   }
   if (options.smoothing && !(*options.smoothing >= 0 && std::isfinite(*options.smoothing))) {
     Reject("smoothing must not be negative");
+  }
+  if (options.smooth_by != CurveSmoothing::kWeight && options.smoothing) {
+    Reject("smoothing is given and to be chosen");
+  }
+  if (options.smooth_by != CurveSmoothing::kWeight && options.tolerance) {
+    Reject("smoothing can't be chosen where a tolerance decides");
   }
   if (options.loss_scale && !(*options.loss_scale > 0 && std::isfinite(*options.loss_scale))) {
     Reject("loss_scale must be positive");
@@ -143,14 +156,14 @@ CurveFit<Dim> FitCurve(const PointCloud& cloud, const CurveFitOptions& options) 
         "the points are " + std::to_string(components.size()) +
         " separate curves; choose a component, or all:" + components.List());
   }
-  return components.Fit(0);
+  return components.Fit(0, true);
 }
 
 template <int Dim>
 std::vector<CurveFit<Dim>> FitCurves(const PointCloud& cloud, const CurveFitOptions& options) {
   Components<Dim> components(cloud, options);
   std::vector<CurveFit<Dim>> fits;
-  for (size_t k = 0; k < components.size(); ++k) fits.push_back(components.Fit(k));
+  for (size_t k = 0; k < components.size(); ++k) fits.push_back(components.Fit(k, false));
   return fits;
 }
 
@@ -163,7 +176,7 @@ CurveFit<Dim> FitComponent(const PointCloud& cloud, int component, const CurveFi
                                      ? ": the points are one curve"
                                      : "; the components are:" + components.List()));
   }
-  return components.Fit(static_cast<size_t>(component) - 1);
+  return components.Fit(static_cast<size_t>(component) - 1, true);
 }
 
 template CurveFit<2> FitCurve<2>(const PointCloud&, const CurveFitOptions&);

@@ -19,6 +19,13 @@
 
 namespace batten {
 
+// Where the weight of fairness comes from.
+enum class CurveSmoothing {
+  kWeight,           // CurveFitOptions::smoothing
+  kCrossValidation,  // choose_smoothing.h
+  kNoise,            // so that the residuals are as large as the noise
+};
+
 struct CurveFitOptions {
   int degree = 3;                                  // 1 … 25
   std::optional<double> tolerance = std::nullopt;  // distance in the data's units, > 0
@@ -31,6 +38,8 @@ struct CurveFitOptions {
   bool corners = true;                             // found and kept; else the curve is smooth
   CurveDistance distance = CurveDistance::kAuto;   // what is fitted and held to the tolerance
   std::optional<double> smoothing = std::nullopt;  // fairness relative to the data, ≥ 0; 1e-10
+  // Fairness from the data in place of that: knots are then more than enough, and smoothing decides
+  CurveSmoothing smooth_by = CurveSmoothing::kWeight;
   // When absent: Tukey's where there are points far off, else none
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> loss_scale =

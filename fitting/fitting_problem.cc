@@ -136,6 +136,10 @@ FittingProblem FittingProblem::WithParameters(Eigen::Matrix2Xd parameters) const
   return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
 }
 
+FittingProblem FittingProblem::WithSmoothing(double smoothing) const {
+  return FittingProblem(basis_u_, basis_v_, data_, smoothing);
+}
+
 FittingProblem FittingProblem::WithData(std::shared_ptr<const FittingData> data) const {
   return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_);
 }

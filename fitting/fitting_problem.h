@@ -42,6 +42,7 @@ class FittingProblem {
   FittingProblem WithBasis(SplineBasis basis) const;  // of a curve
   FittingProblem WithWeights(Eigen::VectorXd weights) const;
   FittingProblem WithParameters(Eigen::Matrix2Xd parameters) const;
+  FittingProblem WithSmoothing(double smoothing) const;
   FittingProblem WithData(std::shared_ptr<const FittingData> data) const;
 
   bool is_curve() const { return !basis_v_; }

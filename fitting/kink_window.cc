@@ -18,15 +18,21 @@ using Eigen::VectorXd;
 // By how much, in squared standard deviations of the noise, the kink must leave less than …
 constexpr double kOverCubic = 8, kPerChance = 2;  // and so much more for each e-fold of places
 constexpr double kOverQuartic = 3;                // with half of that
-constexpr double kOverBroad = 6, kOverHalf = 4;   // a turn over half of the window, and a quarter
-// … and may leave more than what is richer or only a little different,
 constexpr double kSurelyTurns = 25;
-constexpr double kUnderSextic = 4, kUnderRound = 5;
+constexpr double kOverSextic = 6, kUnderRound = 4.5;
 constexpr double kUnderCubic = 6, kUnderQuartic = 8;  // in windows too narrow to tell
-constexpr double kPoorest = 1.6;   // of the noise's variance: beyond, the shape is another
+constexpr double kPoorest = 1.45;  // of the noise's variance: beyond, the shape is another
 constexpr double kDimensions = 2;  // in which noise shows
 constexpr double kReach = 0.5;     // of the half window: where the kink is searched for
 constexpr int kTried = 33;
+
+// By how much a turn over a quarter of the window and over a sixth must leave more than the kink.
+struct Sharpness {
+  double over_half, over_third;
+};
+constexpr Sharpness kBent{40, 20};  // sides that bend imitate a kink
+constexpr Sharpness kLines{12, 8};  // between straight lines less is free
+constexpr double kStraight = 9;     // that parabolas may leave less than lines
 
 struct Residuals {
   double squares, noise;
@@ -35,7 +41,7 @@ struct Residuals {
 // Weighted least squares in t ∈ [−1, 1] by functions made orthonormal one by one.
 class Fits {
  public:
-  explicit Fits(const KinkWindow& window) {
+  explicit Fits(const KinkWindow& window, int degree = 2) {
     const auto m = static_cast<Index>(window.u.size());
     low_ = window.u.front();
     half_ = 0.5 * (window.u.back() - low_);
@@ -49,7 +55,7 @@ class Fits {
       rest_.row(k) = root_[k] * window.p[i].transpose();
     }
     data_ = rest_;
-    for (int power = 0; power <= 2; ++power) {
+    for (int power = 0; power <= degree; ++power) {
       VectorXd column = Orthogonal(t_.array().pow(power).matrix());
       column /= column.norm();
       basis_.push_back(column);
@@ -165,6 +171,21 @@ Best BestTurn(const Fits& fits, double middle, double width) {
   return best;
 }
 
+// Whether turns that take a part of the window leave more than the kink, which leaves `over`.
+bool IsSharp(
+    const Fits& fits, double middle, double over, const Sharpness& least, double variance) {
+  return BestTurn(fits, middle, 0.5).squares - over >= least.over_half * variance &&
+         BestTurn(fits, middle, 0.35).squares - over >= least.over_third * variance &&
+         BestTurn(fits, middle, 1).squares - over >= least.over_half * variance;
+}
+
+double RoundedSquares(const Fits& fits, double middle) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double width : {0.12, 0.25, 0.35})
+    least = std::min(least, BestTurn(fits, middle, width).squares);
+  return least;
+}
+
 }  // namespace
 
 Verdict KinkOf(
@@ -188,11 +209,13 @@ Verdict KinkOf(
   const double over = sharp.squares;
   if (smooth[0] - over < (kOverCubic + kPerChance * chances) * variance) return verdict;
   if (smooth[1] - over < (kOverQuartic + 0.5 * kPerChance * chances) * variance) return verdict;
-  if (smooth[3] - over < -kUnderSextic * variance) return verdict;
-  if (BestTurn(fits, middle, 1).squares - over < kOverBroad * variance) return verdict;
-  if (BestTurn(fits, middle, 0.5).squares - over < kOverHalf * variance) return verdict;
-  for (const double width : {0.12, 0.25}) {
-    if (over - BestTurn(fits, middle, width).squares > kUnderRound * variance) return verdict;
+  if (smooth[3] - over < kOverSextic * variance) return verdict;
+  if (RoundedSquares(fits, middle) - over < -kUnderRound * variance) return verdict;
+  if (!IsSharp(fits, middle, over, kBent, variance)) {
+    const Fits lines(window, 1);
+    const double straight = BestTurn(lines, middle, 0).squares;
+    if (straight - over > kStraight * variance) return verdict;
+    if (!IsSharp(lines, middle, straight, kLines, variance)) return verdict;
   }
   const RowVector3d place = c.row(0) + sharp.s * c.row(1) + sharp.s * sharp.s * c.row(2);
   verdict.corner = true;

@@ -30,10 +30,11 @@ struct Verdict {
 };
 
 // The parabola with one kink near `at` that fits best, if it is a corner: it turns by the least
-// angle, beats the cubic, the quartic and turns that take a quarter of the window or half of it,
-// and neither the sextic nor turns that are a little rounded beat it, all measured in the variance
-// of the noise. `noise` is the standard deviation of a coordinate of a single point, `chances` the
-// logarithm of how many such windows there are. O(means).
+// angle, beats the cubic, the quartic, the sextic and turns that take a sixth of the window to half
+// of it, the latter clearly unless its sides are straight, and turns that are a little rounded do
+// not beat it, all measured in the variance of the noise. `noise` is the standard deviation of a
+// coordinate of a single point, `chances` the logarithm of how many such windows there are.
+// O(means).
 Verdict KinkOf(
     const KinkWindow& window, double at, double noise, double least_angle, double chances);
 

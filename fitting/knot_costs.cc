@@ -77,7 +77,7 @@ std::vector<double> RemovalCosts(const FittingProblem& problem,
       auto jump = jumps.col(static_cast<Eigen::Index>(k));
       AddTopDerivatives(basis, rows, SpanFrom(basis, knot), 1, jump);
       AddTopDerivatives(basis, rows, SpanTo(basis, knot), -1, jump);
-      jump.normalize();
+      jump.stableNormalize();
     }
     Eigen::MatrixXd solved = jumps;
     matrix.Solve(solved);

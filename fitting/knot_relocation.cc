@@ -85,10 +85,13 @@ LayoutTrials::LayoutTrials(const FittingProblem& problem, int spans) {
     mean /= weight;
     parameters_.push_back(parameter / weight);
     weights_.push_back(weight);
-    total_ += weight * mean.squaredNorm();
     ++filled;
   }
   values_.conservativeResize(Eigen::NoChange, filled);
+  // Sums of squares are differences: about the middle they lose least.
+  const Eigen::Map<const Eigen::VectorXd> w(weights_.data(), filled);
+  if (w.sum() > 0) values_.colwise() -= (values_ * w / w.sum()).eval();
+  total_ = w.dot(values_.colwise().squaredNorm());
 }
 
 double LayoutTrials::Squares(const SpanLayout& layout) const {

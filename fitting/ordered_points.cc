@@ -19,7 +19,8 @@ constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for 
 constexpr double kLeastRange = 1e-60;      // fairness takes its inverse to the third power
 constexpr double kLeastSize = 1e-100;      // squares of smaller numbers vanish
 constexpr Eigen::Index kFewForNoise = 12;
-constexpr double kStepInNoise = 10;  // steps so long are hardly changed by noise
+constexpr Eigen::Index kEnoughForNoise = 10000;  // for a median
+constexpr double kStepInNoise = 10;              // steps so long are hardly changed by noise
 constexpr Eigen::Index kMostBlocks = 2000;
 constexpr Eigen::Index kFewestBlocks = 12;                // fewer would lose the shape
 constexpr double kMedianOfRayleigh = 1.1774100225154747;  // √(2 ln 2): two directions across
@@ -192,7 +193,8 @@ double NoiseAcross(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& u) {
   // against their distance.
   const Eigen::Index reach = std::clamp<Eigen::Index>(points.cols() / 32, 2, 32);
   std::vector<double> offsets;
-  for (Eigen::Index k = 2; k + 2 < points.cols(); ++k) {
+  const Eigen::Index stride = std::max<Eigen::Index>(1, points.cols() / kEnoughForNoise);
+  for (Eigen::Index k = 2; k + 2 < points.cols(); k += stride) {
     const Eigen::Index near[4] = {k - 2, k - 1, k + 1, k + 2};
     double values[4];
     if (!Lagrange({u[near[0]], u[near[1]], u[near[2]], u[near[3]]}, u[k], values)) continue;

@@ -56,6 +56,18 @@ double LengthPerParameter(const Eigen::Matrix3Xd& points, const Eigen::VectorXd&
 
 FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count) {
   const FittingData& all = problem.data();
+  const SplineBasis& basis = problem.basis_u();
+  const double period = basis.upper() - basis.lower();
+  // Where a block lies across the seam, its mean is taken a period further on.
+  const auto mean_parameter = [&](Eigen::Index begin, const Eigen::VectorXd& shares) {
+    const double first = all.parameters(0, begin);
+    double sum = 0;
+    for (Eigen::Index k = 0; k < shares.size(); ++k) {
+      const double u = all.parameters(0, begin + k);
+      sum += shares[k] * (u < first - period / 2 ? u + period : u);
+    }
+    return sum > basis.upper() ? sum - period : std::clamp(sum, basis.lower(), basis.upper());
+  };
   const Eigen::Index blocks = std::min(count, problem.size());
   auto data = std::make_shared<FittingData>();
   data->parameters = Eigen::Matrix2Xd::Zero(2, blocks);
@@ -66,7 +78,8 @@ FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count) {
                        size = (b + 1) * problem.size() / blocks - begin;
     if (all.weights.size() == 0) {
       data->values.col(b) = all.values.middleCols(begin, size).rowwise().mean();
-      data->parameters(0, b) = all.parameters.row(0).segment(begin, size).mean();
+      data->parameters(0, b) =
+          mean_parameter(begin, Eigen::VectorXd::Constant(size, 1 / static_cast<double>(size)));
       data->weights[b] = static_cast<double>(size);
       continue;
     }
@@ -75,7 +88,7 @@ FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count) {
     data->weights[b] = sum;
     if (sum > 0) {
       data->values.col(b) = all.values.middleCols(begin, size) * weights / sum;
-      data->parameters(0, b) = all.parameters.row(0).segment(begin, size).dot(weights) / sum;
+      data->parameters(0, b) = mean_parameter(begin, weights / sum);
     } else {
       data->values.col(b) = all.values.col(begin);
       data->parameters(0, b) = all.parameters(0, begin);

@@ -29,6 +29,7 @@ constexpr int kPointsWhereFar = 2;      // and where they are far above it
 constexpr double kFarInNoise = 2;
 constexpr double kExactAgainst = 0.05;  // noise against the tolerance
 constexpr double kMargin = 0.85;        // of the tolerance: fewer knots shall not bend more
+constexpr size_t kFewestForNoise = 12;
 constexpr int kFewInSpan = 20;
 constexpr double kLeastShare = 0.25;  // of the degrees of freedom left for the noise
 
@@ -76,6 +77,7 @@ class Adapter {
         pool_(pool),
         layout_(start),
         problem_(problem),
+        first_(problem),
         rank_(PointRank(problem.data().values)),
         exact_(options.tolerance && options.noise < kExactAgainst * *options.tolerance) {}
 
@@ -103,10 +105,8 @@ class Adapter {
 
   void Fit() {
     Stopwatch watch;
-    FeetFit fit = FitAtFeet(problem_.WithBasis(layout_.Basis()),
-                            FeetSteps(problem_, options_),
-                            options_.anchored,
-                            pool_);
+    FeetFit fit = FitAtFeet(
+        first_.WithBasis(layout_.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
     problem_ = std::move(fit.problem);
     solution_ = std::move(fit.solution);
     at_feet_ = fit.steps > 0;
@@ -140,8 +140,9 @@ class Adapter {
     const std::vector<bool> can = Divisible();
     if (std::find(can.begin(), can.end(), true) == can.end()) return false;
     const SpanLayout finer = layout_.Halved(can);
-    const FittingProblem fine = problem_.WithBasis(finer.Basis());
-    const Eigen::MatrixXd points = EvaluateAt(fine, SolveLinear(fine, pool_).coefficients, pool_);
+    const FeetFit fine = FitAtFeet(
+        first_.WithBasis(finer.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
+    const Eigen::MatrixXd points = EvaluateAt(fine.problem, fine.solution.coefficients, pool_);
     variance_ = Variance(Across(problem_.data().values - points, samples_.tangents),
                          finer.control_points());
     const Eigen::MatrixXd change = Across(points - samples_.points, samples_.tangents);
@@ -152,15 +153,18 @@ class Adapter {
       gains[span] += Weight(k) * change.col(k).squaredNorm();
       if (options_.tolerance && distances_[k] > *options_.tolerance) missed[span] = true;
     }
-    const double least = kGainInVariances * Floor();
+    const double least = kGainInVariances * variance_, alike = options_.exact * options_.exact;
+    std::vector<double> held(can.size(), 0.0);
+    for (Eigen::Index k = 0; k < change.cols(); ++k)
+      held[static_cast<size_t>(layout_.SpanOf(problem_.data().parameters(0, k)))] += Weight(k);
     std::vector<std::pair<double, size_t>> chosen;
     for (size_t span = 0; span < can.size(); ++span) {
-      if (can[span] && missed[span] && gains[span] > least) chosen.emplace_back(-gains[span], span);
+      if (can[span] && missed[span] && gains[span] > std::max(least, held[span] * alike))
+        chosen.emplace_back(-gains[span], span);
     }
-    const auto room =
-        static_cast<size_t>(std::max(0, options_.max_control_points - layout_.control_points()));
+    const auto room = static_cast<size_t>(std::max(0, Limit() - layout_.control_points()));
     if (chosen.size() > room) {
-      full_ = true;
+      full_ = Limit() == options_.max_control_points;
       std::sort(chosen.begin(), chosen.end());
       chosen.resize(room);
     }
@@ -171,18 +175,24 @@ class Adapter {
     return true;
   }
 
-  double Floor() const { return std::max(variance_, options_.exact * options_.exact); }
+  // As many control points as there are data, at most.
+  int Limit() const {
+    const Eigen::VectorXd& weights = problem_.data().weights;
+    const Eigen::Index data = weights.size() > 0 ? (weights.array() > 0).count() : problem_.size();
+    return static_cast<int>(std::min<Eigen::Index>(options_.max_control_points, data));
+  }
 
   // The spans both halves of which hold data enough.
   std::vector<bool> Divisible() const {
     const std::vector<double>& breaks = layout_.breaks();
     std::vector<int> left(breaks.size() - 1, 0), right(left);
-    std::vector<double> squares(left.size(), 0.0);
+    std::vector<double> squares(left.size(), 0.0), worst(squares);
     for (Eigen::Index k = 0; k < problem_.size(); ++k) {
       if (Weight(k) == 0) continue;
       const double u = problem_.data().parameters(0, k);
       const auto span = static_cast<size_t>(layout_.SpanOf(u));
       squares[span] += distances_[k] * distances_[k];
+      worst[span] = std::max(worst[span], distances_[k]);
       ++(u < breaks[span] + (breaks[span + 1] - breaks[span]) / 2 ? left : right)[span];
     }
     // Of few points what looks like noise may be their distance: the finer curve knows better.
@@ -193,7 +203,12 @@ class Adapter {
     for (size_t span = 0; span < can.size(); ++span) {
       const double expected = (left[span] + right[span]) * std::max(noise, exact);
       const bool far = squares[span] > kFarInNoise * kFarInNoise * expected;
-      const int needed = far && exact_ ? 1 : far ? kPointsWhereFar : kPointsInHalf;
+      const bool missed =
+          options_.tolerance && squares[span] > 0 && worst[span] > *options_.tolerance;
+      const bool few_are_enough = exact_ || options_.noise == 0;
+      const int needed = far && few_are_enough ? 1
+                         : far || missed       ? kPointsWhereFar
+                                               : kPointsInHalf;
       can[span] = std::min(left[span], right[span]) >= needed;
     }
     return can;
@@ -215,6 +230,8 @@ class Adapter {
       weights += weight;
     }
     const double used = static_cast<double>(control_points) / static_cast<double>(order.size());
+    // So few points do not tell what noise is.
+    if (options_.noise == 0 && order.size() < kFewestForNoise) return 0;
     return weights > 0 ? 0.5 * sum / weights / std::max(kLeastShare, 1 - used) : 0;
   }
 
@@ -257,7 +274,9 @@ class Adapter {
     for (int round = 0; round < kMostRounds; ++round) {
       Report(options_.progress, "solve", 0.9 + 0.1 * round / kMostRounds);
       std::vector<std::pair<double, int>> cheap = Costs();
-      const double least = kCostInVariances * Floor();
+      const double held = static_cast<double>(problem_.size()) / layout_.spans();
+      const double least =
+          std::max(kCostInVariances * variance_, held * options_.exact * options_.exact);
       cheap.erase(std::partition_point(
                       cheap.begin(), cheap.end(), [&](const auto& c) { return c.first < least; }),
                   cheap.end());
@@ -301,8 +320,9 @@ class Adapter {
   ThreadPool& pool_;
   SpanLayout layout_;
   FittingProblem problem_;
-  int rank_;    // of the data: noise is in so many directions
-  bool exact_;  // against the tolerance
+  FittingProblem first_;  // at the parameters given
+  int rank_;              // of the data: noise is in so many directions
+  bool exact_;            // against the tolerance
   LinearSolution solution_;
   CurveSamples samples_;
   Eigen::VectorXd distances_;
@@ -332,23 +352,33 @@ class Relocation {
         pool_(pool),
         trials_(adapted.problem, adapted.layout.spans()) {}
 
-  // Relocated layouts of so many spans: from even ones and from the adapted ones. Where distances
-  // count more than squares, those themselves too.
-  std::vector<SpanLayout> Layouts(int spans) const {
+  // Relocated layouts of so many spans each: from even ones and from the adapted ones. Where
+  // distances count more than squares, those themselves too.
+  std::vector<SpanLayout> Layouts(const std::vector<int>& counts) const {
     std::vector<SpanLayout> layouts;
-    if (spans < FewestSpans(start_)) return layouts;
+    std::vector<size_t> relocated;
     const std::vector<double>& breaks = start_.breaks();
-    for (const SpanLayout& from : {SpanLayout::Equal(start_.degree(),
-                                                     spans,
-                                                     breaks.front(),
-                                                     breaks.back(),
-                                                     start_.corners(),
-                                                     start_.closed()),
-                                   start_.Resampled(spans)}) {
-      Report(options_.progress, "solve", 0.95);
-      if (options_.tolerance) layouts.push_back(from);
-      layouts.push_back(RelocateKnots(trials_, from));
+    for (const int spans : counts) {
+      if (spans < FewestSpans(start_)) continue;
+      for (const SpanLayout& from : {SpanLayout::Equal(start_.degree(),
+                                                       spans,
+                                                       breaks.front(),
+                                                       breaks.back(),
+                                                       start_.corners(),
+                                                       start_.closed()),
+                                     start_.Resampled(spans)}) {
+        if (options_.tolerance) layouts.push_back(from);
+        relocated.push_back(layouts.size());
+        layouts.push_back(from);
+      }
     }
+    Report(options_.progress, "solve", 0.95);
+    pool_.For(std::ssize(relocated), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        SpanLayout& layout = layouts[relocated[static_cast<size_t>(k)]];
+        layout = RelocateKnots(trials_, layout);
+      }
+    });
     return layouts;
   }
 
@@ -356,8 +386,8 @@ class Relocation {
   FeetFit Fit(const SpanLayout& layout) const {
     FeetFit fit = FitAtFeet(problem_.WithBasis(layout.Basis()),
                             FeetSteps(problem_, options_),
-                            options_.anchored,
-                            pool_);
+                            pool_,
+                            options_.anchored);
     const bool lower = options_.tolerance && options_.feet && options_.anchored.empty();
     return lower ? AtLeastDistance(fit, {.max_rounds = kRoundsOfDistance}, pool_) : fit;
   }
@@ -405,16 +435,15 @@ SpanAdaptation RelocatedSpans(SpanAdaptation adapted,
   // Where data are few, as many knots in better places help too.
   std::vector<double> shares{0.7, 0.8, 0.9};
   if (adapted.problem.size() < kFewInSpan * spans) shares.push_back(1);
-  for (const double share : shares) {
-    for (const SpanLayout& layout :
-         relocation.Layouts(static_cast<int>(std::lround(share * spans)))) {
-      FeetFit fit = relocation.Fit(layout);
-      const double found = score(fit.problem, fit.solution);
-      adapted.rounds.push_back(Relocated(layout, fit, found));
-      if (!(found < best)) continue;
-      best = found;
-      Adopt(layout, std::move(fit), adapted);
-    }
+  std::vector<int> counts;
+  for (const double share : shares) counts.push_back(static_cast<int>(std::lround(share * spans)));
+  for (const SpanLayout& layout : relocation.Layouts(counts)) {
+    FeetFit fit = relocation.Fit(layout);
+    const double found = score(fit.problem, fit.solution);
+    adapted.rounds.push_back(Relocated(layout, fit, found));
+    if (!(found < best)) continue;
+    best = found;
+    Adopt(layout, std::move(fit), adapted);
   }
   return adapted;
 }
@@ -436,7 +465,7 @@ SpanAdaptation RelocatedWithinTolerance(SpanAdaptation adapted,
   for (double share = kept ? 0.6 : 1.0; tried < last; share *= 1.06) {
     tried = std::max(tried + 1, static_cast<int>(std::lround(share * spans)));
     if (tried > last) break;
-    for (const SpanLayout& layout : relocation.Layouts(tried)) {
+    for (const SpanLayout& layout : relocation.Layouts({tried})) {
       if (layout.control_points() > options.max_control_points) continue;
       FeetFit fit = relocation.Fit(layout);
       const double found = worst(fit.problem, fit.solution);

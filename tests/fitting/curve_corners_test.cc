@@ -293,6 +293,78 @@ TEST(CurveCornersTest, DenseNoisySmoothCurvesHaveNone) {
   }
 }
 
+TEST(CurveCornersTest, SmoothCurvesOfFewPointsHaveNone) {
+  // The ellipse is left out where its tips are narrower than the noise: those are corners then.
+  int corners = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    std::mt19937 generator(seed);
+    for (const int count : {500, 2000}) {
+      for (const double noise : {0.05, 0.3, 1.0}) {
+        for (const auto& curve : {Flower, Ellipse, Helix}) {
+          const bool closed = curve != Helix;
+          const Outline outline = Sampled(curve, count, closed, noise, closed, generator);
+          corners +=
+              static_cast<int>(Corners(outline, closed, noise * outline.period / count).size());
+        }
+      }
+    }
+  }
+  EXPECT_LE(corners, 1);  // of 108 curves
+}
+
+TEST(CurveCornersTest, UnderstatedNoiseMakesNoCorners) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 generator(seed);
+    for (const double share : {0.0, 0.03, 0.3}) {
+      SCOPED_TRACE("share " + std::to_string(share));
+      const Outline helix = Sampled(Helix, 5000, false, 0.5, false, generator);
+      EXPECT_TRUE(Corners(helix, false, share * 0.5 * helix.period / 5000).empty());
+      const auto curve = [](double s) { return Rectangle().At(std::fmod(12 * s + 1, 12)); };
+      const Outline outline = Sampled(curve, 3000, true, 0.5, true, generator);
+      EXPECT_EQ(Corners(outline, true, share * 0.5 * outline.period / 3000).size(), 4u);
+    }
+  }
+}
+
+TEST(CurveCornersTest, ExactZigzagsOfShortSidesAreNotTakenForNoise) {
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> shift(-0.3, 0.3);
+  for (const int side : {3, 4, 5, 6, 12}) {
+    SCOPED_TRACE(std::to_string(side) + " points a side");
+    std::vector<Vector3d> points;
+    Vector3d tip(0, 0, 0);
+    for (int k = 0; k < 100; ++k) {
+      const double angle = k % 2 == 0 ? 0 : 1.2;
+      const Vector3d direction(std::cos(angle), std::sin(angle), 0);
+      for (int i = 0; i < side; ++i)
+        points.push_back(tip + (i + (i > 0 ? shift(generator) : 0.0)) * direction);
+      tip += side * direction;
+    }
+    EXPECT_EQ(Corners(Of(points), false).size(), 99u);
+  }
+}
+
+TEST(CurveCornersTest, ManyPointsKeepTheCornerAtTheSeam) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 generator(seed);
+    for (const int count : {1000, 30000}) {
+      for (const double noise : {0.03, 0.1, 1.0}) {
+        SCOPED_TRACE(std::to_string(count) + " points, noise of spacings " + std::to_string(noise));
+        const auto curve = [](double s) { return Rectangle().At(12 * s); };
+        const Outline outline = Sampled(curve, count, true, noise, true, generator);
+        const double spacing = outline.period / count;
+        const std::vector<CurveCorner> corners = Corners(outline, true, noise * spacing);
+        ASSERT_EQ(corners.size(), 4u);
+        double nearest = 1;
+        for (const CurveCorner& corner : corners) nearest = std::min(nearest, corner.place.norm());
+        EXPECT_LT(nearest, std::max(1.0, 3 * noise) * spacing);
+      }
+    }
+  }
+}
+
 TEST(CurveCornersTest, LittleDataHasNoCorners) {
   const std::vector<Vector3d> few = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   for (size_t count = 2; count <= few.size(); ++count) {
