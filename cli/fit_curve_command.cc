@@ -125,7 +125,7 @@ Component ToComponent(const std::string& text) {
   return {.number = static_cast<int>(ParseWhole("--component", text, 1, kMost))};
 }
 
-// What several fits of one cloud say together: every point has the distance from its own curve.
+// What several fits of one cloud say together: every point has the distance from the nearest curve.
 template <int Dim>
 CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
   CurveFit<Dim> joint = fits.front();

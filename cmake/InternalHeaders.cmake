@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: MIT
 # Headers that serve their own folder only: not installed, and free to name third parties.
 set(BATTEN_INTERNAL_HEADERS
-  fitting/banded_lu.h fitting/collocation.h
-  fitting/corner_noise.h fitting/corner_screen.h fitting/corner_turns.h fitting/corner_windows.h fitting/kink_window.h
-  fitting/banded_lu.h fitting/bezier_chain.h fitting/collocation.h fitting/tangent_pieces.h
-  fitting/corner_data.h fitting/corner_turns.h fitting/corner_windows.h fitting/kink_window.h
-  fitting/banded_lu.h fitting/bezier_chain.h fitting/collocation.h
-  fitting/piece_fit.h fitting/tangent_pieces.h
-  fitting/fit_surface_given.h fitting/surface_outcome.h
-  fitting/curve_guide.h fitting/curve_nodes.h fitting/node_paths.h fitting/path_branches.h
-  fitting/point_grid.h
-  fitting/curve_cut.h fitting/curve_ends.h fitting/curve_feet.h fitting/curve_fitter.h fitting/fit_corners.h fitting/row_means.h
-  fitting/curve_guide.h fitting/curve_nodes.h fitting/curve_strangers.h fitting/node_paths.h
-  fitting/path_branches.h fitting/point_grid.h
-  fitting/joint_cells.h fitting/joint_feet.h fitting/term_cost.h fitting/unit_of.h
-  fitting/circle_fit.h fitting/line_fit.h fitting/sample_consensus.h fitting/shape_data.h
-  fitting/shape_extent.h fitting/net_system.h fitting/warm_feet.h
-  fitting/knot_descent.h fitting/knot_gaps.h fitting/knot_projection.h fitting/knot_search.h
+  fitting/curve_calm.h fitting/curve_outcome.h fitting/rational_spans.h
+  fitting/banded_lu.h fitting/bezier_chain.h fitting/circle_fit.h fitting/coefficient_order.h
+  fitting/collocation.h fitting/corner_data.h fitting/corner_noise.h fitting/corner_screen.h
+  fitting/corner_turns.h fitting/corner_windows.h fitting/curve_cut.h fitting/curve_ends.h
+  fitting/curve_feet.h fitting/curve_fitter.h fitting/curve_guide.h fitting/curve_nodes.h
+  fitting/curve_strangers.h fitting/fit_corners.h fitting/fit_surface_given.h
+  fitting/joint_cells.h fitting/joint_feet.h fitting/kink_window.h fitting/knot_descent.h
+  fitting/knot_gaps.h fitting/knot_projection.h fitting/knot_search.h fitting/line_fit.h
+  fitting/net_system.h fitting/node_paths.h fitting/path_branches.h fitting/piece_fit.h
+  fitting/point_grid.h fitting/point_rank.h fitting/row_means.h fitting/sample_consensus.h
+  fitting/shape_data.h fitting/shape_extent.h fitting/surface_outcome.h fitting/tangent_pieces.h
+  fitting/term_cost.h fitting/unit_of.h fitting/warm_feet.h
   geometry/adaptive_sum.h geometry/bernstein_polynomial.h geometry/box_minimum.h
   geometry/box_tree.h geometry/checked_parameter.h geometry/composed_blossom.h
   geometry/conic_fit.h geometry/control_rows.h geometry/evaluation_lanes.h

@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-#include <utility>
 
 #include "batten/fitting/fairness.h"
 #include "batten/fitting/normal_equations.h"

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cmath>
 #include <optional>
 
 #include "batten/fitting/shape_data.h"

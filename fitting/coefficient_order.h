@@ -2,6 +2,7 @@
 // Which coefficients of a basis are different, and in what order a banded solver takes them.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
@@ -28,9 +29,14 @@ inline std::vector<int> DistinctIndices(const SplineBasis* basis) {
   return indices;
 }
 
+// The place of i in a ring of m that is dealt out from both ends in turn, 0, m − 1, 1, m − 2, …:
+// neighbours in the ring stay within two places.
+inline Eigen::Index DealtPlace(Eigen::Index i, Eigen::Index m) {
+  return 2 * i < m ? 2 * i : 2 * (m - 1 - i) + 1;
+}
+
 // Rows of the normal matrix. Around a periodic basis every function meets the p before and behind
-// it; taken from both ends of the row in turn (0, m − 1, 1, m − 2, …) neighbours stay within 2p
-// rows, and the matrix remains a band.
+// it; dealt out from both ends they stay within 2p rows, and the matrix remains a band.
 class CoefficientOrder {
  public:
   explicit CoefficientOrder(const SplineBasis& basis)
@@ -47,11 +53,7 @@ class CoefficientOrder {
   }
 
  private:
-  int Row(int i) const {
-    if (!around_) return i;
-    const int k = i % count_, last = count_ - 1;
-    return 2 * k <= last ? 2 * k : 2 * (last - k) + 1;
-  }
+  int Row(int i) const { return around_ ? static_cast<int>(DealtPlace(i % count_, count_)) : i; }
 
   int count_, degree_;
   bool around_;

@@ -6,24 +6,10 @@
 #include <limits>
 
 #include "batten/fitting/banded_lu.h"
+#include "batten/fitting/coefficient_order.h"
 
 namespace batten {
 namespace {
-
-// Places on a ring dealt out from both sides of one of them, so that neighbours there stay close
-// and a matrix that couples neighbours on the ring is banded.
-class Ring {
- public:
-  Ring(Eigen::Index size, bool closed) : size_(size), closed_(closed) {}
-  Eigen::Index Place(Eigen::Index i) const {
-    if (!closed_) return i;
-    return 2 * i < size_ ? 2 * i : 2 * (size_ - 1 - i) + 1;
-  }
-
- private:
-  Eigen::Index size_;
-  bool closed_;
-};
 
 // The functions that act in every condition, scaled so that the largest is 1.
 struct Rows {
@@ -65,20 +51,21 @@ std::optional<Eigen::MatrixXd> SolveConditions(const SplineBasis& basis,
                                                const Eigen::MatrixXd& values,
                                                bool regular) {
   const int p = basis.degree();
-  const Eigen::Index distinct = basis.size() - (basis.periodic() ? p : 0);
+  const Eigen::Index distinct = DistinctCount(basis);
   const Rows rows = RowsOf(basis, conditions);
-  const Ring ring(distinct, basis.periodic());
+  // Around a ring neighbours stay close, so that the matrix is banded.
+  const auto place = [&](Eigen::Index i) { return basis.periodic() ? DealtPlace(i, distinct) : i; };
   // Around a ring, a condition's place is that of the middle one of its functions.
   const Eigen::Index start = basis.periodic() ? rows.first[0] + p / 2 : 0;
   const auto column = [&](Eigen::Index k, int r) {
     const Eigen::Index i = rows.first[static_cast<size_t>(k)] + r;
-    return basis.periodic() ? ring.Place(((i - start) % distinct + distinct) % distinct) : i;
+    return basis.periodic() ? place(((i - start) % distinct + distinct) % distinct) : i;
   };
   Eigen::Index below = 0, above = 0;
   for (Eigen::Index k = 0; k < distinct; ++k) {
     for (int r = 0; r <= p; ++r) {
-      below = std::max(below, ring.Place(k) - column(k, r));
-      above = std::max(above, column(k, r) - ring.Place(k));
+      below = std::max(below, place(k) - column(k, r));
+      above = std::max(above, column(k, r) - place(k));
     }
   }
   BandedLu matrix(distinct, below, above);
@@ -86,9 +73,9 @@ std::optional<Eigen::MatrixXd> SolveConditions(const SplineBasis& basis,
   for (Eigen::Index k = 0; k < distinct; ++k) {
     const auto row = static_cast<size_t>(k);
     for (int r = 0; r <= p; ++r) {
-      matrix.at(ring.Place(k), column(k, r)) += rows.values[row * (p + 1) + r];
+      matrix.at(place(k), column(k, r)) += rows.values[row * (p + 1) + r];
     }
-    solution.row(ring.Place(k)) = rows.scale[row] * values.col(k).transpose();
+    solution.row(place(k)) = rows.scale[row] * values.col(k).transpose();
   }
   constexpr double kSingular = 16 * std::numeric_limits<double>::epsilon();  // of rows of size 1
   if (matrix.Factor(regular ? 0 : kSingular) < distinct) return std::nullopt;
@@ -96,7 +83,7 @@ std::optional<Eigen::MatrixXd> SolveConditions(const SplineBasis& basis,
   Eigen::MatrixXd control(values.rows(), basis.size());
   for (Eigen::Index i = 0; i < basis.size(); ++i) {
     const Eigen::Index on_ring = ((i - start) % distinct + distinct) % distinct;
-    control.col(i) = solution.row(basis.periodic() ? ring.Place(on_ring) : i).transpose();
+    control.col(i) = solution.row(basis.periodic() ? place(on_ring) : i).transpose();
   }
   return control;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "batten/fitting/banded_lu.h"
+#include "batten/fitting/coefficient_order.h"
 #include "batten/geometry/number_text.h"
 
 namespace batten {
@@ -105,7 +106,7 @@ struct ExactCondition {
 class Places {
  public:
   Places(const SplineBasis& basis, const std::vector<ExactCondition>& exact)
-      : distinct_(basis.size() - (basis.periodic() ? basis.degree() : 0)),
+      : distinct_(DistinctCount(basis)),
         size_(distinct_ + static_cast<Eigen::Index>(exact.size())),
         periodic_(basis.periodic()),
         control_(static_cast<size_t>(distinct_)),
@@ -127,10 +128,7 @@ class Places {
   Eigen::Index Multiplier(size_t j) const { return multiplier_[j]; }
 
  private:
-  Eigen::Index Dealt(Eigen::Index i) const {
-    if (!periodic_) return i;
-    return 2 * i < size_ ? 2 * i : 2 * (size_ - 1 - i) + 1;
-  }
+  Eigen::Index Dealt(Eigen::Index i) const { return periodic_ ? DealtPlace(i, size_) : i; }
 
   Eigen::Index distinct_, size_;
   bool periodic_;
@@ -144,7 +142,7 @@ void CheckIndependent(const SplineBasis& basis,
                       const std::vector<ExactCondition>& exact,
                       const std::vector<CurveCondition>& conditions) {
   constexpr double kNothing = 1e-11;  // of rows whose largest entry is 1
-  const int distinct = basis.size() - (basis.periodic() ? basis.degree() : 0);
+  const int distinct = DistinctCount(basis);
   struct Row {
     int first, pivot;
     std::vector<double> values;

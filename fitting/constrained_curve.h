@@ -26,10 +26,10 @@ struct CurveCondition {
 // Lagrange multipliers stand among the control points they act on, so that the equations are
 // banded; their solution is refined by residuals of the data. Exact conditions are met to rounding
 // times the size of the control points. O(m·p² + (n + c)·(p + c_p)²), with c conditions, c_p of
-// them in p + 1 spans at most. Throws std::invalid_argument where sizes disagree or numbers are not
-// finite, a parameter leaves the domain, an exact condition follows from the others or contradicts
-// them (which one, by its place and index), and where data and conditions leave control points
-// undetermined (where). [Piegl & Tiller 1997, A9.6, §9.4.2]
+// them in p + 1 spans at most; periodic O(n·c²) more. Throws std::invalid_argument where sizes
+// disagree or numbers are not finite, a parameter leaves the domain, an exact condition follows
+// from the others or contradicts them (which one, by its place and index), and where data and
+// conditions leave control points undetermined (where). [Piegl & Tiller 1997, A9.6, §9.4.2]
 Eigen::MatrixXd ConstrainedLeastSquares(const SplineBasis& basis,
                                         const Eigen::VectorXd& parameters,
                                         const Eigen::MatrixXd& values,

@@ -62,7 +62,7 @@ double LowHeight(const Eigen::Matrix3Xd& points, Index stride) {
 
 }  // namespace
 
-double NoiseAcross(const Eigen::Matrix3Xd& points) {
+double NoiseShown(const Eigen::Matrix3Xd& points) {
   const Index m = points.cols();
   if (m < kFewest) return 0;
   const Index stride = 1 + m / kMostPlaces;

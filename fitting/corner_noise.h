@@ -9,6 +9,6 @@ namespace batten {
 // Standard deviation of a coordinate across the curve, from differences of fourth to sixth order at
 // up to 2000 places; 0 where they do not agree on one, as those of a curve or a polygon do not, and
 // for fewer than 200 points. Noise that is white makes all of them alike.
-double NoiseAcross(const Eigen::Matrix3Xd& points);
+double NoiseShown(const Eigen::Matrix3Xd& points);
 
 }  // namespace batten

@@ -2,7 +2,6 @@
 #include "batten/fitting/corner_turns.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>

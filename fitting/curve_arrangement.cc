@@ -27,7 +27,7 @@ std::string Length(double value) {
 
 // The gap that was closed because the user said so.
 void TellGap(double gap, double spacing, CurveArrangement& result) {
-  constexpr double kWideInSpacings = 1.5;
+  constexpr double kWideInSpacings = 5;
   if (gap <= kWideInSpacings * spacing) return;
   result.warnings.push_back("the ends of the points are " + Length(gap) +
                             " apart: the curve bridges that gap");
@@ -112,11 +112,20 @@ CurveArrangement ByNeighbourhood(const PointCloud& cloud,
   result.unordered = true;
   result.strays = PointMask::Constant(cloud.size(), false);
   for (const Eigen::Index k : found.outliers) result.strays[k] = true;
+  if (found.paths.empty()) {
+    throw std::invalid_argument(
+        "no curve is found in the points: they lie too far apart or scatter too widely to follow "
+        "one "
+        "another");
+  }
+  if (!found.outliers.empty()) {
+    result.warnings.push_back(std::to_string(found.outliers.size()) +
+                              " points lie far from every curve and are left out");
+  }
   for (const CurvePath& path : found.paths) {
     result.curves.push_back(FollowPath(cloud, path));
     result.lengths.push_back(path.length);
-    if (path.closed && options.closed == ClosedChoice::kYes)
-      TellGap(path.gap, path.spacing, result);
+    if (path.closed) TellGap(path.gap, std::max(path.spacing, 2 * path.noise), result);
   }
   return result;
 }

@@ -134,7 +134,7 @@ std::vector<CurveCorner> FindCorners(const Eigen::Matrix3Xd& points,
   const Eigen::VectorXd u = parameters(kept);
   const Eigen::Vector3d origin = points.col(kept[0]);
   const Eigen::Matrix3Xd local = points(Eigen::all, kept).colwise() - origin;
-  const double step = MedianStep(local), own = NoiseAcross(local);
+  const double step = MedianStep(local), own = NoiseShown(local);
   CornerOptions used = options;
   if (own > kClearlyMore * options.noise && own > kNoisy * step) used.noise = own;
   std::vector<CurveCorner> corners = used.noise <= kExact * step ? CornersOfExact(local, u, used)

@@ -34,7 +34,8 @@ std::optional<CutCurve<Dim>> CutToData(const NurbsCurve<Dim>& curve, const Fitti
                  high = basis.knots()[static_cast<size_t>(span) + 1];
     return low + share * (high - low);
   };
-  if (first > inside(spans.front(), kMostCut) || last < inside(spans.back(), 1 - kMostCut))
+  if (first > inside(spans.front(), kMostCut) || last < inside(spans.back(), 1 - kMostCut) ||
+      !(first < last))
     return std::nullopt;
   NurbsCurve<Dim> cut = curve;
   if (first > basis.lower()) cut = Split(cut, first).second;

@@ -3,20 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "batten/fitting/choose_smoothing.h"
+#include "batten/fitting/curve_calm.h"
 #include "batten/fitting/curve_cut.h"
 #include "batten/fitting/curve_ends.h"
 #include "batten/fitting/curve_feet.h"
+#include "batten/fitting/curve_outcome.h"
 #include "batten/fitting/distance_minimisation.h"
-#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_corners.h"
 #include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/knot_relocation.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/rational_spans.h"
 #include "batten/fitting/reweighting.h"
@@ -31,11 +32,13 @@ constexpr double kSmoothing = 1e-10;  // enough for gaps, too little to be seen 
 constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weights
 constexpr int kRobustPasses = 3;
 constexpr int kRoundsOfStart = 8;
-constexpr Eigen::Index kRunOfPoints = 3;
 constexpr Eigen::Index kFewPoints = 100;
+constexpr double kExactAgainstNoise = 0.2;
+constexpr double kLargest = 1.3;  // a joint result against the points
+constexpr double kFirstCalm = 1e-8, kLastCalm = 1e-3, kMoreCalm = 10;
+constexpr Eigen::Index kRunOfPoints = 3;
 constexpr double kShareOfStart = 0.2;
-constexpr double kManyStrays = 0.003;  // of the points: then some will have been missed
-constexpr double kExcessToSayNoise = 2;
+constexpr double kManyStrays = 0.003;      // of the points: then some will have been missed
 constexpr double kExcessToOptimise = 1.1;  // residual against noise
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
 constexpr double kTiny = 1e-300;  // a scale must be positive, even of residuals that vanish
@@ -233,7 +236,9 @@ class CurveFitter {
     const int room = options_.max_control_points - (ordered_.closed ? 0 : options_.degree) -
                      sharp * (options_.degree - 1);
     const int spans = std::min(static_cast<int>(std::min<Eigen::Index>(start, few)), room);
-    const int fewest = sharp > 0 ? sharp : ordered_.closed ? options_.degree + 1 : 1;
+    // Around a closed curve more control points than the degree.
+    const int least = options_.degree + 1 - (options_.degree - 1) * sharp;
+    const int fewest = std::max({1, sharp, ordered_.closed ? least : 1});
     SpanAdaptation adapted =
         AdaptSpans(problem, EqualSpans(std::max(fewest, spans), corners), AdaptOptions(), pool_);
     if (adapted.layout.spans() > kMostToRelocate) return adapted;
@@ -247,7 +252,12 @@ class CurveFitter {
   SpanAdaptation Adapted(const FittingProblem& problem) {
     SpanAdaptation sharp = Adapted(problem, corners_);
     const bool plain = ordered_.noise <= kNoiseToAnchor * ordered_.spacing;
-    if (corners_.empty() || (plain && problem.size() >= kFewPoints)) return sharp;
+    if (corners_.empty() || plain) return sharp;
+    const Eigen::VectorXd off = AtTheirPlaces(sharp.problem, sharp.solution.coefficients);
+    const double left = std::sqrt(off.squaredNorm() / static_cast<double>(problem.size()));
+    const bool few =
+        problem.size() < kFewPoints;  // whose corners were sought as if they were exact
+    if (few && left < kExactAgainstNoise * ordered_.noise) return sharp;
     std::vector<Eigen::Index> anchored;
     std::swap(anchored, anchored_);
     SpanAdaptation smooth = Adapted(problem, {});
@@ -263,7 +273,7 @@ class CurveFitter {
                        (options_.tolerance ? 0 : missed) +
                            kVariancesPerControlPoint * adapted.layout.control_points());
     };
-    if (score(smooth) < score(sharp)) {
+    if (few || score(smooth) < score(sharp)) {
       corners_.clear();
       return smooth;
     }
@@ -367,7 +377,22 @@ class CurveFitter {
       Record({round});
     }
     problem_ = std::move(fit.problem);
-    Take(fit.solution);
+    Take(Calm(std::move(fit.solution)));
+  }
+
+  // The problem's solution; where the curve leaves its data between them, with more fairness.
+  LinearSolution Calm(LinearSolution solution) {
+    bool told = false;
+    for (double smoothing = kFirstCalm; smoothing <= kLastCalm; smoothing *= kMoreCalm) {
+      if (StaysWithItsData(*problem_, solution.coefficients, {}, noise_)) break;
+      if (smoothing <= problem_->smoothing()) continue;
+      problem_ = problem_->WithSmoothing(smoothing);
+      solution = SolveLinear(*problem_, pool_);
+      if (std::exchange(told, true)) continue;
+      report_.warnings.push_back(
+          "the points leave parts of the curve open: fairness was raised there and everywhere");
+    }
+    return solution;
   }
 
   DistanceMinimisationOptions Minimisation() const {
@@ -421,21 +446,11 @@ class CurveFitter {
     const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
     SpanLayout layout = EqualSpans(spans, corners_);
     FeetFit fit = FitAtFeet(problem_->WithBasis(layout.Basis()), steps, pool_, anchored_);
-    if (spans > 1 + static_cast<int>(corners_.size())) {
-      SpanAdaptOptions adapt = AdaptOptions();
-      adapt.tolerance.reset();
-      const SpanAdaptation free = AdaptSpans(
-          *problem_,
-          EqualSpans(std::min<int>(kStartSpans, std::max(spans, ordered_.closed ? spans : 1)),
-                     corners_),
-          adapt,
-          pool_);
-      const SpanLayout spread = free.layout.Resampled(spans);
-      FeetFit other = FitAtFeet(free.problem.WithBasis(spread.Basis()), steps, pool_, anchored_);
-      if (other.solution.residual_squares < fit.solution.residual_squares) {
-        fit = std::move(other);
-        layout = spread;
-      }
+    for (const SpanLayout& other : SpreadLayouts(layout)) {
+      FeetFit trial = FitAtFeet(problem_->WithBasis(other.Basis()), steps, pool_, anchored_);
+      if (!(trial.solution.residual_squares < fit.solution.residual_squares)) continue;
+      fit = std::move(trial);
+      layout = other;
     }
     report_.termination = Termination::kMaxControlPoints;
     if (options_.loss && *options_.loss != Loss::kNone) {
@@ -444,6 +459,25 @@ class CurveFitter {
     }
     Settle(std::move(fit.problem), layout);
     report_.seconds.solve = watch_.Lap();
+  }
+
+  // As many spans as `even` has, where the data would have them: spread as adaptation finds them,
+  // and both with their knots relocated.
+  std::vector<SpanLayout> SpreadLayouts(const SpanLayout& even) const {
+    const int spans = even.spans();
+    if (spans <= 1 + static_cast<int>(corners_.size())) return {};
+    SpanAdaptOptions adapt = AdaptOptions();
+    adapt.tolerance.reset();
+    const bool many = problem_->size() > kManyPoints;
+    const FittingProblem problem = many ? MeansOfRows(*problem_, kMeans) : *problem_;
+    const int start = std::min(kStartSpans, spans);
+    const SpanAdaptation free = AdaptSpans(problem, EqualSpans(start, corners_), adapt, pool_);
+    std::vector<SpanLayout> layouts{free.layout.Resampled(spans)};
+    if (spans > kMostToRelocate) return layouts;
+    const LayoutTrials trials(free.problem, spans);
+    layouts.push_back(RelocateKnots(trials, layouts.front()));
+    layouts.push_back(RelocateKnots(trials, even));
+    return layouts;
   }
 
   int Least(int ends) const {
@@ -484,6 +518,10 @@ class CurveFitter {
     } else {
       const bool held = distance_ == CurveDistance::kParameter;
       optimize.free = {.parameters = !held, .knots = held};
+      if (held && problem_->basis_u().periodic()) {
+        summary.why = "the knots of a closed curve are not free";
+        return;
+      }
       if (options_.tolerance && distances.maxCoeff() <= *options_.tolerance) {
         summary.why = "the tolerance is kept";
         return;
@@ -499,6 +537,10 @@ class CurveFitter {
         return;
       }
       summary.why = "residuals exceed the noise";
+    }
+    if (problem_->size() < problem_->unknowns()) {
+      summary.why = "there are fewer points than control points";
+      return;
     }
     if (optimize.free.parameters) distance_ = CurveDistance::kPoint;
     SetUp(optimize, distances);
@@ -525,12 +567,11 @@ class CurveFitter {
     rational.tolerance = options_.tolerance;
     rational.most_control_points = problem_->unknowns();
     const SplineBasis& basis = problem_->basis_u();
-    std::vector<double> corners = corners_;
     const SpanLayout start = SpanLayout::Equal(options_.degree,
-                                               1 + static_cast<int>(corners.size()),
+                                               1 + static_cast<int>(corners_.size()),
                                                basis.lower(),
                                                basis.upper(),
-                                               corners,
+                                               corners_,
                                                ordered_.closed);
     // Parameters as they came: feet on many spans are not those of few.
     Eigen::Matrix2Xd parameters = problem_->data().parameters;
@@ -556,7 +597,16 @@ class CurveFitter {
     if (result.cancelled) report_.termination = Termination::kCancelled;
     NurbsCurve<Dim> curve(
         result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
-    if (distance_ != CurveDistance::kPoint) {
+    const bool calm =
+        StaysWithItsData(result.problem, curve.control_points(), curve.weights(), noise_) ||
+        !StaysWithItsData(*problem_, curve_->control_points(), curve_->weights(), noise_);
+    const auto size = [](const NurbsCurve<Dim>& shape) {
+      return SampledSize(shape.basis(), shape.control_points(), shape.weights());
+    };
+    if (!calm || size(curve) > kLargest * std::max(size_, size(*curve_))) {
+      summary.why += "; not taken, as it left the points between them";
+      summary.rms_after = summary.rms_before;
+    } else if (distance_ != CurveDistance::kPoint) {
       problem_ = std::move(result.problem);
       curve_ = std::move(curve);
     } else if (auto cut = CutToData(curve, result.problem.data())) {
@@ -580,100 +630,26 @@ class CurveFitter {
     return distances;
   }
 
-  // What is reported is measured on the curve as it is handed out, rounding of far coordinates
-  // included.
   CurveFit<Dim> Measure() {
-    const Eigen::Matrix<double, Dim, 1> move =
-        (cloud_.origin() - options_.shift).template head<Dim>();
-    NurbsCurve<Dim> written = Moved(*curve_, middle_ + move);
-    const NurbsCurve<Dim> measured = Moved(written, -move);
-    const PointDistances found = DistancesTo<Dim>(measured, cloud_.points(), pool_);
-    CurveFit<Dim> fit{
-        std::move(written), found.parameters.row(0).transpose(), found.distances, Forgotten(), {}};
-    const PointMask own = Own();
-    report_.error = Summarise(fit.residuals, options_.tolerance, own && !fit.outliers);
-    report_.error_all = Summarise(fit.residuals, options_.tolerance, own || strays_);
-    if (distance_ == CurveDistance::kParameter) MeasureAtParameters(measured, fit);
-    report_.input.used = report_.error.points;
-    report_.input.outliers = fit.outliers.count();
-    report_.geometry.kind = "curve";
-    report_.geometry.base = Name(options_.parameterization);
-    report_.geometry.degree = {options_.degree};
-    report_.geometry.control_points = {problem_->unknowns()};
-    report_.geometry.rational = fit.curve.rational();
-    report_.geometry.closed = {ordered_.closed};
-    if (problem_->unknowns() > ordered_.cloud.size()) {
-      report_.warnings.push_back(
-          "there are more control points than points: fairness decides the rest");
-    }
-    JudgeTermination();
-    report_.seconds.project += watch_.Lap();
-    report_.seconds.total = total_.Lap();
-    fit.report = std::move(report_);
+    CurveFit<Dim> fit = MeasuredCurve<Dim>({cloud_,
+                                            ordered_,
+                                            strays_,
+                                            options_,
+                                            problem_->data().weights,
+                                            distance_,
+                                            noise_,
+                                            problem_->unknowns()},
+                                           *curve_,
+                                           middle_,
+                                           std::move(report_),
+                                           pool_);
+    fit.report.seconds.project += watch_.Lap();
+    fit.report.seconds.total = total_.Lap();
     return fit;
-  }
-
-  void MeasureAtParameters(const NurbsCurve<Dim>& measured, const CurveFit<Dim>& fit) {
-    Eigen::VectorXd offsets = Eigen::VectorXd::Zero(cloud_.size());
-    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
-      const Eigen::Index place = ordered_.place[static_cast<size_t>(k)];
-      if (place < 0) continue;
-      offsets[k] =
-          (measured.At(ordered_.parameters[place]) - cloud_.points().col(k).template head<Dim>())
-              .norm();
-    }
-    report_.parameter_error = Summarise(offsets, options_.tolerance, Own() && !fit.outliers);
-    report_.judged_at_parameters = true;
-  }
-
-  // The points of this curve.
-  PointMask Own() const {
-    PointMask own(cloud_.size());
-    for (Eigen::Index k = 0; k < cloud_.size(); ++k)
-      own[k] = ordered_.place[static_cast<size_t>(k)] >= 0;
-    return own;
-  }
-
-  // Strays, and the points that a loss gives no weight.
-  PointMask Forgotten() const {
-    PointMask forgotten = strays_;
-    const Eigen::VectorXd& weights = problem_->data().weights;
-    for (Eigen::Index k = 0; k < cloud_.size() && weights.size() > 0; ++k) {
-      const Eigen::Index place = ordered_.place[static_cast<size_t>(k)];
-      if (place >= 0 && weights[place] == 0) forgotten[k] = true;
-    }
-    return forgotten;
-  }
-
-  static NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve,
-                               const Eigen::Matrix<double, Dim, 1>& move) {
-    if (move.isZero(0)) return curve;
-    return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + move, curve.weights());
   }
 
   double Rounding() const {
     return kExact * (report_.input.box_max - report_.input.box_min).norm();
-  }
-
-  // The word for how it ended, held against what was measured.
-  void JudgeTermination() {
-    Termination& termination = report_.termination;
-    if (termination == Termination::kCancelled) return;
-    const ErrorSummary& error = report_.judged_error();
-    if (options_.tolerance) {
-      if (error.out_of_tolerance == 0) {
-        termination = Termination::kToleranceReached;
-      } else if (termination != Termination::kMaxControlPoints) {
-        const bool noisy = noise_ > 0 && error.rms <= kExcessToSayNoise * noise_;
-        termination = noisy ? Termination::kNoiseReached : Termination::kStalled;
-      }
-      return;
-    }
-    if (error.rms <= std::max(kExcessToSayNoise * noise_, Rounding())) {
-      if (!options_.control_points) termination = Termination::kNoiseReached;
-      return;
-    }
-    termination = options_.control_points ? Termination::kMaxControlPoints : Termination::kStalled;
   }
 
   void Record(const std::vector<RoundSummary>& rounds) {

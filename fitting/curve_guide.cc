@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/fitting/neighbours.h"
 
@@ -90,8 +89,8 @@ Guide Smoothed(const Eigen::Matrix3Xd& points,
   const Eigen::Index m = points.cols();
   const double first = closed ? 0 : parameters[0];
   const double last = closed ? length : parameters[m - 1];
-  const auto links = std::max<Eigen::Index>(
-      closed ? 4 : 1, static_cast<Eigen::Index>(std::ceil((last - first) / step)));
+  const double most = std::min(static_cast<double>(m), std::ceil((last - first) / step));
+  const auto links = std::max<Eigen::Index>(closed ? 4 : 1, static_cast<Eigen::Index>(most));
   Guide guide{Eigen::Matrix3Xd(3, closed ? links : links + 1), closed};
   // Point k of an endless row: round and round where closed.
   const auto parameter = [&](Eigen::Index k) {
@@ -115,7 +114,7 @@ Guide Smoothed(const Eigen::Matrix3Xd& points,
     Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d right = Eigen::Matrix3d::Zero();
     for (Eigen::Index k = from; k < to; ++k) {
-      const double t = (parameter(k) - centre) / width;
+      const double t = width > 0 ? (parameter(k) - centre) / width : 0;  // all in one place
       const double bell = std::max(0.0, 1 - t * t);
       const Eigen::Vector3d powers(1, t, t * t);
       gram.noalias() += bell * powers * powers.transpose();

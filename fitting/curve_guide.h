@@ -32,8 +32,8 @@ std::vector<GuidePlace> PlacesOnGuides(const std::vector<Guide>& guides,
                                        ThreadPool& pool);
 
 // The guide through local parabolas over `reach` to both sides of parameters that are
-// non-decreasing along the points, a node every `step`. An open one begins and ends where the
-// points do.
+// non-decreasing along the points, a node every `step`, but no more of them than points. An open
+// one begins and ends where the points do.
 Guide Smoothed(const Eigen::Matrix3Xd& points,
                const Eigen::VectorXd& parameters,
                bool closed,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/point_grid.h"
@@ -25,13 +26,6 @@ constexpr double kRidgeInNoise = 3;
 constexpr double kOffRidge = 0.35;
 constexpr double kLonelyBelow = 0.04;  // of the median number of points around
 constexpr double kCrowd = 12;          // that median must be at least this
-
-Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most) {
-  const Eigen::Index count = std::min(points.cols(), most);
-  Eigen::Matrix3Xd few(3, count);
-  for (Eigen::Index k = 0; k < count; ++k) few.col(k) = points.col(k * points.cols() / count);
-  return few;
-}
 
 struct Thickness {
   double ratio = 1;  // squared, against the length
@@ -111,6 +105,13 @@ Eigen::VectorXd OnRidge(const PointGrid& grid,
 }
 
 }  // namespace
+
+Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most) {
+  const Eigen::Index count = std::min(points.cols(), most);
+  Eigen::Matrix3Xd few(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) few.col(k) = points.col(k * points.cols() / count);
+  return few;
+}
 
 CurveScale ScaleOfCurves(const Eigen::Matrix3Xd& points) {
   CurveScale scale;

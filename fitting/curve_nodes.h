@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "batten/geometry/thread_pool.h"
 
 namespace batten {
+
+// At most so many of the points, at even steps of their order.
+Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most);
 
 // How thick and how dense points along curves are.
 struct CurveScale {

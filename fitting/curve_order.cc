@@ -141,7 +141,7 @@ Look LookAt(const Places& places,
   }
   look.noise = noise;
   look.link = MedianLink(look.guides);
-  look.length = look.guides.front().ArcLengths().tail<1>()[0];
+  if (!look.guides.empty()) look.length = look.guides.front().ArcLengths().tail<1>()[0];
   look.tolerance = std::max({kOutlierInNoise * noise, radius, kOutlierInLinks * look.link});
   PlacePoints(places, look, pool);
   return look;
@@ -331,10 +331,9 @@ CurvePath PathOf(const Places& places,
       cloud.origin() + places.middle + places.unit * look.meetings.front();
   std::ostringstream message;
   // As many digits as tell nodes apart.
-  message.precision(std::clamp(
-      static_cast<int>(std::log10(world.cwiseAbs().maxCoeff() / (look.link * places.unit))) + 2,
-      4,
-      17));
+  const double size = world.cwiseAbs().maxCoeff(), step = look.link * places.unit;
+  const double digits = size > step ? std::log10(size / step) : 0;
+  message.precision(static_cast<int>(std::clamp(digits + 2, 4.0, 17.0)));
   message << "the points branch near (" << world[0] << ", " << world[1];
   if (cloud.dimension() == 3) message << ", " << world[2];
   message << "): a curve neither branches nor crosses itself; fit its parts one by one, or give "
@@ -407,6 +406,11 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
   for (int g = 0; g < static_cast<int>(look.guides.size()); ++g) {
     if (Along(look, g).empty()) continue;
     result.paths.push_back(PathOf(places, look, g, options, directions));
+  }
+  if (result.paths.empty()) {
+    throw std::invalid_argument(
+        "no points lie in a row along a curve: they are too few or too far from one another; give "
+        "them in their order");
   }
   std::stable_sort(result.paths.begin(), result.paths.end(), [](const auto& a, const auto& b) {
     return a.length > b.length;

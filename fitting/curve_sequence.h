@@ -13,9 +13,9 @@ namespace batten {
 //
 // In any order along a curve few points are nearer to a point than its successor is, shuffled half
 // of them are; and where a long step leaves a run of near points, no point from elsewhere in the
-// order takes the run on. Both are looked at for samples from a fixed seed. Not told
-// from points in order: an open curve whose second part comes before its first (a closed one with a
-// gap), and two branches interleaved (points sorted by a coordinate). O(m).
+// order takes the run on. Both are looked at for samples from a fixed seed.
+// Not told from points in order: an open curve whose second part comes before its first (a closed
+// one with a gap), and two branches interleaved (points sorted by a coordinate). O(m).
 bool FollowsCurve(const Eigen::Matrix3Xd& points);
 
 }  // namespace batten

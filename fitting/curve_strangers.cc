@@ -54,7 +54,8 @@ bool InRow(const Eigen::Matrix3Xd& neighbours, const Eigen::Vector3d& point, dou
 // Asks the points of a sample whether others are in a row with them.
 class Jury {
  public:
-  explicit Jury(const Eigen::Matrix3Xd& points) : sample_(EveryFew(points)), index_(sample_) {
+  explicit Jury(const Eigen::Matrix3Xd& points)
+      : sample_(EveryFew(points, kSample)), index_(sample_) {
     std::vector<double> rooms(sample_.cols());
     const std::vector<int> nearest = index_.Nearest(sample_, kMost + 1);
     for (Eigen::Index k = 0; k < sample_.cols(); ++k) {
@@ -84,13 +85,6 @@ class Jury {
   }
 
  private:
-  static Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points) {
-    const Eigen::Index count = std::min(points.cols(), kSample);
-    Eigen::Matrix3Xd few(3, count);
-    for (Eigen::Index k = 0; k < count; ++k) few.col(k) = points.col(k * points.cols() / count);
-    return few;
-  }
-
   double Distance(const Eigen::Vector3d& point, const int* row, int j) const {
     return (sample_.col(row[j]) - point).norm();
   }

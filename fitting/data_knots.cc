@@ -68,7 +68,7 @@ ClosedKnots KnotsAround(int degree, std::span<const double> t) {
   for (double& u : breaks) u = (u + shift) + first;
   breaks.back() = last;
   Eigen::VectorXd parameters = given.array() + shift;
-  for (double& u : parameters) u = u < last ? u : u - (last - first);
+  for (double& u : parameters) u = u < last ? u : std::max(first, u - (last - first));
   return {PeriodicKnots(degree, breaks), std::move(parameters)};
 }
 

@@ -22,7 +22,9 @@ class Corners {
       : ordered_(ordered),
         degree_(degree),
         most_(most_control_points),
-        period_(ordered.upper - ordered.lower) {
+        period_(ordered.upper - ordered.lower),
+        increasing_(ordered.parameters.begin(), ordered.parameters.end()) {
+    std::sort(increasing_.begin(), increasing_.end());
     found_.data = ordered.parameters;
   }
 
@@ -66,14 +68,18 @@ class Corners {
   }
 
   double Inside(double parameter) const {
-    return ordered_.closed && parameter >= ordered_.upper ? ordered_.lower : parameter;
+    const bool inside = parameter >= ordered_.lower && parameter < ordered_.upper;
+    return ordered_.closed && !inside ? ordered_.lower : parameter;
   }
 
   void Keep(double corner) {
-    if (!ordered_.closed && (corner <= ordered_.lower || corner >= ordered_.upper)) return;
+    const double slack = kAtCorner * period_;
+    if (!ordered_.closed && (corner - ordered_.lower <= slack || ordered_.upper - corner <= slack))
+      return;
     std::vector<double>& kept = found_.parameters;
     for (const double other : kept) {
       const double low = std::min(corner, other), high = std::max(corner, other);
+      if (high - low <= slack || (ordered_.closed && low + period_ - high <= slack)) return;
       if (PointsBetween(low, high) <= degree_) return;
       if (ordered_.closed && PointsBetween(high, low + period_) <= degree_) return;
     }
@@ -89,12 +95,13 @@ class Corners {
   // closed curve the upper one may be a period on.
   Eigen::Index PointsBetween(double low, double high) const {
     const double slack = kAtCorner * period_;
-    const auto u = ordered_.parameters.array();
-    Eigen::Index count = (u >= low - slack && u <= high + slack).count();
-    if (ordered_.closed) {
-      count += (u + period_ >= low - slack && u + period_ <= high + slack).count();
-    }
-    return count;
+    const auto count = [&](double from, double to) {
+      const auto first = std::lower_bound(increasing_.begin(), increasing_.end(), from),
+                 behind = std::upper_bound(first, increasing_.end(), to);
+      return behind - first;
+    };
+    return count(low - slack, high + slack) +
+           (ordered_.closed ? count(low - slack - period_, high + slack - period_) : 0);
   }
 
   void Anchor() {
@@ -121,6 +128,7 @@ class Corners {
   const OrderedPoints& ordered_;
   int degree_, most_;
   double period_;
+  std::vector<double> increasing_;  // the points' parameters
   FitCorners found_;
 };
 

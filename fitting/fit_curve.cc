@@ -138,6 +138,8 @@ void Check(const CurveFitOptions& options) {
     Reject("optimize frees the parameters that distance holds every point to");
   }
   if (options.parameterization == CurveParameterization::kGiven) {
+    if (options.smooth_by != CurveSmoothing::kWeight)
+      Reject("smoothing can't be chosen at given parameters");
     if (options.order == PointOrder::kUnordered)
       Reject("parameterization given is an order already; order can't be unordered");
     if (options.closed == ClosedChoice::kYes)

@@ -39,8 +39,8 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
   result.tolerance = tolerance;
   result.points = static_cast<Eigen::Index>(values.size());
   if (values.empty()) return result;
-  result.signed_p5 = Quantile(values, 0.05);
-  result.signed_p95 = Quantile(values, 0.95);
+  result.signed_p5 = QuantileInPlace(values, 0.05);
+  result.signed_p95 = QuantileInPlace(values, 0.95);
   double sum = 0, squares = 0;
   for (double& value : values) {
     value = std::abs(value);
@@ -53,9 +53,9 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
   result.mean = sum / count;
   result.rms = std::sqrt(squares / count);
   result.within_tolerance = 1 - static_cast<double>(result.out_of_tolerance) / count;
-  result.p50 = Quantile(values, 0.50);
-  result.p95 = Quantile(values, 0.95);
-  result.p99 = Quantile(values, 0.99);
+  result.p50 = QuantileInPlace(values, 0.50);
+  result.p95 = QuantileInPlace(values, 0.95);
+  result.p99 = QuantileInPlace(values, 0.99);
   return result;
 }
 
@@ -91,9 +91,7 @@ void FitReport::Join(const FitReport& other) {
   seconds.total += other.seconds.total;
   optimize.ran = optimize.ran || other.optimize.ran;
   optimize.iterations += other.optimize.iterations;
-  const bool good =
-      termination == Termination::kToleranceReached || termination == Termination::kNoiseReached;
-  if (good || other.termination == Termination::kCancelled) termination = other.termination;
+  termination = std::max(termination, other.termination);
 }
 
 std::string FitReport::OneLine() const {

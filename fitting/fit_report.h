@@ -9,7 +9,7 @@
 
 namespace batten {
 
-// How a fit ended. The geometry returned is the best seen in every case.
+// How a fit ended, best first. The geometry returned is the best seen in every case.
 enum class Termination {
   kToleranceReached,  // every used point is within the tolerance
   kNoiseReached,      // more freedom would only follow the noise
@@ -118,7 +118,8 @@ struct FitReport {
   // None without a tolerance.
   std::optional<bool> tolerance_reached() const;
 
-  // Takes in the report of another curve of the same cloud. Errors are not joined.
+  // Takes in the report of another curve of the same cloud. Errors are not joined; of two
+  // terminations the worse stays.
   void Join(const FitReport& other);
 
   // One sentence for a terminal or a log.

@@ -15,6 +15,8 @@
 namespace batten {
 namespace {
 
+constexpr double kMostMiss = 1e-6;  // of the points' size
+
 [[noreturn]] void Refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
 void Check(const CloudInterpolationOptions& options) {
@@ -23,6 +25,9 @@ void Check(const CloudInterpolationOptions& options) {
   }
   if (options.closed && (options.start_tangent || options.end_tangent)) {
     Refuse("a closed curve has no ends: it takes no start or end tangent");
+  }
+  if (options.degree == 1 && (options.start_tangent || options.end_tangent)) {
+    Refuse("a curve of degree 1 goes straight to the next point: it takes no start or end tangent");
   }
 }
 
@@ -95,6 +100,21 @@ InterpolatedCurve<Dim> Interpolated(const Row<Dim>& row, const CloudInterpolatio
   return InterpolateCurve<Dim>(row.points, how, derivatives);
 }
 
+// Steps of the parameters that differ by many orders of size leave the solution no digits.
+template <int Dim>
+void RequireMet(const InterpolatedCurve<Dim>& local, const Row<Dim>& row) {
+  const double size =
+      (row.points.rowwise().maxCoeff() - row.points.rowwise().minCoeff()).stableNorm();
+  for (Eigen::Index k = 0; k < row.points.cols(); ++k) {
+    const double miss = (local.curve.At(local.parameters[k]) - row.points.col(k)).stableNorm();
+    if (miss <= kMostMiss * size) continue;
+    Refuse(
+        "rounding keeps the curve off the points: some are far closer to one another than "
+        "others; lower the degree " +
+        std::to_string(local.curve.basis().degree()) + ", or leave some of them out");
+  }
+}
+
 InputSummary Describe(const PointCloud& cloud, const OrderedPoints& ordered) {
   InputSummary input;
   input.points = input.used = cloud.size();
@@ -118,6 +138,7 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
   report.input = Describe(cloud, row.ordered);
   report.seconds.prepare = watch.Lap();
   const InterpolatedCurve<Dim> local = Interpolated<Dim>(row, options);
+  RequireMet(local, row);
   report.seconds.solve = watch.Lap();
   // What is reported is measured on the curve as it is handed out.
   const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - options.shift).template head<Dim>();

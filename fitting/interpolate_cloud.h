@@ -33,8 +33,9 @@ struct CloudInterpolationOptions {
 // distances there: rounding. Weights of the cloud do not count. The report says how it
 // ended by kToleranceReached or kStalled where a tolerance is given, by kNoiseReached otherwise.
 // Throws std::invalid_argument, with a sentence for the user, as InterpolateCurve and OrderPoints
-// do, where two different points have one parameter, where a closed curve is to have end tangents,
-// and if the tolerance is not positive. O(m log m + m·p²).
+// do, where two different points have one parameter, where a closed curve or a polyline is to have
+// end tangents, where rounding leaves a point more than 1e-6 of the points' size off the curve, and
+// if the tolerance is not positive. O(m log m + m·p²).
 template <int Dim>
 CurveFit<Dim> InterpolateCloud(const PointCloud& cloud,
                                const CloudInterpolationOptions& options = {});

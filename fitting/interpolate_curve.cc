@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/collocation.h"
 #include "batten/fitting/data_knots.h"
 #include "batten/geometry/knot_vectors.h"
@@ -166,7 +167,7 @@ Base GivenBase(const Eigen::VectorXd& parameters,
                std::span<const PointDerivative<Dim>> derivatives,
                const CurveInterpolationOptions& options) {
   const SplineBasis& basis = *options.basis;
-  const int functions = basis.size() - (basis.periodic() ? basis.degree() : 0);
+  const int functions = DistinctCount(basis);
   const Eigen::Index points = parameters.size() - (options.closed ? 1 : 0);
   const Eigen::VectorXd at = parameters.head(points);
   const auto conditions = points + static_cast<Eigen::Index>(derivatives.size());

@@ -54,11 +54,12 @@ InterpolatedCurve<Dim> InterpolateCurve(const Eigen::Matrix<double, Dim, Eigen::
                                         const CurveInterpolationOptions& options = {},
                                         std::span<const PointDerivative<Dim>> derivatives = {});
 
+enum class InterpolationEnd { kStart, kEnd };
+
 // The first derivative at an end in the direction `tangent`, as fast as the parameters step from
 // that end to its neighbour: what a user who knows only the direction means. Throws
 // std::invalid_argument if the direction has no length or parameters do not increase.
 // [after Piegl & Tiller 1997, §9.2.2]
-enum class InterpolationEnd { kStart, kEnd };
 template <int Dim>
 PointDerivative<Dim> EndTangent(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                 const Eigen::VectorXd& parameters,

@@ -29,8 +29,8 @@ class LayoutTrials {
 };
 
 // Moves each inner break in turn by a share of the span beside it, as long as the squares fall, in
-// sweeps of smaller and smaller shares. Corners and ends stay, no span gets narrower than half of
-// what it was. Not worse than it was.
+// sweeps of smaller and smaller shares. Corners and ends stay, no span gets narrower than 0.7
+// of what it was. Not worse than it was.
 SpanLayout RelocateKnots(const LayoutTrials& trials, SpanLayout layout);
 
 }  // namespace batten

@@ -13,6 +13,8 @@ namespace {
 // Limits that only many knots meet: spans that an insertion is tried in, and knots exchanged.
 constexpr size_t kTriedSpans = 16, kExchanged = 12;
 
+constexpr double kRoom = 1e-9;  // of the domain, between a knot that is tried and its neighbours
+
 // Indices of the least costs, in increasing order of cost, then of index.
 std::vector<size_t> Cheapest(const std::vector<double>& costs, size_t count) {
   std::vector<size_t> order(costs.size());
@@ -158,6 +160,7 @@ void KnotSearch::AddTrials(const MovingKnots& knots,
   const auto errors = projection_.Errors(knots, pool_);
   if (!errors) return;
   const auto add = [&](const std::vector<KnotProjection::SpanError>& spans, bool u) {
+    const double room = kRoom * (u ? knots.u : *knots.v).length();
     std::vector<double> order;
     for (const auto& span : spans) order.push_back(-span.squares);
     std::vector<size_t> worst = Cheapest(order, count);
@@ -165,7 +168,7 @@ void KnotSearch::AddTrials(const MovingKnots& knots,
     for (const size_t s : worst) {
       const double middle = (spans[s].lower + spans[s].upper) / 2;
       for (const double t : {spans[s].centroid, middle}) {
-        if (!(t > spans[s].lower) || !(t < spans[s].upper)) continue;
+        if (!(t - spans[s].lower > room) || !(spans[s].upper - t > room)) continue;
         trials.push_back({state, u, static_cast<int>(s), t, knots});
         KnotGaps& gaps = u ? trials.back().knots.u : *trials.back().knots.v;
         gaps = WithKnot(gaps, t);

@@ -1,35 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/net_system.h"
 
-#include <algorithm>
 #include <limits>
 
+#include "batten/fitting/coefficient_order.h"
+
 namespace batten {
-namespace {
-
-int Different(const SplineBasis& basis) {
-  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
-}
-
-int Bandwidth(const SplineBasis& basis) {
-  const int reach = basis.periodic() ? 2 * basis.degree() : basis.degree();
-  return std::min(reach, Different(basis) - 1);
-}
-
-}  // namespace
-
 NetSystem::NetSystem(const SplineBasis& basis, int dimension)
     : dimension_(dimension),
-      place_(static_cast<size_t>(basis.size())),
-      matrix_(Different(basis), dimension, Bandwidth(basis)),
-      right_(Eigen::VectorXd::Zero(Eigen::Index{Different(basis)} * dimension)) {
-  const int different = Different(basis);
-  for (int i = 0; i < basis.size(); ++i) {
-    const int j = i % different;
-    const bool upper_half = 2 * j >= different;
-    place_[i] = !basis.periodic() ? i : upper_half ? 2 * (different - 1 - j) + 1 : 2 * j;
-  }
-}
+      place_(CoefficientOrder(basis).Rows(basis)),
+      matrix_(DistinctCount(basis), dimension, CoefficientOrder(basis).bandwidth()),
+      right_(Eigen::VectorXd::Zero(Eigen::Index{DistinctCount(basis)} * dimension)) {}
 
 NetSystem::Step NetSystem::Solve() {
   constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon(), kRaise = 100;

@@ -11,8 +11,8 @@
 namespace batten {
 
 // A symmetric system H·δ = b over a net of n control points of d coordinates, with d × d blocks.
-// Over a periodic basis the last p points are the first p: there are m = n − p different ones,
-// whose cyclic band becomes a plain one of twice the width in the order 0, m−1, 1, m−2, …
+// Over a periodic basis the last p points are the first p; the different ones are in the order of
+// CoefficientOrder, which makes their cyclic band a plain one.
 class NetSystem {
  public:
   NetSystem(const SplineBasis& basis, int dimension);

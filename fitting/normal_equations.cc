@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "batten/fitting/coefficient_order.h"
+
 namespace batten {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "batten/fitting/block_banded_matrix.h"
-#include "batten/fitting/coefficient_order.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
 

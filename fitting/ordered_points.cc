@@ -45,10 +45,13 @@ void SortByParameters(const Eigen::Matrix2Xd& parameters,
   }
 }
 
-void RequireSize(const Eigen::Matrix3Xd& points) {
-  const double size = (points.colwise() - points.col(0)).cwiseAbs().maxCoeff();
+void RequireSize(const Eigen::Matrix3Xd& points, const std::vector<Eigen::Index>& which) {
+  double size = 0;
+  for (const Eigen::Index k : which) {
+    size = std::max(size, (points.col(k) - points.col(which[0])).cwiseAbs().maxCoeff());
+  }
   if (!(size > 0)) {
-    Refuse("a curve needs at least 2 different points; all " + std::to_string(points.cols()) +
+    Refuse("a curve needs at least 2 different points; all " + std::to_string(which.size()) +
            " are the same");
   }
   if (size < kLeastSize) Refuse("the points differ by less than 1e-100: scale them up");
@@ -170,6 +173,8 @@ Eigen::VectorXd Parameters(const Eigen::Matrix3Xd& points,
   for (Eigen::Index k = 0; k < early; ++k) parameters[k] = at(k + points.cols()) - turn;
   const double first = parameters[0];
   const double length = closed ? turn : parameters[points.cols() - 1] - first;
+  // Means of points that go to and fro may all be in one place.
+  if (noise > 0 && !(length > 0)) return Parameters(points, kind, 0, closed);
   parameters = (parameters.array() - first) / length;
   if (!closed) parameters[points.cols() - 1] = 1;
   return parameters;
@@ -188,7 +193,7 @@ bool Lagrange(const double (&nodes)[4], double t, double (&values)[4]) {
   return true;
 }
 
-double NoiseAcross(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& u) {
+double NoiseAcross(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& u, int rank) {
   // The direction along the curve is taken over many points, where the noise of two is small
   // against their distance.
   const Eigen::Index reach = std::clamp<Eigen::Index>(points.cols() / 32, 2, 32);
@@ -212,12 +217,8 @@ double NoiseAcross(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& u) {
   }
   if (static_cast<Eigen::Index>(offsets.size()) + 4 < kFewForNoise) return 0;
   const double median = Median(std::move(offsets));
-  return PointRank(points) <= 2 ? kMadToSigma * median : median / kMedianOfRayleigh;
+  return rank <= 2 ? kMadToSigma * median : median / kMedianOfRayleigh;
 }
-
-}  // namespace
-
-namespace {
 
 std::vector<Eigen::Index> Belonging(const PointCloud& cloud, const PointMask& left_out) {
   std::vector<Eigen::Index> kept;
@@ -256,7 +257,7 @@ void SetLengths(OrderedPoints& ordered, const Eigen::VectorXd& chord) {
 OrderedPoints OrderPoints(const PointCloud& cloud, const OrderOptions& options) {
   const bool given = options.parameterization == CurveParameterization::kGiven;
   std::vector<Eigen::Index> order = Belonging(cloud, options.left_out);
-  RequireSize(cloud.points()(Eigen::all, order));
+  RequireSize(cloud.points(), order);
   if (given) {
     if (cloud.parameters().cols() == 0) Refuse("the points have no parameters u");
     RequireRange(cloud.parameters());
@@ -269,7 +270,8 @@ OrderedPoints OrderPoints(const PointCloud& cloud, const OrderOptions& options) 
   const Eigen::Matrix3Xd& points = result.cloud.points();
   result.spacing = MeanStep(points);
   result.gap = (points.col(0) - points.col(points.cols() - 1)).stableNorm();
-  const auto noise = [&](const Eigen::VectorXd& u) { return NoiseAcross(points, u); };
+  const int rank = PointRank(points);
+  const auto noise = [&](const Eigen::VectorXd& u) { return NoiseAcross(points, u, rank); };
   if (given) {
     result.parameters = result.cloud.parameters().row(0);
     result.lower = result.parameters[0];
@@ -304,7 +306,7 @@ OrderedPoints OrderPoints(const PointCloud& cloud, const OrderOptions& options) 
 
 OrderedPoints FollowPath(const PointCloud& cloud, const CurvePath& path) {
   OrderedPoints result;
-  RequireSize(cloud.points()(Eigen::all, path.points));
+  RequireSize(cloud.points(), path.points);
   MergeRuns(cloud, path.points, false, result);
   result.closed = path.closed;
   result.gap = path.gap;
@@ -318,6 +320,10 @@ OrderedPoints FollowPath(const PointCloud& cloud, const CurvePath& path) {
   }
   result.length = length;
   result.lengths = result.parameters * length;
+  // Noise below the links of the graph does not show in the guide.
+  result.noise = std::max(
+      path.noise,
+      NoiseAcross(result.cloud.points(), result.lengths, PointRank(result.cloud.points())));
   if (path.closed) {
     result.parameters = result.parameters.unaryExpr([](double u) { return u < 1 ? u : u - 1; });
   } else {

@@ -41,11 +41,11 @@ struct OrderOptions {
 
 // Given parameters may come in any order unless `keep_order` is set. All others follow the order of
 // the points; where these lie closer than their noise allows to tell apart, steps are those of
-// means of several in a row, and even inside; Foley's and universal parameters
-// take single points. Throws std::invalid_argument, with a sentence for the user, where
-// there are fewer than two different points, parameters are missing, all equal, too close together
-// for their size to be told apart, or decrease where they must not; and where points differ by less
-// than 1e-100 or parameters by less than 1e-60. O(m log m). [Piegl & Tiller 1997, §9.2.1]
+// means of several in a row, and even inside; Foley's and universal parameters take single points.
+// Throws std::invalid_argument, with a sentence for the user, where there are fewer than two
+// different points, parameters are missing, all equal, too close together for their size to be told
+// apart, or decrease where they must not; and where points differ by less than 1e-100 or parameters
+// by less than 1e-60. O(m log m). [Piegl & Tiller 1997, §9.2.1]
 OrderedPoints OrderPoints(const PointCloud& cloud, const OrderOptions& options);
 
 // The points of a path in its order, parameters in proportion to the arc length of its guide, on

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/point_grid.h"
 
-#include <utility>
+#include <algorithm>
 
 namespace batten {
 namespace {

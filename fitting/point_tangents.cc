@@ -2,7 +2,6 @@
 #include "batten/fitting/point_tangents.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>

@@ -2,7 +2,6 @@
 #include "batten/fitting/rational_spans.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "batten/fitting/curve_feet.h"
 #include "batten/fitting/distances.h"

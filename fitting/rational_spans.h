@@ -3,9 +3,7 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
-#include "batten/fitting/fit_report.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/span_layout.h"
@@ -21,8 +19,8 @@ struct RationalSpansOptions {
 };
 
 // Few rational spans do what takes many polynomial ones: an arc of a conic is one or two. Tries 1,
-// 2, 3, 4, 6, 8, … equal spans between the corners of `start`, each with a joint optimisation, and
-// returns the first that reaches the goal, or every tolerance where one is given. None if none
+// 2, 3, 4, 5, 6, 8, … equal spans between the corners of `start`, each with a joint optimisation,
+// and returns the first that reaches the goal, or every tolerance where one is given. None if none
 // does. Data are those of `problem`, in order; its basis is not looked at.
 std::optional<OptimizeResult> FewestRationalSpans(const FittingProblem& problem,
                                                   const SpanLayout& start,

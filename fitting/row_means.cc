@@ -58,15 +58,16 @@ FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count) {
   const FittingData& all = problem.data();
   const SplineBasis& basis = problem.basis_u();
   const double period = basis.upper() - basis.lower();
-  // Where a block lies across the seam, its mean is taken a period further on.
+  // Where a block lies across the seam, parameters are taken near the first of them.
   const auto mean_parameter = [&](Eigen::Index begin, const Eigen::VectorXd& shares) {
     const double first = all.parameters(0, begin);
     double sum = 0;
     for (Eigen::Index k = 0; k < shares.size(); ++k) {
       const double u = all.parameters(0, begin + k);
-      sum += shares[k] * (u < first - period / 2 ? u + period : u);
+      sum += shares[k] * (basis.periodic() ? u + period * std::round((first - u) / period) : u);
     }
-    return sum > basis.upper() ? sum - period : std::clamp(sum, basis.lower(), basis.upper());
+    if (basis.periodic()) sum -= period * std::floor((sum - basis.lower()) / period);
+    return std::clamp(sum, basis.lower(), basis.upper());
   };
   const Eigen::Index blocks = std::min(count, problem.size());
   auto data = std::make_shared<FittingData>();

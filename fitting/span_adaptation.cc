@@ -432,9 +432,10 @@ SpanAdaptation RelocatedSpans(SpanAdaptation adapted,
   const Relocation relocation(adapted, options, pool);
   const int spans = adapted.layout.spans();
   double best = score(adapted.problem, adapted.solution);
-  // Where data are few, as many knots in better places help too.
+  // Where data are few, halving stops early: as many knots in better places help too, and some
+  // more.
   std::vector<double> shares{0.7, 0.8, 0.9};
-  if (adapted.problem.size() < kFewInSpan * spans) shares.push_back(1);
+  if (adapted.problem.size() < kFewInSpan * spans) shares.insert(shares.end(), {1.0, 1.15, 1.3});
   std::vector<int> counts;
   for (const double share : shares) counts.push_back(static_cast<int>(std::lround(share * spans)));
   for (const SpanLayout& layout : relocation.Layouts(counts)) {

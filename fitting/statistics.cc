@@ -8,6 +8,10 @@
 namespace batten {
 
 double Quantile(std::vector<double> values, double fraction) {
+  return QuantileInPlace(values, fraction);
+}
+
+double QuantileInPlace(std::vector<double>& values, double fraction) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double position = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::ptrdiff_t>(position);

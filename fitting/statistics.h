@@ -12,6 +12,7 @@ inline constexpr double kMadToSigma = 1.482602218505602;
 // The value at a fraction of the sorted sample, linear between neighbours; NaN of an empty sample.
 // Takes a copy because it reorders. O(n).
 double Quantile(std::vector<double> values, double fraction);
+double QuantileInPlace(std::vector<double>& values, double fraction);  // reorders them
 inline double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
 
 }  // namespace batten

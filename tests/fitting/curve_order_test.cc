@@ -564,5 +564,51 @@ TEST(OrderAlongCurvesTest, RefusesFewerThanTwoPlaces) {
                Cancelled);
 }
 
+// Points of sizes that differ by many orders: there is a path, or a refusal.
+TEST(OrderAlongCurvesTest, FindsAPathOrRefuses) {
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> power(0, 20);
+    Eigen::Matrix3Xd points(3, 3 + seed % 40);
+    for (auto point : points.colwise()) {
+      point << normal(random), normal(random), normal(random);
+      if (random() % 5 == 0) point *= std::pow(10, power(random));
+    }
+    ThreadPool pool(1);
+    try {
+      const CurveOrder order = OrderAlongCurves(PointCloud::FromWorld(points), {}, pool);
+      ASSERT_FALSE(order.paths.empty());
+      for (const CurvePath& path : order.paths) EXPECT_TRUE(path.guide.allFinite());
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+// Most points are a rounding error away from another, so that the links between nodes are short;
+// the guide needs no more nodes than there are points.
+TEST(OrderAlongCurvesTest, TakesPointsThatAgreeButForRounding) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, 60);
+    for (int k = 0; k < 60; ++k) {
+      points.col(k) << (k % 2), 0.5 * (k % 2), 0;
+      for (int d = 0; d < 3; ++d) points(d, k) += 1e-15 * normal(random);
+    }
+    try {
+      const CurveOrder order = Ordered(PointCloud(points));
+      for (const CurvePath& path : order.paths) {
+        EXPECT_TRUE(path.guide.allFinite());
+        EXPECT_TRUE(path.parameters.allFinite());
+        EXPECT_LE(path.guide.cols(), 61);
+      }
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
 }  // namespace
 }  // namespace batten

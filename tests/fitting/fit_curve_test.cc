@@ -463,5 +463,66 @@ TEST(OrderPointsTest, FindsNoNoiseInExactPoints) {
   EXPECT_NEAR(ordered.spacing, std::hypot(0.02, 0.01), 1e-5);
 }
 
+// Noise is taken to be so large that means are formed, and these are all in one place.
+TEST(OrderPointsTest, TakesPointsThatGoToAndFro) {
+  for (const int count : {20, 29, 45, 52}) {
+    SCOPED_TRACE(count);
+    Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, count);
+    for (int k = 1; k < count; k += 2) points.col(k) << 1, 2, 3;
+    for (const bool closed : {false, true}) {
+      const OrderedPoints ordered = OrderPoints(PointCloud(points), {.closed = closed});
+      EXPECT_TRUE(ordered.parameters.allFinite());
+      EXPECT_TRUE(ordered.lengths.allFinite());
+      EXPECT_TRUE(std::isfinite(ordered.noise));
+      EXPECT_GT(ordered.length, 0);
+    }
+  }
+}
+
+// Different points at few parameters: the corners that their means make must not coincide.
+TEST(FitCurveTest, TakesManyPointsAtFewParameters) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomSplines random(seed);
+    const int count = random.Integer(20, 60);
+    Eigen::Matrix3Xd points(3, count);
+    Eigen::Matrix2Xd parameters = Eigen::Matrix2Xd::Zero(2, count);
+    for (int k = 0; k < count; ++k) {
+      const double t = k / (count - 1.0);
+      points.col(k) << t, std::sin(3 * t), t * t;
+      parameters(0, k) = random.Integer(0, 5);
+    }
+    PointCloud cloud(points);
+    cloud.set_parameters(parameters);
+    const CurveFit<3> fit = FitCurve<3>(cloud,
+                                        {.degree = random.Integer(2, 7),
+                                         .parameterization = CurveParameterization::kGiven,
+                                         .distance = CurveDistance::kPoint,
+                                         .optimize = Freedom{}});
+    EXPECT_TRUE(fit.curve.control_points().allFinite());
+  }
+}
+
+// Rounding must not put a corner at the seam of a closed curve below its domain.
+TEST(FitCurveTest, ClosesPointsOfALattice) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomSplines random(seed);
+    const int count = random.Integer(10, 45);
+    Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, count);
+    for (int k = 1; k < count; ++k) {
+      points.col(k) = points.col(k - 1);
+      points(random.Integer(0, 1), k) += random.Coin() ? 1 : -1;
+    }
+    const CurveFit<2> fit = FitCurve<2>(PointCloud(points, Eigen::Vector3d::Zero(), 2),
+                                        {.parameterization = CurveParameterization::kUniform,
+                                         .order = PointOrder::kGiven,
+                                         .closed = ClosedChoice::kYes,
+                                         .optimize = Freedom{}});
+    EXPECT_TRUE(fit.curve.basis().periodic());
+    EXPECT_TRUE(fit.curve.control_points().allFinite());
+  }
+}
+
 }  // namespace
 }  // namespace batten

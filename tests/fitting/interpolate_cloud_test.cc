@@ -143,6 +143,8 @@ TEST(InterpolateCloudTest, SaysWhatItCannotDo) {
   EXPECT_THAT(error(PointCloud(), {}), HasSubstr("no points"));
   EXPECT_THAT(error(cloud, {.closed = true, .start_tangent = Eigen::Vector3d(1, 0, 0)}),
               HasSubstr("no ends"));
+  EXPECT_THAT(error(cloud, {.degree = 1, .end_tangent = Eigen::Vector3d(1, 0, 0)}),
+              HasSubstr("takes no start or end tangent"));
   EXPECT_THAT(error(cloud, {.end_tangent = Eigen::Vector3d(0, 0, 0)}), HasSubstr("no direction"));
   EXPECT_THAT(error(cloud, {.tolerance = 0}), HasSubstr("not positive"));
   EXPECT_THAT(error(PointCloud(Ellipse(2)), {.degree = 1, .closed = true}),
@@ -151,6 +153,39 @@ TEST(InterpolateCloudTest, SaysWhatItCannotDo) {
   same.set_parameters(Eigen::Matrix2Xd{{0, 1, 1, 2, 3}, {0, 0, 0, 0, 0}});
   EXPECT_THAT(error(same, {.parameterization = CurveParameterization::kGiven}),
               HasSubstr("two different points have the parameter u = 1"));
+}
+
+// Neighbours a rounding error apart next to steps of one.
+TEST(InterpolateCloudTest, RefusesACurveThatRoundingKeepsOffThePoints) {
+  Eigen::Matrix3Xd points(3, 10);
+  for (int k = 0; k < 10; ++k) points.col(k) << std::pow(10, -2 * k), std::pow(10, -k), 0;
+  try {
+    InterpolateCloud<3>(PointCloud(points),
+                        {.degree = 8, .parameterization = CurveParameterization::kFoley});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("lower the degree 8"));
+  }
+  const CurveFit<3> cubic = InterpolateCloud<3>(PointCloud(points));
+  EXPECT_LE(cubic.residuals.maxCoeff(), 1e-6);
+}
+
+// The domain of an even degree begins between two points: those before it come at the other end.
+TEST(InterpolateCloudTest, ParametersOfAClosedCurveAreInItsDomain) {
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomSplines random(seed);
+    const int count = random.Integer(4, 9);
+    Eigen::Matrix2Xd parameters = Eigen::Matrix2Xd::Zero(2, count);
+    for (int k = 0; k < count; ++k)
+      parameters(0, k) = (k > 0 ? parameters(0, k - 1) : 0) + random.Real(0.5, 1);
+    PointCloud cloud(Ellipse(count));
+    cloud.set_parameters(parameters);
+    const CurveFit<3> fit = InterpolateCloud<3>(
+        cloud, {.degree = 2, .parameterization = CurveParameterization::kGiven, .closed = true});
+    EXPECT_GE(fit.parameters.minCoeff(), fit.curve.basis().lower());
+    EXPECT_LE(fit.parameters.maxCoeff(), fit.curve.basis().upper());
+  }
 }
 
 }  // namespace
