@@ -140,7 +140,7 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
   AddText(command,
           "--control-points",
           a.control_points,
-          std::string(words.control_points) + " control points, or chosen by cross-validation",
+          std::string(words.control_points) + " control points, or chosen by the data",
           words.control_points);
   AddText(command,
           "--max-control-points",

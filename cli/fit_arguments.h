@@ -4,12 +4,15 @@
 
 #include <CLI/App.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/freedom.h"
 #include "batten/fitting/point_cloud.h"
@@ -57,6 +60,21 @@ std::optional<double> ToLossScale(const std::string& text);
 std::optional<Freedom> ToFreedom(const std::string& words);
 // What is subtracted from the coordinates written; none says the cloud's own origin.
 std::optional<Eigen::Vector3d> ToShift(const std::string& origin);
+
+// A fit's options with the flags for seed, threads and progress. What breaks a rule of theirs is a
+// usage error.
+template <class Options>
+Options WithWork(Options options, const FitArguments& a) {
+  options.seed = a.work.seed;
+  options.threads = a.work.threads;
+  options.progress = MakeProgress(a.flags.quiet);
+  try {
+    Check(options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  return options;
+}
 
 // A fit from its files' point of view: checks the outputs before any work is done, reads, and
 // writes geometry, residuals and reports.

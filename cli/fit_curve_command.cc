@@ -169,15 +169,7 @@ CurveFitOptions ToOptions(const Arguments& a) {
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
   options.optimize = ToFreedom(a.optimize);
-  options.seed = a.work.seed;
-  options.threads = a.work.threads;
-  options.progress = MakeProgress(a.flags.quiet);
-  try {
-    Check(options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-  return options;
+  return WithWork(std::move(options), a);
 }
 
 template <int Dim>

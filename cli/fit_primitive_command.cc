@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // batten fit primitive: points in, an exact line or circle and its report out.
 #include <memory>
+#include <utility>
 
 #include "batten/cli/fit_arguments.h"
 #include "batten/cli/parse_values.h"
@@ -29,15 +30,7 @@ PrimitiveFitOptions ToOptions(const Arguments& a) {
   options.tolerance = a.tolerance;
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
-  options.seed = a.work.seed;
-  options.threads = a.work.threads;
-  options.progress = MakeProgress(a.flags.quiet);
-  try {
-    Check(options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-  return options;
+  return WithWork(std::move(options), a);
 }
 
 int Run(const Arguments& a) {

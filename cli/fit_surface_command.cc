@@ -2,6 +2,7 @@
 // batten fit surface: points in, a surface and its report out.
 #include <memory>
 #include <tuple>
+#include <utility>
 
 #include "batten/cli/fit_arguments.h"
 #include "batten/cli/parse_values.h"
@@ -59,15 +60,7 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
   options.optimize = ToFreedom(a.optimize);
   options.given_parameters = a.parameterization == "given";
   options.keep_outliers = a.keep_outliers;
-  options.seed = a.work.seed;
-  options.threads = a.work.threads;
-  options.progress = MakeProgress(a.flags.quiet);
-  try {
-    Check(options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-  return options;
+  return WithWork(std::move(options), a);
 }
 
 int Run(const Arguments& a) {

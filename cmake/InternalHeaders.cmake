@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Headers that serve their own folder only: not installed, and free to name third parties.
 set(BATTEN_INTERNAL_HEADERS
-  fitting/curve_calm.h fitting/curve_outcome.h fitting/rational_spans.h
+  fitting/curve_calm.h fitting/curve_outcome.h fitting/curve_robustness.h fitting/rational_spans.h
   fitting/banded_lu.h fitting/bezier_chain.h fitting/circle_fit.h fitting/coefficient_order.h
   fitting/collocation.h fitting/corner_data.h fitting/corner_noise.h fitting/corner_screen.h
   fitting/corner_turns.h fitting/corner_windows.h fitting/curve_cut.h fitting/curve_ends.h

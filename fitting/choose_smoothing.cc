@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kExactFreedom = 256;
 constexpr int kProbes = 64;
-constexpr double kLeast = -12, kMost = 3;  // powers of ten
+constexpr double kLeast = -12, kMost = 9;  // powers of ten
 constexpr double kFinestStep = 0.1;
 
 FittingProblem WithSmoothing(const FittingProblem& problem, double power) {

@@ -13,7 +13,7 @@ namespace batten {
 double EffectiveFreedom(const FittingProblem& problem, ThreadPool& pool);
 
 // The smoothing of least generalised cross-validation score N·RSS/(N − tr H)², tr H the effective
-// freedom, over 1e-12 … 1e3 by steps of a factor ten, then to a tenth of that. The same in every
+// freedom, over 1e-12 … 1e9 by steps of a factor ten, then to a tenth of that. The same in every
 // unit. [Craven & Wahba 1979]
 double SmoothingByCrossValidation(const FittingProblem& problem,
                                   ThreadPool& pool,

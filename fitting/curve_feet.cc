@@ -216,6 +216,19 @@ Eigen::MatrixXd Across(Eigen::MatrixXd columns, const Eigen::MatrixXd& tangents)
   return columns;
 }
 
+Eigen::VectorXd DistancesAt(const FittingProblem& problem,
+                            const Eigen::MatrixXd& coefficients,
+                            bool across,
+                            ThreadPool& pool) {
+  const CurveSamples samples = CurveAt(problem, coefficients, pool);
+  Eigen::MatrixXd offsets = problem.data().values - samples.points;
+  if (across) offsets = Across(std::move(offsets), samples.tangents);
+  Eigen::VectorXd distances = offsets.colwise().norm().transpose();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  if (weights.size() > 0) distances = (weights.array() > 0).select(distances, 0).eval();
+  return distances;
+}
+
 FittingProblem MovedToFeet(const FittingProblem& problem,
                            const Eigen::MatrixXd& coefficients,
                            ThreadPool& pool,

@@ -34,6 +34,13 @@ FittingProblem MovedToFeet(const FittingProblem& problem,
                            ThreadPool& pool,
                            const std::vector<Eigen::Index>& anchored = {});
 
+// The distance of every datum from the curve at its parameter, across the curve only where
+// `across` is set; zero for data without weight.
+Eigen::VectorXd DistancesAt(const FittingProblem& problem,
+                            const Eigen::MatrixXd& coefficients,
+                            bool across,
+                            ThreadPool& pool);
+
 struct FeetFit {
   FittingProblem problem;
   LinearSolution solution;

@@ -14,11 +14,13 @@
 #include "batten/fitting/curve_ends.h"
 #include "batten/fitting/curve_feet.h"
 #include "batten/fitting/curve_outcome.h"
+#include "batten/fitting/curve_robustness.h"
 #include "batten/fitting/distance_minimisation.h"
 #include "batten/fitting/fit_corners.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/knot_relocation.h"
 #include "batten/fitting/optimize.h"
+#include "batten/fitting/point_rank.h"
 #include "batten/fitting/rational_spans.h"
 #include "batten/fitting/reweighting.h"
 #include "batten/fitting/row_means.h"
@@ -31,13 +33,9 @@ namespace {
 constexpr double kSmoothing = 1e-10;  // enough for gaps, too little to be seen elsewhere
 constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weights
 constexpr int kRobustPasses = 3;
-constexpr int kRoundsOfStart = 8;
-constexpr Eigen::Index kFewPoints = 100;
 constexpr double kExactAgainstNoise = 0.2;
 constexpr double kLargest = 1.3;  // a joint result against the points
 constexpr double kFirstCalm = 1e-8, kLastCalm = 1e-3, kMoreCalm = 10;
-constexpr Eigen::Index kRunOfPoints = 3;
-constexpr double kShareOfStart = 0.2;
 constexpr double kManyStrays = 0.003;      // of the points: then some will have been missed
 constexpr double kExcessToOptimise = 1.1;  // residual against noise
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
@@ -51,7 +49,6 @@ constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000;
 constexpr int kFeetSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
-constexpr double kNoiseToAnchor = 0.1;  // of the spacing
 constexpr double kVariancesPerControlPoint = 3;
 constexpr int kMostToRelocate = 80;  // spans; the time grows with their square
 
@@ -142,11 +139,13 @@ class CurveFitter {
   // Corners, and the parameters with the seam at one of them.
   void FindCorners() {
     given_ = problem_->data().parameters.row(0).transpose();
+    near_exact_ = FollowsClosely(ordered_);
     if (!options_.corners || options_.degree < 2 || distance_ == CurveDistance::kParameter) return;
     FitCorners found = CornersForFit(
         ordered_, options_.degree, options_.control_points.value_or(options_.max_control_points));
     corners_ = std::move(found.parameters);
     anchored_ = std::move(found.anchored);
+    sought_as_exact_ = found.sought_as_exact;
     given_ = found.data;
     Eigen::Matrix2Xd parameters = problem_->data().parameters;
     parameters.row(0) = given_;
@@ -251,13 +250,10 @@ class CurveFitter {
   // fewer control points: what looks like a corner close by may be a bend of the whole.
   SpanAdaptation Adapted(const FittingProblem& problem) {
     SpanAdaptation sharp = Adapted(problem, corners_);
-    const bool plain = ordered_.noise <= kNoiseToAnchor * ordered_.spacing;
-    if (corners_.empty() || plain) return sharp;
+    if (corners_.empty() || near_exact_) return sharp;
     const Eigen::VectorXd off = AtTheirPlaces(sharp.problem, sharp.solution.coefficients);
     const double left = std::sqrt(off.squaredNorm() / static_cast<double>(problem.size()));
-    const bool few =
-        problem.size() < kFewPoints;  // whose corners were sought as if they were exact
-    if (few && left < kExactAgainstNoise * ordered_.noise) return sharp;
+    if (sought_as_exact_ && left < kExactAgainstNoise * ordered_.noise) return sharp;
     std::vector<Eigen::Index> anchored;
     std::swap(anchored, anchored_);
     SpanAdaptation smooth = Adapted(problem, {});
@@ -273,7 +269,7 @@ class CurveFitter {
                        (options_.tolerance ? 0 : missed) +
                            kVariancesPerControlPoint * adapted.layout.control_points());
     };
-    if (few || score(smooth) < score(sharp)) {
+    if (sought_as_exact_ || score(smooth) < score(sharp)) {
       corners_.clear();
       return smooth;
     }
@@ -293,13 +289,20 @@ class CurveFitter {
     Record(adapted.rounds);
     const double means = many ? static_cast<double>(problem_->size()) / kMeans : 1;
     if (noise_ == 0) noise_ = adapted.noise * std::sqrt(means);
-    if (robust) adapted = Roughly(std::move(adapted));
+    const RobustCurve losses{loss.value_or(Loss::kNone),
+                             options_.loss_scale,
+                             !options_.loss,
+                             distance_ == CurveDistance::kPoint,
+                             std::max(kAlike * size_, kTiny),
+                             anchored_};
+    const Eigen::VectorXd own = problem_->data().weights;
+    if (robust) adapted = NearLeastAbsolute(std::move(adapted), losses, pool_);
     for (int pass = 0; robust && pass < kRobustPasses; ++pass) {
-      const FittingProblem weighted = Weighted(adapted, *loss);
+      const FittingProblem weighted = WeightedByLoss(adapted, losses, own, pool_);
       adapted = Adapted(weighted);
       Record(adapted.rounds);
     }
-    if (robust) adapted.problem = Weighted(adapted, *loss);
+    if (robust) adapted.problem = WeightedByLoss(adapted, losses, own, pool_);
     report_.termination = adapted.full         ? Termination::kMaxControlPoints
                           : options_.tolerance ? Termination::kStalled
                                                : Termination::kNoiseReached;
@@ -307,49 +310,6 @@ class CurveFitter {
         many ? problem_->WithBasis(adapted.layout.Basis()) : std::move(adapted.problem);
     Settle(std::move(whole), adapted.layout);
     report_.seconds.solve = watch_.Lap();
-  }
-
-  // A start for the loss: least absolute distances, nearly, at the layout there is, so that
-  // whatever most points follow is followed. [Huber's loss with a scale well below the residuals']
-  SpanAdaptation Roughly(SpanAdaptation adapted) const {
-    const Eigen::VectorXd own = adapted.problem.data().weights;
-    const int steps = distance_ == CurveDistance::kPoint ? 1 : 0;
-    for (int round = 0; round < kRoundsOfStart; ++round) {
-      const Eigen::VectorXd distances =
-          AtTheirPlaces(adapted.problem.WithWeights(own), adapted.solution.coefficients);
-      const double scale =
-          kShareOfStart * std::max({RobustScale(distances), kAlike * size_, kTiny});
-      Eigen::VectorXd weights = LossWeights(Loss::kHuber, distances, scale);
-      if (own.size() > 0) weights.array() *= own.array();
-      FeetFit fit =
-          FitAtFeet(adapted.problem.WithWeights(std::move(weights)), steps, pool_, anchored_);
-      adapted.problem = std::move(fit.problem);
-      adapted.solution = std::move(fit.solution);
-    }
-    return adapted;
-  }
-
-  // The adapted problem with weights by a loss, against the weights that the points came with.
-  FittingProblem Weighted(const SpanAdaptation& adapted, Loss loss) const {
-    const Eigen::VectorXd distances =
-        CurveDistances(adapted.problem, adapted.solution.coefficients, distance_, pool_);
-    const double scale =
-        options_.loss_scale.value_or(std::max({RobustScale(distances), kAlike * size_, kTiny}));
-    Eigen::VectorXd weights = LossWeights(loss, distances, scale);
-    if (!options_.loss) RestoreRuns(weights);
-    const Eigen::VectorXd& own = problem_->data().weights;
-    if (own.size() > 0) weights.array() *= own.array();
-    return adapted.problem.WithWeights(std::move(weights));
-  }
-
-  // Several points in a row far from the curve are its own, not strays: the curve is not there yet.
-  static void RestoreRuns(Eigen::VectorXd& weights) {
-    for (Eigen::Index k = 0; k < weights.size();) {
-      Eigen::Index end = k;
-      while (end < weights.size() && weights[end] == 0) ++end;
-      if (end - k >= kRunOfPoints) weights.segment(k, end - k).setOnes();
-      k = std::max(end, k + 1);
-    }
   }
 
   // The last fits, on all data; open ends first go where noise lets the points say they are.
@@ -407,13 +367,14 @@ class CurveFitter {
   // means where there are many points, which leaves its meaning, and once more at the feet.
   void FitSmoothly() {
     const auto most = static_cast<int>(problem_->size() / kPointsOfSmoothSpan);
-    const int spans = std::max(ordered_.closed ? options_.degree + 1 : 1,
-                               std::min({most, kMostSmoothSpans, options_.max_control_points}));
-    const SpanLayout layout = EqualSpans(
+    const int beside = (ordered_.closed ? 0 : options_.degree) +
+                       (options_.degree - 1) * static_cast<int>(corners_.size());
+    const int spans =
         options_.control_points
-            ? std::max(1, *options_.control_points - (ordered_.closed ? 0 : options_.degree))
-            : spans,
-        corners_);
+            ? *options_.control_points - beside
+            : std::min({most, kMostSmoothSpans, options_.max_control_points - beside});
+    const SpanLayout layout = EqualSpans(
+        std::max(ordered_.closed && corners_.empty() ? options_.degree + 1 : 1, spans), corners_);
     FittingProblem problem = problem_->WithBasis(layout.Basis());
     for (int pass = 0; pass < 2; ++pass) {
       problem = problem.WithSmoothing(
@@ -436,7 +397,6 @@ class CurveFitter {
   void FitWithControlPoints() {
     const int asked = *options_.control_points;
     const int ends = ordered_.closed ? 0 : options_.degree;
-    while (!corners_.empty() && asked < Least(ends)) corners_.pop_back();
     const int spans = asked - ends - (options_.degree - 1) * static_cast<int>(corners_.size());
     if (spans < 1 || (ordered_.closed && asked <= options_.degree)) {
       throw std::invalid_argument("a closed curve of degree " + std::to_string(options_.degree) +
@@ -480,11 +440,6 @@ class CurveFitter {
     return layouts;
   }
 
-  int Least(int ends) const {
-    const auto corners = static_cast<int>(corners_.size());
-    return ends + corners * (options_.degree - 1) + std::max(1, corners + (ends > 0 ? 1 : 0));
-  }
-
   void Take(const LinearSolution& solution) {
     squares_ = solution.residual_squares;
     curve_ = CurveOf<Dim>(problem_->basis_u(), solution.coefficients);
@@ -500,7 +455,7 @@ class CurveFitter {
     // Of many points the squares of the solution say as much, at once.
     const bool many = problem_->size() > kManyPoints && !options_.optimize && !options_.tolerance;
     const double before = std::sqrt(squares_ / static_cast<double>(problem_->size()));
-    if (many && before <= kExcessToOptimise * std::sqrt(Dim - 1.0) * noise_) {
+    if (many && before <= kExcessToOptimise * std::sqrt(Directions()) * noise_) {
       summary.rms_before = summary.rms_after = before;
       summary.why = "residuals are at the noise";
       return;
@@ -526,7 +481,8 @@ class CurveFitter {
         summary.why = "the tolerance is kept";
         return;
       }
-      if (!options_.tolerance && rms <= std::max(kExcessToOptimise * noise_, Rounding())) {
+      if (!options_.tolerance &&
+          rms <= std::max(kExcessToOptimise * std::sqrt(Directions()) * noise_, Rounding())) {
         summary.why = "residuals are at the noise";
         return;
       }
@@ -563,7 +519,7 @@ class CurveFitter {
     RationalSpansOptions rational;
     rational.optimize.free = *options_.optimize;
     SetUp(rational.optimize, distances);
-    rational.goal = std::max(noise_ > kNoiseToAnchor * ordered_.spacing ? noise_ : 0, Rounding());
+    rational.goal = std::max(near_exact_ ? 0 : noise_, Rounding());
     rational.tolerance = options_.tolerance;
     rational.most_control_points = problem_->unknowns();
     const SplineBasis& basis = problem_->basis_u();
@@ -621,13 +577,7 @@ class CurveFitter {
 
   // Distances at the parameters, across the curve where these are foot points.
   Eigen::VectorXd AtTheirPlaces(const FittingProblem& problem, const Eigen::MatrixXd& net) const {
-    const CurveSamples samples = CurveAt(problem, net, pool_);
-    Eigen::MatrixXd offsets = problem.data().values - samples.points;
-    if (distance_ == CurveDistance::kPoint) offsets = Across(std::move(offsets), samples.tangents);
-    Eigen::VectorXd distances = offsets.colwise().norm().transpose();
-    const Eigen::VectorXd& weights = problem.data().weights;
-    if (weights.size() > 0) distances = (weights.array() > 0).select(distances, 0).eval();
-    return distances;
+    return DistancesAt(problem, net, distance_ == CurveDistance::kPoint, pool_);
   }
 
   CurveFit<Dim> Measure() {
@@ -646,6 +596,12 @@ class CurveFitter {
     fit.report.seconds.project += watch_.Lap();
     fit.report.seconds.total = total_.Lap();
     return fit;
+  }
+
+  // That the noise has: plane points in space are noisy in the plane only.
+  double Directions() const {
+    const int along = distance_ == CurveDistance::kPoint ? 1 : 0;
+    return std::max(1, PointRank(problem_->data().values) - along);
   }
 
   double Rounding() const {
@@ -669,6 +625,7 @@ class CurveFitter {
   double squares_ = 0;                                 // Σ w d² of the solution
   double noise_ = 0;                                   // standard deviation across the curve
   std::vector<double> corners_;                        // their parameters, sharpest first
+  bool near_exact_ = false, sought_as_exact_ = false;  // of the points, and of their corners
   Eigen::VectorXd given_;                              // parameters before any fit
   std::vector<Eigen::Index> anchored_;                 // data at corners
   std::optional<FittingProblem> problem_;

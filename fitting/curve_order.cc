@@ -122,6 +122,12 @@ void PlacePoints(const Places& places, Look& look, ThreadPool& pool) {
   }
 }
 
+[[noreturn]] void RefuseScatter() {
+  throw std::invalid_argument(
+      "no points lie in a row along a curve: they are too few or too far from one another; give "
+      "them in their order");
+}
+
 // Paths are those of the rows, the points that seem to lie along curves; with nodes that stay
 // `radius` apart, in the middle of points of this noise.
 Look LookAt(const Places& places,
@@ -130,6 +136,7 @@ Look LookAt(const Places& places,
             double radius,
             double noise,
             ThreadPool& pool) {
+  if (rows.cols() < 2) RefuseScatter();
   const Eigen::Matrix3Xd nodes = CurveNodes(rows, noise, radius, pool);
   const std::vector<NodePath> paths =
       CurvesAmong(LinkNodes(nodes, std::max(radius, spacing)), nodes);
@@ -408,9 +415,7 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
     result.paths.push_back(PathOf(places, look, g, options, directions));
   }
   if (result.paths.empty()) {
-    throw std::invalid_argument(
-        "no points lie in a row along a curve: they are too few or too far from one another; give "
-        "them in their order");
+    RefuseScatter();
   }
   std::stable_sort(result.paths.begin(), result.paths.end(), [](const auto& a, const auto& b) {
     return a.length > b.length;

@@ -32,8 +32,8 @@ class Corners {
     const RowMeans row = IncreasingRow(ordered_.cloud.points(), ordered_.lengths);
     if (row.parameters.size() < 3) return std::move(found_);
     CornerOptions options;
-    // Of few points what looks like noise is their distance, and their corners.
-    options.noise = row.parameters.size() < kFewPoints ? 0 : ordered_.noise;
+    found_.sought_as_exact = row.parameters.size() < kFewPoints;
+    options.noise = found_.sought_as_exact ? 0 : ordered_.noise;
     options.closed = ordered_.closed;
     options.period = ordered_.length;
     std::vector<CurveCorner> corners = FindCorners(row.points, row.parameters, options);
@@ -105,7 +105,7 @@ class Corners {
   }
 
   void Anchor() {
-    if (ordered_.noise > kNoiseToAnchor * ordered_.spacing) return;
+    if (!FollowsClosely(ordered_)) return;
     for (Eigen::Index k = 0; k < ordered_.parameters.size(); ++k) {
       for (const double corner : found_.parameters) {
         if (std::abs(ordered_.parameters[k] - corner) <= kAtCorner * period_)
@@ -133,6 +133,10 @@ class Corners {
 };
 
 }  // namespace
+
+bool FollowsClosely(const OrderedPoints& ordered) {
+  return ordered.noise <= kNoiseToAnchor * ordered.spacing;
+}
 
 FitCorners CornersForFit(const OrderedPoints& ordered, int degree, int most_control_points) {
   return Corners(ordered, degree, most_control_points).Find();

@@ -14,8 +14,13 @@ struct FitCorners {
   // Points at corners, where points follow the curve closely: each holds its corner. Between sides
   // that hardly part nothing else would.
   std::vector<Eigen::Index> anchored;
+  // So few points that they were taken as exact: what looks like their noise may be their corners.
+  bool sought_as_exact = false;
   Eigen::VectorXd data;  // the points' parameters, moved so that the seam is at the sharpest corner
 };
+
+// Whether points scatter about the curve by far less than they are apart.
+bool FollowsClosely(const OrderedPoints& ordered);
 
 // Corners by curve_corners.h, without those that have hardly a point between them, nor those beyond
 // the sharpest that so many control points allow.

@@ -127,6 +127,10 @@ void Check(const CurveFitOptions& options) {
   if (options.smooth_by != CurveSmoothing::kWeight && options.smoothing) {
     Reject("smoothing is given and to be chosen");
   }
+  if (options.smooth_by != CurveSmoothing::kWeight && options.loss &&
+      *options.loss != Loss::kNone) {
+    Reject("smoothing can't be chosen under a loss");
+  }
   if (options.smooth_by != CurveSmoothing::kWeight && options.tolerance) {
     Reject("smoothing can't be chosen where a tolerance decides");
   }
@@ -165,7 +169,13 @@ template <int Dim>
 std::vector<CurveFit<Dim>> FitCurves(const PointCloud& cloud, const CurveFitOptions& options) {
   Components<Dim> components(cloud, options);
   std::vector<CurveFit<Dim>> fits;
-  for (size_t k = 0; k < components.size(); ++k) fits.push_back(components.Fit(k, false));
+  for (size_t k = 0; k < components.size(); ++k) {
+    try {
+      fits.push_back(components.Fit(k, false));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("component " + std::to_string(k + 1) + ": " + error.what());
+    }
+  }
   return fits;
 }
 

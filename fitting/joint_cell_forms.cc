@@ -138,6 +138,19 @@ void JointCells::FillRow(const Workspace& work,
   for (int j = 0; j < local_knots(); ++j) *next++ = scale * direction.dot(work.knots.col(j));
 }
 
+JointCells::Workspace JointCells::WorkspaceOf(const Cell& cell) const {
+  const int dim = dimension(), f = functions_;
+  Workspace work{cell.span_u,
+                 cell.span_v,
+                 Eigen::VectorXd(f),
+                 Eigen::MatrixXd(dim, f),
+                 Eigen::MatrixXd(dim, f),
+                 Eigen::MatrixXd::Zero(dim, local_knots())};
+  for (int a = 0; a < f; ++a)
+    work.corner.col(a) = shape_.net.col(shape_.ControlPoint(cell.span_u, cell.span_v, a));
+  return work;
+}
+
 // [J r]ᵀ[J r] of the cell's points, fairness, prior and proximal term; its last entry is twice the
 // cost.
 Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
@@ -149,14 +162,7 @@ Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
     if (filled > 0) form.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(filled));
     filled = 0;
   };
-  Workspace work{cell.span_u,
-                 cell.span_v,
-                 Eigen::VectorXd(f),
-                 Eigen::MatrixXd(dim, f),
-                 Eigen::MatrixXd(dim, f),
-                 Eigen::MatrixXd::Zero(dim, local_knots())};
-  for (int a = 0; a < f; ++a)
-    work.corner.col(a) = shape_.net.col(shape_.ControlPoint(cell.span_u, cell.span_v, a));
+  Workspace work = WorkspaceOf(cell);
   double cost = 0;
   Eigen::VectorXd direction(dim);
   for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
@@ -226,14 +232,7 @@ Eigen::MatrixXd JointCells::ProximalForm(const Cell& cell) const {
     if (filled > 0) form.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(filled));
     filled = 0;
   };
-  Workspace work{cell.span_u,
-                 cell.span_v,
-                 Eigen::VectorXd(f),
-                 Eigen::MatrixXd(dim, f),
-                 Eigen::MatrixXd(dim, f),
-                 Eigen::MatrixXd::Zero(dim, local_knots())};
-  for (int a = 0; a < f; ++a)
-    work.corner.col(a) = shape_.net.col(shape_.ControlPoint(cell.span_u, cell.span_v, a));
+  Workspace work = WorkspaceOf(cell);
   for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
     const Eigen::Index k = order_[i];
     Prepare(cell, k, work);

@@ -97,6 +97,7 @@ class JointCells {
     Eigen::Index begin = 0, end = 0;  // its points in order_
   };
   struct Workspace;
+  Workspace WorkspaceOf(const Cell& cell) const;
 
   int local_columns() const;  // with the knots the cell depends on instead of the gaps
   int local_knots() const;    // their number

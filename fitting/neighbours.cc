@@ -29,7 +29,7 @@ struct NeighbourIndex::Tree {
 };
 
 NeighbourIndex::NeighbourIndex(const Eigen::Matrix3Xd& points) : tree_(std::make_unique<Tree>()) {
-  if (points.cols() == 0) throw std::invalid_argument("there are no points left to be neighbours");
+  if (points.cols() == 0) throw std::invalid_argument("NeighbourIndex: no points");
   tree_->centre = points.rowwise().minCoeff() / 2 + points.rowwise().maxCoeff() / 2;
   const double reach = (points.rowwise().maxCoeff() - tree_->centre).maxCoeff();
   tree_->scale = reach > 0 ? std::exp2(std::clamp(-std::ilogb(reach), -1000, 1000)) : 1;

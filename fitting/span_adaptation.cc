@@ -43,26 +43,11 @@ int FeetSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
   return static_cast<int>(std::clamp<Eigen::Index>(affordable, kFeetSteps, kMostFeetSteps));
 }
 
-// Zero for data without weight.
-Eigen::VectorXd DistancesAcross(const FittingProblem& problem,
-                                const Eigen::MatrixXd& coefficients,
-                                bool feet,
-                                ThreadPool& pool) {
-  const CurveSamples samples = CurveAt(problem, coefficients, pool);
-  Eigen::MatrixXd offsets = problem.data().values - samples.points;
-  if (feet) offsets = Across(std::move(offsets), samples.tangents);
-  Eigen::VectorXd distances = offsets.colwise().norm().transpose();
-  const Eigen::VectorXd& weights = problem.data().weights;
-  if (weights.size() > 0) distances = (weights.array() > 0).select(distances, 0).eval();
-  return distances;
-}
-
 double SquaresAcross(const FittingProblem& problem,
                      const Eigen::MatrixXd& coefficients,
                      bool feet,
                      ThreadPool& pool) {
-  const Eigen::ArrayXd squares =
-      DistancesAcross(problem, coefficients, feet, pool).array().square();
+  const Eigen::ArrayXd squares = DistancesAt(problem, coefficients, feet, pool).array().square();
   const Eigen::VectorXd& weights = problem.data().weights;
   return weights.size() > 0 ? (weights.array() * squares).sum() : squares.sum();
 }
@@ -454,7 +439,7 @@ SpanAdaptation RelocatedWithinTolerance(SpanAdaptation adapted,
                                         ThreadPool& pool) {
   const double asked = options.tolerance.value();
   const auto worst = [&](const FittingProblem& problem, const LinearSolution& solution) {
-    return DistancesAcross(problem, solution.coefficients, options.feet, pool).maxCoeff();
+    return DistancesAt(problem, solution.coefficients, options.feet, pool).maxCoeff();
   };
   const Relocation relocation(adapted, options, pool);
   const int spans = adapted.layout.spans();

@@ -49,7 +49,8 @@ SpanAdaptation AdaptSpans(const FittingProblem& problem,
 
 // The same data with fewer knots in better places, where that explains them better for its number
 // of knots: several counts are tried, from even spans and from the adapted ones, each relocated
-// (knot_relocation.h). For noise-thick data; O(spans² · 10) for each of six trials.
+// (knot_relocation.h). For noise-thick data; O(spans² · 10) for each of six trials, twelve where
+// data are few.
 SpanAdaptation RelocatedSpans(SpanAdaptation adapted,
                               const SpanAdaptOptions& options,
                               ThreadPool& pool);
