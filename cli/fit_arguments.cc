@@ -41,11 +41,12 @@ void AddText(CLI::App& command,
 void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
 
 std::optional<Loss> ToLoss(const std::string& word) {
-  CheckChoice("--loss", word, {"auto", "none", "huber", "cauchy", "tukey"});
+  CheckChoice("--loss", word, {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
   if (word == "auto") return std::nullopt;
   if (word == "none") return Loss::kNone;
   if (word == "huber") return Loss::kHuber;
   if (word == "cauchy") return Loss::kCauchy;
+  if (word == "truncated") return Loss::kTruncated;
   return Loss::kTukey;
 }
 

@@ -249,7 +249,8 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
       {"POINTS",
        "N",
        "1e-10",
-       "auto none huber cauchy tukey; auto leaves out points far off their neighbours, and is "
+       "auto none huber cauchy tukey truncated; auto leaves out points far off their neighbours, "
+       "and is "
        "tukey where there are many",
        "Where parameters come from: chord centripetal uniform foley universal given; given is a "
        "column u"});

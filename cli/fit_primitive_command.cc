@@ -55,7 +55,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
       command,
       *a,
       "CLOUD",
-      "auto none huber cauchy tukey; auto is none, any other sets outliers aside");
+      "auto none huber cauchy tukey truncated; auto is none, any other sets outliers aside");
   command
       .add_option(
           "--kind", a->kind, "auto line circle; auto is the simplest that the points do not reject")

@@ -24,7 +24,7 @@ struct Arguments : FitArguments {
 
 // Words of the contract that a later version will understand are told apart from mistakes.
 void CheckChoices(const Arguments& a) {
-  CheckChoice("--base", a.base, {"auto", "plane"}, {"sheet", "revolution", "sphere", "torus"});
+  CheckChoice("--base", a.base, {"auto", "plane", "sheet"}, {"revolution", "sphere", "torus"});
   CheckChoice("--closed", a.closed, {"auto", "none"}, {"u", "v", "uv"});
   CheckChoice("--parameterization", a.parameterization, {"auto", "given"});
   CheckChoice("--trim", a.trim, {"none"}, {"auto"});
@@ -58,6 +58,8 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
   options.optimize = ToFreedom(a.optimize);
+  if (a.base == "plane") options.base = BaseShape::kPlane;
+  if (a.base == "sheet") options.base = BaseShape::kSheet;
   options.given_parameters = a.parameterization == "given";
   options.keep_outliers = a.keep_outliers;
   return WithWork(std::move(options), a);
@@ -94,10 +96,13 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
                   {"CLOUD",
                    "N,M",
                    "1e-4",
-                   "auto none huber cauchy tukey; auto is robust when outliers are found",
+                   "auto none huber cauchy tukey truncated; auto is robust when outliers are found",
                    "Where parameters come from: auto (the base), given (columns u and v)"});
   add("--degree", a->degree, "Degree in u and v: P or P,Q", "P[,Q]");
-  add("--base", a->base, "Shape the parameters come from: auto plane", "BASE");
+  add("--base",
+      a->base,
+      "Shape the parameters come from: auto plane sheet (bent, laid out flat)",
+      "BASE");
   add("--closed", a->closed, "Closed directions: auto none", "CLOSED");
   add("--trim", a->trim, "none: the surface is the whole rectangle around the points", "TRIM");
   add("--normals", a->normals, "auto none", "FROM");
@@ -106,6 +111,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "Examples:\n"
       "  batten fit surface scan.ply -o part.step\n"
       "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.json\n"
+      "  batten fit surface hull.ply -o hull.step --base sheet --residuals off.ply\n"
       "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
       "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
       "off.csv\n"

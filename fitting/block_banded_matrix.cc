@@ -27,6 +27,21 @@ void BlockBandedMatrix::AddToDiagonal(double value) {
   for (int k = 0; k < blocks_; ++k) at(k, 0).diagonal().array() += value;
 }
 
+Eigen::MatrixXd BlockBandedMatrix::Times(const Eigen::MatrixXd& x) const {
+  const int b = block_size_;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(x.rows(), x.cols());
+  for (int row = 0; row < blocks_; ++row) {
+    for (int below = 0; below <= std::min(bandwidth_, row); ++below) {
+      const auto block = at(row, below);
+      const int column = row - below;
+      result.middleRows(row * b, b).noalias() += block * x.middleRows(column * b, b);
+      if (below > 0)
+        result.middleRows(column * b, b).noalias() += block.transpose() * x.middleRows(row * b, b);
+    }
+  }
+  return result;
+}
+
 // Left-looking by block rows: row k of L from the rows above it inside the band.
 bool BlockBandedMatrix::Factor() {
   for (int k = 0; k < blocks_; ++k) {

@@ -29,6 +29,9 @@ class BlockBandedMatrix {
   double Trace() const;
   void AddToDiagonal(double value);
 
+  // A·x, before Factor(). O(blocks · bandwidth · block_size²) a column.
+  Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const;
+
   // Replaces the matrix by its Cholesky factor L, A = L·Lᵀ. Returns whether the matrix was positive
   // definite; if not, the contents are spoilt. O(blocks · bandwidth² · block_size³).
   [[nodiscard]] bool Factor();

@@ -3,23 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
-#include "batten/fitting/fairness.h"
-#include "batten/fitting/normal_equations.h"
+#include "batten/fitting/penalised_system.h"
 
 namespace batten {
 namespace {
 
 constexpr int kExactFreedom = 256;
-constexpr int kProbes = 64;
+constexpr int kMostProbes = 64, kFewestProbes = 16;
+constexpr int kForMostProbes = 1024;  // control points; the more, the fewer probes are as exact
+constexpr Eigen::Index kColumns = 16;
+constexpr double kCancelled = 1e-9;
 constexpr double kLeast = -12, kMost = 9;  // powers of ten
 constexpr double kFinestStep = 0.1;
 
-FittingProblem WithSmoothing(const FittingProblem& problem, double power) {
-  return problem.WithSmoothing(std::pow(10, power));
+Eigen::Index Probes(int unknowns) {
+  return std::clamp(kMostProbes * kForMostProbes / unknowns, kFewestProbes, kMostProbes);
 }
 
 double Points(const FittingProblem& problem) {
@@ -28,62 +31,77 @@ double Points(const FittingProblem& problem) {
                             : static_cast<double>(problem.size());
 }
 
-// A·x for a matrix that is not factored.
-Eigen::MatrixXd Product(const BlockBandedMatrix& matrix, const Eigen::MatrixXd& x) {
-  const int b = matrix.block_size();
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(x.rows(), x.cols());
-  for (int row = 0; row < matrix.blocks(); ++row) {
-    for (int below = 0; below <= std::min(matrix.bandwidth(), row); ++below) {
-      const auto block = matrix.at(row, below);
-      const int column = row - below;
-      result.middleRows(row * b, b) += block * x.middleRows(column * b, b);
-      if (below > 0)
-        result.middleRows(column * b, b) += block.transpose() * x.middleRows(row * b, b);
+// One problem at several smoothings: its data are gathered once.
+class Trials {
+ public:
+  Trials(const FittingProblem& problem, ThreadPool& pool)
+      : problem_(problem), pool_(pool), system_(problem, pool) {
+    const int n = system_.unknowns();
+    if (n > kExactFreedom) {
+      std::mt19937_64 engine(1);
+      probes_ = Eigen::MatrixXd::NullaryExpr(
+          n, Probes(n), [&](Eigen::Index, Eigen::Index) { return engine() % 2 == 0 ? 1.0 : -1.0; });
+      scale_ = 1.0 / static_cast<double>(probes_.cols());
+    } else {
+      probes_ = Eigen::MatrixXd::Identity(n, n);
     }
+    applied_ = system_.Matrix(0, 0).Times(probes_);
   }
-  return result;
-}
+
+  struct Trial {
+    double freedom, residual_squares;
+  };
+  Trial At(double smoothing) const {
+    const PenalisedSystem::Solution solution = system_.Solve(smoothing);
+    Trial trial{Freedom(solution.factor), solution.residual_squares};
+    // Sums of squares lose what is less than this share of them.
+    if (trial.residual_squares < kCancelled * system_.squares())
+      trial.residual_squares =
+          SolveLinear(problem_.WithSmoothing(smoothing), pool_).residual_squares;
+    return trial;
+  }
+
+ private:
+  // In parts of a fixed number of columns, so that threads change nothing.
+  double Freedom(const BlockBandedMatrix& factor) const {
+    const Eigen::Index parts = (probes_.cols() + kColumns - 1) / kColumns;
+    std::vector<double> sums(static_cast<size_t>(parts), 0.0);
+    pool_.For(parts, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t part = begin; part < end; ++part) {
+        const Eigen::Index first = part * kColumns,
+                           count = std::min<Eigen::Index>(kColumns, probes_.cols() - first);
+        Eigen::MatrixXd solved = applied_.middleCols(first, count);
+        factor.Solve(solved);
+        sums[static_cast<size_t>(part)] =
+            probes_.middleCols(first, count).cwiseProduct(solved).sum();
+      }
+    });
+    return scale_ * std::accumulate(sums.begin(), sums.end(), 0.0);
+  }
+
+  const FittingProblem& problem_;
+  ThreadPool& pool_;
+  PenalisedSystem system_;
+  Eigen::MatrixXd probes_, applied_;  // z and Az
+  double scale_ = 1;
+};
 
 }  // namespace
 
 double EffectiveFreedom(const FittingProblem& problem, ThreadPool& pool) {
-  const SplineBasis& outer = problem.basis_u();
-  const SplineBasis* inner = problem.is_curve() ? nullptr : &problem.basis_v();
-  const Eigen::VectorXd u = problem.data().parameters.row(0), v = problem.data().parameters.row(1);
-  const CellOrder order(outer, inner, u, v);
-  const NormalEquations equations(
-      outer, inner, u, v, problem.data().values, problem.data().weights, order, pool);
-  const FairnessForm fairness(outer, inner);
-  BlockBandedMatrix gram = EmptyMatrix(outer, inner), whole = gram;
-  equations.AddTo(gram);
-  equations.AddTo(whole);
-  fairness.AddTo(whole, problem.smoothing() * equations.trace() / fairness.Trace());
-  whole.AddToDiagonal(4 * std::numeric_limits<double>::epsilon() * equations.trace() /
-                      problem.unknowns());
-  const int n = problem.unknowns();
-  if (!whole.Factor()) return n;
-  Eigen::MatrixXd probes = Eigen::MatrixXd::Identity(n, n);
-  double scale = 1;
-  if (n > kExactFreedom) {
-    std::mt19937_64 engine(1);
-    probes = Eigen::MatrixXd::NullaryExpr(
-        n, kProbes, [&](Eigen::Index, Eigen::Index) { return engine() % 2 == 0 ? 1.0 : -1.0; });
-    scale = 1.0 / kProbes;
-  }
-  Eigen::MatrixXd solved = Product(gram, probes);
-  whole.Solve(solved);
-  return scale * probes.cwiseProduct(solved).sum();
+  return Trials(problem, pool).At(problem.smoothing()).freedom;
 }
 
 double SmoothingByCrossValidation(const FittingProblem& problem,
                                   ThreadPool& pool,
                                   const Progress& progress) {
   const double points = Points(problem);
+  const Trials trials(problem, pool);
   const auto score = [&](double power) {
     Report(progress, "solve", (power - kLeast) / (kMost - kLeast));
-    const FittingProblem trial = WithSmoothing(problem, power);
-    const double freedom = std::max(1e-3 * points, points - EffectiveFreedom(trial, pool));
-    return points * SolveLinear(trial, pool).residual_squares / (freedom * freedom);
+    const Trials::Trial trial = trials.At(std::pow(10, power));
+    const double freedom = std::max(1e-3 * points, points - trial.freedom);
+    return points * trial.residual_squares / (freedom * freedom);
   };
   double best = kLeast, least = score(best);
   const auto take = [&](double power) {
@@ -110,12 +128,12 @@ double SmoothingFromNoise(const FittingProblem& problem,
   if (!(noise > 0) || !std::isfinite(noise))
     throw std::invalid_argument("SmoothingFromNoise: the noise must be positive");
   const double points = Points(problem);
+  const Trials trials(problem, pool);
   const auto dimension = static_cast<double>(problem.data().values.rows());
   const auto allowed = [&](double power) {
     Report(progress, "solve", (power - kLeast) / (kMost - kLeast));
-    const FittingProblem trial = WithSmoothing(problem, power);
-    const double freedom = points - EffectiveFreedom(trial, pool);
-    return SolveLinear(trial, pool).residual_squares <= dimension * noise * noise * freedom;
+    const Trials::Trial trial = trials.At(std::pow(10, power));
+    return trial.residual_squares <= dimension * noise * noise * (points - trial.freedom);
   };
   if (!allowed(kLeast)) return std::pow(10, kLeast);
   double good = kLeast, bad = kMost + 1;

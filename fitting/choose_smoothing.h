@@ -9,7 +9,8 @@ namespace batten {
 
 // How many parameters of noise a smoothed solution has: tr((A + λP)⁻¹A), between the dimension of
 // what fairness does not see and the number of control points. Exact up to 256 control points,
-// beyond by 64 random probes of a fixed seed (Hutchinson 1990), to about a hundredth.
+// beyond by 16 to 64 random probes of a fixed seed (Hutchinson 1990), to about a hundredth. O(m)
+// once, and one factorisation.
 double EffectiveFreedom(const FittingProblem& problem, ThreadPool& pool);
 
 // The smoothing of least generalised cross-validation score N·RSS/(N − tr H)², tr H the effective

@@ -17,10 +17,11 @@ struct CloudStatistics {
   // Mean distance of neighbours on the surface, from the radius that holds 16 points: a count of
   // points per area, which near-duplicates do not mislead.
   double spacing = 0;
-  // Standard deviation of the points along the surface normal, from quadrics through neighbours.
+  // Standard deviation of the points along the surface normal, from quadrics through neighbours:
+  // more of them where the noise is no longer small against the spacing, or the nearest are on one
+  // line.
   double noise = 0;
-  // Set where a point stands off the plane of its neighbours by far more than points here do, is
-  // much lonelier than they are, or is one of many scattered points that lie in no surface.
+  // Set where a point stands off the surface of the points around it; see cloud_outliers.h.
   PointMask outliers;
   Eigen::Index outlier_count = 0;
 };

@@ -80,7 +80,7 @@ class CurveFitter {
     FindCorners();
     if (distance_ == CurveDistance::kParameter && !ordered_.closed) {
       FitAtParameters();
-    } else if (options_.smooth_by != CurveSmoothing::kWeight) {
+    } else if (options_.smooth_by != SmoothBy::kWeight) {
       FitSmoothly();
     } else if (options_.control_points) {
       FitWithControlPoints();
@@ -378,7 +378,7 @@ class CurveFitter {
     FittingProblem problem = problem_->WithBasis(layout.Basis());
     for (int pass = 0; pass < 2; ++pass) {
       problem = problem.WithSmoothing(
-          options_.smooth_by == CurveSmoothing::kNoise
+          options_.smooth_by == SmoothBy::kNoise
               ? SmoothingFromNoise(problem,
                                    std::max({ordered_.noise, kAlike * size_, kTiny}),
                                    pool_,

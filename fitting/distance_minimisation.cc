@@ -55,7 +55,8 @@ class Minimiser {
         points_(problem.data().values),
         weights_(problem.data().weights.size() > 0 ? problem.data().weights
                                                    : Eigen::VectorXd::Ones(problem.size()).eval()),
-        fairness_(DerivativeGram(basis_, basis_.degree() == 1 ? 1 : 2)),
+        fairness_(DerivativeGram(basis_,
+                                 EnergyTerms(problem.energy(), basis_.degree(), 0).front().outer)),
         parameters_(problem.data().parameters.row(0).transpose()) {
     const double trace = fairness_.col(0).sum();
     if (problem.smoothing() > 0 && trace > 0) {

@@ -50,33 +50,36 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
   return gram;
 }
 
-FairnessForm::FairnessForm(const SplineBasis& outer, const SplineBasis* inner)
+std::vector<EnergyTerm> EnergyTerms(FairnessEnergy energy, int outer_degree, int inner_degree) {
+  const int wanted = energy == FairnessEnergy::kMembrane    ? 1
+                     : energy == FairnessEnergy::kThinPlate ? 2
+                                                            : 3;
+  if (inner_degree == 0) return {{std::min(wanted, outer_degree), 0, 1}};
+  const int order = std::min({wanted, outer_degree, inner_degree});
+  std::vector<EnergyTerm> terms;
+  double binomial = 1;
+  for (int k = 0; k <= order; ++k) {
+    terms.push_back({order - k, k, binomial});
+    binomial = binomial * (order - k) / (k + 1);
+  }
+  return terms;
+}
+
+FairnessForm::FairnessForm(const SplineBasis& outer,
+                           const SplineBasis* inner,
+                           FairnessEnergy energy)
     : outer_rows_(CoefficientOrder(outer).Rows(outer)), inner_rows_(DistinctIndices(inner)) {
-  const auto term = [&](double factor, int k, int l) {
-    return Term{factor,
-                DerivativeGram(outer, k),
-                inner ? DerivativeGram(*inner, l) : Eigen::MatrixXd::Ones(1, 1)};
-  };
-  if (!inner) {
-    terms_[0] = term(1, std::min(2, outer.degree()), 0);
-    term_count_ = 1;
-  } else if (std::min(outer.degree(), inner->degree()) >= 2) {
-    terms_[0] = term(1, 2, 0);
-    terms_[1] = term(2, 1, 1);
-    terms_[2] = term(1, 0, 2);
-    term_count_ = 3;
-  } else {
-    terms_[0] = term(1, 1, 0);
-    terms_[1] = term(1, 0, 1);
-    term_count_ = 2;
+  for (const EnergyTerm& term : EnergyTerms(energy, outer.degree(), inner ? inner->degree() : 0)) {
+    terms_.push_back({term.factor,
+                      DerivativeGram(outer, term.outer),
+                      inner ? DerivativeGram(*inner, term.inner) : Eigen::MatrixXd::Ones(1, 1)});
   }
 }
 
 void FairnessForm::AddTo(BlockBandedMatrix& matrix, double weight) const {
   const auto outer_size = static_cast<int>(outer_rows_.size()),
              inner_size = static_cast<int>(inner_rows_.size());
-  for (int t = 0; t < term_count_; ++t) {
-    const Term& term = terms_[t];
+  for (const Term& term : terms_) {
     const int reach = static_cast<int>(term.inner.cols()) - 1;
     for (int k = 0; k < outer_size; ++k) {
       for (int below = 0; below < term.outer.cols() && below <= k; ++below) {
@@ -102,8 +105,8 @@ void FairnessForm::AddTo(BlockBandedMatrix& matrix, double weight) const {
 
 double FairnessForm::Trace() const {
   double trace = 0;
-  for (int t = 0; t < term_count_; ++t) {
-    trace += terms_[t].factor * terms_[t].outer.col(0).sum() * terms_[t].inner.col(0).sum();
+  for (const Term& term : terms_) {
+    trace += term.factor * term.outer.col(0).sum() * term.inner.col(0).sum();
   }
   return trace;
 }
@@ -113,8 +116,7 @@ double FairnessForm::Energy(const Eigen::VectorXd& coefficients) const {
   const int inner_size = static_cast<int>(terms_[0].inner.rows());
   const Eigen::Map<const Eigen::MatrixXd> net(coefficients.data(), inner_size, outer_size);
   double energy = 0;
-  for (int t = 0; t < term_count_; ++t) {
-    const Term& term = terms_[t];
+  for (const Term& term : terms_) {
     Eigen::MatrixXd inner_applied = Eigen::MatrixXd::Zero(inner_size, outer_size);
     const int q = static_cast<int>(term.inner.cols()) - 1;
     for (int i = 0; i < inner_size; ++i) {

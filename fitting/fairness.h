@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/fitting/block_banded_matrix.h"
+#include "batten/fitting/fairness_energy.h"
 #include "batten/geometry/spline_basis.h"
 
 namespace batten {
@@ -21,13 +22,15 @@ struct Quadrature {
 // p+1 nodes a span, which is exact.
 Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order);
 
-// The thin-plate energy ∫∫ S_uu² + 2 S_uv² + S_vv² as a quadratic form in the coefficients; where a
-// degree is 1, and second derivatives vanish, the membrane energy ∫∫ S_u² + S_v² instead.
-// Parameters should be lengths, so that both directions weigh the same. Of a curve, without an
-// inner basis (null): ∫ C″², or ∫ C′² at degree 1.
+// A fairness energy as a quadratic form in the coefficients, integrated exactly on the knot spans;
+// of a curve, without an inner basis (null). Where a degree is below the energy's order, the
+// highest order both degrees carry. Parameters should be lengths, so that both directions weigh the
+// same.
 class FairnessForm {
  public:
-  FairnessForm(const SplineBasis& outer, const SplineBasis* inner);
+  FairnessForm(const SplineBasis& outer,
+               const SplineBasis* inner,
+               FairnessEnergy energy = FairnessEnergy::kThinPlate);
 
   // Adds weight times the form to a matrix of EmptyMatrix' sizes and order of rows.
   void AddTo(BlockBandedMatrix& matrix, double weight) const;
@@ -42,8 +45,7 @@ class FairnessForm {
     double factor;
     Eigen::MatrixXd outer, inner;
   };
-  Term terms_[3];
-  int term_count_;
+  std::vector<Term> terms_;
   std::vector<int> outer_rows_, inner_rows_;  // in the matrix
 };
 

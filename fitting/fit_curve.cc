@@ -124,14 +124,13 @@ void Check(const CurveFitOptions& options) {
   if (options.smoothing && !(*options.smoothing >= 0 && std::isfinite(*options.smoothing))) {
     Reject("smoothing must not be negative");
   }
-  if (options.smooth_by != CurveSmoothing::kWeight && options.smoothing) {
+  if (options.smooth_by != SmoothBy::kWeight && options.smoothing) {
     Reject("smoothing is given and to be chosen");
   }
-  if (options.smooth_by != CurveSmoothing::kWeight && options.loss &&
-      *options.loss != Loss::kNone) {
+  if (options.smooth_by != SmoothBy::kWeight && options.loss && *options.loss != Loss::kNone) {
     Reject("smoothing can't be chosen under a loss");
   }
-  if (options.smooth_by != CurveSmoothing::kWeight && options.tolerance) {
+  if (options.smooth_by != SmoothBy::kWeight && options.tolerance) {
     Reject("smoothing can't be chosen where a tolerance decides");
   }
   if (options.loss_scale && !(*options.loss_scale > 0 && std::isfinite(*options.loss_scale))) {
@@ -142,7 +141,7 @@ void Check(const CurveFitOptions& options) {
     Reject("optimize frees the parameters that distance holds every point to");
   }
   if (options.parameterization == CurveParameterization::kGiven) {
-    if (options.smooth_by != CurveSmoothing::kWeight)
+    if (options.smooth_by != SmoothBy::kWeight)
       Reject("smoothing can't be chosen at given parameters");
     if (options.order == PointOrder::kUnordered)
       Reject("parameterization given is an order already; order can't be unordered");

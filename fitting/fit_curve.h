@@ -15,16 +15,10 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/robust_loss.h"
+#include "batten/fitting/smooth_by.h"
 #include "batten/geometry/nurbs_curve.h"
 
 namespace batten {
-
-// Where the weight of fairness comes from.
-enum class CurveSmoothing {
-  kWeight,           // CurveFitOptions::smoothing
-  kCrossValidation,  // choose_smoothing.h
-  kNoise,            // so that the residuals are as large as the noise
-};
 
 struct CurveFitOptions {
   int degree = 3;                                  // 1 … 25
@@ -39,7 +33,7 @@ struct CurveFitOptions {
   CurveDistance distance = CurveDistance::kAuto;   // what is fitted and held to the tolerance
   std::optional<double> smoothing = std::nullopt;  // fairness relative to the data, ≥ 0; 1e-10
   // Fairness from the data in place of that: knots are then more than enough, and smoothing decides
-  CurveSmoothing smooth_by = CurveSmoothing::kWeight;
+  SmoothBy smooth_by = SmoothBy::kWeight;
   // When absent: Tukey's where there are points far off, else none
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> loss_scale =

@@ -65,7 +65,7 @@ struct PrimitiveSummary {
 
 struct GeometrySummary {
   std::string kind;  // "surface" or "curve"
-  std::string base;  // "plane", …; empty in comparisons
+  std::string base;  // "plane", "sheet", …; empty in comparisons
   std::vector<int> degree;
   std::vector<int> control_points;
   bool rational = false;
@@ -73,6 +73,9 @@ struct GeometrySummary {
   int trims = 0;
   int count = 1;  // several curves: control_points and closed have an entry for each
   std::optional<PrimitiveSummary> primitive = std::nullopt;  // where that is what was fitted
+  std::string base_why = {};                                 // this base
+  // Of a surface over its base: the rms of how much lengths differ from those of the parameters.
+  double distortion = 0;
 };
 
 // The joint stage.
@@ -85,7 +88,7 @@ struct OptimizeSummary {
 
 // One round of fitting.
 struct RoundSummary {
-  std::string stage;  // "cross-validation", "robust", "refine", "joint"
+  std::string stage;  // "cross-validation", "block validation", "robust", "refine", "joint"
   int control_points_u = 0, control_points_v = 0;
   double rms = 0, max = 0;
   double score = 0;  // the stage's own criterion; see the documentation of the stage

@@ -13,9 +13,14 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/robust_loss.h"
+#include "batten/fitting/smooth_by.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten {
+
+// Where parameters come from: the plane the points are a height field over, or the bent sheet they
+// lie on laid out flat; whichever serves when nothing is said.
+enum class BaseShape { kAuto, kPlane, kSheet };
 
 struct SurfaceFitOptions {
   int degree_u = 3, degree_v = 3;                  // 1 … 25
@@ -25,11 +30,14 @@ struct SurfaceFitOptions {
   int max_control_points = 20000;  // ≥ (degree_u + 1)(degree_v + 1)
   std::optional<double> smoothing =
       std::nullopt;  // fairness relative to the data, ≥ 0; 1e-4 when absent
+  // Fairness from the data in place of that; without a loss or a tolerance
+  SmoothBy smooth_by = SmoothBy::kWeight;
   std::optional<Loss> loss = std::nullopt;  // robust when outliers are found, when absent
   std::optional<double> loss_scale =
       std::nullopt;  // standard deviation of good points, > 0; estimated
   std::optional<Freedom> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
+  BaseShape base = BaseShape::kAuto;
   bool given_parameters = false;                    // at the cloud's own (u, v) instead of a base's
   bool keep_outliers = false;                       // fit them like any other point
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
@@ -50,12 +58,13 @@ struct SurfaceFit {
 };
 
 // Fits a surface to a cloud without being told anything but the points: outliers set aside, a plane
-// base under the sheet, as many knot cells as cross-validation finds the data to carry, fairness
-// relative to the data, robust reweighting where there are outliers, refinement where a tolerance
-// asks for it, and a joint optimisation of control points and parameters where it pays. Throws
-// std::invalid_argument when the points can't carry a surface (fewer than four, on a line, not a
-// height field over any plane), with a sentence for the user; Cancelled when progress stops it
-// before there is a surface.
+// base under the sheet or the bent sheet laid out flat, as many knot cells as cross-validation
+// finds the data to carry, without the knot lines that do not pay, fairness relative to the data,
+// robust reweighting where there are outliers, refinement where a tolerance asks for it, calm where
+// there are no points, and a joint optimisation of control points and parameters where it pays.
+// Throws std::invalid_argument when the points can't carry a surface (fewer than four, on a line,
+// on two sheets, in several parts, on a shape that is closed or one-sided), with a sentence for the
+// user; Cancelled when progress stops it before there is a surface.
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options = {});
 
 }  // namespace batten

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "batten/fitting/fairness_energy.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -21,8 +22,8 @@ struct FittingData {
 
 // Bases, data and fairness: everything the control points follow from. Minimises
 //   Σ w |S(u_k,v_k) − z_k|² + λ ∫∫ S_uu² + 2 S_uv² + S_vv²,   λ = smoothing · tr(A)/tr(P),
-// A the normal matrix and P the fairness matrix, so that `smoothing` means the same at every number
-// of points and in every unit. A curve has one basis and the energy ∫ C″². Data are shared between
+// or another energy, A the normal matrix and P that of the energy, so that `smoothing` means the
+// same at every number of points and in every unit. A curve has one basis. Data are shared between
 // problems that differ in their bases. Around a periodic basis the shape is closed and as smooth at
 // the seam as elsewhere.
 class FittingProblem {
@@ -43,6 +44,7 @@ class FittingProblem {
   FittingProblem WithWeights(Eigen::VectorXd weights) const;
   FittingProblem WithParameters(Eigen::Matrix2Xd parameters) const;
   FittingProblem WithSmoothing(double smoothing) const;
+  FittingProblem WithEnergy(FairnessEnergy energy) const;  // thin plate unless said
   FittingProblem WithData(std::shared_ptr<const FittingData> data) const;
 
   bool is_curve() const { return !basis_v_; }
@@ -51,6 +53,7 @@ class FittingProblem {
   const FittingData& data() const { return *data_; }
   const std::shared_ptr<const FittingData>& shared_data() const { return data_; }
   double smoothing() const { return smoothing_; }
+  FairnessEnergy energy() const { return energy_; }
   Eigen::Index size() const { return data_->parameters.cols(); }
   int net_size() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
   int unknowns() const;  // control points that differ: periodic bases repeat some
@@ -59,12 +62,14 @@ class FittingProblem {
   FittingProblem(SplineBasis basis_u,
                  std::optional<SplineBasis> basis_v,
                  std::shared_ptr<const FittingData> data,
-                 double smoothing);
+                 double smoothing,
+                 FairnessEnergy energy);
 
   SplineBasis basis_u_;
   std::optional<SplineBasis> basis_v_;
   std::shared_ptr<const FittingData> data_;
   double smoothing_ = 0;
+  FairnessEnergy energy_ = FairnessEnergy::kThinPlate;
 };
 
 struct LinearSolution {

@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
+
+#include "batten/fitting/block_choice.h"
 
 namespace batten {
 namespace {
@@ -16,9 +20,7 @@ constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothin
 constexpr int kFineGrid = 1500;
 constexpr int kRisesToStop = 3;
 constexpr int kCellsAtLeastTried = 8;
-// A control point counts as this many: plain cross-validation takes a few too many by chance.
-// [Kim & Gu 2004]
-constexpr double kFreedomFactor = 1.4;
+constexpr double kBeyondChance = 4;  // standard deviations, for more than a single cell
 
 class Search {
  public:
@@ -61,7 +63,7 @@ class Search {
         problem_.WithBases(FittingBasis(limits_.degree_u, cells_u, bu.lower(), bu.upper()),
                            FittingBasis(limits_.degree_v, cells_v, bv.lower(), bv.upper())),
         pool_);
-    const double freedom = std::max(1.0, points_ - kFreedomFactor * Unknowns(cells_u, cells_v));
+    const double freedom = Freedom(cells_u, cells_v);
     // Below the rounding of exact data, finer grids have nothing left to gain.
     const double squares = std::max(solution.residual_squares, exact_);
     known->second = points_ * squares / (freedom * freedom);
@@ -76,13 +78,32 @@ class Search {
     return known->second;
   }
 
+  double Squares(int cells_u, int cells_v) {
+    const double freedom = Freedom(cells_u, cells_v);
+    return Score(cells_u, cells_v) * freedom * freedom / points_;
+  }
+
   bool Better(std::pair<int, int> b, std::pair<int, int> a) {
     return Score(b.first, b.second) < Score(a.first, a.second);
+  }
+
+  // Whether a grid leaves less than a single cell by more than its control points do by chance: on
+  // noise alone, the squares they take away have their number for a mean and twice that for a
+  // variance.
+  bool BeatsASingleCell(std::pair<int, int> cells) {
+    const double more = Unknowns(cells.first, cells.second) - Unknowns(1, 1);
+    const double left = Squares(cells.first, cells.second);
+    const double variance = left / std::max(1.0, points_ - Unknowns(cells.first, cells.second));
+    return Squares(1, 1) - left > variance * (more + kBeyondChance * std::sqrt(2 * more));
   }
 
   std::vector<RoundSummary> rounds;
 
  private:
+  double Freedom(int cells_u, int cells_v) const {
+    return std::max(1.0, points_ - kFreedomFactor * Unknowns(cells_u, cells_v));
+  }
+
   const FittingProblem& problem_;
   const GridLimits& limits_;
   ThreadPool& pool_;
@@ -103,8 +124,11 @@ SplineBasis FittingBasis(int degree, int cells, double lower, double upper) {
 
 namespace {
 
-// From coarse to fine until the score has risen several times in a row.
-std::pair<int, int> ClimbLadder(Search& search, const Progress& progress) {
+// From coarse to fine until the score has risen several times in a row; `enough` can stop it after
+// a grid that is the best so far.
+std::pair<int, int> ClimbLadder(Search& search,
+                                const std::function<bool(std::pair<int, int>)>& enough,
+                                const Progress& progress) {
   std::pair<int, int> best{1, 1};
   double cells = 1;
   int rises = 0;
@@ -116,7 +140,10 @@ std::pair<int, int> ClimbLadder(Search& search, const Progress& progress) {
     const double score = search.Score(grid.first, grid.second);
     rises = score >= previous ? rises + 1 : 0;
     previous = score;
-    if (search.Better(grid, best)) best = grid;
+    if (search.Better(grid, best)) {
+      best = grid;
+      if (enough(best)) return best;
+    }
     Report(progress, "solve", std::min(0.9, cells / 40));
     if (rises >= kRisesToStop && cells >= kCellsAtLeastTried) return best;
   }
@@ -124,18 +151,10 @@ std::pair<int, int> ClimbLadder(Search& search, const Progress& progress) {
 
 }  // namespace
 
-GridChoice ChooseGrid(const FittingProblem& problem,
-                      const GridLimits& limits,
-                      ThreadPool& pool,
-                      const Progress& progress) {
-  Search search(problem, limits, pool);
-  std::pair<int, int> best{1, 1};
-  if (limits.near_cells_u > 0 && search.Allowed(limits.near_cells_u, limits.near_cells_v)) {
-    best = {limits.near_cells_u, limits.near_cells_v};
-  } else {
-    best = ClimbLadder(search, progress);
-  }
-  // Along each direction alone, then both, with steps that shrink to one cell.
+namespace {
+
+// Along each direction alone, then both, with steps that shrink to one cell.
+std::pair<int, int> Descend(Search& search, std::pair<int, int> best, const Progress& progress) {
   for (bool moved = true; moved;) {
     moved = false;
     for (const double share : {0.2, 0.1, 0.0}) {
@@ -154,7 +173,53 @@ GridChoice ChooseGrid(const FittingProblem& problem,
     }
     Report(progress, "solve", 0.95);
   }
-  return {best.first, best.second, search.Score(best.first, best.second), std::move(search.rounds)};
+  return best;
+}
+
+}  // namespace
+
+GridChoice ChooseGrid(const FittingProblem& problem,
+                      const GridLimits& limits,
+                      ThreadPool& pool,
+                      const Progress& progress) {
+  Search search(problem, limits, pool);
+  const auto coarsened = [&](std::pair<int, int> cells) {
+    if (!limits.blocks) return cells;
+    return CoarsenedByBlocks(
+        problem,
+        limits,
+        cells,
+        [&](std::pair<int, int> c) { return search.Squares(c.first, c.second); },
+        pool,
+        search.rounds,
+        progress);
+  };
+  std::pair<int, int> scored{limits.near_cells_u, limits.near_cells_v}, grid{1, 1};
+  bool settled = false;
+  if (scored.first == 0 || !search.Allowed(scored.first, scored.second)) {
+    // Noise that neighbours share leads up to many thousand control points: blocks are asked on the
+    // way.
+    bool asked = false;
+    const auto follows_noise = [&](std::pair<int, int> cells) {
+      if (asked || search.Unknowns(cells.first, cells.second) < kFineGrid) return false;
+      asked = true;
+      grid = coarsened(cells);
+      return settled = grid != cells;
+    };
+    scored = ClimbLadder(search, follows_noise, progress);
+  }
+  if (!settled) {
+    scored = Descend(search, scored, progress);
+    if (scored != std::pair{1, 1} && !search.BeatsASingleCell(scored)) scored = {1, 1};
+    grid = coarsened(scored);
+  }
+  GridChoice choice;
+  std::tie(choice.cells_u, choice.cells_v) = grid;
+  std::tie(choice.scored_cells_u, choice.scored_cells_v) = scored;
+  choice.blocks_disagree = grid != scored;
+  choice.score = search.Score(grid.first, grid.second);
+  choice.rounds = std::move(search.rounds);
+  return choice;
 }
 
 }  // namespace batten

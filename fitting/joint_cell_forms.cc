@@ -14,37 +14,28 @@ namespace {
 
 constexpr int kBatch = 48;  // rows of a cell that are multiplied at once
 
-// The thin-plate (or membrane) form of one cell, in the functions that live on it.
-Eigen::MatrixXd CellFairness(const SplineBasis& bu, int span_u, const SplineBasis* bv, int span_v) {
+// The fairness form of one cell, in the functions that live on it.
+Eigen::MatrixXd CellFairness(
+    const SplineBasis& bu, int span_u, const SplineBasis* bv, int span_v, FairnessEnergy energy) {
   const int p = bu.degree(), q = bv ? bv->degree() : 0, f = (p + 1) * (q + 1);
-  struct Term {
-    int order_u, order_v;
-    double factor;
-  };
-  std::vector<Term> terms;
-  if (!bv) {
-    terms = {{std::min(2, p), 0, 1.0}};
-  } else if (std::min(p, q) >= 2) {
-    terms = {{2, 0, 1.0}, {1, 1, 2.0}, {0, 2, 1.0}};
-  } else {
-    terms = {{1, 0, 1.0}, {0, 1, 1.0}};
-  }
+  const std::vector<EnergyTerm> terms = EnergyTerms(energy, p, q);
+  const int order = terms.front().outer;
   const Quadrature gu(p + 1), gv(q + 1);
   const double a = bu.knots()[span_u], b = bu.knots()[span_u + 1];
   const double c = bv ? bv->knots()[span_v] : 0, d = bv ? bv->knots()[span_v + 1] : 1;
   Eigen::MatrixXd form = Eigen::MatrixXd::Zero(f, f);
-  std::vector<double> Nu(3 * (p + 1)), Nv(3 * (q + 1), 0.0);
+  std::vector<double> Nu((order + 1) * (p + 1)), Nv((order + 1) * (q + 1), 0.0);
   Nv[0] = 1;
   Eigen::VectorXd row(f);
   for (int i = 0; i <= p; ++i) {
-    bu.Derivatives(span_u, (a + b) / 2 + (b - a) / 2 * gu.nodes[i], 2, Nu.data());
+    bu.Derivatives(span_u, (a + b) / 2 + (b - a) / 2 * gu.nodes[i], order, Nu.data());
     for (int j = 0; j <= q; ++j) {
-      if (bv) bv->Derivatives(span_v, (c + d) / 2 + (d - c) / 2 * gv.nodes[j], 2, Nv.data());
+      if (bv) bv->Derivatives(span_v, (c + d) / 2 + (d - c) / 2 * gv.nodes[j], order, Nv.data());
       const double weight = gu.weights[i] * (b - a) / 2 * (bv ? gv.weights[j] * (d - c) / 2 : 1.0);
-      for (const Term& term : terms) {
+      for (const EnergyTerm& term : terms) {
         for (int r = 0; r <= p; ++r) {
           for (int s = 0; s <= q; ++s) {
-            row[r * (q + 1) + s] = Nu[term.order_u * (p + 1) + r] * Nv[term.order_v * (q + 1) + s];
+            row[r * (q + 1) + s] = Nu[term.outer * (p + 1) + r] * Nv[term.inner * (q + 1) + s];
           }
         }
         form.selfadjointView<Eigen::Lower>().rankUpdate(row, weight * term.factor);
@@ -70,7 +61,7 @@ void JointCells::MakeFairness() {
     cell.fairness =
         fairness_unit_ > 0
             ? Eigen::MatrixXd(fairness_unit_ *
-                              CellFairness(shape_.basis_u, cell.span_u, bv, cell.span_v))
+                              CellFairness(shape_.basis_u, cell.span_u, bv, cell.span_v, energy_))
             : Eigen::MatrixXd();
   }
 }

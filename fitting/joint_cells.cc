@@ -41,6 +41,7 @@ JointCells::JointCells(const FittingProblem& problem,
              weights.size() > 0 ? weights : Eigen::VectorXd::Ones(control_points.cols()).eval()},
       accepted_(shape_),
       functions_(shape_.functions()),
+      energy_(problem.energy()),
       accepted_feet_(data_->parameters),
       residual_noise_(data_->parameters) {
   const Eigen::Index dimension = data_->values.rows();
@@ -76,7 +77,7 @@ JointCells::JointCells(const FittingProblem& problem,
   }
   fairness_unit_ =
       options.fairness * trace /
-      FairnessForm(shape_.basis_u, shape_.basis_v ? &*shape_.basis_v : nullptr).Trace();
+      FairnessForm(shape_.basis_u, shape_.basis_v ? &*shape_.basis_v : nullptr, energy_).Trace();
   MakeCells();
   MakeFairness();
 }

@@ -91,7 +91,7 @@ class JointCells {
  private:
   struct Cell {
     int span_u, span_v;
-    Eigen::MatrixXd fairness;         // thin-plate form in the functions of the cell
+    Eigen::MatrixXd fairness;         // form in the functions of the cell
     Eigen::MatrixXd proximal;         // how far the shape moves, at the accepted state
     double calm = 1;                  // what of the fairness counts
     Eigen::Index begin = 0, end = 0;  // its points in order_
@@ -142,6 +142,7 @@ class JointCells {
   Eigen::MatrixXd net_;
   Eigen::VectorXd log_weights_, accepted_log_weights_, cells_of_block_;
   int functions_;
+  FairnessEnergy energy_;
   double fairness_unit_ = 0, start_squares_ = -1, prior_ = 0, used_damping_ = 0;
   std::vector<Cell> cells_;
   std::vector<Eigen::Index> order_;  // points sorted by cell

@@ -2,11 +2,9 @@
 #include "batten/fitting/knot_costs.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "batten/fitting/coefficient_order.h"
-#include "batten/fitting/fairness.h"
-#include "batten/fitting/normal_equations.h"
+#include "batten/fitting/penalised_system.h"
 
 namespace batten {
 namespace {
@@ -48,17 +46,8 @@ std::vector<double> RemovalCosts(const FittingProblem& problem,
                                  const std::vector<double>& knots,
                                  ThreadPool& pool) {
   const SplineBasis& basis = problem.basis_u();
-  const Eigen::VectorXd u = problem.data().parameters.row(0), v;
-  const CellOrder order(basis, nullptr, u, v);
-  const NormalEquations equations(
-      basis, nullptr, u, v, problem.data().values, problem.data().weights, order, pool);
-  const FairnessForm fairness(basis, nullptr);
-  BlockBandedMatrix matrix = EmptyMatrix(basis, nullptr);
-  equations.AddTo(matrix);
-  if (problem.smoothing() > 0)
-    fairness.AddTo(matrix, problem.smoothing() * equations.trace() / fairness.Trace());
-  matrix.AddToDiagonal(4 * std::numeric_limits<double>::epsilon() * equations.trace() /
-                       problem.unknowns());
+  const PenalisedSystem system(problem, pool);
+  BlockBandedMatrix matrix = system.Matrix(problem.smoothing(), 1);
   std::vector<double> costs(knots.size(), 0.0);
   if (!matrix.Factor()) return costs;
 

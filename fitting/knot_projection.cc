@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "batten/fitting/block_banded_matrix.h"
-#include "batten/fitting/fairness.h"
 #include "batten/fitting/normal_equations.h"
+#include "batten/fitting/penalised_system.h"
 #include "batten/geometry/knot_derivatives.h"
 
 namespace batten {
@@ -44,6 +43,7 @@ KnotProjection::KnotProjection(const FittingProblem& problem)
       v_(problem.data().parameters.row(1)),
       values_(problem.data().values),
       weights_(problem.data().weights),
+      energy_(problem.energy()),
       smoothing_(problem.smoothing()) {
   if (u_.size() == 0) return;
   values_.colwise() -= Eigen::VectorXd(values_.rowwise().mean());
@@ -135,41 +135,33 @@ std::optional<KnotProjection::Solved> KnotProjection::Solve(const MovingKnots& k
   const SplineBasis* inner = !knots.v ? nullptr : u_outside ? &knots.v->basis() : &knots.u.basis();
   const Eigen::VectorXd& outer_parameters = u_outside ? u_ : v_;
   const Eigen::VectorXd& inner_parameters = u_outside ? v_ : u_;
-  CellOrder order(*outer, inner, outer_parameters, inner_parameters);
-  const NormalEquations equations(
-      *outer, inner, outer_parameters, inner_parameters, values_, weights_, order, pool);
-  const double jitter = 4 * std::numeric_limits<double>::epsilon() * equations.trace() /
-                        static_cast<double>(knots.unknowns());
-  BlockBandedMatrix matrix = EmptyMatrix(*outer, inner);
-  equations.AddTo(matrix);
-  matrix.AddToDiagonal(jitter);
-  std::optional<FairnessForm> fairness;
-  double lambda = 0;
-  if (smoothing_ > 0) {
-    fairness.emplace(*outer, inner);
-    lambda = smoothing_ * equations.trace() / fairness->Trace();
-    fairness->AddTo(matrix, lambda);
-  }
+  const PenalisedSystem system(knots.u.basis(),
+                               knots.v ? &knots.v->basis() : nullptr,
+                               u_,
+                               v_,
+                               values_,
+                               weights_,
+                               energy_,
+                               pool);
+  BlockBandedMatrix matrix = system.Matrix(smoothing_, 1);
   if (!matrix.Factor()) return std::nullopt;
-  if (smoothing_ < kFirmSmoothing && !(matrix.SmallestPivot() > kSingularInJitters * jitter))
+  if (smoothing_ < kFirmSmoothing &&
+      !(matrix.SmallestPivot() > kSingularInJitters * system.jitter()))
     return std::nullopt;
-  Eigen::MatrixXd coefficients = equations.rhs();
+  Eigen::MatrixXd coefficients = system.rhs();
   matrix.Solve(coefficients);
   if (!coefficients.allFinite()) return std::nullopt;
 
   // (A + λP)c = b: Φ = zᵀz − cᵀb, of which λ cᵀPc is fairness.
-  double energy = 0;
-  if (fairness) {
-    for (Eigen::Index d = 0; d < coefficients.cols(); ++d)
-      energy += lambda * fairness->Energy(coefficients.col(d));
-  }
-  const double cost = equations.squares() - coefficients.cwiseProduct(equations.rhs()).sum();
+  const double energy =
+      smoothing_ > 0 ? system.Lambda(smoothing_) * system.Roughness(coefficients) : 0;
+  const double cost = system.squares() - coefficients.cwiseProduct(system.rhs()).sum();
   Solved solved{outer,
                 inner,
                 &outer_parameters,
                 &inner_parameters,
                 u_outside,
-                std::move(order),
+                system.order(),
                 std::move(matrix),
                 std::move(coefficients),
                 cost,

@@ -74,6 +74,7 @@ class KnotProjection {
   Eigen::VectorXd u_, v_;
   Eigen::MatrixXd values_;  // d × m, their mean taken off: splines hold constants
   Eigen::VectorXd weights_;
+  FairnessEnergy energy_ = FairnessEnergy::kThinPlate;
   double smoothing_ = 0, squares_ = 0;
 };
 

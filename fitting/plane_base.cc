@@ -15,6 +15,7 @@
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/normals.h"
+#include "batten/fitting/smallest_rectangle.h"
 #include "batten/fitting/statistics.h"
 
 namespace batten {
@@ -145,59 +146,10 @@ bool IsFolded(const Folds& folds, double overlap, double allowed) {
   return folds.sheet > allowed && (folds.plan <= kLayeredShare || overlap > kNoLayers);
 }
 
-// Andrew's monotone chain, counter-clockwise, without the collinear.
-std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
-  });
-  std::vector<Eigen::Vector2d> hull;
-  const auto turn =
-      [](const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-        return (a - o)[0] * (b - o)[1] - (a - o)[1] * (b - o)[0];
-      };
-  for (int pass = 0; pass < 2; ++pass) {
-    const size_t floor = hull.size() + 1;
-    for (const auto& p : points) {
-      while (hull.size() > floor && turn(hull[hull.size() - 2], hull.back(), p) <= 0)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
-struct Rectangle {
-  double area = std::numeric_limits<double>::infinity();
-  Eigen::Vector2d axis = Eigen::Vector2d::UnitX();
-  Eigen::Vector2d low, high;  // extents along the axis and its left normal
-};
-
-Rectangle RectangleAlong(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& axis) {
-  Rectangle r;
-  r.axis = axis;
-  r.low.setConstant(std::numeric_limits<double>::infinity());
-  r.high = -r.low;
-  for (const auto& p : hull) {
-    const Eigen::Vector2d q(p.dot(axis), axis[0] * p[1] - axis[1] * p[0]);
-    r.low = r.low.cwiseMin(q);
-    r.high = r.high.cwiseMax(q);
-  }
-  r.area = (r.high - r.low).prod();
-  return r;
-}
-
-// A side of the smallest rectangle lies on a side of the hull.
-Rectangle SmallestRectangle(const std::vector<Eigen::Vector2d>& hull) {
-  Rectangle best;
-  for (size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector2d side = hull[(i + 1) % hull.size()] - hull[i];
-    if (!(side.norm() > 0)) continue;
-    const Rectangle r = RectangleAlong(hull, side.normalized());
-    if (r.area < best.area) best = r;
-  }
-  const Rectangle parallel = RectangleAlong(hull, Eigen::Vector2d::UnitX());
+// The smallest rectangle, or the one along the axes where that is hardly larger.
+TurnedRectangle RectangleOf(const std::vector<Eigen::Vector2d>& hull) {
+  const TurnedRectangle best = SmallestRectangleAround(hull);
+  const TurnedRectangle parallel = RectangleAlong(hull, Eigen::Vector2d::UnitX());
   return parallel.area <= kParallelIsGoodEnough * best.area ? parallel : best;
 }
 
@@ -316,7 +268,7 @@ PlaneBase BaseAlong(Eigen::Vector3d axis,
   const Eigen::Matrix3Xd local = base.axes.transpose() * (points.colwise() - mean);
   std::vector<Eigen::Vector2d> plan(static_cast<size_t>(local.cols()));
   for (Eigen::Index k = 0; k < local.cols(); ++k) plan[k] = local.col(k).head<2>();
-  const Rectangle r = SmallestRectangle(ConvexHull(std::move(plan)));
+  const TurnedRectangle r = RectangleOf(ConvexHullOf(std::move(plan)));
   if (!(r.area > 0)) {
     throw std::invalid_argument(
         "all points lie on a line: a surface needs points in two directions");

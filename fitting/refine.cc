@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/grid_selection.h"
 #include "batten/fitting/height_field.h"
+#include "batten/fitting/line_removal.h"
 #include "batten/fitting/voids.h"
 
 namespace batten {
@@ -20,9 +22,9 @@ constexpr double kPointsPerControlPoint = 2.1;
 constexpr double kGrowth = 1.25;      // control points a round, at most
 constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait for a later round
 constexpr double kNarrowestInSpacings = 0.65;  // no cell is cut into narrower ones
-constexpr double kFreedomFactor = 1.4;         // as in the choice of the grid
 constexpr int kReweightingRounds = 15;
 constexpr int kMaxRounds = 200;
+constexpr int kMostForVoids = 16;  // times the control points
 
 struct Line {
   bool in_u;
@@ -90,23 +92,49 @@ class Refinement {
 
   // The best bases and weights once more, held within the range of the data where there are none.
   void Calm() {
-    if (!base_) return;
     const auto start = std::chrono::steady_clock::now();
-    const CalmResult calm = SolveCalmly(*best_problem_, {options_.spacing, points_.cols()}, pool_);
+    CalmOptions calm_options;
+    calm_options.spacing = options_.spacing;
+    calm_options.measured = points_.cols();
+    calm_options.most_control_points =
+        std::min(static_cast<int>(limit_), kMostForVoids * best_problem_->unknowns());
+    calm_options.gives_way = false;  // what is within the tolerance stays there
+    const CalmResult calm = SolveCalmly(*best_problem_, calm_options, pool_);
     empty_share_ = calm.empty_share;
     if (calm.places_held == 0) return;
-    problem_ = *best_problem_;
+    problem_ = calm.problem;
     best_.reset();
     Measure("calm", calm.solution, start);
   }
 
  private:
+  NurbsSurface SurfaceOf(const FittingProblem& problem, const LinearSolution& solution) const {
+    const SplineBasis &basis_u = problem.basis_u(), &basis_v = problem.basis_v();
+    return base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
+                 : NurbsSurface(basis_u, basis_v, solution.coefficients);
+  }
+
+  // Knot lines without which the tolerance is kept too go.
+  void RemoveLines() {
+    const auto start = std::chrono::steady_clock::now();
+    const int before = best_problem_->unknowns();
+    const auto kept = [&](const FittingProblem& problem, const LinearSolution& solution) {
+      const Eigen::Matrix2Xd places = problem.data().parameters.leftCols(points_.cols());
+      return DistancesFrom(SurfaceOf(problem, solution), points_, places, pool_)
+                 .distances.cwiseAbs()
+                 .maxCoeff() <= options_.tolerance;
+    };
+    const FittingProblem fewer = WithoutLines(*best_problem_, kept, pool_);
+    if (fewer.unknowns() == before) return;
+    problem_ = fewer;
+    best_.reset();
+    Measure("fewer lines", SolveLinear(problem_, pool_), start);
+  }
+
   Eigen::Index Measure(const char* stage,
                        const LinearSolution& solution,
                        std::chrono::steady_clock::time_point start) {
-    const SplineBasis &basis_u = problem_.basis_u(), &basis_v = problem_.basis_v();
-    NurbsSurface surface = base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
-                                 : NurbsSurface(basis_u, basis_v, solution.coefficients);
+    NurbsSurface surface = SurfaceOf(problem_, solution);
     PointDistances found =
         DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
     distances_ = found.distances;
@@ -178,6 +206,7 @@ class Refinement {
   }
 
   RefineResult Finish(Termination termination) {
+    if (termination == Termination::kToleranceReached) RemoveLines();
     Calm();
     return {std::move(*best_),
             std::move(best_parameters_),

@@ -32,9 +32,9 @@ struct RefineResult {
 // error above half the tolerance is removed per control point added. Never more control points than
 // one for every 2.1 points. When lines are used up, rounds of reweighting trade small errors for
 // points brought within the tolerance. The surface with the fewest points out of tolerance is
-// returned. The problem's values are heights over `base`, `points` its first data in space; data
-// behind those only steady the solution. Without a base (null) the values are the points
-// themselves.
+// returned; where all are within it, without the lines that it does not take. The problem's values
+// are heights over `base`, `points` its first data in space; data behind those only steady the
+// solution. Without a base (null) the values are the points themselves.
 RefineResult RefineToTolerance(const FittingProblem& problem,
                                const PlaneBase* base,
                                const Eigen::Matrix3Xd& points,

@@ -27,8 +27,8 @@ FittingProblem Reweighted(const FittingProblem& problem,
   for (int round = 0; round < kRounds; ++round) {
     Report(options.progress, "solve", static_cast<double>(round) / kRounds);
     Stopwatch watch;
-    // Tukey's loss forgets far points, so it starts only where Huber's has found the bulk.
-    const bool start = round < kStartRounds && options.loss == Loss::kTukey;
+    // A loss that forgets far points starts only where Huber's has found the bulk.
+    const bool start = round < kStartRounds && ForgetsFarPoints(options.loss);
     const Loss loss = start ? Loss::kHuber : options.loss;
     const Eigen::VectorXd residuals = residuals_of(current, SolveLinear(current, pool));
     const double scale = options.loss_scale.value_or(RobustScale(residuals));

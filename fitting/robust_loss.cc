@@ -9,9 +9,12 @@
 namespace batten {
 namespace {
 
-constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTukeyTuning = 4.685;
+constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTukeyTuning = 4.685,
+                 kTruncatedTuning = 2.795;
 
 }  // namespace
+
+bool ForgetsFarPoints(Loss loss) { return loss == Loss::kTukey || loss == Loss::kTruncated; }
 
 double LossValue(Loss loss, double residual, double scale) {
   const double r = std::abs(residual);
@@ -32,6 +35,10 @@ double LossValue(Loss loss, double residual, double scale) {
       if (r >= c) return c * c / 6;
       const double t2 = (r / c) * (r / c);
       return r * r / 2 * (1 - t2 + t2 * t2 / 3);  // c²/6 (1 − (1 − t²)³) without its cancellation
+    }
+    case Loss::kTruncated: {
+      const double c = kTruncatedTuning * scale;
+      return r < c ? r * r / 2 : c * c / 2;
     }
   }
   return r * r / 2;
@@ -55,6 +62,8 @@ double LossWeight(Loss loss, double residual, double scale) {
       const double t = r / (kTukeyTuning * scale);
       return t < 1 ? (1 - t * t) * (1 - t * t) : 0;
     }
+    case Loss::kTruncated:
+      return r < kTruncatedTuning * scale ? 1 : 0;
   }
   return 1;
 }

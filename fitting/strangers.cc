@@ -19,6 +19,39 @@ constexpr int kMostWitnesses = 5;  // that make it structure at any distance
 constexpr double kAlike = 2;       // within this factor of its distance
 constexpr double kFlatTail = 0.6;
 
+// How many of a point's neighbours in the plane are off as it is.
+struct Company {
+  int alike = 0;         // to the same side, within a factor of two
+  int nearly_equal = 0;  // within a quarter
+};
+
+Company CompanyOf(Eigen::Index point,
+                  const NeighbourIndex& index,
+                  const Eigen::Matrix3Xd& plan,
+                  const Eigen::VectorXd& distances) {
+  Company company;
+  for (const int j : index.Nearest(plan.col(point), kWitnesses + 1)) {
+    const double ratio = distances[j] / distances[point];
+    if (j != point && ratio > 1 / kAlike && ratio < kAlike) ++company.alike;
+    if (j != point && ratio > 1 / kNearlyEqual && ratio < kNearlyEqual) ++company.nearly_equal;
+  }
+  return company;
+}
+
+Eigen::Matrix3Xd InPlane(const Eigen::Matrix2Xd& places) {
+  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, places.cols());
+  plan.topRows<2>() = places;
+  return plan;
+}
+
+std::vector<Eigen::Index> Beyond(const Eigen::VectorXd& distances, double limit) {
+  std::vector<Eigen::Index> beyond;
+  for (Eigen::Index k = 0; k < distances.size(); ++k) {
+    if (!(std::abs(distances[k]) <= limit)) beyond.push_back(k);
+  }
+  return beyond;
+}
+
 }  // namespace
 
 double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
@@ -32,6 +65,25 @@ double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
   return std::numeric_limits<double>::infinity();
 }
 
+double LonelyShare(const Eigen::Matrix2Xd& places,
+                   const Eigen::VectorXd& distances,
+                   double limit,
+                   ThreadPool& pool) {
+  const std::vector<Eigen::Index> beyond = Beyond(distances, limit);
+  if (beyond.empty()) return 0;
+  const Eigen::Matrix3Xd plan = InPlane(places);
+  const NeighbourIndex index(plan);
+  std::vector<char> lonely(beyond.size());
+  pool.For(static_cast<std::ptrdiff_t>(beyond.size()),
+           64,
+           [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+             for (std::ptrdiff_t i = begin; i < end; ++i)
+               lonely[i] = CompanyOf(beyond[i], index, plan, distances).alike < kWitnessesNeeded;
+           });
+  return static_cast<double>(std::count(lonely.begin(), lonely.end(), 1)) /
+         static_cast<double>(distances.size());
+}
+
 PointMask CloseEnough(const Eigen::Matrix2Xd& places,
                       const Eigen::VectorXd& distances,
                       double least,
@@ -39,29 +91,19 @@ PointMask CloseEnough(const Eigen::Matrix2Xd& places,
                       ThreadPool& pool) {
   const double limit = StrangersBegin(distances, least);
   const double reach = std::max(limit, kStructureInSpacings * spacing);
-  std::vector<Eigen::Index> doubtful;
-  for (Eigen::Index k = 0; k < distances.size(); ++k) {
-    if (!(std::abs(distances[k]) <= limit)) doubtful.push_back(k);
-  }
+  const std::vector<Eigen::Index> doubtful = Beyond(distances, limit);
   PointMask close = PointMask::Constant(distances.size(), true);
   if (doubtful.empty()) return close;
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, places.cols());
-  plan.topRows<2>() = places;
+  const Eigen::Matrix3Xd plan = InPlane(places);
   const NeighbourIndex index(plan);
   pool.For(static_cast<std::ptrdiff_t>(doubtful.size()),
            64,
            [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
              for (std::ptrdiff_t i = begin; i < end; ++i) {
-               const Eigen::Index k = doubtful[i];
-               const double own = distances[k];
-               int alike = 0, nearly_equal = 0;
-               for (const int j : index.Nearest(plan.col(k), kWitnesses + 1)) {
-                 const double ratio = distances[j] / own;
-                 if (j != k && ratio > 1 / kAlike && ratio < kAlike) ++alike;
-                 if (j != k && ratio > 1 / kNearlyEqual && ratio < kNearlyEqual) ++nearly_equal;
-               }
-               close[k] = nearly_equal >= kMostWitnesses ||
-                          (std::abs(own) <= reach && alike >= kWitnessesNeeded);
+               const Company company = CompanyOf(doubtful[i], index, plan, distances);
+               close[doubtful[i]] =
+                   company.nearly_equal >= kMostWitnesses ||
+                   (std::abs(distances[doubtful[i]]) <= reach && company.alike >= kWitnessesNeeded);
              }
            });
   return close;

@@ -15,14 +15,22 @@ namespace batten {
 // way.
 double StrangersBegin(const Eigen::VectorXd& distances, double limit);
 
+// The share of points that are off by more than the limit while the points around them are not off
+// to the same side by nearly as much: outliers, however their distances are distributed; not
+// structure that the surface has missed.
+double LonelyShare(const Eigen::Matrix2Xd& places,
+                   const Eigen::VectorXd& distances,
+                   double limit,
+                   ThreadPool& pool);
+
 // Which points a surface speaks for, given their signed distances from it and their places in the
-// plane. A point beyond where strangers begin is one where it is alone with its distance among its
-// neighbours, or farther than structure between points could reach (several spacings); where
-// several neighbours are off to the same side by as much, the surface is what is wrong, not the
-// point.
+// plane: those this side of where strangers begin, no nearer than `least`; and beyond it, where the
+// surface is what is wrong, those that several neighbours are off with, to the same side: by nearly
+// as much within the reach of structure between points (several spacings), at any distance by the
+// same.
 PointMask CloseEnough(const Eigen::Matrix2Xd& places,
                       const Eigen::VectorXd& distances,
-                      double limit,
+                      double least,
                       double spacing,
                       ThreadPool& pool);
 

@@ -10,6 +10,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
+#include "batten/fitting/residual_structure.h"
 
 namespace batten {
 namespace {
@@ -19,12 +20,18 @@ constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
 constexpr double kExcessToOptimise = 1.2;  // residual against noise
 constexpr double kExcessToSayNoise = 2;
-constexpr double kExact = 1e-9;  // of the cloud's size: rounding
+constexpr double kFollowsNoise = 0.8;  // residuals against noise: a third of the freedom is gone
+constexpr double kSharedAtMost = 2.5;  // what is greater than so much noise is shape
+constexpr double kStructured = 0.15;   // share of the residuals' variance that is smooth in a cell
+constexpr double kExact = 1e-9;        // of the cloud's size: rounding
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
 
 // Whether the joint stage is to run, and the sentence that says why.
 bool JointStagePays(const SurfaceFitOptions& options,
+                    const SurfaceDraft& draft,
+                    const Eigen::VectorXd& distances,
+                    ThreadPool& pool,
                     double rms,
                     double noise,
                     Eigen::Index points,
@@ -52,8 +59,38 @@ bool JointStagePays(const SurfaceFitOptions& options,
         "gain";
     return false;
   }
+  const bool missed = options.tolerance && distances.cwiseAbs().maxCoeff() > *options.tolerance;
+  const double structured =
+      StructuredShare({draft.parameters, distances, options.seed}, unknowns, pool);
+  if (!missed && rms <= kSharedAtMost * noise &&
+      (draft.noise_is_shared || structured < kStructured)) {
+    summary.why =
+        "residuals exceed the noise of nearest neighbours, but they are no shape that "
+        "could be followed: neighbouring points share their noise";
+    return false;
+  }
   summary.why = "residuals exceed the noise";
   return true;
+}
+
+// Residuals that rounding of the coordinates alone leaves.
+double RoundingOf(const InputSummary& input) {
+  return kExact * (input.box_max - input.box_min).norm();
+}
+
+// What the user asked for against what the noise of the points allows.
+void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
+  const double noise = report.input.noise;
+  if (options.tolerance && *options.tolerance < noise && report.error.out_of_tolerance > 0) {
+    report.warnings.push_back(
+        "the tolerance is below the noise of the points: a surface that kept it would follow the "
+        "noise");
+  }
+  if (options.control_points && report.error.rms < kFollowsNoise * noise) {
+    report.warnings.push_back(
+        "residuals are well below the noise of neighbouring points: so many control points follow "
+        "the noise");
+  }
 }
 
 // The word for how it ended, held against what was measured.
@@ -70,8 +107,10 @@ void JudgeTermination(const SurfaceFitOptions& options,
     }
     return;
   }
-  const double rounding = kExact * (report.input.box_max - report.input.box_min).norm();
-  if (report.error.rms <= std::max(kExcessToSayNoise * report.input.noise, rounding)) return;
+  if (report.error.rms <=
+      std::max(kExcessToSayNoise * report.input.noise, RoundingOf(report.input))) {
+    return;
+  }
   if (options.control_points) {
     termination = Termination::kMaxControlPoints;
     return;
@@ -105,9 +144,13 @@ void OptimiseWhereItPays(SurfaceDraft& draft,
   report.seconds.project += watch.Lap();
   report.optimize.rms_before = report.optimize.rms_after = rms;
   if (report.termination == Termination::kCancelled) return;
-  const double noise = report.input.noise;
+  // Of exact points the noise is rounding, and far below what the surface could mend.
+  const double noise =
+      report.input.noise > 0 ? std::max(report.input.noise, RoundingOf(report.input)) : 0;
   const int unknowns = draft.surface.size_u() * draft.surface.size_v();
-  if (!JointStagePays(options, rms, noise, points, unknowns, report.optimize)) return;
+  if (!JointStagePays(
+          options, draft, before.distances, pool, rms, noise, points, unknowns, report.optimize))
+    return;
   OptimizeOptions optimize;
   if (options.optimize) optimize.free = *options.optimize;
   optimize.loss = draft.robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
@@ -133,12 +176,22 @@ void OptimiseWhereItPays(SurfaceDraft& draft,
   }
   report.iterations.insert(report.iterations.end(), result.rounds.begin(), result.rounds.end());
   if (result.cancelled) report.termination = Termination::kCancelled;
-  draft.surface = NurbsSurface(result.problem.basis_u(),
-                               result.problem.basis_v(),
-                               std::move(result.control_points),
-                               std::move(result.weights));
+  NurbsSurface optimised(result.problem.basis_u(),
+                         result.problem.basis_v(),
+                         std::move(result.control_points),
+                         std::move(result.weights));
   const PointDistances after =
-      DistancesFrom(draft.surface, draft.used.points(), result.problem.data().parameters, pool);
+      DistancesFrom(optimised, draft.used.points(), result.problem.data().parameters, pool);
+  const auto keeps_tolerance = [&](const PointDistances& found) {
+    return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
+  };
+  if (options.tolerance && !options.optimize && keeps_tolerance(before) &&
+      !keeps_tolerance(after)) {
+    report.optimize.why += "; what it found does not keep the tolerance and was not taken";
+    report.seconds.optimize = watch.Lap();
+    return;
+  }
+  draft.surface = std::move(optimised);
   report.optimize.rms_after =
       std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
   report.seconds.optimize = watch.Lap();
@@ -200,6 +253,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
   }
+  WarnOfNoise(options, report);
   JudgeTermination(options, shape, report);
   fit.report = std::move(report);
   return fit;

@@ -14,11 +14,12 @@ namespace batten {
 
 // What a road has found when no stage of its own is left.
 struct SurfaceDraft {
-  NurbsSurface surface;         // in the cloud's local coordinates, parameters in lengths
-  PointCloud used;              // the points that count
-  Eigen::Matrix2Xd parameters;  // of those, to start from
-  Eigen::VectorXd weights;      // of those; empty: ones
-  bool robust = false;          // losses bound residuals
+  NurbsSurface surface;          // in the cloud's local coordinates, parameters in lengths
+  PointCloud used;               // the points that count
+  Eigen::Matrix2Xd parameters;   // of those, to start from
+  Eigen::VectorXd weights;       // of those; empty: ones
+  bool robust = false;           // losses bound residuals
+  bool noise_is_shared = false;  // by neighbours: residuals above the local noise mean nothing
 };
 
 // The distances of the used points' draft, and the joint stage with what is free by the options or,

@@ -1,238 +1,253 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/voids.h"
 
-#include <Eigen/QR>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/statistics.h"
+#include "batten/fitting/penalised_system.h"
+#include "batten/fitting/void_bounds.h"
+#include "batten/fitting/void_map.h"
+#include "batten/geometry/insert_knots.h"
 
 namespace batten {
 namespace {
 
-constexpr double kPlaceInSpacings = 1;
-constexpr double kVoidInSpacings = 3;   // what is empty at this width is a void, not chance
-constexpr int kMostPlaces = 160;        // along a side
-constexpr double kRangeMargin = 0.02;   // of the data's range
-constexpr double kTiltRounding = 1e-6;  // extrapolation magnifies rounding
-constexpr double kUsualSlope = 0.75;    // this share of places is less steep
-constexpr double kSlopeFactor = 1.2;
-constexpr int kSamplesPerCell = 3;
-constexpr int kHoldRounds = 12;
-constexpr double kHold = 0.03;  // the first weight of a held place, against the data's density
-constexpr double kHeavier = 4;
+constexpr int kHalvings = 3;
+constexpr double kHardlySeen = 1e-4;     // of the mean control point
+constexpr double kDisturbance = 0.03;    // of the error that noise makes anyway
+constexpr double kMostSeen = 0.11;       // where data have to give way
+constexpr double kWild = 0.1;            // radii of the bounds …
+constexpr double kWildBeyond = 2;        // … and beyond the outline of a bent sheet
+constexpr int kSteps = 16;               // between the free surface and the membrane
+constexpr double kFillSmoothing = 1e-5;  // of the spline that follows the membrane
+constexpr double kNarrowest = 1;         // spacings: no cell gets narrower
 
-struct PlaceGrid {
-  int nu, nv;
-  double u0, v0, du, dv;
+void RequireSheet(const FittingProblem& problem) {
+  const auto reject = [](const std::string& rule) {
+    throw std::invalid_argument("SolveCalmly: " + rule);
+  };
+  if (problem.is_curve()) reject("the problem is a curve's, not a surface's");
+  if (problem.data().values.rows() != 1 && problem.data().values.rows() != 3)
+    reject("the data's values have neither one row nor three");
+  if (problem.basis_u().periodic() || problem.basis_v().periodic()) reject("a basis is periodic");
+}
 
-  PlaceGrid(const FittingProblem& problem, double side) {
-    const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
-    const double lu = bu.upper() - bu.lower(), lv = bv.upper() - bv.lower();
-    nu = side > 0 ? static_cast<int>(std::clamp(lu / side, 1.0, double{kMostPlaces})) : 1;
-    nv = side > 0 ? static_cast<int>(std::clamp(lv / side, 1.0, double{kMostPlaces})) : 1;
-    u0 = bu.lower();
-    v0 = bv.lower();
-    du = lu / nu;
-    dv = lv / nv;
-  }
-  int Place(double u, double v) const {
-    return std::clamp(static_cast<int>((u - u0) / du), 0, nu - 1) * nv +
-           std::clamp(static_cast<int>((v - v0) / dv), 0, nv - 1);
-  }
+// A net over its problem's bases.
+struct Net {
+  FittingProblem problem;
+  Eigen::MatrixXd coefficients;
 };
 
-double EmptyShare(const Eigen::Matrix2Xd& parameters, const PlaceGrid& grid) {
-  std::vector<bool> occupied(static_cast<size_t>(grid.nu) * grid.nv, false);
-  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
-    occupied[grid.Place(parameters(0, k), parameters(1, k))] = true;
-  }
-  const auto empty = std::count(occupied.begin(), occupied.end(), false);
-  return static_cast<double>(empty) / static_cast<double>(occupied.size());
+// The same surface over more knots.
+Net Refined(const Net& net, const std::vector<double>& in_u, const std::vector<double>& in_v) {
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, net.coefficients.cols());
+  points.topRows(net.coefficients.rows()) = net.coefficients;
+  NurbsSurface surface(net.problem.basis_u(), net.problem.basis_v(), points);
+  if (!in_u.empty()) surface = RefineKnots(surface, Direction::kU, in_u);
+  if (!in_v.empty()) surface = RefineKnots(surface, Direction::kV, in_v);
+  return {net.problem.WithBases(surface.basis_u(), surface.basis_v()),
+          surface.control_points().topRows(net.coefficients.rows())};
 }
 
-// Laplace's equation on the empty places: fixed heights at the others, free at the domain's border.
-Eigen::VectorXd Membrane(const PlaceGrid& grid,
-                         const std::vector<double>& heights,
-                         const std::vector<int>& unknown_of,
-                         int unknowns) {
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(unknowns);
-  const double wu = grid.dv / grid.du, wv = grid.du / grid.dv;
-  for (int i = 0; i < grid.nu; ++i) {
-    for (int j = 0; j < grid.nv; ++j) {
-      const int unknown = unknown_of[i * grid.nv + j];
-      if (unknown < 0) continue;
-      const auto couple = [&](int i2, int j2, double w) {
-        if (i2 < 0 || j2 < 0 || i2 >= grid.nu || j2 >= grid.nv) return;
-        const int other = unknown_of[i2 * grid.nv + j2];
-        entries.emplace_back(unknown, unknown, w);
-        if (other >= 0) {
-          entries.emplace_back(unknown, other, -w);
-        } else {
-          rhs[unknown] += w * heights[i2 * grid.nv + j2];
-        }
-      };
-      couple(i - 1, j, wu);
-      couple(i + 1, j, wu);
-      couple(i, j - 1, wv);
-      couple(i, j + 1, wv);
+// Which control points the data do not see, or hardly: Σ w N² of each against the mean of all.
+std::vector<char> Unseen(const FittingProblem& problem, double hardly) {
+  const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
+  const int p = bu.degree(), q = bv.degree();
+  const FittingData& data = problem.data();
+  Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(bv.size(), bu.size());
+  double Nu[kMaxDegree + 1], Nv[kMaxDegree + 1];
+  for (Eigen::Index k = 0; k < problem.size(); ++k) {
+    const double u = data.parameters(0, k), v = data.parameters(1, k);
+    const double weight = data.weights.size() > 0 ? data.weights[k] : 1.0;
+    const int su = bu.Span(u), sv = bv.Span(v);
+    bu.Values(su, u, Nu);
+    bv.Values(sv, v, Nv);
+    for (int r = 0; r <= p; ++r) {
+      for (int s = 0; s <= q; ++s) {
+        const double N = Nu[r] * Nv[s];
+        seen(sv - q + s, su - p + r) += weight * N * N;
+      }
     }
   }
-  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  return solver.solve(rhs);
+  const double least = hardly * seen.mean();
+  std::vector<char> unseen(static_cast<size_t>(seen.size()));
+  for (Eigen::Index k = 0; k < seen.size(); ++k)
+    unseen[static_cast<size_t>(k)] = seen.data()[k] <= least;
+  return unseen;
 }
 
-// Heights everywhere on a grid a spacing wide: means of the data where there are any, else the
-// membrane.
-std::vector<double> HeightMap(const FittingData& data,
-                              Eigen::Index measured,
-                              const PlaceGrid& grid) {
-  const size_t places = static_cast<size_t>(grid.nu) * grid.nv;
-  std::vector<double> heights(places, 0.0), counts(places, 0.0);
-  for (Eigen::Index k = 0; k < measured; ++k) {
-    const int place = grid.Place(data.parameters(0, k), data.parameters(1, k));
-    heights[place] += data.values(0, k);
-    counts[place] += 1;
-  }
-  std::vector<int> unknown_of(places, -1);
-  int unknowns = 0;
-  for (size_t place = 0; place < places; ++place) {
-    if (counts[place] > 0) {
-      heights[place] /= counts[place];
-    } else {
-      unknown_of[place] = unknowns++;
+class Holding {
+ public:
+  Holding(const VoidMap& map, const std::vector<VoidBounds>& bounds, ThreadPool& pool)
+      : map_(map), bounds_(bounds), pool_(pool) {
+    for (size_t k = 0; k < bounds.size(); ++k) {
+      if (bounds[k].centre.cols() > 0) held_.push_back(k);
     }
   }
-  if (unknowns > 0) {
-    const Eigen::VectorXd membrane = Membrane(grid, heights, unknown_of, unknowns);
-    for (size_t place = 0; place < places; ++place) {
-      if (unknown_of[place] >= 0) heights[place] = membrane[unknown_of[place]];
-    }
-  }
-  return heights;
-}
 
-// The least-squares plane of the measured heights: height at (0,0) and slopes.
-Eigen::Vector3d TiltOf(const FittingData& data, Eigen::Index measured) {
-  Eigen::MatrixXd design(measured, 3);
-  design << Eigen::VectorXd::Ones(measured), data.parameters.leftCols(measured).transpose();
-  return design.colPivHouseholderQr().solve(data.values.row(0).head(measured).transpose());
-}
+  bool any() const { return !held_.empty(); }
 
-// Whether heights keep, everywhere, to a band about the plane that is hardly wider than the data's
-// own. A tilted sheet goes on being tilted where there are no points.
-bool KeepsToTilt(const Eigen::MatrixXd& there,
-                 const Eigen::Matrix2Xd& places,
-                 const FittingData& data,
-                 Eigen::Index measured,
-                 const Eigen::Vector3d& plane) {
-  const auto above = [&](const auto& heights, const auto& parameters) {
-    return (heights.array() - plane[0] - plane[1] * parameters.row(0).array() -
-            plane[2] * parameters.row(1).array())
-        .eval();
+  struct Outcome {
+    Net net;
+    std::vector<size_t> out;      // voids that are not within their bounds
+    std::vector<size_t> changed;  // those drawn to the membrane
+    bool wild = false;            // one is far out
   };
-  const auto own = above(data.values.row(0).head(measured), data.parameters.leftCols(measured));
-  const auto anywhere = above(there.row(0), places);
-  const double rounding = kTiltRounding * data.values.row(0).head(measured).cwiseAbs().maxCoeff();
-  const double margin = kRangeMargin * (own.maxCoeff() - own.minCoeff()) + rounding;
-  return anywhere.minCoeff() >= own.minCoeff() - margin &&
-         anywhere.maxCoeff() <= own.maxCoeff() + margin;
-}
-
-// How far the surface may leave the data's range at every place of the grid: a share of the range,
-// and what the usual slope of the data makes of the way to the nearest place with points. A sloping
-// sheet goes on sloping in the strip around its points; that is not an overshoot.
-std::vector<double> Allowance(const FittingData& data,
-                              Eigen::Index measured,
-                              const PlaceGrid& grid,
-                              double range,
-                              double tilt,
-                              const PlaceGrid& coarse) {
-  const std::vector<double> means = HeightMap(data, measured, coarse);
-  std::vector<double> slopes;
-  for (int i = 0; i < coarse.nu; ++i) {
-    for (int j = 0; j < coarse.nv; ++j) {
-      const double here = means[i * coarse.nv + j];
-      const double du = i + 1 < coarse.nu ? (means[(i + 1) * coarse.nv + j] - here) / coarse.du : 0;
-      const double dv = j + 1 < coarse.nv ? (means[i * coarse.nv + j + 1] - here) / coarse.dv : 0;
-      slopes.push_back(std::hypot(du, dv));
+  Outcome Hold(const Net& free, double hardly) const {
+    const std::vector<int> owner = Owners(free, hardly);
+    Outcome outcome{free, {}, {}, false};
+    const Eigen::MatrixXd filled = Fill(free, owner);
+    for (const size_t hole : held_) {
+      const std::vector<int>& places = map_.voids()[hole].places;
+      const Eigen::MatrixXd from = AtPlaces(free.problem, free.coefficients, map_, places, pool_);
+      const Eigen::MatrixXd to = AtPlaces(free.problem, filled, map_, places, pool_);
+      double share = 0, least = bounds_[hole].Excess(from);
+      for (int step = 1; step <= kSteps && least > 0; ++step) {
+        const double t = static_cast<double>(step) / kSteps;
+        const double excess = bounds_[hole].Excess((1 - t) * from + t * to);
+        if (excess >= least) continue;
+        least = excess;
+        share = t;
+      }
+      if (least > bounds_[hole].slack) outcome.out.push_back(hole);
+      // The outline of a bent sheet is worth more than what lies beyond.
+      const bool beyond = filled.rows() == 3 && map_.voids()[hole].at_border;
+      outcome.wild |= least > (beyond ? kWildBeyond : kWild) * bounds_[hole].radius.maxCoeff();
+      if (share == 0) continue;
+      outcome.changed.push_back(hole);
+      for (Eigen::Index k = 0; k < filled.cols(); ++k) {
+        if (owner[static_cast<size_t>(k)] != static_cast<int>(hole)) continue;
+        outcome.net.coefficients.col(k) =
+            (1 - share) * free.coefficients.col(k) + share * filled.col(k);
+      }
     }
+    return outcome;
   }
-  const double slope = kSlopeFactor * std::max(Quantile(std::move(slopes), kUsualSlope), tilt);
-  // Steps to the nearest occupied place, by sweeps of a chamfer in both diagonal directions.
-  const int far = grid.nu + grid.nv;
-  std::vector<int> steps(static_cast<size_t>(grid.nu) * grid.nv, far);
-  for (Eigen::Index k = 0; k < measured; ++k) {
-    steps[grid.Place(data.parameters(0, k), data.parameters(1, k))] = 0;
+
+  // Halves the cells across the voids that are out; nothing where that is not possible.
+  // Only across voids with data all around: what lies beyond the outline is not worth a knot.
+  Net Halved(const Net& net,
+             std::vector<size_t> out,
+             double narrowest,
+             int most_control_points) const {
+    std::erase_if(out, [&](size_t hole) { return map_.voids()[hole].at_border; });
+    std::vector<double> in_u, in_v;
+    for (const bool along_u : {true, false}) {
+      const SplineBasis& basis = along_u ? net.problem.basis_u() : net.problem.basis_v();
+      std::vector<double>& knots = along_u ? in_u : in_v;
+      for (const int span : basis.Spans()) {
+        const double a = basis.knots()[static_cast<size_t>(span)],
+                     b = basis.knots()[static_cast<size_t>(span) + 1];
+        if ((b - a) / 2 < narrowest) continue;
+        const bool crosses = std::any_of(out.begin(), out.end(), [&](size_t hole) {
+          const auto [low, high] = Extent(map_.voids()[hole], along_u ? 0 : 1);
+          return low < b && high > a;
+        });
+        if (crosses) knots.push_back((a + b) / 2);
+      }
+    }
+    const double size = (net.problem.basis_u().size() + static_cast<double>(in_u.size())) *
+                        (net.problem.basis_v().size() + static_cast<double>(in_v.size()));
+    if (size > most_control_points || in_u.size() + in_v.size() == 0) return net;
+    return Refined(net, in_u, in_v);
   }
-  for (const int way : {1, -1}) {
-    for (int a = 0; a < grid.nu; ++a) {
-      for (int b = 0; b < grid.nv; ++b) {
-        const int i = way > 0 ? a : grid.nu - 1 - a, j = way > 0 ? b : grid.nv - 1 - b;
-        int& here = steps[i * grid.nv + j];
-        for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
-          const int i2 = i - way * di, j2 = j - way * dj;
-          if (i2 < 0 || j2 < 0 || i2 >= grid.nu || j2 >= grid.nv) continue;
-          here = std::min(here, steps[i2 * grid.nv + j2] + 1);
+
+ private:
+  std::pair<double, double> Extent(const DomainVoid& hole, int coordinate) const {
+    double low = map_.Centre(hole.places.front())[coordinate], high = low;
+    for (const int place : hole.places) {
+      low = std::min(low, map_.Centre(place)[coordinate]);
+      high = std::max(high, map_.Centre(place)[coordinate]);
+    }
+    return {low, high};
+  }
+
+  // The held void that each control point without data lies in, or −1.
+  std::vector<int> Owners(const Net& net, double hardly) const {
+    const SplineBasis &bu = net.problem.basis_u(), &bv = net.problem.basis_v();
+    const std::vector<char> unseen = Unseen(net.problem, hardly);
+    std::vector<int> owner(unseen.size(), -1);
+    for (int i = 0; i < bu.size(); ++i) {
+      for (int j = 0; j < bv.size(); ++j) {
+        const auto k = static_cast<size_t>(i * bv.size() + j);
+        if (!unseen[k]) continue;
+        const int hole = map_.VoidAt({bu.Greville(i), bv.Greville(j)});
+        if (hole >= 0 && bounds_[static_cast<size_t>(hole)].centre.cols() > 0) owner[k] = hole;
+      }
+    }
+    return owner;
+  }
+
+  // The net whose control points inside held voids follow the membranes there; the others stay.
+  Eigen::MatrixXd Fill(const Net& net, const std::vector<int>& owner) const {
+    auto data = std::make_shared<FittingData>();
+    Eigen::Index count = 0;
+    for (const size_t hole : held_) count += bounds_[hole].fill.cols();
+    data->parameters.resize(2, count);
+    data->values.resize(net.coefficients.rows(), count);
+    Eigen::Index to = 0;
+    for (const size_t hole : held_) {
+      data->values.middleCols(to, bounds_[hole].fill.cols()) = bounds_[hole].fill;
+      for (const int place : map_.voids()[hole].places)
+        data->parameters.col(to++) = map_.Centre(place);
+    }
+    const PenalisedSystem system(net.problem.WithData(std::move(data)), pool_);
+    BlockBandedMatrix matrix = system.Matrix(kFillSmoothing, 1);
+    std::vector<char> fixed(static_cast<size_t>(system.unknowns()), 0);
+    Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(system.unknowns(), net.coefficients.rows());
+    for (size_t k = 0; k < owner.size(); ++k) {
+      if (owner[k] >= 0) continue;
+      const Eigen::Index row = system.RowOf(static_cast<Eigen::Index>(k));
+      fixed[static_cast<size_t>(row)] = 1;
+      kept.row(row) = net.coefficients.col(static_cast<Eigen::Index>(k)).transpose();
+    }
+    Eigen::MatrixXd rows = system.rhs() - matrix.Times(kept);
+    const double unit = matrix.Trace() / system.unknowns();
+    FixRows(matrix, fixed, unit);
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      if (fixed[static_cast<size_t>(row)]) rows.row(row) = unit * kept.row(row);
+    }
+    if (!matrix.Factor()) return net.coefficients;
+    matrix.Solve(rows);
+    Eigen::MatrixXd filled = system.Net(rows);
+    for (Eigen::Index k = 0; k < filled.cols(); ++k) {
+      if (owner[static_cast<size_t>(k)] < 0) filled.col(k) = net.coefficients.col(k);
+    }
+    return filled.allFinite() ? filled : net.coefficients;
+  }
+
+  // Rows and columns of fixed unknowns become those of the identity, times a unit.
+  static void FixRows(BlockBandedMatrix& matrix, const std::vector<char>& fixed, double unit) {
+    const int b = matrix.block_size();
+    for (int row = 0; row < matrix.blocks(); ++row) {
+      for (int below = 0; below <= std::min(matrix.bandwidth(), row); ++below) {
+        auto block = matrix.at(row, below);
+        for (int a = 0; a < b; ++a) {
+          if (fixed[static_cast<size_t>(row * b + a)]) block.row(a).setZero();
+          if (fixed[static_cast<size_t>((row - below) * b + a)]) block.col(a).setZero();
+        }
+        for (int a = 0; below == 0 && a < b; ++a) {
+          if (fixed[static_cast<size_t>(row * b + a)]) block(a, a) = unit;
         }
       }
     }
   }
-  std::vector<double> allowance(steps.size(), kRangeMargin * range);
-  for (int i = 0; i < grid.nu; ++i) {
-    for (int j = 0; j < grid.nv; ++j) {
-      const bool border = i == 0 || j == 0 || i == grid.nu - 1 || j == grid.nv - 1;
-      const int count = steps[i * grid.nv + j];
-      if (border && count <= 1) {
-        allowance[i * grid.nv + j] += slope * std::hypot(grid.du, grid.dv) * (count + 0.5);
-      }
-    }
-  }
-  return allowance;
-}
 
-// Parameters that cut every knot cell in three.
-std::vector<double> Samples(const SplineBasis& basis) {
-  std::vector<double> samples;
-  for (const int span : basis.Spans()) {
-    const double a = basis.knots()[span], b = basis.knots()[span + 1];
-    for (int k = 0; k < kSamplesPerCell; ++k) samples.push_back(a + (b - a) * k / kSamplesPerCell);
-  }
-  samples.push_back(basis.upper());
-  return samples;
-}
+  const VoidMap& map_;
+  const std::vector<VoidBounds>& bounds_;
+  ThreadPool& pool_;
+  std::vector<size_t> held_;
+};
 
-FittingProblem WithHolds(const FittingProblem& problem,
-                         const Eigen::Matrix2Xd& places,
-                         const std::vector<double>& heights,
-                         const std::vector<double>& weights) {
-  std::vector<Eigen::Index> held;
-  for (size_t k = 0; k < weights.size(); ++k) {
-    if (weights[k] > 0) held.push_back(static_cast<Eigen::Index>(k));
-  }
-  const FittingData& given = problem.data();
-  const Eigen::Index m = problem.size(), extra = static_cast<Eigen::Index>(held.size());
-  auto data = std::make_shared<FittingData>();
-  data->parameters.resize(2, m + extra);
-  data->values.resize(1, m + extra);
-  data->weights.resize(m + extra);
-  data->parameters.leftCols(m) = given.parameters;
-  data->values.leftCols(m) = given.values;
-  data->weights.head(m) =
-      given.weights.size() > 0 ? given.weights : Eigen::VectorXd::Ones(m).eval();
-  for (Eigen::Index k = 0; k < extra; ++k) {
-    data->parameters.col(m + k) = places.col(held[k]);
-    data->values(0, m + k) = heights[held[k]];
-    data->weights[m + k] = weights[held[k]];
-  }
-  return FittingProblem(problem.basis_u(), problem.basis_v(), std::move(data), problem.smoothing());
+double SumOfSquares(const FittingProblem& problem, const Eigen::MatrixXd& errors) {
+  const Eigen::VectorXd squares = errors.colwise().squaredNorm();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
 }
 
 }  // namespace
@@ -240,59 +255,54 @@ FittingProblem WithHolds(const FittingProblem& problem,
 CalmResult SolveCalmly(const FittingProblem& problem,
                        const CalmOptions& options,
                        ThreadPool& pool) {
-  const FittingData& data = problem.data();
+  RequireSheet(problem);
   CalmResult result{problem, SolveLinear(problem, pool)};
-  result.empty_share = EmptyShare(data.parameters.leftCols(options.measured),
-                                  PlaceGrid(problem, kVoidInSpacings * options.spacing));
-  const auto measured = data.values.row(0).head(options.measured);
-  const double low = measured.minCoeff(), high = measured.maxCoeff();
-  const Eigen::Vector3d plane = TiltOf(data, options.measured);
-  const PlaceGrid grid(problem, kPlaceInSpacings * options.spacing);
-  const std::vector<double> allowance =
-      Allowance(data,
-                options.measured,
-                grid,
-                high - low,
-                plane.tail<2>().norm(),
-                PlaceGrid(problem, kVoidInSpacings * options.spacing));
+  const VoidMap map(problem, options.measured, options.spacing);
+  result.empty_share = map.void_share();
+  const std::vector<VoidBounds> bounds =
+      BoundsOfVoids(problem, result.solution, map, options.measured, pool);
+  const Holding holding(map, bounds, pool);
+  if (!holding.any()) return result;
 
-  const std::vector<double> in_u = Samples(problem.basis_u()), in_v = Samples(problem.basis_v());
-  auto samples = std::make_shared<FittingData>();
-  samples->parameters.resize(2, static_cast<Eigen::Index>(in_u.size() * in_v.size()));
-  Eigen::Index count = 0;
-  for (const double u : in_u) {
-    for (const double v : in_v) samples->parameters.col(count++) << u, v;
-  }
-  samples->values = Eigen::MatrixXd::Zero(1, count);
-  const Eigen::Matrix2Xd places = samples->parameters;
-  const FittingProblem everywhere(problem.basis_u(), problem.basis_v(), std::move(samples), 0);
-
-  const double mean_weight =
-      data.weights.size() > 0 ? data.weights.head(options.measured).mean() : 1.0;
-  const double density =
-      mean_weight * static_cast<double>(options.measured) / static_cast<double>(count);
-  std::vector<double> holds(static_cast<size_t>(count), 0.0), heights;
-  for (int round = 0; round < kHoldRounds; ++round) {
-    const Eigen::MatrixXd there = EvaluateAt(everywhere, result.solution.coefficients, pool);
-    if (round == 0 && KeepsToTilt(there, places, data, options.measured, plane)) break;
-    bool left = false;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const double margin = allowance[grid.Place(places(0, k), places(1, k))];
-      if (there(0, k) >= low - margin && there(0, k) <= high + margin) continue;
-      left = true;
-      holds[k] = holds[k] > 0 ? kHeavier * holds[k] : kHold * density;
+  // A small share of what noise makes of the control points: σ² for each of them.
+  const double budget = kDisturbance * result.solution.residual_squares * problem.unknowns() /
+                        static_cast<double>(problem.size());
+  const Eigen::MatrixXd before = EvaluateAt(problem, result.solution.coefficients, pool);
+  const auto at_data = [&](const Net& net) {
+    return EvaluateAt(net.problem, net.coefficients, pool);
+  };
+  Net net{problem, result.solution.coefficients};
+  Holding::Outcome outcome = holding.Hold(net, kHardlySeen);
+  for (int halving = 0;; ++halving) {
+    const bool disturbed = SumOfSquares(problem, at_data(outcome.net) - before) > budget;
+    if (!disturbed && outcome.out.empty()) break;
+    Net halved = halving == kHalvings ? net
+                                      : holding.Halved(net,
+                                                       disturbed ? outcome.changed : outcome.out,
+                                                       kNarrowest * options.spacing,
+                                                       options.most_control_points);
+    if (halved.coefficients.cols() == net.coefficients.cols()) {
+      if (disturbed) outcome = holding.Hold(net, 0);
+      // Better some error at the rim than a wild surface.
+      for (double hardly = 10 * kHardlySeen;
+           options.gives_way && outcome.wild && hardly <= kMostSeen;
+           hardly *= 10) {
+        outcome = holding.Hold(net, hardly);
+      }
+      break;
     }
-    if (!left) break;
-    if (heights.empty()) {
-      const std::vector<double> map = HeightMap(data, options.measured, grid);
-      heights.resize(static_cast<size_t>(count));
-      for (Eigen::Index k = 0; k < count; ++k)
-        heights[k] = map[grid.Place(places(0, k), places(1, k))];
-    }
-    result.problem = WithHolds(problem, places, heights, holds);
-    result.solution = SolveLinear(result.problem, pool);
+    net = std::move(halved);
+    outcome = holding.Hold(net, kHardlySeen);
   }
-  result.places_held = std::count_if(holds.begin(), holds.end(), [](double h) { return h > 0; });
+  if (outcome.changed.empty()) return result;
+  result.solution.residual_squares =
+      SumOfSquares(problem, at_data(outcome.net) - problem.data().values);
+  result.problem = outcome.net.problem;
+  result.solution.coefficients = std::move(outcome.net.coefficients);
+  for (const size_t hole : outcome.changed) {
+    ++result.voids_held;
+    result.places_held += static_cast<Eigen::Index>(map.voids()[hole].places.size());
+  }
   return result;
 }
 

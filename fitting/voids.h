@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeping a height field calm where there are no points.
+// Keeping a surface calm where there are no points.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,24 +9,38 @@
 namespace batten {
 
 struct CalmOptions {
-  double spacing = 0;         // of the points: width of the grid that tells where there are any
-  Eigen::Index measured = 0;  // how many of the problem's data are measured points, first
+  double spacing = 0;  // of the points, in parameters: what is empty at three of it is a void
+  Eigen::Index measured = 0;        // how many of the problem's data are measured points, first
+  int most_control_points = 20000;  // no knots are added beyond; 0: none at all
+  bool gives_way = true;  // data at a rim may be missed where the surface would be wild otherwise
 };
 
 struct CalmResult {
-  FittingProblem problem;  // with what had to be added
-  LinearSolution solution;
-  double empty_share = 0;        // of the domain, at three spacings' width
-  Eigen::Index places_held = 0;  // where the surface had to be held back
+  FittingProblem problem;   // the given data, over the given bases and the knots that were added
+  LinearSolution solution;  // over those bases
+  double empty_share = 0;   // of the domain
+  int voids_held = 0;       // how many voids had to be held back
+  Eigen::Index places_held = 0;  // how much of the domain that is, in places a spacing wide
 };
 
-// Solves, and holds the height field within the range of the measured heights (a fiftieth
-// more; along the border of the domain also what the usual slope makes of the strip around the
-// points), or within a band about the plane of the data as narrow as theirs, all over its domain:
-// where it leaves it, heights of a membrane stretched between the data are added as further data,
-// heavier until they hold, and the problem is solved again. By the maximum principle a membrane
-// never leaves the range of what it is fixed to. Where the surface keeps the range by itself,
-// nothing is added.
+// Solves, and holds the surface back in voids wider than a knot cell where it leaves what
+// surrounds them. Of heights (one row of values): inside a void surrounded by data, the range
+// along its rim and 8 % of that; where the void reaches the domain's border, what the slope at
+// the rim makes of the way besides, within the range of all data and 3 % more, or, of data that
+// are mostly tilt, their band about their plane. Of points (three rows): the difference to a
+// coarse fit may be what it is at the rim, a tenth more, and what its slope there makes of the
+// way (of half of it where data are all around); turning and moving the points turns and moves
+// the result. The noise is granted besides.
+//
+// Held is drawn towards the membrane stretched over the rim, as far as needed; by the maximum
+// principle it never leaves the range of the rim. Only control points that data do not see, or
+// hardly, are changed: where there are data the surface moves by less than a fifth of what noise
+// makes of it (rms); by more only where it would shoot out otherwise. Where the cells are too
+// wide for it to turn inside the void, those across the void are halved, three times at most and
+// not below the spacing. What keeps calm by itself is returned bit by bit as SolveLinear returns
+// it.
+//
+// Rows of values: 1 or 3. Throws std::invalid_argument for others, curves and periodic bases.
 CalmResult SolveCalmly(const FittingProblem& problem, const CalmOptions& options, ThreadPool& pool);
 
 }  // namespace batten

@@ -58,6 +58,10 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
                {"closed", geometry.closed},
                {"trims", geometry.trims},
                {"file", file}};
+  if (!geometry.base_why.empty()) {
+    json["base_why"] = geometry.base_why;
+    json["distortion"] = Number(geometry.distortion);
+  }
   if (geometry.primitive) json["primitive"] = Primitive(*geometry.primitive);
   return json;
 }

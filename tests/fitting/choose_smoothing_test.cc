@@ -9,6 +9,8 @@
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "batten/fitting/fit_curve.h"
 #include "tolerances.h"
@@ -121,6 +123,80 @@ TEST(SmoothingFromNoiseTest, LeavesAsMuchAsTheNoise) {
   EXPECT_THROW(SmoothingFromNoise(problem, 0, pool), std::invalid_argument);
 }
 
+// A bump over far more control points than it needs, over random places.
+FittingProblem Bump(int count, int size_u, int size_v, double sigma, unsigned seed, int rows = 1) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> noise(0, sigma);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  auto data = std::make_shared<FittingData>();
+  data->parameters.resize(2, count);
+  data->values.resize(rows, count);
+  for (int k = 0; k < count; ++k) {
+    const double u = uniform(engine), v = uniform(engine);
+    data->parameters.col(k) << u, v;
+    const Eigen::Vector3d at(std::exp(-9 * (u * u + v * v)) + std::sin(4 * v), u, v);
+    for (int d = 0; d < rows; ++d) data->values(d, k) = at[d] + noise(engine);
+  }
+  return FittingProblem(SplineBasis::Uniform(3, size_u, 0, 1),
+                        SplineBasis::Uniform(3, size_v, 0, 1),
+                        std::move(data),
+                        1e-6);
+}
+
+double OffTheBump(const FittingProblem& problem, ThreadPool& pool) {
+  const Eigen::MatrixXd at = EvaluateAt(problem, SolveLinear(problem, pool).coefficients, pool);
+  double squares = 0;
+  for (Eigen::Index k = 0; k < at.cols(); ++k) {
+    const double u = problem.data().parameters(0, k), v = problem.data().parameters(1, k);
+    squares += std::pow(at(0, k) - std::exp(-9 * (u * u + v * v)) - std::sin(4 * v), 2);
+  }
+  return std::sqrt(squares / static_cast<double>(at.cols()));
+}
+
+TEST(EffectiveFreedomTest, OfASurfaceIsTheTraceOfTheSmoother) {
+  ThreadPool pool(1);
+  for (const auto& [nu, nv] : {std::pair{9, 7}, {6, 12}}) {
+    const FittingProblem problem = Bump(150, nu, nv, 0.1, 7);
+    for (const double smoothing : {1e-6, 1e-3, 1.0}) {
+      const FittingProblem smooth = problem.WithSmoothing(smoothing);
+      EXPECT_NEAR(EffectiveFreedom(smooth, pool), TraceByColumns(smooth, pool), kHalfDigits * 80);
+    }
+  }
+}
+
+TEST(EffectiveFreedomTest, FallsToWhatTheEnergyDoesNotSee) {
+  ThreadPool pool(1);
+  const FittingProblem problem = Bump(600, 10, 12, 0.1, 8).WithSmoothing(1e9);
+  // Constants; planes; quadratics in u and v. What rounding adds to 1e9 of a singular matrix takes
+  // a little of them.
+  EXPECT_NEAR(EffectiveFreedom(problem.WithEnergy(FairnessEnergy::kMembrane), pool), 1, 0.1);
+  EXPECT_NEAR(EffectiveFreedom(problem.WithEnergy(FairnessEnergy::kThinPlate), pool), 3, 0.1);
+  EXPECT_NEAR(EffectiveFreedom(problem.WithEnergy(FairnessEnergy::kThirdOrder), pool), 6, 0.1);
+}
+
+TEST(SmoothingByCrossValidationTest, OfASurfaceComesNearTheBestThatTheTruthWouldChoose) {
+  ThreadPool pool(1);
+  for (const FairnessEnergy energy : {FairnessEnergy::kThinPlate, FairnessEnergy::kThirdOrder}) {
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const FittingProblem problem = Bump(1500, 22, 18, 0.1, seed).WithEnergy(energy);
+      double best = 1e9;
+      for (double power = -9; power <= 4; power += 0.5)
+        best = std::min(best, OffTheBump(problem.WithSmoothing(std::pow(10, power)), pool));
+      const double smoothing = SmoothingByCrossValidation(problem, pool);
+      EXPECT_LT(OffTheBump(problem.WithSmoothing(smoothing), pool), 1.2 * best);
+      EXPECT_GT(OffTheBump(problem.WithSmoothing(1e-12), pool), 1.5 * best);  // it matters
+    }
+  }
+}
+
+TEST(SmoothingByCrossValidationTest, IsTheSameOnEveryNumberOfThreads) {
+  ThreadPool one(1), three(3);
+  const FittingProblem problem = Bump(1500, 22, 18, 0.1, 3);
+  EXPECT_EQ(SmoothingByCrossValidation(problem, three), SmoothingByCrossValidation(problem, one));
+  EXPECT_EQ(EffectiveFreedom(problem, three), EffectiveFreedom(problem, one));
+}
+
 TEST(FitCurveSmoothingTest, KeepsManySpansCalm) {
   const FittingProblem wave = Wave(400, 4, 0.03, 6);
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, 400);
@@ -139,7 +215,7 @@ TEST(FitCurveSmoothingTest, KeepsManySpansCalm) {
   CurveFitOptions free;
   free.control_points = 120;
   free.optimize = Freedom{};
-  for (const CurveSmoothing by : {CurveSmoothing::kCrossValidation, CurveSmoothing::kNoise}) {
+  for (const SmoothBy by : {SmoothBy::kCrossValidation, SmoothBy::kNoise}) {
     CurveFitOptions options = free;
     options.smooth_by = by;
     EXPECT_EQ(FitCurve<2>(cloud, options).curve.basis().size(), 120);

@@ -102,6 +102,19 @@ TEST(MeasureCloudTest, RecoversTheNoiseAtEveryScale) {
   }
 }
 
+TEST(MeasureCloudTest, RecoversTheNoiseThatIsAsLargeAsTheSpacing) {
+  for (const Shape& shape : Shapes()) {
+    for (const double ratio : {0.5, 1.0, 2.0}) {
+      SCOPED_TRACE(shape.name + ", ratio " + std::to_string(ratio));
+      const double spacing = std::sqrt(shape.area / 20000);
+      const CloudStatistics measured =
+          Measure(Sample(shape, 20000, ratio * spacing, 3), kNoOutliers);
+      EXPECT_NEAR(measured.noise, ratio * spacing, 0.1 * ratio * spacing);
+      EXPECT_NEAR(measured.spacing, spacing, kSpacingShare * spacing);
+    }
+  }
+}
+
 TEST(MeasureCloudTest, ScalesWithTheCloud) {
   const Shape shape = Shapes().back();
   const Eigen::Matrix3Xd points = Sample(shape, 5000, 0.002, 4);
@@ -273,6 +286,27 @@ TEST(SampleIndicesTest, AreDifferentAndInOrderAndInRange) {
 TEST(SampleIndicesTest, AreThoseOfTheSeed) {
   EXPECT_EQ(SampleIndices(10000, 100, 5), SampleIndices(10000, 100, 5));
   EXPECT_NE(SampleIndices(10000, 100, 5), SampleIndices(10000, 100, 6));
+}
+
+// A scanner's lines, ten times as far apart as the points along them: the nearest neighbours of a
+// point are on its own line, through which any plane goes.
+TEST(MeasureCloudTest, MeasuresTheNoiseOfScanLines) {
+  constexpr double kNoise = 2e-4;
+  for (const double far : {1.0, 4.0, 10.0, 13.4, 14.0, 20.0}) {
+    SCOPED_TRACE("lines apart " + std::to_string(far));
+    Noise noise(11);
+    const double along = 0.002, across = far * along;
+    const auto lines = static_cast<Eigen::Index>(40);
+    Eigen::Matrix3Xd points(3, lines * 500);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double x = along * static_cast<double>(k % 500) + 1e-6 * noise.Normal(),
+                   y = across * static_cast<double>(k / 500) + 1e-6 * noise.Normal();
+      points.col(k) << x, y, 0.05 * std::sin(3 * x) * std::cos(2 * y) + kNoise * noise.Normal();
+    }
+    const CloudStatistics found = Measure(points);
+    EXPECT_NEAR(found.noise, kNoise, kNoiseShare * kNoise);
+    EXPECT_LE(found.outlier_count, points.cols() / 200);
+  }
 }
 
 }  // namespace

@@ -206,6 +206,116 @@ TEST(FairnessFormTest, IsTheMembraneIntegralWhereADegreeIsOne) {
   }
 }
 
+constexpr FairnessEnergy kEnergies[] = {
+    FairnessEnergy::kMembrane, FairnessEnergy::kThinPlate, FairnessEnergy::kThirdOrder};
+
+TEST(FairnessFormTest, DoesNotSeePolynomialsBelowItsOrder) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const SplineBasis u = random.Basis(random.Integer(3, 5), kSmooth),
+                      v = random.Basis(random.Integer(3, 5), kSmooth);
+    const auto power = [](int k) { return [k](double t) { return std::pow(t, k); }; };
+    for (int order = 1; order <= 3; ++order) {
+      const FairnessForm form(u, &v, kEnergies[order - 1]);
+      for (int k = 0; k < order; ++k) {
+        for (int l = 0; k + l < order; ++l) {
+          const Eigen::VectorXd net = Product(Interpolate(u, power(k)), Interpolate(v, power(l)));
+          EXPECT_NEAR(form.Energy(net),
+                      0,
+                      kDerivativeRounding * form.Trace() * std::max(1.0, net.squaredNorm()));
+        }
+      }
+    }
+  }
+}
+
+// u^a v^b over a rectangle from the origin: each derivative is a monomial, integrated by hand.
+double MonomialEnergy(int order, int a, int b, double length_u, double length_v) {
+  const auto squared = [](int power, int derivative, double length) {
+    if (derivative > power) return 0.0;
+    double factor = 1;
+    for (int k = 0; k < derivative; ++k) factor *= power - k;
+    const int left = 2 * (power - derivative) + 1;
+    return factor * factor * std::pow(length, left) / left;
+  };
+  const double binomials[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+  double sum = 0;
+  for (int k = 0; k <= order; ++k)
+    sum += binomials[order][k] * squared(a, order - k, length_u) * squared(b, k, length_v);
+  return sum;
+}
+
+TEST(FairnessFormTest, IsTheIntegralOfMonomials) {
+  const SplineBasis u = SplineBasis::Uniform(4, 7, 0, 1.5), v = SplineBasis::Uniform(3, 6, 0, 2);
+  for (int order = 1; order <= 3; ++order) {
+    const FairnessForm form(u, &v, kEnergies[order - 1]);
+    for (int a = 0; a <= 4; ++a) {
+      for (int b = 0; b <= 3; ++b) {
+        SCOPED_TRACE(std::to_string(order) + ": u^" + std::to_string(a) + " v^" +
+                     std::to_string(b));
+        const Eigen::VectorXd net =
+            Product(Interpolate(u, [&](double t) { return std::pow(t, a); }),
+                    Interpolate(v, [&](double t) { return std::pow(t, b); }));
+        const double expected = MonomialEnergy(order, a, b, 1.5, 2);
+        EXPECT_NEAR(form.Energy(net), expected, kDerivativeRounding * std::max(1.0, expected));
+      }
+    }
+  }
+}
+
+TEST(FairnessFormTest, IntegratesTheDerivativesOfCurves) {
+  const SplineBasis u = SplineBasis::Uniform(5, 9, 0, 2);
+  for (int order = 1; order <= 3; ++order) {
+    const FairnessForm form(u, nullptr, kEnergies[order - 1]);
+    for (int a = 0; a <= 5; ++a) {
+      const Eigen::VectorXd net = Interpolate(u, [&](double t) { return std::pow(t, a); });
+      const double expected = MonomialEnergy(order, a, 0, 2, 1);
+      EXPECT_NEAR(form.Energy(net), expected, kDerivativeRounding * std::max(1.0, expected));
+    }
+  }
+}
+
+// A cubic in directions turned by an angle: over a disc the energy could not change; over a square
+// it is compared with the integral of the turned derivatives, which must be the same number
+// wherever they are constant.
+TEST(FairnessFormTest, DoesNotChangeWhenTheParameterPlaneIsTurned) {
+  const SplineBasis u = SplineBasis::Uniform(3, 6, -1, 1), v = SplineBasis::Uniform(3, 7, -1, 1);
+  for (int order = 1; order <= 3; ++order) {
+    const FairnessForm form(u, &v, kEnergies[order - 1]);
+    double first = 0;
+    for (const double angle : {0.0, 0.3, 1.1, 2.0}) {
+      // (u cos + v sin)^order: its derivatives of that order are constant.
+      const double c = std::cos(angle), s = std::sin(angle);
+      Eigen::VectorXd net = Eigen::VectorXd::Zero(u.size() * v.size());
+      double binomial = 1;
+      for (int k = 0; k <= order; ++k) {
+        const Eigen::VectorXd term =
+            Product(Interpolate(u, [&](double t) { return std::pow(t, order - k); }),
+                    Interpolate(v, [&](double t) { return std::pow(t, k); }));
+        net += binomial * std::pow(c, order - k) * std::pow(s, k) * term;
+        binomial = binomial * (order - k) / (k + 1);
+      }
+      const double energy = form.Energy(net);
+      if (angle == 0) first = energy;
+      EXPECT_NEAR(energy, first, kDerivativeRounding * first) << order << " turned by " << angle;
+    }
+  }
+}
+
+TEST(FairnessFormTest, TakesTheNextLowerOrderWhereADegreeIsTooLow) {
+  RandomSplines random(3);
+  const auto same = [&](int p, int q, FairnessEnergy asked, FairnessEnergy taken) {
+    const SplineBasis u = random.Basis(p, kSmooth), v = random.Basis(q, kSmooth);
+    const Eigen::VectorXd net = RandomVector(random, u.size() * v.size());
+    EXPECT_EQ(FairnessForm(u, &v, asked).Energy(net), FairnessForm(u, &v, taken).Energy(net));
+  };
+  same(2, 5, FairnessEnergy::kThirdOrder, FairnessEnergy::kThinPlate);
+  same(4, 2, FairnessEnergy::kThirdOrder, FairnessEnergy::kThinPlate);
+  same(1, 3, FairnessEnergy::kThirdOrder, FairnessEnergy::kMembrane);
+  same(3, 1, FairnessEnergy::kThinPlate, FairnessEnergy::kMembrane);
+}
+
 TEST(FairnessFormTest, IsTheQuadraticFormOfTheMatrixItAdds) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

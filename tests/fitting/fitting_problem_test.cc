@@ -604,5 +604,53 @@ TEST(FittingProblemTest, TakesOtherParametersForTheSameData) {
   }
 }
 
+TEST(FittingProblemTest, KeepsItsEnergy) {
+  auto data = std::make_shared<FittingData>();
+  data->parameters = Eigen::Matrix2Xd::Random(2, 40).cwiseAbs();
+  data->values = Eigen::MatrixXd::Random(1, 40);
+  const SplineBasis basis = SplineBasis::Uniform(3, 6, 0, 1),
+                    finer = SplineBasis::Uniform(3, 7, 0, 1);
+  EXPECT_EQ(FittingProblem(basis, basis, data, 1).energy(), FairnessEnergy::kThinPlate);
+  const FittingProblem surface =
+      FittingProblem(basis, basis, data, 1).WithEnergy(FairnessEnergy::kThirdOrder);
+  const FittingProblem curve = FittingProblem(basis, data, 1).WithEnergy(FairnessEnergy::kMembrane);
+  EXPECT_EQ(surface.WithBases(finer, basis).energy(), FairnessEnergy::kThirdOrder);
+  EXPECT_EQ(curve.WithBasis(finer).energy(), FairnessEnergy::kMembrane);
+  for (const FittingProblem& problem : {surface, curve}) {
+    EXPECT_EQ(problem.WithSmoothing(2).energy(), problem.energy());
+    EXPECT_EQ(problem.WithData(data).energy(), problem.energy());
+    EXPECT_EQ(problem.WithWeights(Eigen::VectorXd::Ones(40)).energy(), problem.energy());
+    EXPECT_EQ(problem.WithParameters(data->parameters).energy(), problem.energy());
+  }
+}
+
+// With much smoothing what remains is what the energy does not see, fitted to the data: data of
+// that kind are met exactly.
+TEST(SolveLinearTest, MeetsWhatItsEnergyDoesNotSee) {
+  ThreadPool pool(1);
+  const SplineBasis basis = SplineBasis::Uniform(4, 9, 0, 1);
+  auto data = std::make_shared<FittingData>();
+  data->parameters = Eigen::Matrix2Xd::Random(2, 400).cwiseAbs();
+  for (int order = 1; order <= 3; ++order) {
+    data->values.resize(1, 400);
+    for (Eigen::Index k = 0; k < 400; ++k) {
+      const double u = data->parameters(0, k), v = data->parameters(1, k);
+      data->values(0, k) = 1 + (order > 1 ? u - 2 * v : 0) + (order > 2 ? u * v - 3 * v * v : 0);
+    }
+    for (int energy = 1; energy <= 3; ++energy) {
+      const FittingProblem problem = FittingProblem(basis, basis, data, 1e4)
+                                         .WithEnergy(energy == 1   ? FairnessEnergy::kMembrane
+                                                     : energy == 2 ? FairnessEnergy::kThinPlate
+                                                                   : FairnessEnergy::kThirdOrder);
+      const double rms = std::sqrt(SolveLinear(problem, pool).residual_squares / 400);
+      if (energy >= order) {
+        EXPECT_LT(rms, kHalfDigits);
+      } else {
+        EXPECT_GT(rms, 0.05);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace batten

@@ -201,8 +201,8 @@ TEST(ChooseGridTest, ScoresByGeneralisedCrossValidation) {
   const FittingProblem problem = Measured(Bump, 1000, 0.05, 6);
   const GridChoice choice = Choose(problem);
   const double m = 1000;
-  // A control point counts as 1.4, against chance.
-  const double n = 1.4 * (choice.cells_u + 3) * (choice.cells_v + 3);
+  // A control point counts as 1.2, against chance.
+  const double n = 1.2 * (choice.cells_u + 3) * (choice.cells_v + 3);
   const double squares =
       SolveLinear(WithGrid(problem, 3, choice.cells_u, choice.cells_v), pool).residual_squares;
   EXPECT_NEAR(choice.score, m * squares / ((m - n) * (m - n)), kRounding);

@@ -15,11 +15,14 @@
 namespace batten {
 namespace {
 
-constexpr std::array kLosses{Loss::kNone, Loss::kHuber, Loss::kCauchy, Loss::kTukey};
-constexpr std::array kBounding{Loss::kHuber, Loss::kCauchy, Loss::kTukey};
+constexpr std::array kLosses{
+    Loss::kNone, Loss::kHuber, Loss::kCauchy, Loss::kTukey, Loss::kTruncated};
+constexpr std::array kBounding{Loss::kHuber, Loss::kCauchy, Loss::kTukey, Loss::kTruncated};
 
 // Where Huber's turns linear and Tukey's constant.
 constexpr double kKnees[]{1.345, 2.385, 4.685};
+
+constexpr double kTruncation = 2.795;
 
 std::string Trace(Loss loss) { return "loss " + std::to_string(static_cast<int>(loss)); }
 
@@ -38,6 +41,7 @@ TEST(LossTest, HasTheWeightThatItsSlopeOverTheResidualSays) {
     for (int trial = 0; trial < 200; ++trial) {
       const double scale = random.Logarithmic(1e-3, 1e3);
       const double r = scale * random.Logarithmic(1e-2, 30), h = kHalfDigits * r;
+      if (loss == Loss::kTruncated && std::abs(r / scale - kTruncation) < 1e-3) continue;  // a kink
       const double slope =
           (LossValue(loss, r + h, scale) - LossValue(loss, r - h, scale)) / (2 * h);
       // A difference of values loses their digits relative to the step.
@@ -56,6 +60,9 @@ TEST(LossTest, IsContinuousAtItsKnees) {
       EXPECT_NEAR(LossValue(loss, below, 1), LossValue(loss, above, 1), kRounding);
       EXPECT_NEAR(LossWeight(loss, below, 1), LossWeight(loss, above, 1), kRounding);
     }
+    EXPECT_NEAR(LossValue(loss, std::nextafter(kTruncation, 0), 1),
+                LossValue(loss, std::nextafter(kTruncation, 9), 1),
+                kRounding);
   }
 }
 
@@ -87,6 +94,23 @@ TEST(LossTest, OfTukeyIsConstantBeyondItsKnee) {
   for (const double r : {4.685, 5.0, 1e9}) {
     EXPECT_NEAR(LossValue(Loss::kTukey, r, 1), limit, kRounding * limit);
     EXPECT_NEAR(LossWeight(Loss::kTukey, r, 1), 0, kRounding);
+  }
+}
+
+TEST(LossTest, OfTheTruncatedSquareIsAllOrNothing) {
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    const double knee = kTruncation * scale;
+    EXPECT_EQ(LossWeight(Loss::kTruncated, 0.999 * knee, scale), 1);
+    EXPECT_EQ(LossWeight(Loss::kTruncated, 1.001 * knee, scale), 0);
+    EXPECT_NEAR(
+        LossValue(Loss::kTruncated, 50 * knee, scale), knee * knee / 2, kRounding * knee * knee);
+  }
+}
+
+TEST(LossTest, ForgetsFarPointsWhereTheirWeightIsZero) {
+  for (const Loss loss : kLosses) {
+    SCOPED_TRACE(Trace(loss));
+    EXPECT_EQ(ForgetsFarPoints(loss), LossWeight(loss, 1e3, 1) == 0);
   }
 }
 
@@ -150,7 +174,8 @@ TEST(LossTest, KeepsNinetyFivePercentEfficiencyOnNormalNoise) {
     for (double r = -10; r < 10; r += 1e-3) {
       const double density = std::exp(-r * r / 2) / std::sqrt(2 * 3.14159265358979323846) * 1e-3;
       squares += density * psi(r) * psi(r);
-      slopes += density * (psi(r + 1e-4) - psi(r - 1e-4)) / 2e-4;
+      slopes +=
+          density * (psi(r + 5e-4) - psi(r - 5e-4)) / 1e-3;  // as wide as the step: no jump is lost
     }
     EXPECT_NEAR(slopes * slopes / squares, 0.95, 0.001);
   }

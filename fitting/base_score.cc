@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/base_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/grid_selection.h"
+#include "batten/fitting/robust_loss.h"
+
+namespace batten {
+namespace {
+
+constexpr Eigen::Index kSample = 30000;
+constexpr double kSmoothing = 1e-4;  // as in the fit itself
+constexpr int kMostDegree = 3;
+constexpr double kOutlierInScales = 4.685;
+
+}  // namespace
+
+BaseScore::BaseScore(const PointCloud& points,
+                     const std::vector<Eigen::Index>& kept,
+                     const SurfaceFitOptions& options,
+                     ThreadPool& pool)
+    : points_(points),
+      options_(options),
+      pool_(pool),
+      sample_(PointMask::Constant(points.size(), false)) {
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  for (const Eigen::Index k : SampleIndices(count, kSample, options.seed)) {
+    sample_[kept[static_cast<size_t>(k)]] = true;
+  }
+}
+
+BaseScore::Value BaseScore::Of(const SurfaceBase& base) const {
+  // Higher degrees cost much and tell no more.
+  const int degree_u = std::min(options_.degree_u, kMostDegree),
+            degree_v = std::min(options_.degree_v, kMostDegree);
+  const FittingProblem problem = base.ProblemOf(points_, sample_, degree_u, degree_v, kSmoothing);
+  GridLimits limits;
+  limits.degree_u = degree_u;
+  limits.degree_v = degree_v;
+  limits.blocks = false;
+  const GridChoice grid = ChooseGrid(problem, limits, pool_, options_.progress);
+  const FittingProblem chosen =
+      problem.WithBases(FittingBasis(degree_u, grid.cells_u, 0, base.length_u),
+                        FittingBasis(degree_v, grid.cells_v, 0, base.length_v));
+  const Eigen::VectorXd residuals =
+      base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
+  // A few outliers may be left: they must not tell.
+  const double most = kOutlierInScales * RobustScale(residuals);
+  const double squares = residuals.cwiseAbs().cwiseMin(most).squaredNorm();
+  const auto count = static_cast<double>(problem.size());
+  const double freedom = std::max(1.0, count - kFreedomFactor * chosen.unknowns());
+  return {count * squares / (freedom * freedom), grid.cells_u, grid.cells_v, chosen.unknowns()};
+}
+
+}  // namespace batten

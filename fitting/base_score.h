@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// How well a base serves, before the fit over it.
+#pragma once
+
+#include <vector>
+
+#include "batten/fitting/fit_surface.h"
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/surface_base.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten {
+
+// A sample of a cloud's points, the same for every base that is compared.
+class BaseScore {
+ public:
+  // `kept` are indices of good points, not none. Everything else is referred to, not copied.
+  BaseScore(const PointCloud& points,
+            const std::vector<Eigen::Index>& kept,
+            const SurfaceFitOptions& options,
+            ThreadPool& pool);
+
+  const PointMask& sample() const { return sample_; }
+
+  struct Value {
+    double score = 0;  // estimate of the mean squared distance of new points along the normal
+    int cells_u = 1, cells_v = 1;  // of the grid cross-validation chose
+    int control_points = 0;        // over it
+  };
+
+  // Generalised cross-validation of the best grid over the base. O(points of the sample).
+  Value Of(const SurfaceBase& base) const;
+
+ private:
+  const PointCloud& points_;
+  const SurfaceFitOptions& options_;
+  ThreadPool& pool_;
+  PointMask sample_;
+};
+
+}  // namespace batten

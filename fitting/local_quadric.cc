@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/local_quadric.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "batten/fitting/statistics.h"
+
+namespace batten {
+namespace {
+
+constexpr int kRounds = 3;
+constexpr double kMost = 0.8, kNormalAtMost = 1.2816;  // the quantile of |x| at a share
+constexpr double kRidge = 1e-12;  // of the mean square: collinear points still have a quadric
+
+double MagnitudeQuantile(const Eigen::VectorXd& values, double fraction) {
+  std::vector<double> magnitudes(static_cast<size_t>(values.size()));
+  for (Eigen::Index k = 0; k < values.size(); ++k) magnitudes[k] = std::abs(values[k]);
+  auto at = magnitudes.begin() +
+            static_cast<std::ptrdiff_t>(fraction * static_cast<double>(magnitudes.size()));
+  std::nth_element(magnitudes.begin(), at, magnitudes.end());
+  return *at;
+}
+
+Eigen::VectorXd CauchyWeights(const Eigen::VectorXd& residuals, double scale) {
+  return (1 + (residuals.array() / (2 * scale)).square()).inverse().matrix();
+}
+
+double Farthest(const Eigen::Matrix3Xd& differences) {
+  return std::sqrt(differences.colwise().squaredNorm().maxCoeff());
+}
+
+}  // namespace
+
+LocalPlane WeightedPlane(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& weights) {
+  const Eigen::Vector3d centre = points * weights / weights.sum();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const Eigen::Vector3d d = points.col(k) - centre;
+    covariance += weights[k] * d * d.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  return {centre, solver.eigenvectors().col(0)};
+}
+
+AgreedPlane PlaneMostAgreeOn(const Eigen::Matrix3Xd& points) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(points.cols());
+  AgreedPlane found;
+  for (int round = 0; round < kRounds; ++round) {
+    found.plane = WeightedPlane(points, weights);
+    const Eigen::VectorXd d =
+        (points.colwise() - found.plane.centre).transpose() * found.plane.normal;
+    found.scale = kMadToSigma * MagnitudeQuantile(d, 0.5);
+    if (!(found.scale > 0)) break;
+    weights = CauchyWeights(d, found.scale);
+  }
+  return found;
+}
+
+LocalQuadric::LocalQuadric(const Eigen::Matrix3Xd& points, const LocalPlane& plane)
+    : LocalQuadric(points, plane, Farthest(points.colwise() - plane.centre)) {}
+
+LocalQuadric::LocalQuadric(const Eigen::Matrix3Xd& points, const LocalPlane& plane, double radius)
+    : plane_(plane),
+      axis_u_(plane.normal.unitOrthogonal()),
+      axis_v_(plane.normal.cross(axis_u_)),
+      radius_(radius > 0 ? radius : 1),
+      design_(points.cols(), 6) {
+  heights_ = (points.colwise() - plane_.centre).transpose() * plane_.normal / radius_;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    design_.row(k) = Monomials(points.col(k)).transpose();
+  }
+}
+
+LocalQuadric::LocalQuadric(const Eigen::Matrix3Xd& points)
+    : LocalQuadric(points, WeightedPlane(points, Eigen::VectorXd::Ones(points.cols()))) {
+  Solve(Eigen::VectorXd::Ones(points.cols()));
+}
+
+LocalQuadric LocalQuadric::Over(const LocalPlane& plane, const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd d = points.colwise() - plane.centre;
+  LocalQuadric quadric(points, plane, Farthest(d - plane.normal * (plane.normal.transpose() * d)));
+  quadric.Solve(Eigen::VectorXd::Ones(points.cols()));
+  return quadric;
+}
+
+LocalQuadric LocalQuadric::MostAgreeOn(const Eigen::Matrix3Xd& points) {
+  // The plane's weights come first: beside an edge they have chosen a side.
+  const AgreedPlane agreed = PlaneMostAgreeOn(points);
+  LocalQuadric quadric(points, agreed.plane);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(points.cols());
+  if (agreed.scale > 0) {
+    weights = CauchyWeights(quadric.radius_ * quadric.heights_, agreed.scale);
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    quadric.Solve(weights);
+    const double scale = quadric.robust_scale() / quadric.radius_;
+    if (!(scale > 0)) break;
+    weights = CauchyWeights(quadric.residuals_, scale);
+  }
+  return quadric;
+}
+
+LocalQuadric::Vector6d LocalQuadric::Monomials(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d d = (point - plane_.centre) / radius_;
+  const double x = d.dot(axis_u_), y = d.dot(axis_v_);
+  return (Vector6d() << 1, x, y, x * x, x * y, y * y).finished();
+}
+
+void LocalQuadric::Solve(const Eigen::VectorXd& weights) {
+  Eigen::Matrix<double, 6, 6> normal = design_.transpose() * weights.asDiagonal() * design_;
+  normal.diagonal().array() += kRidge * normal.trace();
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(normal);
+  coefficients_ = factor.solve(design_.transpose() * weights.cwiseProduct(heights_));
+  covariance_ = factor.solve(Eigen::Matrix<double, 6, 6>::Identity());
+  residuals_ = heights_ - design_ * coefficients_;
+}
+
+double LocalQuadric::Offset(const Eigen::Vector3d& point) const {
+  const double height = (point - plane_.centre).dot(plane_.normal);
+  return height - radius_ * Monomials(point).dot(coefficients_);
+}
+
+double LocalQuadric::Leverage(const Eigen::Vector3d& point) const {
+  const Vector6d m = Monomials(point);
+  return m.dot(covariance_ * m);
+}
+
+double LocalQuadric::deviation() const {
+  const double freedom = std::max(1.0, static_cast<double>(residuals_.size() - 6));
+  return radius_ * std::sqrt(residuals_.squaredNorm() / freedom);
+}
+
+double LocalQuadric::robust_scale() const {
+  return radius_ * kMadToSigma * MagnitudeQuantile(residuals_, 0.5);
+}
+
+double LocalQuadric::scale_of_most() const {
+  return radius_ * MagnitudeQuantile(residuals_, kMost) / kNormalAtMost;
+}
+
+}  // namespace batten

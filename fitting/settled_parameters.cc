@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/settled_parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/grid_selection.h"
+
+namespace batten {
+namespace {
+
+// Of the cells cross-validation asks for, in u and v.
+constexpr std::pair<double, double> kShares[] = {
+    {0.35, 0.35}, {0.5, 0.5}, {0.7, 0.7}, {1, 0.5}, {0.5, 1}, {1, 1}};
+constexpr int kDegree = 3;
+constexpr double kSmoothing = 1e-4;
+constexpr double kClearlyBetter = 0.9995;
+constexpr double kAsGood = 0.9999;     // if there are fewer control points …
+constexpr double kClearlyFewer = 0.8;  // … by so much
+
+SplineBasis Cells(double cells, double length) {
+  return FittingBasis(kDegree, std::max(1, static_cast<int>(std::lround(cells))), 0, length);
+}
+
+// The base at the feet of the points under a mask.
+SurfaceBase AtFeet(const SurfaceBase& base,
+                   const NurbsSurface& surface,
+                   const PointCloud& points,
+                   const PointMask& mask,
+                   ThreadPool& pool) {
+  SurfaceBase moved = base;
+  const PointCloud some = points.Subset(mask);
+  Eigen::Matrix2Xd start(2, some.size());
+  Eigen::Index next = 0;
+  for (Eigen::Index k = 0; k < mask.size(); ++k) {
+    if (mask[k]) start.col(next++) = base.parameters.col(k);
+  }
+  const Eigen::MatrixXd feet = DistancesFrom(surface, some.points(), start, pool).parameters;
+  next = 0;
+  for (Eigen::Index k = 0; k < mask.size(); ++k) {
+    if (mask[k]) moved.parameters.col(k) = feet.col(next++);
+  }
+  return moved;
+}
+
+}  // namespace
+
+bool SettleParameters(SurfaceBase& base,
+                      const PointCloud& points,
+                      const PointMask& mask,
+                      const BaseScore& score,
+                      ThreadPool& pool) {
+  const BaseScore::Value before = score.Of(base);
+  SurfaceBase current = base;
+  BaseScore::Value best = before;
+  std::optional<NurbsSurface> chosen;
+  for (const auto& [share_u, share_v] : kShares) {
+    const FittingProblem problem =
+        current.ProblemOf(points, score.sample(), kDegree, kDegree, kSmoothing)
+            .WithBases(Cells(share_u * before.cells_u, base.length_u),
+                       Cells(share_v * before.cells_v, base.length_v));
+    NurbsSurface surface =
+        base.Surface(problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool).coefficients);
+    SurfaceBase moved = AtFeet(current, surface, points, score.sample(), pool);
+    const BaseScore::Value now = score.Of(moved);
+    const bool fewer = now.control_points < kClearlyFewer * best.control_points;
+    if (now.score >= (fewer ? kAsGood : kClearlyBetter) * best.score) continue;
+    best = now;
+    current = std::move(moved);
+    chosen = std::move(surface);
+  }
+  if (!chosen) return false;
+  base = AtFeet(base, *chosen, points, mask, pool);
+  return true;
+}
+
+}  // namespace batten

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Parameters of a sheet laid out flat, made smoother where that pays.
+#pragma once
+
+#include "batten/fitting/base_score.h"
+#include "batten/fitting/surface_base.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten {
+
+// Laying out leaves small wrinkles, which a surface over the parameters must follow with cells of
+// their size. Surfaces of fewer cells than cross-validation asks for, in one direction or both, do
+// not follow them: wherever left-out points are predicted clearly better from the feet of the
+// points on such a surface, or as well with clearly fewer control points, those become the
+// parameters. Returns whether any did. Only points under the mask are moved.
+bool SettleParameters(SurfaceBase& base,
+                      const PointCloud& points,
+                      const PointMask& mask,
+                      const BaseScore& score,
+                      ThreadPool& pool);
+
+}  // namespace batten

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/surface_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/height_field.h"
+#include "batten/geometry/surface_evaluator.h"
+
+namespace batten {
+
+NurbsSurface SurfaceBase::Surface(const SplineBasis& basis_u,
+                                  const SplineBasis& basis_v,
+                                  const Eigen::MatrixXd& coefficients) const {
+  return plane ? HeightSurface(*plane, basis_u, basis_v, coefficients)
+               : NurbsSurface(basis_u, basis_v, coefficients);
+}
+
+FittingProblem SurfaceBase::ProblemOf(const PointCloud& points,
+                                      const PointMask& mask,
+                                      int degree_u,
+                                      int degree_v,
+                                      double smoothing) const {
+  auto data = std::make_shared<FittingData>();
+  const Eigen::Index count = mask.count();
+  data->parameters.resize(2, count);
+  data->values.resize(plane ? 1 : 3, count);
+  const bool weighted = points.weights().size() > 0;
+  if (weighted) data->weights.resize(count);
+  Eigen::Index next = 0;
+  for (Eigen::Index k = 0; k < points.size(); ++k) {
+    if (!mask[k]) continue;
+    data->parameters.col(next) = parameters.col(k);
+    if (plane) {
+      data->values(0, next) = plane->axes.col(2).dot(points.points().col(k) - plane->origin);
+    } else {
+      data->values.col(next) = points.points().col(k);
+    }
+    if (weighted) data->weights[next] = points.weights()[k];
+    ++next;
+  }
+  if (weighted) data->weights /= data->weights.mean();
+  return FittingProblem(SplineBasis::Uniform(degree_u, degree_u + 1, 0, length_u),
+                        SplineBasis::Uniform(degree_v, degree_v + 1, 0, length_v),
+                        std::move(data),
+                        smoothing);
+}
+
+Eigen::VectorXd SurfaceBase::Residuals(const FittingProblem& problem,
+                                       const Eigen::MatrixXd& coefficients,
+                                       ThreadPool& pool) const {
+  const Eigen::MatrixXd off = problem.data().values - EvaluateAt(problem, coefficients, pool);
+  if (exact) return off.colwise().norm().transpose();
+  const SurfaceEvaluator surface(Surface(problem.basis_u(), problem.basis_v(), coefficients));
+  Eigen::VectorXd residuals(problem.size());
+  pool.For(problem.size(), 1024, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const auto normal =
+          surface.NormalAt(problem.data().parameters(0, k), problem.data().parameters(1, k));
+      if (plane) {
+        residuals[k] = off(0, k) * (normal ? normal->dot(plane->axes.col(2)) : 1.0);
+      } else {
+        residuals[k] = normal ? normal->dot(off.col(k)) : off.col(k).norm();
+      }
+    }
+  });
+  return residuals;
+}
+
+double DistortionAt(const NurbsSurface& surface, const Eigen::Matrix2Xd& parameters) {
+  constexpr Eigen::Index kPlaces = 4000;  // enough for a mean
+  const Eigen::Index step = std::max<Eigen::Index>(1, parameters.cols() / kPlaces);
+  const Eigen::Matrix2Xd places = parameters(Eigen::all, Eigen::seq(0, Eigen::last, step));
+  std::vector<SurfaceJet> jets;
+  SurfaceEvaluator(surface).Jets(places, jets);
+  double squares = 0;
+  for (const SurfaceJet& jet : jets) {
+    // Eigenvalues of the first fundamental form are the squares of the principal stretches.
+    const double E = jet.du.squaredNorm(), F = jet.du.dot(jet.dv), G = jet.dv.squaredNorm();
+    const double mean = (E + G) / 2, spread = std::hypot((E - G) / 2, F);
+    const double longest = std::sqrt(mean + spread);
+    const double shortest = std::sqrt(std::max(0.0, mean - spread));
+    squares += (std::pow(longest - 1, 2) + std::pow(shortest - 1, 2)) / 2;
+  }
+  return jets.empty() ? 0 : std::sqrt(squares / static_cast<double>(jets.size()));
+}
+
+}  // namespace batten

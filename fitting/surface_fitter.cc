@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/surface_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/choose_smoothing.h"
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/grid_selection.h"
+#include "batten/fitting/line_removal.h"
+#include "batten/fitting/refine.h"
+#include "batten/fitting/residual_structure.h"
+#include "batten/fitting/reweighting.h"
+#include "batten/fitting/stopwatch.h"
+#include "batten/fitting/strangers.h"
+#include "batten/fitting/voids.h"
+
+namespace batten {
+namespace {
+
+constexpr double kSmoothing = 1e-4;
+constexpr double kOutlierShareForLoss =
+    2e-3;                             // less is what the test for outliers flags on clean data
+constexpr double kLeastScale = 1e-3;  // of the spacing: what exact points may be off by
+constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
+constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
+constexpr double kVoidShareToWarn = 0.05;
+constexpr int kOutlierPasses = 5;
+constexpr double kFewChanges = 0.01;
+constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
+constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
+constexpr Eigen::Index kFewestPoints = 4;
+constexpr double kAtNoise = 1.5, kMisses = 3;  // residuals against the noise
+constexpr double kBeyondStructure = 2;         // spacings
+constexpr int kFewPoints = 3;                  // to a control point
+constexpr double kSpoilt = 5;                  // times the misfit of a plain fit
+constexpr double kLayersToRefuse = 0.4;        // rough scenes have layers here and there
+
+// One fit, stage by stage; members are what the stages hand on.
+class SurfaceFitter {
+ public:
+  SurfaceFitter(const PreparedCloud& prepared,
+                const SurfaceFitOptions& options,
+                FitReport report,
+                ThreadPool& pool)
+      : prepared_(prepared),
+        base_(prepared.base),
+        points_(prepared.merged.cloud),
+        options_(options),
+        pool_(pool),
+        report_(std::move(report)),
+        used_(prepared.used) {}
+
+  FittedDraft Run() {
+    DecideWhoCounts();
+    if (options_.tolerance) {
+      Refine();
+    } else {
+      Solve();
+    }
+    if (noise_is_shared_) {
+      report_.warnings.push_back(
+          "neighbouring points share their noise: blocks of left-out points are predicted better "
+          "with fewer control points than single ones ask for, and those were taken");
+    }
+    Eigen::VectorXd weights = problem_->data().weights;
+    SurfaceDraft draft{std::move(*surface_),
+                       std::move(used_cloud_),
+                       std::move(parameters_),
+                       std::move(weights),
+                       robust_,
+                       noise_is_shared_};
+    OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+    report_.geometry.distortion = DistortionAt(draft.surface, draft.parameters);
+    const bool doubted = !options_.loss && !options_.keep_outliers && (robust_ || !used_.all());
+    return {std::move(draft), std::move(used_), doubted, std::move(report_)};
+  }
+
+ private:
+  FittingProblem ProblemOf(const PointMask& mask) const {
+    return base_.ProblemOf(points_,
+                           mask,
+                           options_.degree_u,
+                           options_.degree_v,
+                           options_.smoothing.value_or(kSmoothing));
+  }
+
+  // Equal cells over given parameters: whoever gives those knows of uniform knots.
+  SplineBasis Cells(int degree, int cells, double length) const {
+    return base_.exact ? SplineBasis::Uniform(degree, degree + cells, 0, length)
+                       : FittingBasis(degree, cells, 0, length);
+  }
+
+  FittingProblem WithCells(const FittingProblem& problem, int cells_u, int cells_v) const {
+    return problem.WithBases(Cells(options_.degree_u, cells_u, base_.length_u),
+                             Cells(options_.degree_v, cells_v, base_.length_v));
+  }
+
+  // The bases for a problem, told or chosen; near those of a similar problem where there is one.
+  FittingProblem WithChosenBases(const FittingProblem& problem, const FittingProblem* similar) {
+    if (options_.control_points) {
+      return WithCells(problem,
+                       options_.control_points->first - options_.degree_u,
+                       options_.control_points->second - options_.degree_v);
+    }
+    GridLimits limits;
+    limits.degree_u = options_.degree_u;
+    limits.degree_v = options_.degree_v;
+    limits.max_control_points = options_.max_control_points;
+    if (!base_.exact && prepared_.statistics.noise > 0) limits.noise = prepared_.statistics.noise;
+    if (similar != nullptr) {
+      limits.near_cells_u = similar->basis_u().size() - options_.degree_u;
+      limits.near_cells_v = similar->basis_v().size() - options_.degree_v;
+    }
+    const GridChoice choice = ChooseGrid(problem, limits, pool_, options_.progress);
+    Record(choice.rounds);
+    noise_is_shared_ = choice.blocks_disagree;
+    return WithCells(problem, choice.cells_u, choice.cells_v);
+  }
+
+  // Which points count is decided by their neighbours before there is a surface, then by their
+  // distance from it, until the two agree. The bases are chosen anew each time.
+  void DecideWhoCounts() {
+    robust_ = options_.loss ? *options_.loss != Loss::kNone
+                            : !options_.keep_outliers &&
+                                  static_cast<double>(prepared_.statistics.outlier_count) >
+                                      kOutlierShareForLoss * static_cast<double>(points_.size());
+    bool settled = false;  // so few points changed sides that the grid can't be far off
+    for (int pass = 1; pass <= kOutlierPasses; ++pass) {
+      used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
+      const bool search_near =
+          settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
+      problem_ = WithChosenBases(ProblemOf(used_), search_near ? &*problem_ : nullptr);
+      if (pass == 1) RefuseTwoSheets();
+      if (!robust_ && !loss_spoils_ && !options_.loss && !options_.keep_outliers)
+        robust_ = HasLonelyResiduals();
+      if (robust_) ReweightWhereItHelps();
+      if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
+      if (options_.keep_outliers) {
+        PlaceTheRest(Solved(*problem_));
+        used_.setConstant(true);
+        continue;
+      }
+      const PointMask now = SpokenFor();
+      if (now.count() < kFewestPoints) break;
+      if (!robust_ && !loss_spoils_ && !options_.loss && (now != used_).any() && !now.all()) {
+        robust_ = true;  // what stands out from a plain fit has bent it
+        continue;
+      }
+      const Eigen::Index changed = (now != used_).count();
+      if (changed == 0) break;
+      settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
+      used_ = now;
+    }
+    if (options_.tolerance && robust_ && !options_.loss) {
+      // A tolerance is the user's own word on which residuals matter: bounded weights chose the
+      // bases only.
+      problem_ = ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v());
+    }
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
+  // is so small that a tip or a crease which it follows less well looks foreign, is let go of, and
+  // then looks the more foreign.
+  void ReweightWhereItHelps() {
+    if (options_.loss) return Reweight();
+    const FittingProblem plain = *problem_;
+    const SurfaceResiduals before = ResidualsOf(plain);
+    const PointMask spoken = CloseEnough(before.parameters,
+                                         before.residuals,
+                                         FarthestGood(RobustScale(before.residuals)),
+                                         prepared_.statistics.spacing,
+                                         pool_);
+    Reweight();
+    const Eigen::VectorXd after = ResidualsOf(*problem_).residuals;
+    const double misfit_before = spoken.select(before.residuals.array(), 0).matrix().norm();
+    const double misfit_after = spoken.select(after.array(), 0).matrix().norm();
+    if (misfit_after <= kSpoilt * misfit_before) return;
+    problem_ = plain;
+    robust_ = false;
+    loss_spoils_ = true;
+  }
+
+  void Reweight() {
+    problem_ = Reweighted(
+        *problem_,
+        {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
+        [&](const FittingProblem& problem, const LinearSolution& solution) {
+          return base_.Residuals(problem, solution.coefficients, pool_);
+        },
+        pool_,
+        report_.iterations);
+  }
+
+  // The surface of the present problem.
+  NurbsSurface Solved(const FittingProblem& problem) const {
+    return base_.Surface(
+        problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool_).coefficients);
+  }
+
+  void RefuseTwoSheets() const {
+    if (base_.exact) return;
+    const double share = LayeredShareOf(ResidualsOf(*problem_), pool_);
+    if (share <= kLayersToRefuse) return;
+    throw std::invalid_argument("in " + std::to_string(std::lround(100 * share)) +
+                                " % of places the points lie on two sheets, one above the other: a "
+                                "surface would run between them; fit one of them (--box, --where)");
+  }
+
+  SurfaceResiduals ResidualsOf(const FittingProblem& problem) const {
+    return {problem.data().parameters,
+            base_.Residuals(problem, SolveLinear(problem, pool_).coefficients, pool_),
+            options_.seed};
+  }
+
+  // Whether more points stand alone with their residuals than chance makes.
+  bool HasLonelyResiduals() const {
+    const Eigen::VectorXd residuals =
+        base_.Residuals(*problem_, SolveLinear(*problem_, pool_).coefficients, pool_);
+    const double scale = RobustScale(residuals);
+    // A surface that misses the shape, or follows every point, can't tell.
+    if (scale > kAtNoise * prepared_.statistics.noise ||
+        problem_->size() < kFewPoints * problem_->unknowns()) {
+      return false;
+    }
+    const double limit =
+        std::max(kOutlierInScales * scale, kLeastScale * prepared_.statistics.spacing);
+    return LonelyShare(problem_->data().parameters, residuals, limit, pool_) > kOutlierShareForLoss;
+  }
+
+  // Points the base has no place for get one from the surface: their foot on it.
+  void PlaceTheRest(const NurbsSurface& surface) {
+    if (prepared_.reached.all()) return;
+    std::vector<Eigen::Index> rest;
+    for (Eigen::Index k = 0; k < prepared_.reached.size(); ++k)
+      if (!prepared_.reached[k]) rest.push_back(k);
+    const Eigen::Matrix3Xd points = points_.points()(Eigen::all, rest);
+    base_.parameters(Eigen::all, rest) = DistancesTo(surface, points, pool_).parameters;
+  }
+
+  // Whether a point's place is not on the domain's border.
+  bool IsInside(Eigen::Index k) const {
+    const auto place = base_.parameters.col(k);
+    return place.minCoeff() > 0 && place[0] < base_.length_u && place[1] < base_.length_v;
+  }
+
+  // How far off a point may be where distances from a surface have this scale.
+  double FarthestGood(double scale) const {
+    // A surface that misses the shape only tells what is far beyond structure between points.
+    const bool misses = loss_spoils_ || scale > kMisses * prepared_.statistics.noise;
+    return std::max({kOutlierInScales * scale,
+                     (misses ? kBeyondStructure : kLeastScale) * prepared_.statistics.spacing,
+                     options_.tolerance.value_or(0)});
+  }
+
+  // The points the present solution speaks for, of all.
+  PointMask SpokenFor() {
+    const NurbsSurface surface = Solved(*problem_);
+    PlaceTheRest(surface);
+    const Eigen::VectorXd distances =
+        DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
+    Eigen::VectorXd of_used(used_cloud_.size());
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < distances.size(); ++k) {
+      if (used_[k]) of_used[count++] = distances[k];
+    }
+    const double scale = options_.loss_scale.value_or(RobustScale(of_used));
+    const double limit = FarthestGood(scale);
+    PointMask close =
+        CloseEnough(base_.parameters, distances, limit, prepared_.statistics.spacing, pool_);
+    // What the base had no place for must be on the surface: it has no company that could tell.
+    for (Eigen::Index k = 0; k < close.size(); ++k) {
+      if (!prepared_.reached[k]) close[k] = std::abs(distances[k]) <= limit && IsInside(k);
+    }
+    return close;
+  }
+
+  // The coarsest grid that cross-validation has tried, up to the one it chose, that keeps the
+  // tolerance; else the chosen one.
+  FittingProblem CoarsestWithin() const {
+    for (const RoundSummary& round : report_.iterations) {
+      if (round.stage != "cross-validation" || round.rms > *options_.tolerance) continue;
+      if (round.control_points_u * round.control_points_v >= problem_->unknowns()) continue;
+      const FittingProblem coarse = WithCells(*problem_,
+                                              round.control_points_u - options_.degree_u,
+                                              round.control_points_v - options_.degree_v);
+      const PointDistances found =
+          DistancesFrom(Solved(coarse), used_cloud_.points(), coarse.data().parameters, pool_);
+      if (found.distances.cwiseAbs().maxCoeff() <= *options_.tolerance) return coarse;
+    }
+    return *problem_;
+  }
+
+  void Refine() {
+    if (!options_.control_points) problem_ = CoarsestWithin();
+    RefineOptions refine;
+    refine.tolerance = *options_.tolerance;
+    refine.noise = prepared_.statistics.noise;
+    refine.spacing = prepared_.statistics.spacing;
+    refine.max_control_points =
+        options_.control_points ? problem_->unknowns() : options_.max_control_points;
+    RefineResult refined = RefineToTolerance(*problem_,
+                                             base_.plane ? &*base_.plane : nullptr,
+                                             used_cloud_.points(),
+                                             refine,
+                                             pool_,
+                                             options_.progress);
+    Record(refined.rounds);
+    report_.termination = refined.termination;
+    surface_ = std::move(refined.surface);
+    // Where parameters are part of the data the joint stage starts from those.
+    parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
+    WarnOfVoids(refined.empty_share);
+    report_.seconds.refine = watch_.Lap();
+  }
+
+  // The weight of fairness by the data.
+  double Smoothing() const {
+    if (options_.smooth_by == SmoothBy::kCrossValidation)
+      return SmoothingByCrossValidation(*problem_, pool_, options_.progress);
+    const double noise = prepared_.statistics.noise;
+    if (!(noise > 0)) return problem_->smoothing();
+    // Over a sheet parameters take up what is off along it: one of three coordinates is left.
+    const bool along_normal = !base_.plane && !base_.exact;
+    return SmoothingFromNoise(
+        *problem_, along_normal ? noise / std::sqrt(3.0) : noise, pool_, options_.progress);
+  }
+
+  void Solve() {
+    if (!options_.control_points) {
+      // Finer grids would follow what neighbours share of their noise.
+      problem_ = noise_is_shared_ ? WithoutIdleLines(*problem_, pool_)
+                                  : WithLinesThatPay(*problem_, options_.max_control_points, pool_);
+    }
+    if (options_.smooth_by != SmoothBy::kWeight) problem_ = problem_->WithSmoothing(Smoothing());
+    CalmOptions calm_options;
+    calm_options.spacing = prepared_.statistics.spacing;
+    calm_options.measured = used_cloud_.size();
+    calm_options.most_control_points =
+        options_.control_points
+            ? problem_->unknowns()
+            : std::min(options_.max_control_points, kMostForVoids * problem_->unknowns());
+    CalmResult calm = SolveCalmly(*problem_, calm_options, pool_);
+    problem_ = calm.problem;
+    const LinearSolution& solution = calm.solution;
+    WarnOfVoids(calm.empty_share);
+    if (solution.regularised) {
+      report_.warnings.push_back(
+          "the points do not determine every control point: fairness was raised");
+    }
+    report_.termination = Termination::kNoiseReached;
+    surface_ = base_.Surface(problem_->basis_u(), problem_->basis_v(), solution.coefficients);
+    parameters_ = problem_->data().parameters;
+    report_.seconds.solve += watch_.Lap();
+  }
+
+  void WarnOfVoids(double share) {
+    if (share <= kVoidShareToWarn) return;
+    report_.warnings.push_back("there are no points in " +
+                               std::to_string(std::lround(100 * share)) +
+                               " % of the surface's rectangle: the surface is a guess there");
+  }
+
+  void Record(const std::vector<RoundSummary>& rounds) {
+    report_.iterations.insert(report_.iterations.end(), rounds.begin(), rounds.end());
+  }
+
+  const PreparedCloud& prepared_;
+  SurfaceBase base_;
+  const PointCloud& points_;
+  const SurfaceFitOptions& options_;
+  ThreadPool& pool_;
+  Stopwatch watch_;
+  FitReport report_;
+  PointMask used_;                         // of the merged points: those the fit rests on
+  PointCloud used_cloud_;                  // they
+  bool robust_ = false;                    // losses bound residuals
+  bool loss_spoils_ = false;               // what it was tried on
+  bool noise_is_shared_ = false;           // by neighbours, as blocks of left-out points tell
+  std::optional<FittingProblem> problem_;  // of the used points, with chosen bases
+  std::optional<NurbsSurface> surface_;    // in the cloud's local coordinates
+  Eigen::Matrix2Xd parameters_;            // of the used points
+};
+
+}  // namespace
+
+FittedDraft FitOverBase(const PreparedCloud& prepared,
+                        const SurfaceFitOptions& options,
+                        FitReport report,
+                        ThreadPool& pool) {
+  return SurfaceFitter(prepared, options, std::move(report), pool).Run();
+}
+
+}  // namespace batten
