@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/fitting/block_validation.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/robust_loss.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr Eigen::Index kSample = 30000;
 constexpr double kSmoothing = 1e-4;  // as in the fit itself
 constexpr int kMostDegree = 3;
+constexpr double kShapeInSpacings = 0.25;
 constexpr double kOutlierInScales = 4.685;
 
 }  // namespace
@@ -47,8 +49,9 @@ BaseScore::Value BaseScore::Of(const SurfaceBase& base) const {
                         FittingBasis(degree_v, grid.cells_v, 0, base.length_v));
   const Eigen::VectorXd residuals =
       base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
-  // A few outliers may be left: they must not tell.
-  const double most = kOutlierInScales * RobustScale(residuals);
+  // A few outliers may be left: they must not tell. What is small against the spacing is none.
+  const double most = std::max(kOutlierInScales * RobustScale(residuals),
+                               kShapeInSpacings * ParameterSpacing(problem));
   const double squares = residuals.cwiseAbs().cwiseMin(most).squaredNorm();
   const auto count = static_cast<double>(problem.size());
   const double freedom = std::max(1.0, count - kFreedomFactor * chosen.unknowns());

@@ -55,6 +55,13 @@ void ExpectPlaces(const BaseChoice& choice, Eigen::Index count) {
   EXPECT_EQ(choice.base.plane.has_value(), choice.base.name == "plane");
 }
 
+// A plane misses an exact cap along its rim only, by little: that is no outlier's doing.
+TEST(ChooseBaseTest, LaysAnExactCapOutFlat) {
+  const SheetPoints cap =
+      PointsOn(SphericalCap(60), {.count = 5000, .sigma = 0, .isotropic = true, .seed = 3});
+  EXPECT_EQ(Choose(cap.points).base.name, "sheet");
+}
+
 TEST(ChooseBaseTest, TakesThePlaneOfAHeightField) {
   const std::pair<BentSheet, const char*> cases[] = {
       {FlatSheet(2, 1), "inclined 1 degrees or less"},
