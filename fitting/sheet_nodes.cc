@@ -21,8 +21,7 @@ constexpr Eigen::Index kCandidatesANode = 10;
 constexpr double kReachInSpacings = 1.5;  // at the edge spacings seem up to twice as large
 constexpr double kReachInNoise = 4;
 constexpr Eigen::Index kFewPoints = 200;                         // so few are all nodes
-constexpr Eigen::Index kPointsANode = 8, kExactPointsANode = 3;  // at least, of more points
-constexpr double kNearlyExact = 0.15;                            // noise against the spacing
+constexpr Eigen::Index kPointsANode = 8;  // at least, of more points
 constexpr int kCounted = 16;  // neighbours that tell the local spacing
 // Discs of a diameter thrown at random until none fits cover 0.547 of the plane.
 constexpr double kNodesAnArea = 0.547 * 4 / std::numbers::pi;
@@ -224,10 +223,8 @@ SheetNodes ChooseSheetNodes(const Eigen::Matrix3Xd& points,
   const double share = static_cast<double>(candidates.cols()) / static_cast<double>(m);
   const Eigen::VectorXd dense = LocalSpacings(points, index, candidates, pool);
   const Eigen::VectorXd spacings = dense / std::sqrt(share);
-  const bool nearly_exact =
-      noise < kNearlyExact * Median(std::vector<double>(dense.begin(), dense.end()));
-  const Eigen::Index each = nearly_exact ? kExactPointsANode : kPointsANode;
-  const Eigen::Index most = std::min(options.most, std::max(std::min(m, kFewPoints), m / each));
+  const Eigen::Index most =
+      std::min(options.most, std::max(std::min(m, kFewPoints), m / kPointsANode));
   const Eigen::VectorXd reach =
       Reaches(spacings, most < m ? kReachInNoise * noise : 0.0, std::min(most, candidates.cols()));
   std::vector<Eigen::Index> kept(static_cast<size_t>(candidates.cols()));
