@@ -18,14 +18,17 @@ void SortByPlace(PreparedCloud& prepared) {
   const PointCloud& cloud = prepared.merged.cloud;
   const SurfaceBase& base = prepared.base;
   constexpr double kPointsPerPlace = 16;
-  const double side = std::sqrt(base.length_u * base.length_v * kPointsPerPlace /
-                                static_cast<double>(cloud.size()));
-  const auto columns = static_cast<Eigen::Index>(base.length_v / side) + 1;
+  constexpr double kMostPlaces = 1e9;  // along a side, however long and narrow the domain is
+  const double side = std::sqrt(base.length_u) * std::sqrt(base.length_v) *
+                      std::sqrt(kPointsPerPlace / static_cast<double>(cloud.size()));
+  const auto place = [&](double length) {
+    return static_cast<Eigen::Index>(std::clamp(length / side, 0.0, kMostPlaces));
+  };
+  const Eigen::Index columns = place(base.length_v) + 1;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> keys(static_cast<size_t>(cloud.size()));
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(base.parameters(0, k) / side);
-    const auto column =
-        std::min(columns - 1, static_cast<Eigen::Index>(base.parameters(1, k) / side));
+    const Eigen::Index row = place(base.parameters(0, k));
+    const Eigen::Index column = std::min(columns - 1, place(base.parameters(1, k)));
     keys[static_cast<size_t>(k)] = {row * columns + (row % 2 == 0 ? column : columns - 1 - column),
                                     k};
   }
@@ -37,7 +40,7 @@ void SortByPlace(PreparedCloud& prepared) {
     order.push_back(k);
   }
   prepared.merged.cloud = cloud.Picked(order);
-  for (Eigen::Index& place : prepared.merged.place) place = rank[static_cast<size_t>(place)];
+  for (Eigen::Index& at : prepared.merged.place) at = rank[static_cast<size_t>(at)];
   prepared.base.parameters = base.parameters(Eigen::all, order).eval();
   prepared.reached = prepared.reached(order).eval();
   prepared.used = prepared.used(order).eval();
