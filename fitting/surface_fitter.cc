@@ -136,14 +136,14 @@ class SurfaceFitter {
       used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
       const bool search_near =
           settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
-      problem_ = WithChosenBases(ProblemOf(used_), search_near ? &*problem_ : nullptr);
+      Take(WithChosenBases(ProblemOf(used_), search_near ? &*problem_ : nullptr));
       if (pass == 1) RefuseTwoSheets();
       if (!robust_ && !loss_spoils_ && !options_.loss && !options_.keep_outliers)
         robust_ = HasLonelyResiduals();
       if (robust_) ReweightWhereItHelps();
       if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
       if (options_.keep_outliers) {
-        PlaceTheRest(Solved(*problem_));
+        PlaceTheRest(Surface());
         used_.setConstant(true);
         continue;
       }
@@ -161,7 +161,7 @@ class SurfaceFitter {
     if (options_.tolerance && robust_ && !options_.loss) {
       // A tolerance is the user's own word on which residuals matter: bounded weights chose the
       // bases only.
-      problem_ = ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v());
+      Take(ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v()));
     }
     report_.seconds.solve = watch_.Lap();
   }
@@ -172,58 +172,65 @@ class SurfaceFitter {
   void ReweightWhereItHelps() {
     if (options_.loss) return Reweight();
     const FittingProblem plain = *problem_;
-    const SurfaceResiduals before = ResidualsOf(plain);
+    const SurfaceResiduals before = Residuals();
     const PointMask spoken = CloseEnough(before.parameters,
                                          before.residuals,
                                          FarthestGood(RobustScale(before.residuals)),
                                          prepared_.statistics.spacing,
                                          pool_);
     Reweight();
-    const Eigen::VectorXd after = ResidualsOf(*problem_).residuals;
+    const Eigen::VectorXd after = Residuals().residuals;
     const double misfit_before = spoken.select(before.residuals.array(), 0).matrix().norm();
     const double misfit_after = spoken.select(after.array(), 0).matrix().norm();
     if (misfit_after <= kSpoilt * misfit_before) return;
-    problem_ = plain;
+    Take(plain);
     robust_ = false;
     loss_spoils_ = true;
   }
 
   void Reweight() {
-    problem_ = Reweighted(
+    Take(Reweighted(
         *problem_,
         {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
         [&](const FittingProblem& problem, const LinearSolution& solution) {
           return base_.Residuals(problem, solution.coefficients, pool_);
         },
         pool_,
-        report_.iterations);
+        report_.iterations));
   }
 
-  // The surface of the present problem.
-  NurbsSurface Solved(const FittingProblem& problem) const {
-    return base_.Surface(
-        problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool_).coefficients);
+  // Makes this the present problem.
+  void Take(FittingProblem problem) {
+    problem_ = std::move(problem);
+    solution_.reset();
   }
 
-  void RefuseTwoSheets() const {
+  // Of the present problem; solved once.
+  const LinearSolution& Solution() {
+    if (!solution_) solution_ = SolveLinear(*problem_, pool_);
+    return *solution_;
+  }
+  NurbsSurface Surface() {
+    return base_.Surface(problem_->basis_u(), problem_->basis_v(), Solution().coefficients);
+  }
+  SurfaceResiduals Residuals() {
+    return {problem_->data().parameters,
+            base_.Residuals(*problem_, Solution().coefficients, pool_),
+            options_.seed};
+  }
+
+  void RefuseTwoSheets() {
     if (base_.exact) return;
-    const double share = LayeredShareOf(ResidualsOf(*problem_), pool_);
+    const double share = LayeredShareOf(Residuals(), pool_);
     if (share <= kLayersToRefuse) return;
     throw std::invalid_argument("in " + std::to_string(std::lround(100 * share)) +
                                 " % of places the points lie on two sheets, one above the other: a "
                                 "surface would run between them; fit one of them (--box, --where)");
   }
 
-  SurfaceResiduals ResidualsOf(const FittingProblem& problem) const {
-    return {problem.data().parameters,
-            base_.Residuals(problem, SolveLinear(problem, pool_).coefficients, pool_),
-            options_.seed};
-  }
-
   // Whether more points stand alone with their residuals than chance makes.
-  bool HasLonelyResiduals() const {
-    const Eigen::VectorXd residuals =
-        base_.Residuals(*problem_, SolveLinear(*problem_, pool_).coefficients, pool_);
+  bool HasLonelyResiduals() {
+    const Eigen::VectorXd residuals = Residuals().residuals;
     const double scale = RobustScale(residuals);
     // A surface that misses the shape, or follows every point, can't tell.
     if (scale > kAtNoise * prepared_.statistics.noise ||
@@ -262,7 +269,7 @@ class SurfaceFitter {
 
   // The points the present solution speaks for, of all.
   PointMask SpokenFor() {
-    const NurbsSurface surface = Solved(*problem_);
+    const NurbsSurface surface = Surface();
     PlaceTheRest(surface);
     const Eigen::VectorXd distances =
         DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
@@ -291,15 +298,17 @@ class SurfaceFitter {
       const FittingProblem coarse = WithCells(*problem_,
                                               round.control_points_u - options_.degree_u,
                                               round.control_points_v - options_.degree_v);
+      const NurbsSurface surface = base_.Surface(
+          coarse.basis_u(), coarse.basis_v(), SolveLinear(coarse, pool_).coefficients);
       const PointDistances found =
-          DistancesFrom(Solved(coarse), used_cloud_.points(), coarse.data().parameters, pool_);
+          DistancesFrom(surface, used_cloud_.points(), coarse.data().parameters, pool_);
       if (found.distances.cwiseAbs().maxCoeff() <= *options_.tolerance) return coarse;
     }
     return *problem_;
   }
 
   void Refine() {
-    if (!options_.control_points) problem_ = CoarsestWithin();
+    if (!options_.control_points) Take(CoarsestWithin());
     RefineOptions refine;
     refine.tolerance = *options_.tolerance;
     refine.noise = prepared_.statistics.noise;
@@ -336,10 +345,10 @@ class SurfaceFitter {
   void Solve() {
     if (!options_.control_points) {
       // Finer grids would follow what neighbours share of their noise.
-      problem_ = noise_is_shared_ ? WithoutIdleLines(*problem_, pool_)
-                                  : WithLinesThatPay(*problem_, options_.max_control_points, pool_);
+      Take(noise_is_shared_ ? WithoutIdleLines(*problem_, pool_)
+                            : WithLinesThatPay(*problem_, options_.max_control_points, pool_));
     }
-    if (options_.smooth_by != SmoothBy::kWeight) problem_ = problem_->WithSmoothing(Smoothing());
+    if (options_.smooth_by != SmoothBy::kWeight) Take(problem_->WithSmoothing(Smoothing()));
     CalmOptions calm_options;
     calm_options.spacing = prepared_.statistics.spacing;
     calm_options.measured = used_cloud_.size();
@@ -348,7 +357,7 @@ class SurfaceFitter {
             ? problem_->unknowns()
             : std::min(options_.max_control_points, kMostForVoids * problem_->unknowns());
     CalmResult calm = SolveCalmly(*problem_, calm_options, pool_);
-    problem_ = calm.problem;
+    Take(calm.problem);
     const LinearSolution& solution = calm.solution;
     WarnOfVoids(calm.empty_share);
     if (solution.regularised) {
@@ -379,14 +388,15 @@ class SurfaceFitter {
   ThreadPool& pool_;
   Stopwatch watch_;
   FitReport report_;
-  PointMask used_;                         // of the merged points: those the fit rests on
-  PointCloud used_cloud_;                  // they
-  bool robust_ = false;                    // losses bound residuals
-  bool loss_spoils_ = false;               // what it was tried on
-  bool noise_is_shared_ = false;           // by neighbours, as blocks of left-out points tell
-  std::optional<FittingProblem> problem_;  // of the used points, with chosen bases
-  std::optional<NurbsSurface> surface_;    // in the cloud's local coordinates
-  Eigen::Matrix2Xd parameters_;            // of the used points
+  PointMask used_;                          // of the merged points: those the fit rests on
+  PointCloud used_cloud_;                   // they
+  bool robust_ = false;                     // losses bound residuals
+  bool loss_spoils_ = false;                // what it was tried on
+  bool noise_is_shared_ = false;            // by neighbours, as blocks of left-out points tell
+  std::optional<FittingProblem> problem_;   // of the used points, with chosen bases
+  std::optional<LinearSolution> solution_;  // of that, once asked for
+  std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
+  Eigen::Matrix2Xd parameters_;             // of the used points
 };
 
 }  // namespace
