@@ -15,6 +15,7 @@
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/line_removal.h"
 #include "batten/fitting/refine.h"
+#include "batten/fitting/residual_noise.h"
 #include "batten/fitting/residual_structure.h"
 #include "batten/fitting/reweighting.h"
 #include "batten/fitting/stopwatch.h"
@@ -331,15 +332,21 @@ class SurfaceFitter {
   }
 
   // The weight of fairness by the data.
-  double Smoothing() const {
+  double Smoothing() {
     if (options_.smooth_by == SmoothBy::kCrossValidation)
       return SmoothingByCrossValidation(*problem_, pool_, options_.progress);
-    const double noise = prepared_.statistics.noise;
+    // The noise of the values themselves: that along the normal is less on slopes than heights',
+    // and over a sheet parameters take up what is off along it.
+    const Eigen::MatrixXd off =
+        problem_->data().values - EvaluateAt(*problem_, Solution().coefficients, pool_);
+    const auto count = static_cast<double>(problem_->size());
+    const double left = count - EffectiveFreedom(*problem_, pool_);
+    const double variance =
+        ResidualNoise(problem_->data().parameters).Variance(off, problem_->data().weights) * count /
+        std::max(1.0, left);
+    const double noise = std::sqrt(variance / static_cast<double>(off.rows()));
     if (!(noise > 0)) return problem_->smoothing();
-    // Over a sheet parameters take up what is off along it: one of three coordinates is left.
-    const bool along_normal = !base_.plane && !base_.exact;
-    return SmoothingFromNoise(
-        *problem_, along_normal ? noise / std::sqrt(3.0) : noise, pool_, options_.progress);
+    return SmoothingFromNoise(*problem_, noise, pool_, options_.progress);
   }
 
   void Solve() {

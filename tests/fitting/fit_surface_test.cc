@@ -162,6 +162,54 @@ TEST(FitSurfaceTest, RefinesUntilTheToleranceHoldsAndNoFurther) {
   EXPECT_LT(Unknowns(coarse), Unknowns(fine));
 }
 
+// Equal cells as fine as the wavy half asks for keep the tolerance too; they are not kept.
+TEST(FitSurfaceTest, KeepsNoKnotLinesThatAToleranceDoesNotTake) {
+  const auto half_wavy = [](double x, double y) {
+    return x < 0.5 ? 0.0 : 0.05 * std::pow(std::sin(30 * (x - 0.5)), 3) * std::cos(3 * y);
+  };
+  SurfaceFitOptions options;
+  options.tolerance = 6e-3;
+  const SurfaceFit fit =
+      FitSurface(PointCloud::FromWorld(Scatter(half_wavy, 10000, kSigma, 0, 3)), options);
+  EXPECT_EQ(fit.report.tolerance_reached(), true);
+  const SplineBasis& across = fit.surface.basis_u();
+  const double middle = (across.lower() + across.upper()) / 2;
+  int flat = 0, wavy = 0;
+  for (const int span : across.Spans()) {
+    (across.knots()[static_cast<size_t>(span) + 1] <= middle ? flat : wavy) += 1;
+  }
+  EXPECT_LT(2 * flat, wavy);
+  const auto rounds = fit.report.iterations;
+  EXPECT_TRUE(std::any_of(rounds.begin(), rounds.end(), [](const auto& round) {
+    return round.stage == "fewer lines";
+  }));
+}
+
+// Many more control points than the data carry: fairness from the data keeps them from the noise.
+TEST(FitSurfaceTest, ChoosesFairnessByTheData) {
+  const PointCloud cloud = FrankeCloud(4000);
+  SurfaceFitOptions options;
+  options.control_points = {30, 30};
+  options.optimize = Freedom{};
+  options.smoothing = 1e-9;
+  const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101);
+  const double free = ErrorToTruth(FitSurface(cloud, options).surface, truth).rms;
+  options.smoothing.reset();
+  for (const SmoothBy by : {SmoothBy::kCrossValidation, SmoothBy::kNoise}) {
+    options.smooth_by = by;
+    const SurfaceFit fit = FitSurface(cloud, options);
+    EXPECT_EQ(Unknowns(fit), 900);
+    EXPECT_LT(ErrorToTruth(fit.surface, truth).rms, 0.75 * free);
+  }
+  for (const auto& spoil : {+[](SurfaceFitOptions& o) { o.tolerance = 0.1; },
+                            +[](SurfaceFitOptions& o) { o.smoothing = 1e-3; },
+                            +[](SurfaceFitOptions& o) { o.loss = Loss::kHuber; }}) {
+    SurfaceFitOptions spoilt = options;
+    spoil(spoilt);
+    EXPECT_THROW(Check(spoilt), std::invalid_argument);
+  }
+}
+
 TEST(FitSurfaceTest, SaysSoWhenTheToleranceIsBelowTheNoise) {
   SurfaceFitOptions options;
   options.tolerance = kSigma / 5;
