@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/sample_geometry.h"
@@ -160,6 +162,48 @@ TEST(FitSurfaceTest, RefinesUntilTheToleranceHoldsAndNoFurther) {
   const SurfaceFit coarse = FitSurface(FrankeCloud(20000), options);
   EXPECT_EQ(coarse.report.tolerance_reached(), true);
   EXPECT_LT(Unknowns(coarse), Unknowns(fine));
+}
+
+// A fifth of the points stands above the sheet, most of them by little: their distances thin out as
+// those of structure do, but none has company.
+TEST(FitSurfaceTest, IsNotPulledByOutliersToOneSide) {
+  const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101),
+                         clean = Scatter(Franke, 20000, kSigma, 0, 5);
+  Eigen::Matrix3Xd raised = clean;
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> off(0, 20 * kSigma);
+  for (Eigen::Index k = 0; k < raised.cols(); k += 5) raised(2, k) += std::abs(off(engine));
+  const double alone = ErrorToTruth(FitSurface(PointCloud::FromWorld(clean)).surface, truth).rms;
+  EXPECT_LT(ErrorToTruth(FitSurface(PointCloud::FromWorld(raised)).surface, truth).rms, 2 * alone);
+}
+
+// Where a hole takes knots of its own to stay calm, the surface has them.
+TEST(FitSurfaceTest, StaysBelowTheRimWhereThePeakIsMissing) {
+  const auto inside = [](double x, double y) { return std::hypot(x - 0.22, y - 0.22) < 0.15; };
+  const Eigen::Matrix3Xd all = Scatter(Franke, 20000, kSigma, 0, 6);
+  std::vector<Eigen::Index> kept;
+  double low = 2, high = -1;
+  for (Eigen::Index k = 0; k < all.cols(); ++k) {
+    if (inside(all(0, k), all(1, k))) continue;
+    kept.push_back(k);
+    if (std::hypot(all(0, k) - 0.22, all(1, k) - 0.22) > 0.16) continue;
+    low = std::min(low, all(2, k));
+    high = std::max(high, all(2, k));
+  }
+  const SurfaceFit fit = FitSurface(PointCloud::FromWorld(all(Eigen::all, kept)));
+  const NurbsSurface& surface = fit.surface;
+  for (int i = 0; i <= 200; ++i) {
+    for (int j = 0; j <= 200; ++j) {
+      const Eigen::Vector3d at =
+          surface.At(surface.basis_u().lower() +
+                         (surface.basis_u().upper() - surface.basis_u().lower()) * i / 200,
+                     surface.basis_v().lower() +
+                         (surface.basis_v().upper() - surface.basis_v().lower()) * j / 200);
+      if (!inside(at[0], at[1])) continue;
+      ASSERT_GT(at[2], low - 0.1 * (high - low));
+      ASSERT_LT(at[2], high + 0.1 * (high - low));
+    }
+  }
 }
 
 // Equal cells as fine as the wavy half asks for keep the tolerance too; they are not kept.
