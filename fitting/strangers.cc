@@ -65,25 +65,6 @@ double StrangersBegin(const Eigen::VectorXd& distances, double limit) {
   return std::numeric_limits<double>::infinity();
 }
 
-double LonelyShare(const Eigen::Matrix2Xd& places,
-                   const Eigen::VectorXd& distances,
-                   double limit,
-                   ThreadPool& pool) {
-  const std::vector<Eigen::Index> beyond = Beyond(distances, limit);
-  if (beyond.empty()) return 0;
-  const Eigen::Matrix3Xd plan = InPlane(places);
-  const NeighbourIndex index(plan);
-  std::vector<char> lonely(beyond.size());
-  pool.For(static_cast<std::ptrdiff_t>(beyond.size()),
-           64,
-           [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-             for (std::ptrdiff_t i = begin; i < end; ++i)
-               lonely[i] = CompanyOf(beyond[i], index, plan, distances).alike < kWitnessesNeeded;
-           });
-  return static_cast<double>(std::count(lonely.begin(), lonely.end(), 1)) /
-         static_cast<double>(distances.size());
-}
-
 PointMask CloseEnough(const Eigen::Matrix2Xd& places,
                       const Eigen::VectorXd& distances,
                       double least,

@@ -15,14 +15,6 @@ namespace batten {
 // way.
 double StrangersBegin(const Eigen::VectorXd& distances, double limit);
 
-// The share of points that are off by more than the limit while the points around them are not off
-// to the same side by nearly as much: outliers, however their distances are distributed; not
-// structure that the surface has missed.
-double LonelyShare(const Eigen::Matrix2Xd& places,
-                   const Eigen::VectorXd& distances,
-                   double limit,
-                   ThreadPool& pool);
-
 // Which points a surface speaks for, given their signed distances from it and their places in the
 // plane: those this side of where strangers begin, no nearer than `least`; and beyond it, where the
 // surface is what is wrong, those that several neighbours are off with, to the same side: by nearly

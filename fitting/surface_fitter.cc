@@ -37,11 +37,10 @@ constexpr double kFewChanges = 0.01;
 constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
-constexpr double kAtNoise = 1.5, kMisses = 3;  // residuals against the noise
-constexpr double kBeyondStructure = 2;         // spacings
-constexpr int kFewPoints = 3;                  // to a control point
-constexpr double kSpoilt = 5;                  // times the misfit of a plain fit
-constexpr double kLayersToRefuse = 0.4;        // rough scenes have layers here and there
+constexpr double kMisses = 3;            // residuals against the noise
+constexpr double kBeyondStructure = 2;   // spacings
+constexpr double kSpoilt = 5;            // times the misfit of a plain fit
+constexpr double kLayersToRefuse = 0.4;  // rough scenes have layers here and there
 
 // One fit, stage by stage; members are what the stages hand on.
 class SurfaceFitter {
@@ -139,8 +138,6 @@ class SurfaceFitter {
           settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
       Take(WithChosenBases(ProblemOf(used_), search_near ? &*problem_ : nullptr));
       if (pass == 1) RefuseTwoSheets();
-      if (!robust_ && !loss_spoils_ && !options_.loss && !options_.keep_outliers)
-        robust_ = HasLonelyResiduals();
       if (robust_) ReweightWhereItHelps();
       if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
       if (options_.keep_outliers) {
@@ -227,20 +224,6 @@ class SurfaceFitter {
     throw std::invalid_argument("in " + std::to_string(std::lround(100 * share)) +
                                 " % of places the points lie on two sheets, one above the other: a "
                                 "surface would run between them; fit one of them (--box, --where)");
-  }
-
-  // Whether more points stand alone with their residuals than chance makes.
-  bool HasLonelyResiduals() {
-    const Eigen::VectorXd residuals = Residuals().residuals;
-    const double scale = RobustScale(residuals);
-    // A surface that misses the shape, or follows every point, can't tell.
-    if (scale > kAtNoise * prepared_.statistics.noise ||
-        problem_->size() < kFewPoints * problem_->unknowns()) {
-      return false;
-    }
-    const double limit =
-        std::max(kOutlierInScales * scale, kLeastScale * prepared_.statistics.spacing);
-    return LonelyShare(problem_->data().parameters, residuals, limit, pool_) > kOutlierShareForLoss;
   }
 
   // Points the base has no place for get one from the surface: their foot on it.
