@@ -82,8 +82,10 @@ struct Primitive {
     const Clock clock;
     const PrimitiveFit fit = FitPrimitive(cloud, options);
     const double seconds = clock.Seconds();
-    return std::visit([&](const auto& curve) { return Sampled(curve, fit.report, seconds); },
-                      fit.curve);
+    if (const auto* plane = std::get_if<NurbsCurve<2>>(&fit.geometry)) {
+      return Sampled(*plane, fit.report, seconds);
+    }
+    return Sampled(std::get<NurbsCurve<3>>(fit.geometry), fit.report, seconds);
   }
 };
 

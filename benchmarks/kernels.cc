@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "known_clouds.h"

@@ -14,6 +14,7 @@
 
 #include "batten/cli/edit_operations.h"
 #include "batten/cli/edit_syntax.h"
+#include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -94,61 +95,6 @@ void MakeRoom(size_t files) {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-Json Degrees(const Geometry& shape) {
-  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
-    return {surface->basis_u().degree(), surface->basis_v().degree()};
-  }
-  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
-    return Json::array({plane->basis().degree()});
-  }
-  return Json::array({std::get<NurbsCurve<3>>(shape).basis().degree()});
-}
-
-Json Sizes(const Geometry& shape) {
-  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
-    return {surface->size_u(), surface->size_v()};
-  }
-  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
-    return Json::array({plane->basis().size()});
-  }
-  return Json::array({std::get<NurbsCurve<3>>(shape).basis().size()});
-}
-
-const char* Kind(const Geometry& shape) {
-  return std::holds_alternative<NurbsSurface>(shape) ? "surface" : "curve";
-}
-
-Json Entry(const GeometryFile& file) {
-  Json entry{{"path", file.path}, {"kind", Kind(file.geometry.front())}};
-  if (file.geometry.size() == 1) {
-    entry["degree"] = Degrees(file.geometry.front());
-    entry["control_points"] = Sizes(file.geometry.front());
-  }
-  for (const Geometry& shape : file.geometry) {
-    if (entry["kind"] != Kind(shape)) entry["kind"] = "mixed";
-  }
-  entry["count"] = file.geometry.size();
-  return entry;
-}
-
-std::string Joined(const Json& numbers, const char* between) {
-  std::string text;
-  for (const Json& number : numbers) text += (text.empty() ? "" : between) + number.dump();
-  return text;
-}
-
-std::string Line(const Json& entry) {
-  const std::string what =
-      entry["path"].get<std::string>() + ": " + entry["kind"].get<std::string>();
-  if (!entry.contains("degree")) {
-    return fmt::format("{}, {} geometries", what, entry["count"].get<size_t>());
-  }
-  return fmt::format("{} of degree {}, {} control points",
-                     what,
-                     Joined(entry["degree"], ","),
-                     Joined(entry["control_points"], " x "));
-}
-
 int Run(const Arguments& a) {
   CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
@@ -168,11 +114,11 @@ int Run(const Arguments& a) {
   ClearProgress();
 
   Json list = Json::array();
-  for (const GeometryFile& file : files) list.push_back(Entry(file));
+  for (const GeometryFile& file : files) list.push_back(FileEntry(file));
   if (a.flags.json) {
     fmt::print("{}\n", Json{{"files", list}}.dump(2, ' ', false, Json::error_handler_t::replace));
   } else if (!a.flags.quiet && a.out != "-") {
-    for (const Json& entry : list) fmt::print("{}\n", Line(entry));
+    for (const Json& entry : list) fmt::print("{}\n", FileLine(entry));
   }
   if (!a.flags.quiet) {
     for (const std::string& shortfall : edited.shortfalls) PrintWarning(shortfall);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// batten fit primitive: points in, an exact line or circle and its report out.
+// batten fit primitive: points in, an exact line, circle, plane, sphere, cylinder, cone or torus
+// and its report out.
 #include <memory>
 #include <utility>
 
@@ -17,10 +18,19 @@ struct Arguments : FitArguments {
 };
 
 PrimitiveKind ToKind(const std::string& word) {
+  constexpr PrimitiveKind kKinds[] = {PrimitiveKind::kAuto,
+                                      PrimitiveKind::kLine,
+                                      PrimitiveKind::kCircle,
+                                      PrimitiveKind::kPlane,
+                                      PrimitiveKind::kSphere,
+                                      PrimitiveKind::kCylinder,
+                                      PrimitiveKind::kCone,
+                                      PrimitiveKind::kTorus};
   CheckChoice(
-      "--kind", word, {"auto", "line", "circle"}, {"plane", "cylinder", "sphere", "cone", "torus"});
-  if (word == "line") return PrimitiveKind::kLine;
-  if (word == "circle") return PrimitiveKind::kCircle;
+      "--kind", word, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
+  for (const PrimitiveKind kind : kKinds) {
+    if (word == Name(kind)) return kind;
+  }
   return PrimitiveKind::kAuto;
 }
 
@@ -40,37 +50,45 @@ int Run(const Arguments& a) {
   options.shift = files.shift();
   PrimitiveFit fit = files.Explained([&] { return FitPrimitive(cloud, options); });
   const Geometry geometry =
-      std::visit([](const auto& curve) { return Geometry(curve); }, fit.curve);
-  return files.Write(
-      {geometry}, fit.residuals, fit.parameters.transpose(), fit.outliers, fit.report);
+      std::visit([](const auto& shape) { return Geometry(shape); }, fit.geometry);
+  return files.Write({geometry}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
 }  // namespace
 
 void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command =
-      *fit.add_subcommand("primitive", "Fit an exact line, arc or circle to points");
+  CLI::App& command = *fit.add_subcommand(
+      "primitive", "Fit an exact line, circle, plane, sphere, cylinder, cone or torus to points");
   AddEveryFitsArguments(
       command,
       *a,
       "CLOUD",
-      "auto none huber cauchy tukey truncated; auto is none, any other sets outliers aside");
+      "auto none huber cauchy tukey truncated; none takes all points; auto does so for lines and "
+      "circles, and for surfaces leaves out what stands farther off than noise explains");
   command
       .add_option(
-          "--kind", a->kind, "auto line circle; auto is the simplest that the points do not reject")
+          "--kind",
+          a->kind,
+          "auto line circle plane sphere cylinder cone torus; auto is the simplest that the points "
+          "do not reject")
       ->required()
       ->type_name("KIND");
   command.footer(
       "Examples:\n"
+      "  batten fit primitive part.xyz -o part.step --kind cylinder\n"
+      "  batten fit primitive scan.ply -o shape.step --kind auto --report shape-report.json\n"
       "  batten fit primitive hole.xyz -o hole.step --kind circle\n"
-      "  batten fit primitive edge.csv -o edge.json --kind auto --report edge-report.json\n"
       "  batten fit primitive pipe-section.xyz -o section.step --kind circle --loss tukey "
       "--tolerance 0.05\n"
-      "Two columns are points of the plane. Distances are orthogonal; a circle in space is found "
-      "with its plane.\n"
-      "A full circle where the points go all round, else the arc that they cover.\n"
-      "Centre, radius, axis or direction are in the report, under geometry.\n"
+      "Two columns are points of the plane: lines and circles only. Distances are orthogonal; a "
+      "circle in space is found with its plane.\n"
+      "The part that the points cover is written, all round where they go all round; STEP gets the "
+      "exact shape.\n"
+      "Radii, axis, centre or apex with standard deviations and covariance are in the report, "
+      "under "
+      "geometry, primitive.\n"
+      "A warning says where the points do not determine them.\n"
       "Exit code 3 says the best shape is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // batten fit surface: points in, a surface and its report out.
+#include <map>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -19,19 +21,32 @@ struct Arguments : FitArguments {
     parameterization = "auto";
   }
   std::string degree = "3,3", base = "auto", closed = "auto", trim = "none", normals = "auto";
-  bool keep_outliers = false;
+  bool keep_outliers = false, snap = false;
 };
 
 // Words of the contract that a later version will understand are told apart from mistakes.
 void CheckChoices(const Arguments& a) {
-  CheckChoice("--base", a.base, {"auto", "plane", "sheet"}, {"revolution", "sphere", "torus"});
-  CheckChoice("--closed", a.closed, {"auto", "none"}, {"u", "v", "uv"});
+  CheckChoice("--base", a.base, {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
+  CheckChoice("--closed", a.closed, {"auto", "none", "u", "v", "uv"});
   CheckChoice("--parameterization", a.parameterization, {"auto", "given"});
   CheckChoice("--trim", a.trim, {"none"}, {"auto"});
   CheckChoice("--normals", a.normals, {"auto", "none"}, {"file"});
   if (a.parameterization == "given" && a.base != "auto") {
     throw UsageError("--base " + a.base + ": given parameters need no base");
   }
+  if (a.parameterization == "given" && a.snap) {
+    throw UsageError("--snap: over given parameters the surface stays free-form");
+  }
+  if (a.parameterization == "given" && a.closed != "auto" && a.closed != "none") {
+    throw UsageError("--closed " + a.closed + ": over given parameters a surface stays open");
+  }
+}
+
+// The value of a word that is among the choices, else that of "auto".
+template <typename Choice>
+Choice Named(const std::string& word, const std::map<std::string, Choice>& choices) {
+  const auto found = choices.find(word);
+  return found == choices.end() ? Choice::kAuto : found->second;
 }
 
 SurfaceFitOptions ToOptions(const Arguments& a) {
@@ -58,10 +73,18 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
   options.optimize = ToFreedom(a.optimize);
-  if (a.base == "plane") options.base = BaseShape::kPlane;
-  if (a.base == "sheet") options.base = BaseShape::kSheet;
+  options.base = Named<BaseShape>(a.base,
+                                  {{"plane", BaseShape::kPlane},
+                                   {"sheet", BaseShape::kSheet},
+                                   {"revolution", BaseShape::kRevolution},
+                                   {"sphere", BaseShape::kSphere},
+                                   {"torus", BaseShape::kTorus}});
+  options.closed = Named<Closing>(
+      a.closed,
+      {{"none", Closing::kNone}, {"u", Closing::kU}, {"v", Closing::kV}, {"uv", Closing::kBoth}});
   options.given_parameters = a.parameterization == "given";
   options.keep_outliers = a.keep_outliers;
+  options.snap = a.snap;
   return WithWork(std::move(options), a);
 }
 
@@ -101,17 +124,25 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   add("--degree", a->degree, "Degree in u and v: P or P,Q", "P[,Q]");
   add("--base",
       a->base,
-      "Shape the parameters come from: auto plane sheet (bent, laid out flat)",
+      "Shape the parameters come from: auto plane sheet (bent, or a tube, laid out flat) "
+      "revolution "
+      "sphere torus",
       "BASE");
-  add("--closed", a->closed, "Closed directions: auto none", "CLOSED");
+  add("--closed", a->closed, "Directions that close without a seam: auto none u v uv", "CLOSED");
   add("--trim", a->trim, "none: the surface is the whole rectangle around the points", "TRIM");
   add("--normals", a->normals, "auto none", "FROM");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
+  command.add_flag(
+      "--snap",
+      a->snap,
+      "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
   command.footer(
       "Examples:\n"
       "  batten fit surface scan.ply -o part.step\n"
       "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.json\n"
       "  batten fit surface hull.ply -o hull.step --base sheet --residuals off.ply\n"
+      "  batten fit surface bush.ply -o bush.step --snap --report bush.json\n"
+      "  batten fit surface vase.ply -o vase.step --base revolution --closed u\n"
       "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
       "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
       "off.csv\n"

@@ -19,14 +19,15 @@ namespace {
 std::string command_line;
 
 // Commands of the contract that later versions will have.
-const std::vector<std::string> kLaterCommands = {"make", "section", "tessellate"};
+const std::vector<std::string> kLaterCommands = {"section", "tessellate"};
 const std::vector<std::string> kLaterFits = {"scan"};
+const std::vector<std::string> kLaterKinds = {
+    "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
 const std::vector<std::string> kLaterFlags = {"--grid",
                                               "--domain",
                                               "--boundary",
                                               "--symmetric",
                                               "--thin",
-                                              "--snap",
                                               "--interpolate",
                                               "--component",
                                               "--start-tangent",
@@ -101,7 +102,10 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
     return "unexpected argument '" + word + "' for '" + TypedName(app) +
            "' (--help shows what it takes)";
   }
-  if (Contains(command == &app ? kLaterCommands : kLaterFits, word)) {
+  const std::vector<std::string>& later = command == &app                 ? kLaterCommands
+                                          : command->get_name() == "make" ? kLaterKinds
+                                                                          : kLaterFits;
+  if (Contains(later, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
   }
   const std::string near = NearestName(word, commands);
@@ -222,6 +226,7 @@ int RunProgram(int argc, char** argv) {
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);
   AddEditCommand(app, action);
+  AddMakeCommand(app, action);
   AddConvertCommand(app, action);
   AddAnalyzeCommand(app, action);
   AddInfoCommand(app, action);

@@ -50,6 +50,7 @@ void AddConvertCommand(CLI::App& app, Action& action);
 void AddEditCommand(CLI::App& app, Action& action);
 void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddInfoCommand(CLI::App& app, Action& action);
+void AddMakeCommand(CLI::App& app, Action& action);
 void AddProjectCommand(CLI::App& app, Action& action);
 void AddSampleCommand(CLI::App& app, Action& action);
 

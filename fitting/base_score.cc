@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "batten/fitting/block_validation.h"
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/robust_loss.h"
@@ -34,19 +35,20 @@ BaseScore::BaseScore(const PointCloud& points,
   }
 }
 
-BaseScore::Value BaseScore::Of(const SurfaceBase& base) const {
+BaseScore::Value BaseScore::Of(const SurfaceBase& base, const PointMask& reached) const {
   // Higher degrees cost much and tell no more.
   const int degree_u = std::min(options_.degree_u, kMostDegree),
             degree_v = std::min(options_.degree_v, kMostDegree);
-  const FittingProblem problem = base.ProblemOf(points_, sample_, degree_u, degree_v, kSmoothing);
+  const FittingProblem problem =
+      base.ProblemOf(points_, sample_ && reached, degree_u, degree_v, kSmoothing);
   GridLimits limits;
   limits.degree_u = degree_u;
   limits.degree_v = degree_v;
   limits.blocks = false;
   const GridChoice grid = ChooseGrid(problem, limits, pool_, options_.progress);
   const FittingProblem chosen =
-      problem.WithBases(FittingBasis(degree_u, grid.cells_u, 0, base.length_u),
-                        FittingBasis(degree_v, grid.cells_v, 0, base.length_v));
+      problem.WithBases(FittingBasisLike(problem.basis_u(), degree_u, grid.cells_u),
+                        FittingBasisLike(problem.basis_v(), degree_v, grid.cells_v));
   const Eigen::VectorXd residuals =
       base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
   // A few outliers may be left: they must not tell. What is small against the spacing is none.

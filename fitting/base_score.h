@@ -28,8 +28,9 @@ class BaseScore {
     int control_points = 0;        // over it
   };
 
-  // Generalised cross-validation of the best grid over the base. O(points of the sample).
-  Value Of(const SurfaceBase& base) const;
+  // Generalised cross-validation of the best grid over the base, of the sample's points that the
+  // base has a place for: the others' parameters are a guess. O(points of the sample).
+  Value Of(const SurfaceBase& base, const PointMask& reached) const;
 
  private:
   const PointCloud& points_;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "batten/fitting/block_validation.h"
+#include "batten/fitting/fitting_bases.h"
 
 namespace batten {
 namespace {
@@ -90,9 +91,8 @@ class BlockSearch {
 
  private:
   FittingProblem OnGrid(Cells cells) const {
-    const SplineBasis &bu = problem_.basis_u(), &bv = problem_.basis_v();
-    return problem_.WithBases(FittingBasis(limits_.degree_u, cells.first, bu.lower(), bu.upper()),
-                              FittingBasis(limits_.degree_v, cells.second, bv.lower(), bv.upper()));
+    return problem_.WithBases(FittingBasisLike(problem_.basis_u(), limits_.degree_u, cells.first),
+                              FittingBasisLike(problem_.basis_v(), limits_.degree_v, cells.second));
   }
 
   Eigen::MatrixXd Fitted(Cells cells) const {

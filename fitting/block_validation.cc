@@ -9,6 +9,7 @@
 #include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/fairness.h"
 #include "batten/fitting/normal_equations.h"
+#include "batten/fitting/pole_rows.h"
 
 namespace batten {
 namespace {
@@ -110,7 +111,7 @@ double ParameterSpacing(const FittingProblem& problem) {
 }
 
 BlockValidation::BlockValidation(const FittingProblem& problem, double width)
-    : folds_(kFolds), smoothing_(problem.smoothing()) {
+    : folds_(kFolds), smoothing_(problem.smoothing()), poles_(problem.poles()) {
   if (problem.is_curve()) throw std::invalid_argument("BlockValidation: a curve has no blocks");
   if (!(width > 0)) {
     throw std::invalid_argument("BlockValidation: width is " + std::to_string(width) +
@@ -167,6 +168,7 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
     trace += equations.back().trace();
   }
   const FairnessForm fairness(outer, &inner);
+  const Eigen::MatrixXd conditions = PoleConditionsOnRows(basis_u, basis_v, poles_, u_outside);
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(blocks_);
   for (size_t f = 0; f < folds_.size(); ++f) {
     const Fold& fold = folds_[f];
@@ -184,7 +186,7 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
       return Eigen::VectorXd::Constant(blocks_, std::numeric_limits<double>::infinity());
     }
     matrix.Solve(net);
-
+    MeetConditions(matrix, conditions, net);
     const Eigen::VectorXd squares = SquaredErrors(outer,
                                                   inner,
                                                   u_outside ? fold.u : fold.v,

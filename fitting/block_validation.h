@@ -43,6 +43,7 @@ class BlockValidation {
   std::vector<int> block_of_;
   int blocks_ = 0;
   double smoothing_;
+  Poles poles_;
 };
 
 }  // namespace batten

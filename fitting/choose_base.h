@@ -22,9 +22,10 @@ struct BaseChoice {
 // A plane where the points are a height field that is nowhere steep. Otherwise the sheet is laid
 // out flat, and the base over which left-out points are predicted better is taken, the plane unless
 // the sheet is clearly better; a plane over which the points lie in layers here and there is taken
-// with a warning if nothing else serves. With options.base that base or none. Points that stand out
-// by the statistics don't take part, but get their places. Throws std::invalid_argument, with a
-// sentence for the user, where no base serves.
+// with a warning if nothing else serves. What cannot be laid out flat, or only with lengths that
+// differ much, is tried as a shape that closes (FindClosedBases). With options.base that base or
+// none. Points that stand out by the statistics don't take part, but get their places. Throws
+// std::invalid_argument, with a sentence for the user, where no base serves.
 BaseChoice ChooseBase(const PointCloud& points,
                       const NeighbourIndex& index,
                       const CloudStatistics& statistics,

@@ -4,11 +4,38 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <numbers>
 #include <vector>
 
 #include "batten/fitting/statistics.h"
 
 namespace batten {
+namespace {
+
+// Digits down to the second of the deviation; ten of them where there is none.
+std::string WithDeviation(double value, double deviation) {
+  char text[80];
+  if (!(deviation > 0)) {
+    std::snprintf(text, sizeof text, "%.10g", value);
+  } else if (!std::isfinite(deviation)) {
+    std::snprintf(text, sizeof text, "%.10g (its error has no limit)", value);
+  } else if (!(std::abs(value) < 1e15 * deviation && deviation < 1e3 * std::abs(value))) {
+    std::snprintf(text, sizeof text, "%.10g ± %.2g", value, deviation);
+  } else {
+    const int places = static_cast<int>(std::ceil(-std::log10(deviation))) + 1;
+    if (places > 12 || std::abs(value) > 1e12 || places < -3) {
+      const double digits = std::log10(std::abs(value) / deviation);
+      const int shown = std::clamp(static_cast<int>(std::ceil(digits)) + 2, 2, 17);
+      std::snprintf(text, sizeof text, "%.*g ± %.2g", shown, value, deviation);
+    } else {
+      std::snprintf(text, sizeof text, "%.*f ± %.2g", std::max(0, places), value, deviation);
+    }
+  }
+  return text;
+}
+
+}  // namespace
 const char* Name(Termination termination) {
   switch (termination) {
     case Termination::kToleranceReached:
@@ -57,6 +84,35 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
   result.p95 = QuantileInPlace(values, 0.95);
   result.p99 = QuantileInPlace(values, 0.99);
   return result;
+}
+
+double PrimitiveAccuracy::Deviation(const std::string& name) const {
+  double most = std::numeric_limits<double>::quiet_NaN();
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i] != name && !names[i].starts_with(name + "_")) continue;
+    const double deviation = standard_deviations[static_cast<Eigen::Index>(i)];
+    if (!(most >= deviation)) most = deviation;
+  }
+  return most;
+}
+
+std::string PrimitiveSummary::Words() const {
+  std::string words = kind;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const auto add = [&](const char* name, const std::optional<double>& value, double unit) {
+    if (!value) return;
+    std::string key = name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    const double deviation = accuracy ? unit * accuracy->Deviation(key) : 0;
+    const char* const join = words == kind ? " of " : ", ";
+    words += join + std::string(name) + " " + WithDeviation(unit * *value, deviation);
+    if (unit != 1) words += " degrees";
+  };
+  add("radius", radius, 1);
+  add("major radius", major_radius, 1);
+  add("minor radius", minor_radius, 1);
+  add("half angle", half_angle, kDegrees);
+  return words;
 }
 
 const ErrorSummary& FitReport::judged_error() const {
@@ -116,12 +172,7 @@ std::string FitReport::OneLine() const {
                 static_cast<long long>(input.points));
   std::string line = text;
   if (geometry.primitive) {
-    std::string shape = geometry.primitive->kind;
-    if (geometry.primitive->radius) {
-      std::snprintf(text, sizeof text, " of radius %.10g", *geometry.primitive->radius);
-      shape += text;
-    }
-    line = shape + ", " + line;
+    line = geometry.primitive->Words() + ", " + line;
   }
   if (parameter_error) {
     std::snprintf(text,

@@ -51,16 +51,39 @@ struct InputSummary {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
+// How exactly points determine a primitive's numbers. Names are those of ShapeEstimate; of lines
+// direction_x, direction_y, point_x, point_y, of circles axis_x, axis_y, center_x, center_y,
+// center_z, radius, those of z missing in the plane. Of axis, direction, normal, and of a point on
+// an axis, _x and _y are towards frame_x and frame_y; other _x, _y, _z are along the coordinates.
+struct PrimitiveAccuracy {
+  std::vector<std::string> names;
+  Eigen::VectorXd standard_deviations;  // infinite where there is no limit
+  Eigen::MatrixXd covariance;           // linear, without rivals
+  Eigen::Vector3d frame_x = Eigen::Vector3d::Zero(), frame_y = Eigen::Vector3d::Zero();
+  double inflation = 1;  // of variances, by what neighbouring residuals have in common
+
+  // The largest of those whose names begin with `name`; NaN where there are none.
+  double Deviation(const std::string& name) const;
+};
+
 // The numbers of a primitive, in the coordinates of the geometry as written; which of them there
 // are depends on the kind. Directions have length one, angles are in radians.
 struct PrimitiveSummary {
-  std::string kind;  // "line", "circle"
+  std::string kind;  // "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"
+  // The point of a line, plane or axis is the one beside the middle of the points.
   std::optional<Eigen::Vector3d> point, direction;
   std::optional<Eigen::Vector3d> center, axis;
   std::optional<double> radius;
   std::optional<double> sweep;  // of an arc; 2π of a full circle
   double scale = 0;             // standard deviation of the good points from it
   std::string why;              // this kind
+  std::optional<Eigen::Vector3d> normal = std::nullopt, apex = std::nullopt;
+  std::optional<double> half_angle = std::nullopt;
+  std::optional<double> major_radius = std::nullopt, minor_radius = std::nullopt;
+  std::optional<PrimitiveAccuracy> accuracy = std::nullopt;
+
+  // "cylinder of radius 12.003 ± 0.002": lengths with their standard deviations.
+  std::string Words() const;
 };
 
 struct GeometrySummary {
@@ -76,6 +99,7 @@ struct GeometrySummary {
   std::string base_why = {};                                 // this base
   // Of a surface over its base: the rms of how much lengths differ from those of the parameters.
   double distortion = 0;
+  std::vector<bool> poles = {};  // of a surface: whether its edges v = low and v = high are points
 };
 
 // The joint stage.

@@ -6,7 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "batten/fitting/coefficient_order.h"
+#include "batten/fitting/distances.h"
 #include "batten/fitting/given_parameters.h"
+#include "batten/fitting/snap.h"
 #include "batten/fitting/stopwatch.h"
 #include "batten/fitting/surface_fitter.h"
 #include "batten/fitting/surface_outcome.h"
@@ -49,7 +52,13 @@ class SurfaceRoad {
   SurfaceFit Fit(const SurfaceFitOptions& options) {
     const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
     FittedDraft fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
+    const double so_far = prepared_.base_seconds;
+    if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_)) {
+      prepare_seconds_ += prepared_.base_seconds - so_far;
+      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
+    }
     doubted_ = fitted.doubted;
+    if (options.snap && !given_) Snap(fitted, options);
     watch_.Lap();
     SurfaceFit fit =
         MeasureFit(given_ ? given_->InUsersUnits(fitted.draft.surface) : fitted.draft.surface,
@@ -78,6 +87,47 @@ class SurfaceRoad {
   }
 
  private:
+  // An exact shape in place of the free form where it explains the points as well.
+  void Snap(FittedDraft& fitted, const SurfaceFitOptions& options) {
+    constexpr double kRounding = 1e-12;  // of the size
+    SurfaceDraft& draft = fitted.draft;
+    const Eigen::VectorXd distances =
+        DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool_).distances;
+    const bool weighted = draft.weights.size() > 0;
+    const double squares = weighted
+                               ? distances.cwiseAbs2().dot(draft.weights) / draft.weights.mean()
+                               : distances.squaredNorm();
+    const auto& bases = std::pair(draft.surface.basis_u(), draft.surface.basis_v());
+    const int unknowns = DistinctCount(bases.first) * DistinctCount(bases.second) -
+                         PoleConditionCount(bases.first, bases.second, draft.poles);
+    const Eigen::VectorXd weights =
+        weighted ? (draft.weights / draft.weights.mean()).eval() : Eigen::VectorXd();
+    std::optional<Snapped> snapped =
+        SnapToPrimitive(draft.used.points(),
+                        weights,
+                        {squares, static_cast<double>(unknowns), options.tolerance},
+                        kRounding,
+                        options.seed,
+                        pool_);
+    GeometrySummary& geometry = fitted.report.geometry;
+    if (!snapped) {
+      geometry.base_why +=
+          "; no plane, sphere, cylinder, cone or torus explains the points as well";
+      return;
+    }
+    draft.surface = std::move(snapped->surface);
+    geometry.primitive = std::move(snapped->summary);
+    const Eigen::Vector3d move = cloud_.origin() - options.shift;
+    for (auto* place :
+         {&geometry.primitive->point, &geometry.primitive->center, &geometry.primitive->apex}) {
+      if (*place) **place += move;
+    }
+    geometry.base_why += "; " + geometry.primitive->why;
+    geometry.distortion = 0;
+    fitted.report.warnings.insert(
+        fitted.report.warnings.end(), snapped->warnings.begin(), snapped->warnings.end());
+  }
+
   FitReport StartReport(const PreparedCloud& prepared) const {
     FitReport report;
     report.threads = pool_.threads();

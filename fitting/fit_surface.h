@@ -18,9 +18,15 @@
 
 namespace batten {
 
-// Where parameters come from: the plane the points are a height field over, or the bent sheet they
-// lie on laid out flat; whichever serves when nothing is said.
-enum class BaseShape { kAuto, kPlane, kSheet };
+// Where parameters come from: the plane the points are a height field over; the bent sheet or tube
+// they lie on laid out flat; longitude and latitude of the sphere they are near; the two angles of
+// such a torus; the angle about an axis and the arc length of the profile. The first of these that
+// serves when nothing is said.
+enum class BaseShape { kAuto, kPlane, kSheet, kRevolution, kSphere, kTorus };
+
+// In which directions the surface closes on itself: as the points tell, or as said. A direction
+// that closes is periodic, without a seam. With kNone a closed shape is cut open along a line.
+enum class Closing { kAuto, kNone, kU, kV, kBoth };
 
 struct SurfaceFitOptions {
   int degree_u = 3, degree_v = 3;                  // 1 … 25
@@ -38,8 +44,12 @@ struct SurfaceFitOptions {
   std::optional<Freedom> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
   BaseShape base = BaseShape::kAuto;
-  bool given_parameters = false;                    // at the cloud's own (u, v) instead of a base's
-  bool keep_outliers = false;                       // fit them like any other point
+  Closing closed = Closing::kAuto;
+  bool given_parameters = false;  // at the cloud's own (u, v) instead of a base's
+  bool keep_outliers = false;     // fit them like any other point
+  // An exact plane, cylinder, sphere, cone or torus in place of the free-form surface where that
+  // explains the points as well
+  bool snap = false;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // chooses samples
   int threads = 0;                                  // 0: all cores

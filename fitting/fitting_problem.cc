@@ -31,12 +31,14 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
                                std::optional<SplineBasis> basis_v,
                                std::shared_ptr<const FittingData> data,
                                double smoothing,
-                               FairnessEnergy energy)
+                               FairnessEnergy energy,
+                               const Poles& poles)
     : basis_u_(std::move(basis_u)),
       basis_v_(std::move(basis_v)),
       data_(std::move(data)),
       smoothing_(smoothing),
-      energy_(energy) {
+      energy_(energy),
+      poles_(poles) {
   if (!data_) Reject("no data");
   const Eigen::Index m = data_->parameters.cols();
   if (data_->values.cols() != m) Reject("values and parameters differ in number");
@@ -62,7 +64,8 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
                      std::optional<SplineBasis>(std::move(basis_v)),
                      std::move(data),
                      smoothing,
-                     FairnessEnergy::kThinPlate) {}
+                     FairnessEnergy::kThinPlate,
+                     Poles()) {}
 
 FittingProblem::FittingProblem(SplineBasis basis,
                                std::shared_ptr<const FittingData> data,
@@ -71,10 +74,13 @@ FittingProblem::FittingProblem(SplineBasis basis,
                      std::optional<SplineBasis>(),
                      std::move(data),
                      smoothing,
-                     FairnessEnergy::kThinPlate) {}
+                     FairnessEnergy::kThinPlate,
+                     Poles()) {}
 
 int FittingProblem::unknowns() const {
-  return DistinctCount(basis_u_) * (basis_v_ ? DistinctCount(*basis_v_) : 1);
+  if (!basis_v_) return DistinctCount(basis_u_);
+  return DistinctCount(basis_u_) * DistinctCount(*basis_v_) -
+         PoleConditionCount(basis_u_, *basis_v_, poles_);
 }
 
 FittingProblem FittingProblem::WithBases(SplineBasis basis_u, SplineBasis basis_v) const {
@@ -83,18 +89,20 @@ FittingProblem FittingProblem::WithBases(SplineBasis basis_u, SplineBasis basis_
                         std::optional<SplineBasis>(std::move(basis_v)),
                         data_,
                         smoothing_,
-                        energy_);
+                        energy_,
+                        poles_);
 }
 
 FittingProblem FittingProblem::WithBasis(SplineBasis basis) const {
   if (!is_curve()) Reject("a surface has two bases");
-  return FittingProblem(std::move(basis), std::optional<SplineBasis>(), data_, smoothing_, energy_);
+  return FittingProblem(
+      std::move(basis), std::optional<SplineBasis>(), data_, smoothing_, energy_, poles_);
 }
 
 FittingProblem FittingProblem::WithWeights(Eigen::VectorXd weights) const {
   auto data = std::make_shared<FittingData>(*data_);
   data->weights = std::move(weights);
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_);
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
 }
 
 FittingProblem FittingProblem::WithParameters(Eigen::Matrix2Xd parameters) const {
@@ -102,19 +110,27 @@ FittingProblem FittingProblem::WithParameters(Eigen::Matrix2Xd parameters) const
   data->parameters = std::move(parameters);
   data->values = data_->values;
   data->weights = data_->weights;
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_);
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
 }
 
 FittingProblem FittingProblem::WithSmoothing(double smoothing) const {
-  return FittingProblem(basis_u_, basis_v_, data_, smoothing, energy_);
+  return FittingProblem(basis_u_, basis_v_, data_, smoothing, energy_, poles_);
 }
 
 FittingProblem FittingProblem::WithEnergy(FairnessEnergy energy) const {
-  return FittingProblem(basis_u_, basis_v_, data_, smoothing_, energy);
+  return FittingProblem(basis_u_, basis_v_, data_, smoothing_, energy, poles_);
+}
+
+FittingProblem FittingProblem::WithPoles(const Poles& poles) const {
+  if (is_curve()) Reject("a curve has no poles");
+  if (poles.any() && basis_v_->periodic()) Reject("a periodic direction has no pole");
+  if (poles.any() && !(poles.turn > 0 && std::isfinite(poles.turn)))
+    Reject("the angle about a pole must be positive");
+  return FittingProblem(basis_u_, basis_v_, data_, smoothing_, energy_, poles);
 }
 
 FittingProblem FittingProblem::WithData(std::shared_ptr<const FittingData> data) const {
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_);
+  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
 }
 
 LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {

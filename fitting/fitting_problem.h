@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "batten/fitting/fairness_energy.h"
+#include "batten/fitting/poles.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -25,7 +26,7 @@ struct FittingData {
 // or another energy, A the normal matrix and P that of the energy, so that `smoothing` means the
 // same at every number of points and in every unit. A curve has one basis. Data are shared between
 // problems that differ in their bases. Around a periodic basis the shape is closed and as smooth at
-// the seam as elsewhere.
+// the seam as elsewhere; a surface's poles are conditions that every linear solution meets.
 class FittingProblem {
  public:
   // Throws std::invalid_argument unless sizes agree, parameters lie in the bases' domains,
@@ -45,6 +46,8 @@ class FittingProblem {
   FittingProblem WithParameters(Eigen::Matrix2Xd parameters) const;
   FittingProblem WithSmoothing(double smoothing) const;
   FittingProblem WithEnergy(FairnessEnergy energy) const;  // thin plate unless said
+  // Of a surface open in v. Throws std::invalid_argument unless the angle about poles is positive.
+  FittingProblem WithPoles(const Poles& poles) const;
   FittingProblem WithData(std::shared_ptr<const FittingData> data) const;
 
   bool is_curve() const { return !basis_v_; }
@@ -54,22 +57,27 @@ class FittingProblem {
   const std::shared_ptr<const FittingData>& shared_data() const { return data_; }
   double smoothing() const { return smoothing_; }
   FairnessEnergy energy() const { return energy_; }
+  const Poles& poles() const { return poles_; }
   Eigen::Index size() const { return data_->parameters.cols(); }
   int net_size() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
-  int unknowns() const;  // control points that differ: periodic bases repeat some
+  // Control points that differ, less the conditions on them: periodic bases repeat some, poles tie
+  // some together.
+  int unknowns() const;
 
  private:
   FittingProblem(SplineBasis basis_u,
                  std::optional<SplineBasis> basis_v,
                  std::shared_ptr<const FittingData> data,
                  double smoothing,
-                 FairnessEnergy energy);
+                 FairnessEnergy energy,
+                 const Poles& poles);
 
   SplineBasis basis_u_;
   std::optional<SplineBasis> basis_v_;
   std::shared_ptr<const FittingData> data_;
   double smoothing_ = 0;
   FairnessEnergy energy_ = FairnessEnergy::kThinPlate;
+  Poles poles_;
 };
 
 struct LinearSolution {

@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "batten/fitting/block_choice.h"
+#include "batten/fitting/fitting_bases.h"
 
 namespace batten {
 namespace {
 
-constexpr double kEndCellWidth = 1.6;
 constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothing to judge by
 constexpr int kFineGrid = 1500;
 constexpr int kRisesToStop = 3;
@@ -30,6 +30,8 @@ class Search {
     if (problem.data().weights.size() > 0) {
       points_ = static_cast<double>((problem.data().weights.array() > 0).count());
     }
+    least_u_ = LeastCells(problem.basis_u(), limits.degree_u);
+    least_v_ = LeastCells(problem.basis_v(), limits.degree_v);
     length_u_ = problem.basis_u().upper() - problem.basis_u().lower();
     length_v_ = problem.basis_v().upper() - problem.basis_v().lower();
     const double extent = problem.data().values.cwiseAbs().maxCoeff();
@@ -37,32 +39,36 @@ class Search {
   }
 
   int Unknowns(int cells_u, int cells_v) const {
-    return (cells_u + limits_.degree_u) * (cells_v + limits_.degree_v);
+    return FreedomOfCells(problem_.basis_u(), limits_.degree_u, cells_u) *
+               FreedomOfCells(problem_.basis_v(), limits_.degree_v, cells_v) -
+           PoleConditionCount(LikeU(cells_u), LikeV(cells_v), problem_.poles());
   }
 
+  // The least grid there is.
+  std::pair<int, int> Least() const { return {least_u_, least_v_}; }
+
   bool Allowed(int cells_u, int cells_v) const {
-    if (cells_u < 1 || cells_v < 1) return false;
-    if (cells_u == 1 && cells_v == 1) return true;
-    const int n = Unknowns(cells_u, cells_v);
-    return n <= limits_.max_control_points && n * kPointsPerControlPoint <= points_;
+    if (cells_u < least_u_ || cells_v < least_v_) return false;
+    if (std::pair{cells_u, cells_v} == Least()) return true;
+    // The net counts what a closed direction repeats and what a pole ties together too.
+    const int net = (cells_u + limits_.degree_u) * (cells_v + limits_.degree_v);
+    return net <= limits_.max_control_points &&
+           Unknowns(cells_u, cells_v) * kPointsPerControlPoint <= points_;
   }
 
   // Cells of nearly equal sides, cells² of them or so.
   std::pair<int, int> Square(double cells) const {
     const double root = std::sqrt(length_u_ / length_v_);
-    return {std::max(1, static_cast<int>(std::lround(cells * root))),
-            std::max(1, static_cast<int>(std::lround(cells / root)))};
+    return {std::max(least_u_, static_cast<int>(std::lround(cells * root))),
+            std::max(least_v_, static_cast<int>(std::lround(cells / root)))};
   }
 
   double Score(int cells_u, int cells_v) {
     const auto [known, fresh] = scores_.try_emplace({cells_u, cells_v}, 0.0);
     if (!fresh) return known->second;
     const auto start = std::chrono::steady_clock::now();
-    const SplineBasis &bu = problem_.basis_u(), &bv = problem_.basis_v();
-    const LinearSolution solution = SolveLinear(
-        problem_.WithBases(FittingBasis(limits_.degree_u, cells_u, bu.lower(), bu.upper()),
-                           FittingBasis(limits_.degree_v, cells_v, bv.lower(), bv.upper())),
-        pool_);
+    const LinearSolution solution =
+        SolveLinear(problem_.WithBases(LikeU(cells_u), LikeV(cells_v)), pool_);
     const double freedom = Freedom(cells_u, cells_v);
     // Below the rounding of exact data, finer grids have nothing left to gain.
     const double squares = std::max(solution.residual_squares, exact_);
@@ -87,19 +93,27 @@ class Search {
     return Score(b.first, b.second) < Score(a.first, a.second);
   }
 
-  // Whether a grid leaves less than a single cell by more than its control points do by chance: on
+  // Whether a grid leaves less than the least one by more than its control points do by chance: on
   // noise alone, the squares they take away have their number for a mean and twice that for a
   // variance.
-  bool BeatsASingleCell(std::pair<int, int> cells) {
-    const double more = Unknowns(cells.first, cells.second) - Unknowns(1, 1);
+  bool BeatsTheLeast(std::pair<int, int> cells) {
+    const double more = Unknowns(cells.first, cells.second) - Unknowns(least_u_, least_v_);
     const double left = Squares(cells.first, cells.second);
     const double variance = left / std::max(1.0, points_ - Unknowns(cells.first, cells.second));
-    return Squares(1, 1) - left > variance * (more + kBeyondChance * std::sqrt(2 * more));
+    return Squares(least_u_, least_v_) - left >
+           variance * (more + kBeyondChance * std::sqrt(2 * more));
   }
 
   std::vector<RoundSummary> rounds;
 
  private:
+  SplineBasis LikeU(int cells) const {
+    return FittingBasisLike(problem_.basis_u(), limits_.degree_u, cells);
+  }
+  SplineBasis LikeV(int cells) const {
+    return FittingBasisLike(problem_.basis_v(), limits_.degree_v, cells);
+  }
+
   double Freedom(int cells_u, int cells_v) const {
     return std::max(1.0, points_ - kFreedomFactor * Unknowns(cells_u, cells_v));
   }
@@ -107,35 +121,24 @@ class Search {
   const FittingProblem& problem_;
   const GridLimits& limits_;
   ThreadPool& pool_;
+  int least_u_, least_v_;
   double points_, length_u_, length_v_, exact_;
   std::map<std::pair<int, int>, double> scores_;
 };
-
-}  // namespace
-
-SplineBasis FittingBasis(int degree, int cells, double lower, double upper) {
-  std::vector<double> breaks{lower};
-  const double end = cells >= 3 ? kEndCellWidth : 1;
-  const double unit = (upper - lower) / (cells >= 2 ? cells - 2 + 2 * end : 1);
-  for (int i = 1; i < cells; ++i) breaks.push_back(lower + unit * (end + i - 1));
-  breaks.push_back(upper);
-  return SplineBasis::Clamped(degree, breaks);
-}
-
-namespace {
 
 // From coarse to fine until the score has risen several times in a row; `enough` can stop it after
 // a grid that is the best so far.
 std::pair<int, int> ClimbLadder(Search& search,
                                 const std::function<bool(std::pair<int, int>)>& enough,
                                 const Progress& progress) {
-  std::pair<int, int> best{1, 1};
+  std::pair<int, int> best = search.Least();
   double cells = 1;
   int rises = 0;
-  double previous = search.Score(1, 1);
+  double previous = search.Score(best.first, best.second);
   for (;;) {
     cells = cells < 6 ? cells + 1 : std::max(cells + 1, std::round(cells * 1.22));
     const std::pair<int, int> grid = search.Square(cells);
+    if (grid == best) continue;
     if (!search.Allowed(grid.first, grid.second)) return best;
     const double score = search.Score(grid.first, grid.second);
     rises = score >= previous ? rises + 1 : 0;
@@ -194,7 +197,7 @@ GridChoice ChooseGrid(const FittingProblem& problem,
         search.rounds,
         progress);
   };
-  std::pair<int, int> scored{limits.near_cells_u, limits.near_cells_v}, grid{1, 1};
+  std::pair<int, int> scored{limits.near_cells_u, limits.near_cells_v}, grid = search.Least();
   bool settled = false;
   if (scored.first == 0 || !search.Allowed(scored.first, scored.second)) {
     // Noise that neighbours share leads up to many thousand control points: blocks are asked on the
@@ -210,7 +213,7 @@ GridChoice ChooseGrid(const FittingProblem& problem,
   }
   if (!settled) {
     scored = Descend(search, scored, progress);
-    if (scored != std::pair{1, 1} && !search.BeatsASingleCell(scored)) scored = {1, 1};
+    if (scored != search.Least() && !search.BeatsTheLeast(scored)) scored = search.Least();
     grid = coarsened(scored);
   }
   GridChoice choice;

@@ -11,10 +11,6 @@
 
 namespace batten {
 
-// A clamped basis of `cells` spans, equal but for the first and last, which are 1.6 times as wide
-// where there are three or more: at an edge a cell has data on one side only.
-SplineBasis FittingBasis(int degree, int cells, double lower, double upper);
-
 // A control point counts as this many: plain cross-validation takes a few too many by chance.
 // [Kim & Gu 2004]
 inline constexpr double kFreedomFactor = 1.2;

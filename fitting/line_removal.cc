@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/grid_selection.h"
+#include "batten/fitting/fitting_bases.h"
 
 namespace batten {
 namespace {
@@ -117,14 +117,6 @@ std::vector<Line> LinesByWorth(const FittingProblem& problem, const Eigen::Matri
   return lines;
 }
 
-SplineBasis WithoutKnots(const SplineBasis& basis, const std::vector<double>& gone) {
-  if (gone.empty()) return basis;
-  std::vector<double> knots = basis.knots();
-  std::erase_if(
-      knots, [&](double knot) { return std::find(gone.begin(), gone.end(), knot) != gone.end(); });
-  return SplineBasis(basis.degree(), std::move(knots));
-}
-
 // Lines next to each other are not worth the sum of what each is worth.
 bool NextToOneOf(const SplineBasis& basis, double knot, const std::vector<double>& others) {
   const std::vector<double>& knots = basis.knots();
@@ -177,8 +169,8 @@ FittingProblem Thinned(const FittingProblem& problem,
   for (int refusals = 0; refusals < kRefusalsToStop;) {
     const Removal removal = FirstLines(best, lines, spared, most, count);
     if (removal.size() == 0) break;
-    FittingProblem fewer = best.WithBases(WithoutKnots(best.basis_u(), removal.u),
-                                          WithoutKnots(best.basis_v(), removal.v));
+    FittingProblem fewer = best.WithBases(WithoutInnerKnots(best.basis_u(), removal.u),
+                                          WithoutInnerKnots(best.basis_v(), removal.v));
     const LinearSolution solution = SolveLinear(fewer, pool);
     if (may_stand(fewer, solution)) {
       best = std::move(fewer);
@@ -245,16 +237,15 @@ FittingProblem WithLinesThatPay(const FittingProblem& problem,
   ScoredProblem best = Scored(problem, pool);
   if (best.problem.unknowns() > (1 - kManyIdle) * problem.unknowns()) return best.problem;
   const auto cells = [](const SplineBasis& basis, double finer) {
-    return FittingBasis(
+    return FittingBasisLike(
+        basis,
         basis.degree(),
-        static_cast<int>(std::lround(finer * static_cast<double>(basis.Spans().size()))),
-        basis.lower(),
-        basis.upper());
+        static_cast<int>(std::lround(finer * static_cast<double>(basis.Spans().size()))));
   };
   for (double finer = kFiner;; finer *= kFiner) {
     const FittingProblem start =
         problem.WithBases(cells(problem.basis_u(), finer), cells(problem.basis_v(), finer));
-    if (start.unknowns() > max_control_points ||
+    if (start.net_size() > max_control_points ||
         start.unknowns() * kPointsPerControlPoint > PointCount(problem)) {
       break;
     }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "batten/fitting/coefficient_order.h"
+#include "batten/fitting/pole_rows.h"
 
 namespace batten {
 namespace {
@@ -35,7 +36,11 @@ PenalisedSystem::PenalisedSystem(const FittingProblem& problem, ThreadPool& pool
                       problem.data().values,
                       problem.data().weights,
                       problem.energy(),
-                      pool) {}
+                      pool) {
+  if (problem.is_curve()) return;
+  conditions_ =
+      PoleConditionsOnRows(problem.basis_u(), problem.basis_v(), problem.poles(), u_outside_);
+}
 
 PenalisedSystem::PenalisedSystem(const SplineBasis& basis_u,
                                  const SplineBasis* basis_v,
@@ -83,6 +88,7 @@ PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing) const {
         (smoothing >= kFirmSmoothing || matrix.SmallestPivot() > kSingularInJitters * jitter_)) {
       Eigen::MatrixXd rows = rhs();
       matrix.Solve(rows);
+      MeetConditions(matrix, conditions_, rows);
       if (rows.allFinite()) {
         Solution solution{
             std::move(matrix), std::move(rows), Lambda(smoothing), smoothing != asked};

@@ -39,6 +39,7 @@ class PenalisedSystem {
     double residual_squares = 0;  // Σ w |S − z|², as a difference of sums over the data
   };
 
+  // The least sum under the problem's conditions (poles), which are met by Lagrange's multipliers.
   // Where the matrix is singular, the smoothing is raised tenfold at a time; throws
   // std::invalid_argument where that does not help. O(n · min(n_u, n_v)²).
   Solution Solve(double smoothing) const;
@@ -74,7 +75,8 @@ class PenalisedSystem {
   CellOrder order_;
   NormalEquations equations_;
   FairnessForm fairness_;
-  double unit_, jitter_;  // tr(A)/tr(P)
+  double unit_, jitter_;        // tr(A)/tr(P)
+  Eigen::MatrixXd conditions_;  // on the rows; as many rows as there are conditions
 };
 
 }  // namespace batten

@@ -2,8 +2,10 @@
 #include "batten/fitting/point_cloud.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -103,44 +105,78 @@ PointCloud PointCloud::Picked(const std::vector<Eigen::Index>& kept) const {
   return result;
 }
 
+namespace {
+
+std::uint64_t HashOf(const Eigen::Vector3d& p) {
+  std::uint64_t hash = 0;
+  for (const double x : p) {
+    // Adding zero makes one of the two zeros; then multiply and fold.
+    hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9E3779B97F4A7C15u;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+// For every point the first one at its place, by a table with open addressing, asked for a few
+// points ahead. [Knuth 1998, 6.4, algorithm L]
+std::vector<Eigen::Index> FirstAtPlace(const Eigen::Matrix3Xd& p) {
+  constexpr Eigen::Index kAhead = 16;
+  struct Slot {
+    std::uint32_t hash = 0, point_plus_one = 0;
+  };
+  const Eigen::Index m = p.cols();
+  const std::uint64_t size = std::bit_ceil(static_cast<std::uint64_t>(2 * m + 2));
+  std::vector<Slot> table(size);
+  std::vector<Eigen::Index> first(static_cast<size_t>(m));
+  std::array<std::uint64_t, kAhead> hashes{};
+  for (Eigen::Index k = 0; k < m + kAhead; ++k) {
+    const Eigen::Index now = k - kAhead;
+    const std::uint64_t hash = hashes[static_cast<size_t>(k % kAhead)];
+    if (k < m) {
+      const std::uint64_t next = HashOf(p.col(k));
+      hashes[static_cast<size_t>(k % kAhead)] = next;
+      __builtin_prefetch(&table[next & (size - 1)]);
+    }
+    if (now < 0) continue;
+    const auto tag = static_cast<std::uint32_t>(hash >> 32);
+    std::uint64_t at = hash & (size - 1);
+    const auto other = [&](const Slot& slot) {
+      return slot.hash != tag || p.col(slot.point_plus_one - 1) != p.col(now);
+    };
+    while (table[at].point_plus_one != 0 && other(table[at])) at = (at + 1) & (size - 1);
+    if (table[at].point_plus_one == 0) table[at] = {tag, static_cast<std::uint32_t>(now + 1)};
+    first[static_cast<size_t>(now)] = table[at].point_plus_one - 1;
+  }
+  return first;
+}
+
+}  // namespace
+
 MergedCloud MergeDuplicates(const PointCloud& cloud) {
   const Eigen::Index m = cloud.size();
-  const Eigen::Matrix3Xd& p = cloud.points();
-  std::vector<Eigen::Index> order(m);
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    for (int d = 0; d < 3; ++d) {
-      if (p(d, a) != p(d, b)) return p(d, a) < p(d, b);
-    }
-    return a < b;
-  });
+  std::vector<Eigen::Index> first = FirstAtPlace(cloud.points());
+  MergedCloud result;
+  result.cloud = cloud;
+  for (Eigen::Index k = 0; k < m; ++k) result.duplicates += first[k] != k ? 1 : 0;
+  result.place = std::move(first);
+  if (result.duplicates == 0) return result;
   Eigen::VectorXd weights =
       cloud.weights().size() > 0 ? cloud.weights() : Eigen::VectorXd::Ones(m).eval();
-  MergedCloud result;
-  std::vector<Eigen::Index> first(static_cast<size_t>(m));  // the point that stands for this one
-  Eigen::Array<bool, Eigen::Dynamic, 1> keep =
-      Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(m, true);
-  for (Eigen::Index i = 0; i < m;) {
-    Eigen::Index j = i;
-    for (; j < m && p.col(order[j]) == p.col(order[i]); ++j) {
-      first[order[j]] = order[i];
-      if (j == i) continue;
-      weights[order[i]] += weights[order[j]];
-      keep[order[j]] = false;
-      ++result.duplicates;
-    }
-    i = j;
-  }
+  Eigen::Array<bool, Eigen::Dynamic, 1> keep(m);
   std::vector<Eigen::Index> rank(static_cast<size_t>(m));
   Eigen::Index kept = 0;
-  for (Eigen::Index k = 0; k < m; ++k) rank[k] = keep[k] ? kept++ : kept;
-  result.place.resize(static_cast<size_t>(m));
-  for (Eigen::Index k = 0; k < m; ++k) result.place[k] = rank[first[k]];
-  result.cloud = cloud;
-  if (result.duplicates > 0) {
-    result.cloud.set_weights(std::move(weights));
-    result.cloud = result.cloud.Subset(keep);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    Eigen::Index& stands = result.place[static_cast<size_t>(k)];
+    keep[k] = stands == k;
+    if (keep[k]) {
+      rank[static_cast<size_t>(k)] = kept++;
+    } else {
+      weights[stands] += weights[k];
+    }
+    stands = rank[static_cast<size_t>(stands)];
   }
+  result.cloud.set_weights(std::move(weights));
+  result.cloud = result.cloud.Subset(keep);
   return result;
 }
 

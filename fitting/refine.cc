@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/height_field.h"
 #include "batten/fitting/line_removal.h"
@@ -31,13 +32,6 @@ struct Line {
   double knot;
   double score;
 };
-
-SplineBasis WithKnots(const SplineBasis& basis, std::vector<double> more) {
-  std::vector<double> knots = basis.knots();
-  knots.insert(knots.end(), more.begin(), more.end());
-  std::sort(knots.begin(), knots.end());
-  return SplineBasis(basis.degree(), std::move(knots));
-}
 
 // Error above half the tolerance, capped so that no single point decides, gathered span by span.
 std::vector<double> SpanScores(const SplineBasis& basis,
@@ -111,7 +105,10 @@ class Refinement {
   NurbsSurface SurfaceOf(const FittingProblem& problem, const LinearSolution& solution) const {
     const SplineBasis &basis_u = problem.basis_u(), &basis_v = problem.basis_v();
     return base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
-                 : NurbsSurface(basis_u, basis_v, solution.coefficients);
+                 : NurbsSurface(
+                       basis_u,
+                       basis_v,
+                       WithPolesClosed(solution.coefficients, basis_u, basis_v, problem.poles()));
   }
 
   // Knot lines without which the tolerance is kept too go.
@@ -179,8 +176,8 @@ class Refinement {
       (line.in_u ? in_u : in_v).push_back(line.knot);
     }
     if (in_u.empty() && in_v.empty()) return false;
-    problem_ = problem_.WithBases(WithKnots(problem_.basis_u(), in_u),
-                                  WithKnots(problem_.basis_v(), in_v));
+    problem_ = problem_.WithBases(WithInnerKnots(problem_.basis_u(), in_u),
+                                  WithInnerKnots(problem_.basis_v(), in_v));
     return true;
   }
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/grid_selection.h"
 
 namespace batten {
 namespace {
@@ -22,8 +22,8 @@ constexpr double kClearlyBetter = 0.9995;
 constexpr double kAsGood = 0.9999;     // if there are fewer control points …
 constexpr double kClearlyFewer = 0.8;  // … by so much
 
-SplineBasis Cells(double cells, double length) {
-  return FittingBasis(kDegree, std::max(1, static_cast<int>(std::lround(cells))), 0, length);
+SplineBasis Cells(const SplineBasis& like, double cells) {
+  return FittingBasisLike(like, kDegree, std::max(1, static_cast<int>(std::lround(cells))));
 }
 
 // The base at the feet of the points under a mask.
@@ -54,19 +54,20 @@ bool SettleParameters(SurfaceBase& base,
                       const PointMask& mask,
                       const BaseScore& score,
                       ThreadPool& pool) {
-  const BaseScore::Value before = score.Of(base);
+  const PointMask some = score.sample() && mask;
+  const BaseScore::Value before = score.Of(base, some);
   SurfaceBase current = base;
   BaseScore::Value best = before;
   std::optional<NurbsSurface> chosen;
   for (const auto& [share_u, share_v] : kShares) {
+    const FittingProblem one_cell = current.ProblemOf(points, some, kDegree, kDegree, kSmoothing);
     const FittingProblem problem =
-        current.ProblemOf(points, score.sample(), kDegree, kDegree, kSmoothing)
-            .WithBases(Cells(share_u * before.cells_u, base.length_u),
-                       Cells(share_v * before.cells_v, base.length_v));
+        one_cell.WithBases(Cells(one_cell.basis_u(), share_u * before.cells_u),
+                           Cells(one_cell.basis_v(), share_v * before.cells_v));
     NurbsSurface surface =
         base.Surface(problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool).coefficients);
-    SurfaceBase moved = AtFeet(current, surface, points, score.sample(), pool);
-    const BaseScore::Value now = score.Of(moved);
+    SurfaceBase moved = AtFeet(current, surface, points, some, pool);
+    const BaseScore::Value now = score.Of(moved, some);
     const bool fewer = now.control_points < kClearlyFewer * best.control_points;
     if (now.score >= (fewer ? kAsGood : kClearlyBetter) * best.score) continue;
     best = now;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "batten/fitting/statistics.h"
+#include "batten/geometry/make_curve.h"
 
 namespace batten {
 namespace {
@@ -79,39 +80,19 @@ std::vector<double> SupportedAngles(const std::vector<double>& angles) {
 
 template <int Dim>
 NurbsCurve<Dim> SegmentOf(const FittedLine& line, const Extent& extent) {
-  typename NurbsCurve<Dim>::Points ends(Dim, 2);
-  ends.col(0) = (line.point + extent.start * line.direction).template head<Dim>();
-  ends.col(1) = (line.point + (extent.start + extent.length) * line.direction).template head<Dim>();
-  return NurbsCurve<Dim>(SplineBasis(1, {0, 0, 1, 1}), std::move(ends));
+  using Point = typename NurbsCurve<Dim>::Point;
+  const double end = extent.start + extent.length;
+  return MakeLine<Dim>(Point((line.point + extent.start * line.direction).template head<Dim>()),
+                       Point((line.point + end * line.direction).template head<Dim>()));
 }
 
 template <int Dim>
 NurbsCurve<Dim> ArcOf(const FittedCircle& circle, const Extent& extent) {
-  constexpr double kRounding = 1e-12;
-  const int pieces =
-      std::max(1, static_cast<int>(std::ceil(extent.length / (kTurn / 4) - kRounding)));
-  const double step = extent.length / pieces, half = step / 2;
-  typename NurbsCurve<Dim>::Points points(Dim, 2 * pieces + 1);
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(2 * pieces + 1);
-  std::vector<double> knots(3, 0.0);
-  for (int k = 0; k <= pieces; ++k) {
-    const double angle = extent.start + k * step;
-    // The first and last point of a full circle are the same to the last bit.
-    points.col(2 * k) =
-        circle.At(extent.full && k == pieces ? extent.start : angle).template head<Dim>();
-    if (k == pieces) break;
-    // The middle control point lies outside the middle of the arc by its height over its ends'
-    // tangents, R (1/cos(half) − 1).
-    const double middle = angle + half, s = std::sin(half / 2);
-    const Eigen::Vector3d outward =
-        std::cos(middle) * circle.outward + std::sin(middle) * circle.tangent;
-    const double over = 2 * s * s / std::cos(half) / circle.curvature;
-    points.col(2 * k + 1) = (circle.At(middle) + over * outward).template head<Dim>();
-    weights[2 * k + 1] = std::cos(half);
-    if (k > 0) knots.insert(knots.end(), 2, static_cast<double>(k) / pieces);
-  }
-  knots.insert(knots.end(), 3, 1.0);
-  return NurbsCurve<Dim>(SplineBasis(2, std::move(knots)), std::move(points), std::move(weights));
+  return MakeFlatArc<Dim>(circle.point.template head<Dim>().eval(),
+                          circle.outward.template head<Dim>().eval(),
+                          circle.tangent.template head<Dim>().eval(),
+                          circle.curvature,
+                          {extent.start, extent.full ? kTurn : extent.length});
 }
 
 template NurbsCurve<2> SegmentOf<2>(const FittedLine& line, const Extent& extent);

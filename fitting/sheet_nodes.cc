@@ -20,9 +20,9 @@ namespace {
 constexpr Eigen::Index kCandidatesANode = 10;
 constexpr double kReachInSpacings = 1.5;  // at the edge spacings seem up to twice as large
 constexpr double kReachInNoise = 4;
-constexpr Eigen::Index kFewPoints = 200;                         // so few are all nodes
+constexpr Eigen::Index kFewPoints = 200;  // so few are all nodes
 constexpr Eigen::Index kPointsANode = 8;  // at least, of more points
-constexpr int kCounted = 16;  // neighbours that tell the local spacing
+constexpr int kCounted = 16;              // neighbours that tell the local spacing
 // Discs of a diameter thrown at random until none fits cover 0.547 of the plane.
 constexpr double kNodesAnArea = 0.547 * 4 / std::numbers::pi;
 constexpr double kReachOfNeighbours = 1.5;  // of a node's tangent plane, in reaches

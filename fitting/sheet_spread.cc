@@ -85,9 +85,15 @@ double Weight(double square) {
   return square < 1 ? (1 - square) * (1 - square) * (1 - square) : 0.0;
 }
 
+// What brings a place as near as can be to one so far from it.
+double WholePeriods(const Complex& way, double period) {
+  return period > 0 ? period * std::round(way.real() / period) : 0.0;
+}
+
 Complex Blend(const std::vector<NodeMap>& maps,
               const std::vector<int>& ring,
               const NodeMap& best,
+              double period,
               const Eigen::Vector3d& point) {
   double total = 0;
   Complex sum = 0;
@@ -98,7 +104,7 @@ Complex Blend(const std::vector<NodeMap>& maps,
     const double weight = Weight(d.squaredNorm() / (support * support));
     if (!(weight > 0)) continue;
     total += weight;
-    sum += weight * map.OnQuadric(d);
+    sum += weight * (map.OnQuadric(d) + WholePeriods(best.at - map.at, period));
   }
   return total > 0 ? sum / total : best.OnPlane(point - best.place);
 }
@@ -130,7 +136,7 @@ SpreadPlaces SpreadOverPoints(const SheetGraph& graph,
           best = candidates[j];
         }
       }
-      const Complex z = Blend(maps, rings[best], maps[best], point);
+      const Complex z = Blend(maps, rings[best], maps[best], unfolding.period, point);
       spread.places.col(k) << z.real(), z.imag();
       spread.reached[k] =
           least <= kReached && maps[best].Off(point - maps[best].place) <=

@@ -22,8 +22,9 @@ struct SpreadPlaces {
 // mean of what the nodes around it say, with weights that fall smoothly to nothing at twice a
 // node's reach: a smooth function of the point, in which its distance from the sheet does not
 // show to first order. Only nodes along the sheet from the point's best one speak: of the nearest
-// six the one of least d/r + 2 |normal offset|/r. `noise` is the standard deviation of the points
-// along the normal. O(m log n).
+// six the one of least d/r + 2 |normal offset|/r. On a tube places come out near those of the
+// nodes, be it a little outside the period. `noise` is the standard deviation of the points along
+// the normal. O(m log n).
 SpreadPlaces SpreadOverPoints(const SheetGraph& graph,
                               const Unfolding& unfolding,
                               const Eigen::Matrix3Xd& points,

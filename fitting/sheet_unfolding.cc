@@ -2,13 +2,12 @@
 #include "batten/fitting/sheet_unfolding.h"
 
 #include <Eigen/Sparse>
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <queue>
 #include <vector>
 
-#include "batten/fitting/sheet_cells.h"
+#include "batten/fitting/planar_edges.h"
 
 namespace batten {
 namespace {
@@ -18,36 +17,6 @@ using Complex = std::complex<double>;
 constexpr int kInverseIterations = 30;
 constexpr int kMostRounds = 80;
 constexpr double kSettled = 1e-4;  // share of the misfit that a round no longer takes away
-
-// An edge seen from both its ends: the way to the other one in the own tangent plane.
-struct PlanarEdge {
-  int first, second;
-  double weight;
-  Complex from_first, from_second;
-};
-
-Complex InTangentPlane(const SheetNodes& nodes, int at, const Eigen::Vector3d& way, double length) {
-  const Complex q(way.dot(nodes.tangents.col(at)), way.dot(nodes.Binormal(at)));
-  const double size = std::abs(q);
-  return size > 0 ? q * (length / size) : Complex(length, 0);
-}
-
-std::vector<PlanarEdge> PlanarEdges(const SheetGraph& graph) {
-  const SheetNodes& nodes = graph.nodes;
-  std::vector<PlanarEdge> edges;
-  for (const auto& [i, j, weight] : BordersOf(graph)) {
-    const Eigen::Vector3d way = nodes.places.col(j) - nodes.places.col(i);
-    const double chord = (nodes.normals.col(j) - nodes.normals.col(i)).norm() / 2;
-    const double half = std::asin(std::min(1.0, chord));  // of the angle between the normals
-    const double length = way.norm() * (half > 1e-8 ? half / std::sin(half) : 1.0);
-    edges.push_back({i,
-                     j,
-                     weight,
-                     InTangentPlane(nodes, i, way, length),
-                     InTangentPlane(nodes, j, -way, length)});
-  }
-  return edges;
-}
 
 // What r_second must be multiplied with to give r_first.
 Complex Turn(const PlanarEdge& e) {
@@ -145,63 +114,12 @@ class PlaceSolver {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
-// The linear maps dz = a q + b conj(q) that serve the edges around each node best.
-class LocalMaps {
- public:
-  LocalMaps(Eigen::Index n, const std::vector<PlanarEdge>& edges)
-      : edges_(edges), lengths_(Eigen::VectorXd::Zero(n)), squares_(Eigen::VectorXcd::Zero(n)) {
-    for (const PlanarEdge& e : edges) {
-      lengths_[e.first] += e.weight * std::norm(e.from_first);
-      lengths_[e.second] += e.weight * std::norm(e.from_second);
-      squares_[e.first] += e.weight * e.from_first * e.from_first;
-      squares_[e.second] += e.weight * e.from_second * e.from_second;
-    }
+Eigen::VectorXcd Ways(const std::vector<PlanarEdge>& edges, const Eigen::VectorXcd& places) {
+  Eigen::VectorXcd ways(static_cast<Eigen::Index>(edges.size()));
+  for (size_t k = 0; k < edges.size(); ++k) {
+    ways[k] = places[edges[k].second] - places[edges[k].first];
   }
-
-  // Near the rotations where edges leave a map open.
-  void Fit(const Eigen::VectorXcd& places, const Eigen::VectorXcd& rotations) {
-    constexpr double kSteady = 1e-4;
-    Eigen::VectorXcd along = Eigen::VectorXcd::Zero(places.size()), against = along;
-    const auto add = [&](int i, double weight, const Complex& q, const Complex& way) {
-      const Complex rest = weight * (way - rotations[i] * q);
-      along[i] += rest * std::conj(q);
-      against[i] += rest * q;
-    };
-    for (const PlanarEdge& e : edges_) {
-      const Complex way = places[e.second] - places[e.first];
-      add(e.first, e.weight, e.from_first, way);
-      add(e.second, e.weight, e.from_second, -way);
-    }
-    a = rotations;
-    b = Eigen::VectorXcd::Zero(places.size());
-    for (Eigen::Index i = 0; i < places.size(); ++i) {
-      const double diagonal = (1 + kSteady) * lengths_[i];
-      const double determinant = diagonal * diagonal - std::norm(squares_[i]);
-      if (!(determinant > 0)) continue;
-      a[i] += (diagonal * along[i] - std::conj(squares_[i]) * against[i]) / determinant;
-      b[i] = (diagonal * against[i] - squares_[i] * along[i]) / determinant;
-    }
-  }
-
-  Eigen::VectorXcd a, b;
-
- private:
-  const std::vector<PlanarEdge>& edges_;
-  Eigen::VectorXd lengths_;
-  Eigen::VectorXcd squares_;
-};
-
-double Misfit(const std::vector<PlanarEdge>& edges,
-              const Eigen::VectorXcd& places,
-              const Eigen::VectorXcd& rotations) {
-  double sum = 0, lengths = 0;
-  for (const PlanarEdge& e : edges) {
-    const Complex way = places[e.second] - places[e.first];
-    sum += e.weight * (std::norm(way - rotations[e.first] * e.from_first) +
-                       std::norm(way + rotations[e.second] * e.from_second));
-    lengths += 2 * e.weight * std::norm(e.from_first);
-  }
-  return lengths > 0 ? std::sqrt(sum / lengths) : 0;
+  return ways;
 }
 
 }  // namespace
@@ -214,22 +132,20 @@ Unfolding Unfold(const SheetGraph& graph) {
   LocalMaps maps(n, edges);
   Unfolding unfolding;
   unfolding.places = solver.Places(rotations);
-  unfolding.distortion = Misfit(edges, unfolding.places, rotations);
+  Eigen::VectorXcd ways = Ways(edges, unfolding.places);
+  unfolding.distortion = MisfitOf(edges, ways, rotations);
   for (int round = 0; round < kMostRounds; ++round) {
-    maps.Fit(unfolding.places, rotations);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double size = std::abs(maps.a[i]);
-      if (size > 0) rotations[i] = maps.a[i] / size;
-    }
+    maps.Fit(ways, rotations);
+    rotations = maps.Rotations(rotations);
     unfolding.places = solver.Places(rotations);
-    const double misfit = Misfit(edges, unfolding.places, rotations);
+    ways = Ways(edges, unfolding.places);
+    const double misfit = MisfitOf(edges, ways, rotations);
     const bool settled = misfit > (1 - kSettled) * unfolding.distortion;
     unfolding.distortion = misfit;
     if (settled) break;
   }
-  maps.Fit(unfolding.places, rotations);
-  unfolding.folded = static_cast<double>((maps.a.array().abs() <= maps.b.array().abs()).count()) /
-                     static_cast<double>(n);
+  maps.Fit(ways, rotations);
+  unfolding.folded = maps.Folded();
   unfolding.conformal = std::move(maps.a);
   unfolding.anticonformal = std::move(maps.b);
   return unfolding;

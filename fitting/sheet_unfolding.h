@@ -12,6 +12,7 @@ struct Unfolding {
   Eigen::VectorXcd places;         // of the nodes in the plane, lengths as along the sheet
   Eigen::VectorXcd conformal;      // the map around a node: dz = a q + b conj(q), q = x + iy in its
   Eigen::VectorXcd anticonformal;  // tangent plane; a and b
+  double period = 0;  // of a tube: places mean the same so far apart along the real axis
   double distortion =
       0;  // root of Σ w |change of an edge|² / Σ w |edge|²: 0 for developable sheets
   double folded = 0;  // share of nodes with |a| ≤ |b|: the map is turned over there

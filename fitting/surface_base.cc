@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fitting/height_field.h"
+#include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/surface_evaluator.h"
 
 namespace batten {
@@ -16,7 +17,8 @@ NurbsSurface SurfaceBase::Surface(const SplineBasis& basis_u,
                                   const SplineBasis& basis_v,
                                   const Eigen::MatrixXd& coefficients) const {
   return plane ? HeightSurface(*plane, basis_u, basis_v, coefficients)
-               : NurbsSurface(basis_u, basis_v, coefficients);
+               : NurbsSurface(
+                     basis_u, basis_v, WithPolesClosed(coefficients, basis_u, basis_v, poles));
 }
 
 FittingProblem SurfaceBase::ProblemOf(const PointCloud& points,
@@ -43,10 +45,15 @@ FittingProblem SurfaceBase::ProblemOf(const PointCloud& points,
     ++next;
   }
   if (weighted) data->weights /= data->weights.mean();
-  return FittingProblem(SplineBasis::Uniform(degree_u, degree_u + 1, 0, length_u),
-                        SplineBasis::Uniform(degree_v, degree_v + 1, 0, length_v),
+  const auto basis = [](int degree, double length, bool periodic) {
+    return periodic ? PeriodicUniformKnots(degree, degree + 1, 0, length)
+                    : SplineBasis::Uniform(degree, degree + 1, 0, length);
+  };
+  return FittingProblem(basis(degree_u, length_u, periodic_u),
+                        basis(degree_v, length_v, periodic_v),
                         std::move(data),
-                        smoothing);
+                        smoothing)
+      .WithPoles(poles);
 }
 
 Eigen::VectorXd SurfaceBase::Residuals(const FittingProblem& problem,

@@ -10,6 +10,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/plane_base.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/fitting/poles.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -19,12 +20,15 @@ namespace batten {
 // heights and coefficients are those of the control points above their Greville abscissae; over
 // every other base the values are the points themselves.
 struct SurfaceBase {
-  std::string name;                // "plane", "sheet", "given"
+  std::string name;                // "plane", "sheet", "revolution" …
   std::string why;                 // one clause for the report
   std::string shape;               // what the data should be, as in "a smooth height field"
   std::optional<PlaneBase> plane;  // where values are heights
   Eigen::Matrix2Xd parameters;     // in [0, length_u] × [0, length_v]
   double length_u = 1, length_v = 1;
+  // The parameter lives on a circle of length_u (length_v): the surface closes.
+  bool periodic_u = false, periodic_v = false;
+  Poles poles;         // edges v = 0 and v = length_v that are one point
   bool exact = false;  // parameters are part of the data: what is off along the surface counts too
 
   NurbsSurface Surface(const SplineBasis& basis_u,

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "batten/fitting/choose_smoothing.h"
+#include "batten/fitting/company.h"
 #include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/line_removal.h"
@@ -26,9 +28,7 @@ namespace batten {
 namespace {
 
 constexpr double kSmoothing = 1e-4;
-constexpr double kOutlierShareForLoss =
-    2e-3;                             // less is what the test for outliers flags on clean data
-constexpr double kLeastScale = 1e-3;  // of the spacing: what exact points may be off by
+constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
 constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
 constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
 constexpr double kVoidShareToWarn = 0.05;
@@ -58,6 +58,7 @@ class SurfaceFitter {
         used_(prepared.used) {}
 
   FittedDraft Run() {
+    RequireRoomToClose();
     DecideWhoCounts();
     if (options_.tolerance) {
       Refine();
@@ -74,10 +75,13 @@ class SurfaceFitter {
                        std::move(used_cloud_),
                        std::move(parameters_),
                        std::move(weights),
+                       base_.poles,
                        robust_,
                        noise_is_shared_};
     OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
     report_.geometry.distortion = DistortionAt(draft.surface, draft.parameters);
+    report_.geometry.poles = {base_.poles.start != PoleKind::kNone,
+                              base_.poles.end != PoleKind::kNone};
     const bool doubted = !options_.loss && !options_.keep_outliers && (robust_ || !used_.all());
     return {std::move(draft), std::move(used_), doubted, std::move(report_)};
   }
@@ -92,14 +96,42 @@ class SurfaceFitter {
   }
 
   // Equal cells over given parameters: whoever gives those knows of uniform knots.
-  SplineBasis Cells(int degree, int cells, double length) const {
-    return base_.exact ? SplineBasis::Uniform(degree, degree + cells, 0, length)
-                       : FittingBasis(degree, cells, 0, length);
+  SplineBasis Cells(const SplineBasis& like, int degree, int cells) const {
+    return base_.exact ? SplineBasis::Uniform(degree, degree + cells, like.lower(), like.upper())
+                       : FittingBasisLike(like, degree, cells);
   }
 
   FittingProblem WithCells(const FittingProblem& problem, int cells_u, int cells_v) const {
-    return problem.WithBases(Cells(options_.degree_u, cells_u, base_.length_u),
-                             Cells(options_.degree_v, cells_v, base_.length_v));
+    return problem.WithBases(Cells(problem.basis_u(), options_.degree_u, cells_u),
+                             Cells(problem.basis_v(), options_.degree_v, cells_v));
+  }
+
+  // Round a closed direction the last control points repeat the first.
+  void RequireRoomToClose() const {
+    const auto least = [](bool periodic, int degree) {
+      return periodic ? 2 * degree + 1 : degree + 1;
+    };
+    const int least_u = least(base_.periodic_u, options_.degree_u),
+              least_v = least(base_.periodic_v, options_.degree_v);
+    const auto reject = [](const std::string& what, int degree, int count) {
+      throw std::invalid_argument(what + " are too few: in a closed direction the last " +
+                                  std::to_string(degree) + " repeat the first, so at least " +
+                                  std::to_string(count) + " are needed");
+    };
+    if (!options_.control_points) {
+      if (options_.max_control_points >= least_u * least_v) return;
+      reject("max_control_points: " + std::to_string(options_.max_control_points),
+             base_.periodic_u ? options_.degree_u : options_.degree_v,
+             least_u * least_v);
+    }
+    const auto require = [&](int count, int degree, int needed) {
+      if (count >= needed) return;
+      reject("control_points: " + std::to_string(count) + " of degree " + std::to_string(degree),
+             degree,
+             needed);
+    };
+    require(options_.control_points->first, options_.degree_u, least_u);
+    require(options_.control_points->second, options_.degree_v, least_v);
   }
 
   // The bases for a problem, told or chosen; near those of a similar problem where there is one.
@@ -131,6 +163,7 @@ class SurfaceFitter {
                             : !options_.keep_outliers &&
                                   static_cast<double>(prepared_.statistics.outlier_count) >
                                       kOutlierShareForLoss * static_cast<double>(points_.size());
+    used_ = WithoutStrays(used_);
     bool settled = false;  // so few points changed sides that the grid can't be far off
     for (int pass = 1; pass <= kOutlierPasses; ++pass) {
       used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
@@ -145,7 +178,7 @@ class SurfaceFitter {
         used_.setConstant(true);
         continue;
       }
-      const PointMask now = SpokenFor();
+      const PointMask now = WithoutStrays(SpokenFor());
       if (now.count() < kFewestPoints) break;
       if (!robust_ && !loss_spoils_ && !options_.loss && (now != used_).any() && !now.all()) {
         robust_ = true;  // what stands out from a plain fit has bent it
@@ -162,6 +195,12 @@ class SurfaceFitter {
       Take(ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v()));
     }
     report_.seconds.solve = watch_.Lap();
+  }
+
+  // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
+  PointMask WithoutStrays(PointMask mask) const {
+    if (!robust_ || base_.exact || options_.keep_outliers) return mask;
+    return HaveCompany(points_.points(), mask);
   }
 
   // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
@@ -222,7 +261,7 @@ class SurfaceFitter {
     const double share = LayeredShareOf(Residuals(), pool_);
     if (share <= kLayersToRefuse) return;
     throw std::invalid_argument("in " + std::to_string(std::lround(100 * share)) +
-                                " % of places the points lie on two sheets, one above the other: a "
+                                " % of places the points lie on two sheets, one above the other: one "
                                 "surface would run between them; fit one of them (--box, --where)");
   }
 
@@ -239,7 +278,10 @@ class SurfaceFitter {
   // Whether a point's place is not on the domain's border.
   bool IsInside(Eigen::Index k) const {
     const auto place = base_.parameters.col(k);
-    return place.minCoeff() > 0 && place[0] < base_.length_u && place[1] < base_.length_v;
+    return (base_.periodic_u || (place[0] > 0 && place[0] < base_.length_u)) &&
+           (base_.periodic_v ||
+            ((place[1] > 0 || base_.poles.start != PoleKind::kNone) &&
+             (place[1] < base_.length_v || base_.poles.end != PoleKind::kNone)));
   }
 
   // How far off a point may be where distances from a surface have this scale.

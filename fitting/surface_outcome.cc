@@ -6,11 +6,13 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/residual_structure.h"
+#include "batten/geometry/closure.h"
 
 namespace batten {
 namespace {
@@ -130,6 +132,19 @@ double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
   return share < kFewPoints ? kFirmFairness : kFaintFairness;
 }
 
+// The rows that hold poles: free control points would open them, or break their tangent planes.
+std::vector<int> PolePoints(const SurfaceDraft& draft) {
+  std::vector<int> held;
+  const int size_v = draft.surface.size_v();
+  for (int i = 0; i < draft.surface.size_u(); ++i) {
+    const int row = i * size_v;
+    if (draft.poles.start != PoleKind::kNone) held.insert(held.end(), {row, row + 1});
+    if (draft.poles.end != PoleKind::kNone)
+      held.insert(held.end(), {row + size_v - 2, row + size_v - 1});
+  }
+  return held;
+}
+
 }  // namespace
 
 void OptimiseWhereItPays(SurfaceDraft& draft,
@@ -153,10 +168,19 @@ void OptimiseWhereItPays(SurfaceDraft& draft,
     return;
   OptimizeOptions optimize;
   if (options.optimize) optimize.free = *options.optimize;
+  // Knots round a closed direction stay where they are.
+  optimize.knots_u = !draft.surface.basis_u().periodic();
+  optimize.knots_v = !draft.surface.basis_v().periodic();
+  optimize.free.knots = optimize.free.knots && (optimize.knots_u || optimize.knots_v);
+  if (!optimize.free.any()) {
+    report.optimize.why = "knots of closed directions stay where they are";
+    return;
+  }
   optimize.loss = draft.robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
   optimize.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
   optimize.fairness = options.smoothing.value_or(FairnessOfFreePoints(points, unknowns));
   optimize.seed = options.seed;
+  optimize.fixed_control_points = PolePoints(draft);
   optimize.progress = options.progress;
   auto data = std::make_shared<FittingData>();
   data->parameters = draft.parameters;
@@ -185,16 +209,20 @@ void OptimiseWhereItPays(SurfaceDraft& draft,
   const auto keeps_tolerance = [&](const PointDistances& found) {
     return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
   };
+  const double rms_after = std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
+  report.seconds.optimize = watch.Lap();
   if (options.tolerance && !options.optimize && keeps_tolerance(before) &&
       !keeps_tolerance(after)) {
     report.optimize.why += "; what it found does not keep the tolerance and was not taken";
-    report.seconds.optimize = watch.Lap();
+    return;
+  }
+  // An edge can draw back from the last points, and a loss that bounds residuals lets them go.
+  if (rms_after > rms && !(options.tolerance && keeps_tolerance(after))) {
+    report.optimize.why += "; what it found is farther from the points and was not taken";
     return;
   }
   draft.surface = std::move(optimised);
-  report.optimize.rms_after =
-      std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
-  report.seconds.optimize = watch.Lap();
+  report.optimize.rms_after = rms_after;
 }
 
 InputSummary SummariseInput(const PointCloud& cloud,
@@ -239,10 +267,16 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
   report.geometry.kind = "surface";
-  report.geometry.degree = {options.degree_u, options.degree_v};
+  report.geometry.degree = {fit.surface.basis_u().degree(), fit.surface.basis_v().degree()};
   report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
   report.geometry.rational = fit.surface.rational();
-  report.geometry.closed = {false, false};
+  report.geometry.closed = {fit.surface.basis_u().periodic(), fit.surface.basis_v().periodic()};
+  if (report.geometry.primitive) {  // exact shapes close without periodic knots
+    report.geometry.closed = {Closed(fit.surface, Direction::kU),
+                              Closed(fit.surface, Direction::kV)};
+    const CollapsedEdgeSet collapsed = CollapsedEdges(fit.surface);
+    report.geometry.poles = {collapsed.v_lower, collapsed.v_upper};
+  }
   if (options.tolerance && report.error_all.out_of_tolerance > report.error.out_of_tolerance) {
     report.warnings.push_back(
         std::to_string(report.error_all.out_of_tolerance - report.error.out_of_tolerance) +

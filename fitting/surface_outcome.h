@@ -7,6 +7,7 @@
 #include <string>
 
 #include "batten/fitting/fit_surface.h"
+#include "batten/fitting/poles.h"
 #include "batten/fitting/stopwatch.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -18,6 +19,7 @@ struct SurfaceDraft {
   PointCloud used;               // the points that count
   Eigen::Matrix2Xd parameters;   // of those, to start from
   Eigen::VectorXd weights;       // of those; empty: ones
+  Poles poles;                   // of the surface
   bool robust = false;           // losses bound residuals
   bool noise_is_shared = false;  // by neighbours: residuals above the local noise mean nothing
 };

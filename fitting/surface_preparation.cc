@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/fitting/choose_base.h"
+#include "batten/fitting/company.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/stopwatch.h"
 
@@ -47,6 +48,70 @@ void SortByPlace(PreparedCloud& prepared) {
   prepared.statistics.outliers = prepared.statistics.outliers(order).eval();
 }
 
+namespace {
+
+constexpr double kClearlySmaller = 0.98;  // of the area
+
+void TakeBase(PreparedCloud& prepared,
+              const NeighbourIndex& index,
+              const SurfaceFitOptions& options,
+              ThreadPool& pool) {
+  Stopwatch watch;
+  BaseChoice choice = ChooseBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
+  prepared.base = std::move(choice.base);
+  prepared.reached = std::move(choice.reached);
+  prepared.warnings = std::move(choice.warnings);
+  prepared.used = prepared.reached && !prepared.statistics.outliers;
+  SortByPlace(prepared);
+  prepared.base_seconds += watch.Lap();
+}
+
+// Where there are outliers, those beside the shape's edges look like its continuation: they are
+// told by standing alone.
+void FlagStrays(const PointCloud& points, CloudStatistics& statistics) {
+  if (static_cast<double>(statistics.outlier_count) <=
+      kOutlierShareForLoss * static_cast<double>(points.size())) {
+    return;
+  }
+  statistics.outliers = !HaveCompany(points.points(), !statistics.outliers);
+  statistics.outlier_count = statistics.outliers.count();
+}
+
+// Of the parameters under a mask: what they reach over, closed directions all round.
+double AreaReached(const SurfaceBase& base, const PointMask& mask) {
+  double low[2] = {base.length_u, base.length_v}, high[2] = {0, 0};
+  for (Eigen::Index k = 0; k < mask.size(); ++k) {
+    for (int d = 0; mask[k] && d < 2; ++d) {
+      low[d] = std::min(low[d], base.parameters(d, k));
+      high[d] = std::max(high[d], base.parameters(d, k));
+    }
+  }
+  return (base.periodic_u ? base.length_u : high[0] - low[0]) *
+         (base.periodic_v ? base.length_v : high[1] - low[1]);
+}
+
+}  // namespace
+
+bool TakeSmallerBase(PreparedCloud& prepared,
+                     const PointMask& used,
+                     const SurfaceFitOptions& options,
+                     ThreadPool& pool) {
+  if (AreaReached(prepared.base, used) >=
+      kClearlySmaller * AreaReached(prepared.base, prepared.used)) {
+    return false;
+  }
+  PreparedCloud again = prepared;
+  again.statistics.outliers = again.statistics.outliers || (prepared.used && !used);
+  again.statistics.outlier_count = again.statistics.outliers.count();
+  try {
+    TakeBase(again, NeighbourIndex(again.merged.cloud.points()), options, pool);
+  } catch (const std::invalid_argument&) {
+    return false;  // by themselves the points left carry no base
+  }
+  prepared = std::move(again);
+  return true;
+}
+
 PreparedCloud PrepareCloud(const PointCloud& cloud,
                            const SurfaceFitOptions& options,
                            ThreadPool& pool) {
@@ -63,15 +128,9 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   CloudStatisticsOptions statistics;
   statistics.seed = options.seed;
   prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
+  if (!options.keep_outliers) FlagStrays(points, prepared.statistics);
   Report(options.progress, "parameterize", 0);
-  Stopwatch watch;
-  BaseChoice choice = ChooseBase(points, index, prepared.statistics, options, pool);
-  prepared.base = std::move(choice.base);
-  prepared.reached = std::move(choice.reached);
-  prepared.warnings = std::move(choice.warnings);
-  prepared.used = prepared.reached && !prepared.statistics.outliers;
-  SortByPlace(prepared);
-  prepared.base_seconds = watch.Lap();
+  TakeBase(prepared, index, options, pool);
   return prepared;
 }
 

@@ -14,6 +14,10 @@
 
 namespace batten {
 
+// Outliers beyond this share of the points call for robust fits: less is what the test for them
+// flags on clean data.
+inline constexpr double kOutlierShareForLoss = 2e-3;
+
 // The cloud as the later stages see it.
 struct PreparedCloud {
   MergedCloud merged;  // neighbours in the base are neighbours in memory
@@ -36,5 +40,14 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
 // Puts points that are neighbours in the base beside each other in memory: everything later goes
 // through them cell by cell.
 void SortByPlace(PreparedCloud& prepared);
+
+// Chooses the base anew where the points of the prepared ones that a fit has left out as outliers,
+// all but those under `used`, had drawn its rectangle clearly too wide: strays beyond an edge are
+// told from the shape by a surface only. Returns whether it did; not where the rest
+// carries no base. Throws Cancelled when progress asks to stop.
+bool TakeSmallerBase(PreparedCloud& prepared,
+                     const PointMask& used,
+                     const SurfaceFitOptions& options,
+                     ThreadPool& pool);
 
 }  // namespace batten

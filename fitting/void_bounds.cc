@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/statistics.h"
 
 namespace batten {
@@ -218,6 +219,7 @@ class PointBounds {
     const auto basis = [&](const SplineBasis& fine) {
       const int cells = static_cast<int>(std::min((fine.upper() - fine.lower()) / width,
                                                   static_cast<double>(fine.Spans().size())));
+      if (fine.periodic()) return FittingBasisLike(fine, fine.degree(), cells);
       return SplineBasis::Uniform(
           fine.degree(), fine.degree() + std::max(1, cells), fine.lower(), fine.upper());
     };

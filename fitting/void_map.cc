@@ -12,9 +12,10 @@
 namespace batten {
 namespace {
 
-constexpr double kVoidRadius = 3;  // spacings
-constexpr double kPlace = 0.5;     // spacings
-constexpr int kMostPlaces = 320;   // along a side
+constexpr double kVoidRadius = 3;      // spacings
+constexpr double kPlace = 0.5;         // spacings
+constexpr double kFilledAtPole = 1.5;  // spacings to either side of a point
+constexpr int kMostPlaces = 320;       // along a side
 
 constexpr std::array<std::pair<int, int>, 8> kNeighbours{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
@@ -29,6 +30,8 @@ int PlacesAlong(double length, double spacing) {
 
 VoidMap::VoidMap(const FittingProblem& problem, Eigen::Index measured, double spacing) {
   const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
+  round_u_ = bu.periodic();
+  round_v_ = bv.periodic();
   u0_ = bu.lower();
   v0_ = bv.lower();
   nu_ = PlacesAlong(bu.upper() - u0_, spacing);
@@ -39,7 +42,7 @@ VoidMap::VoidMap(const FittingProblem& problem, Eigen::Index measured, double sp
   const FittingData& data = problem.data();
   for (Eigen::Index k = 0; k < measured; ++k) {
     if (data.weights.size() > 0 && data.weights[k] == 0) continue;
-    occupied[static_cast<size_t>(Place(data.parameters(0, k), data.parameters(1, k)))] = 1;
+    Occupy(data.parameters(0, k), data.parameters(1, k), problem.poles(), spacing, occupied);
   }
   FindVoids(occupied, std::max(kVoidRadius * spacing, 2 * side()));
 }
@@ -53,6 +56,34 @@ Eigen::Vector2d VoidMap::Centre(int place) const {
 int VoidMap::Place(double u, double v) const {
   return std::clamp(static_cast<int>((u - u0_) / du_), 0, nu_ - 1) * nv_ +
          std::clamp(static_cast<int>((v - v0_) / dv_), 0, nv_ - 1);
+}
+
+int VoidMap::Neighbour(int place, int di, int dj) const {
+  int i = place / nv_ + di, j = place % nv_ + dj;
+  if (round_u_) i = (i + nu_) % nu_;
+  if (round_v_) j = (j + nv_) % nv_;
+  return i < 0 || j < 0 || i >= nu_ || j >= nv_ ? -1 : i * nv_ + j;
+}
+
+// At an arc length s from a pole, lengths round it are stretched by length_u / (turn · s).
+void VoidMap::Occupy(
+    double u, double v, const Poles& poles, double spacing, std::vector<char>& occupied) const {
+  const int place = Place(u, v);
+  occupied[static_cast<size_t>(place)] = 1;
+  if (!poles.any()) return;
+  const double length = du_ * nu_;
+  double shrunk = 1;
+  if (poles.start != PoleKind::kNone) shrunk = std::min(shrunk, poles.turn * (v - v0_) / length);
+  if (poles.end != PoleKind::kNone)
+    shrunk = std::min(shrunk, poles.turn * (v0_ + dv_ * nv_ - v) / length);
+  const double reach = kFilledAtPole * spacing / std::max(shrunk, spacing / length);
+  const int steps = std::min(nu_ / 2, static_cast<int>(reach / du_));
+  for (int step = 1; step <= steps; ++step) {
+    for (const int side : {-step, step}) {
+      const int other = Neighbour(place, side, 0);
+      if (other >= 0) occupied[static_cast<size_t>(other)] = 1;
+    }
+  }
 }
 
 int VoidMap::VoidAt(const Eigen::Vector2d& uv) const {
@@ -71,16 +102,19 @@ std::vector<double> VoidMap::DistancesFrom(const std::vector<char>& marked) cons
     if (marked[k]) distance[k] = 0;
   }
   const double diagonal = std::hypot(du_, dv_);
-  for (const int way : {1, -1}) {
+  // Round a seam what came first learns of what came last in a second pass.
+  const std::vector<int> ways =
+      round_u_ || round_v_ ? std::vector<int>{1, -1, 1, -1} : std::vector<int>{1, -1};
+  for (const int way : ways) {
     for (int a = 0; a < nu_; ++a) {
       for (int b = 0; b < nv_; ++b) {
         const int i = way > 0 ? a : nu_ - 1 - a, j = way > 0 ? b : nv_ - 1 - b;
-        double& here = distance[static_cast<size_t>(i * nv_ + j)];
+        const int place = i * nv_ + j;
+        double& here = distance[static_cast<size_t>(place)];
         for (const auto& [di, dj, step] :
              {std::tuple{1, 0, du_}, {0, 1, dv_}, {1, 1, diagonal}, {1, -1, diagonal}}) {
-          const int i2 = i - way * di, j2 = j - way * dj;
-          if (i2 < 0 || j2 < 0 || i2 >= nu_ || j2 >= nv_) continue;
-          here = std::min(here, distance[static_cast<size_t>(i2 * nv_ + j2)] + step);
+          const int other = Neighbour(place, -way * di, -way * dj);
+          if (other >= 0) here = std::min(here, distance[static_cast<size_t>(other)] + step);
         }
       }
     }
@@ -103,14 +137,13 @@ void VoidMap::FindVoids(const std::vector<char>& occupied, double radius) {
     hole.places = {static_cast<int>(seed)};
     void_of_[seed] = number;
     for (size_t next = 0; next < hole.places.size(); ++next) {
-      const int i = hole.places[next] / nv_, j = hole.places[next] % nv_;
       for (const auto& [di, dj] : kNeighbours) {
-        const int i2 = i + di, j2 = j + dj;
-        if (i2 < 0 || j2 < 0 || i2 >= nu_ || j2 >= nv_) continue;
-        const auto other = static_cast<size_t>(i2 * nv_ + j2);
-        if (!empty(other) || void_of_[other] >= 0) continue;
-        void_of_[other] = number;
-        hole.places.push_back(i2 * nv_ + j2);
+        const int other = Neighbour(hole.places[next], di, dj);
+        if (other < 0 || !empty(static_cast<size_t>(other)) ||
+            void_of_[static_cast<size_t>(other)] >= 0)
+          continue;
+        void_of_[static_cast<size_t>(other)] = number;
+        hole.places.push_back(other);
       }
     }
     std::sort(hole.places.begin(), hole.places.end());
@@ -121,17 +154,16 @@ void VoidMap::FindVoids(const std::vector<char>& occupied, double radius) {
 
 void VoidMap::Describe(DomainVoid& hole, const std::vector<double>& distance) const {
   for (size_t k = 0; k < hole.places.size(); ++k) {
-    const int place = hole.places[k], i = place / nv_, j = place % nv_;
+    const int place = hole.places[k];
     hole.distance.push_back(distance[static_cast<size_t>(place)]);
     hole.reach = std::max(hole.reach, hole.distance.back());
     bool rim = false;
     for (const auto& [di, dj] : kNeighbours) {
-      const int i2 = i + di, j2 = j + dj;
-      const bool outside = i2 < 0 || j2 < 0 || i2 >= nu_ || j2 >= nv_;
-      hole.at_border |= outside;
-      if (outside || void_of_[static_cast<size_t>(i2 * nv_ + j2)] >= 0) continue;
+      const int other = Neighbour(place, di, dj);
+      hole.at_border |= other < 0;
+      if (other < 0 || void_of_[static_cast<size_t>(other)] >= 0) continue;
       rim = true;
-      hole.shore.push_back(i2 * nv_ + j2);
+      hole.shore.push_back(other);
     }
     if (rim) hole.rim.push_back(k);
   }
@@ -154,12 +186,11 @@ Eigen::MatrixXd VoidMap::HarmonicFill(const DomainVoid& hole, const Eigen::Matri
   Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(unknowns, rim.rows());
   for (size_t k = 0; k < hole.places.size(); ++k) {
     if (unknown[k] < 0) continue;
-    const int i = hole.places[k] / nv_, j = hole.places[k] % nv_;
     for (const auto& [di, dj] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-      const int i2 = i + di, j2 = j + dj;
-      if (i2 < 0 || j2 < 0 || i2 >= nu_ || j2 >= nv_) continue;
+      const int neighbour = Neighbour(hole.places[k], di, dj);
+      if (neighbour < 0 || neighbour == hole.places[k]) continue;
       // A place that is not rim has neighbours of its own void only.
-      const auto at = std::lower_bound(hole.places.begin(), hole.places.end(), i2 * nv_ + j2);
+      const auto at = std::lower_bound(hole.places.begin(), hole.places.end(), neighbour);
       const auto other = static_cast<size_t>(at - hole.places.begin());
       const double w = di != 0 ? dv_ / du_ : du_ / dv_;
       entries.emplace_back(unknown[k], unknown[k], w);

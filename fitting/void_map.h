@@ -19,9 +19,10 @@ struct DomainVoid {
   bool at_border = false;        // of the domain: not surrounded by data
 };
 
-// The domain cut into places half a spacing wide or, of many, wider. Void is what a disc of three
-// spacings' radius covers wherever it holds no data: not the chance gaps between them. Distances
-// are right to some hundredths (a chamfer in eight directions).
+// The domain cut into places half a spacing wide or, of many, wider; round periodic directions they
+// are neighbours across the seam, and towards a pole a point fills the more of its row the nearer
+// it is. Void is what a disc of three spacings' radius covers wherever it holds no data: not the
+// chance gaps between them. Distances are right to some hundredths (a chamfer in eight directions).
 class VoidMap {
  public:
   // Of a surface's problem; `measured` first data are asked, of them those with a weight. O(m).
@@ -39,11 +40,15 @@ class VoidMap {
 
  private:
   int Place(double u, double v) const;
+  int Neighbour(int place, int di, int dj) const;  // −1: beyond the border
+  void Occupy(
+      double u, double v, const Poles& poles, double spacing, std::vector<char>& occupied) const;
   std::vector<double> DistancesFrom(const std::vector<char>& marked) const;
   void FindVoids(const std::vector<char>& occupied, double radius);
   void Describe(DomainVoid& hole, const std::vector<double>& distance) const;
 
   int nu_, nv_;
+  bool round_u_, round_v_;
   double u0_, v0_, du_, dv_;
   std::vector<int> void_of_;  // of every place: index of its void, or −1
   std::vector<DomainVoid> voids_;

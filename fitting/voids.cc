@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/penalised_system.h"
 #include "batten/fitting/void_bounds.h"
 #include "batten/fitting/void_map.h"
@@ -34,7 +35,6 @@ void RequireSheet(const FittingProblem& problem) {
   if (problem.is_curve()) reject("the problem is a curve's, not a surface's");
   if (problem.data().values.rows() != 1 && problem.data().values.rows() != 3)
     reject("the data's values have neither one row nor three");
-  if (problem.basis_u().periodic() || problem.basis_v().periodic()) reject("a basis is periodic");
 }
 
 // A net over its problem's bases.
@@ -70,9 +70,13 @@ std::vector<char> Unseen(const FittingProblem& problem, double hardly) {
     for (int r = 0; r <= p; ++r) {
       for (int s = 0; s <= q; ++s) {
         const double N = Nu[r] * Nv[s];
-        seen(sv - q + s, su - p + r) += weight * N * N;
+        seen(DistinctIndex(bv, sv - q + s), DistinctIndex(bu, su - p + r)) += weight * N * N;
       }
     }
+  }
+  for (int i = 0; i < bu.size(); ++i) {
+    for (int j = 0; j < bv.size(); ++j)
+      seen(j, i) = seen(DistinctIndex(bv, j), DistinctIndex(bu, i));
   }
   const double least = hardly * seen.mean();
   std::vector<char> unseen(static_cast<size_t>(seen.size()));
@@ -176,7 +180,7 @@ class Holding {
       for (int j = 0; j < bv.size(); ++j) {
         const auto k = static_cast<size_t>(i * bv.size() + j);
         if (!unseen[k]) continue;
-        const int hole = map_.VoidAt({bu.Greville(i), bv.Greville(j)});
+        const int hole = map_.VoidAt({bu.Clamp(bu.Greville(i)), bv.Clamp(bv.Greville(j))});
         if (hole >= 0 && bounds_[static_cast<size_t>(hole)].centre.cols() > 0) owner[k] = hole;
       }
     }
@@ -218,7 +222,9 @@ class Holding {
     for (Eigen::Index k = 0; k < filled.cols(); ++k) {
       if (owner[static_cast<size_t>(k)] < 0) filled.col(k) = net.coefficients.col(k);
     }
-    return filled.allFinite() ? filled : net.coefficients;
+    if (!filled.allFinite()) return net.coefficients;
+    return WithPolesClosed(
+        std::move(filled), net.problem.basis_u(), net.problem.basis_v(), net.problem.poles());
   }
 
   // Rows and columns of fixed unknowns become those of the identity, times a unit.

@@ -93,4 +93,18 @@ std::optional<ParameterRectangle> RectangleOf(const TopoDS_Face& face) {
   return box;
 }
 
+Seams SeamsOf(const TopoDS_Face& face) {
+  Seams seams;
+  for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(edges.Current());
+    if (!BRep_Tool::IsClosed(edge, face)) continue;
+    double first = 0, last = 0;
+    const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    if (curve.IsNull()) continue;
+    const gp_Vec2d along(curve->Value(first), curve->Value(last));
+    (std::abs(along.X()) < std::abs(along.Y()) ? seams.u : seams.v) = true;
+  }
+  return seams;
+}
+
 }  // namespace batten

@@ -21,4 +21,10 @@ ParameterRectangle NaturalRectangle(const Geom_Surface& surface);
 // within 1e-7 of the natural ones, relative to the rectangle, are taken to be those.
 std::optional<ParameterRectangle> RectangleOf(const TopoDS_Face& face);
 
+// The directions in which a face closes: those across an edge that bounds it on both sides.
+struct Seams {
+  bool u = false, v = false;
+};
+Seams SeamsOf(const TopoDS_Face& face);
+
 }  // namespace batten

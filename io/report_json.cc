@@ -36,16 +36,55 @@ Json Input(const InputSummary& input, const ReportContext& context) {
           {"unit", context.unit}};
 }
 
+// By the names of the numbers; of vectors an array. Infinite ones are null.
+Json Deviations(const PrimitiveAccuracy& accuracy) {
+  Json json = Json::object();
+  for (size_t i = 0; i < accuracy.names.size(); ++i) {
+    const std::string& name = accuracy.names[i];
+    const Json value = Number(accuracy.standard_deviations[static_cast<Eigen::Index>(i)]);
+    const bool part = name.ends_with("_x") || name.ends_with("_y") || name.ends_with("_z");
+    if (part) {
+      json[name.substr(0, name.size() - 2)].push_back(value);
+    } else {
+      json[name] = value;
+    }
+  }
+  return json;
+}
+
+Json Covariance(const PrimitiveAccuracy& accuracy) {
+  Json rows = Json::array();
+  for (const auto& row : accuracy.covariance.rowwise()) {
+    Json numbers = Json::array();
+    for (const double value : row) numbers.push_back(Number(value));
+    rows.push_back(std::move(numbers));
+  }
+  return {{"of", accuracy.names},
+          {"frame_x", Vector(accuracy.frame_x)},
+          {"frame_y", Vector(accuracy.frame_y)},
+          {"matrix", std::move(rows)}};
+}
+
 Json Primitive(const PrimitiveSummary& primitive) {
   Json json = {{"kind", primitive.kind}};
   if (primitive.point) json["point"] = Vector(*primitive.point);
   if (primitive.direction) json["direction"] = Vector(*primitive.direction);
   if (primitive.center) json["center"] = Vector(*primitive.center);
   if (primitive.axis) json["axis"] = Vector(*primitive.axis);
+  if (primitive.normal) json["normal"] = Vector(*primitive.normal);
+  if (primitive.apex) json["apex"] = Vector(*primitive.apex);
   if (primitive.radius) json["radius"] = Number(*primitive.radius);
+  if (primitive.major_radius) json["major_radius"] = Number(*primitive.major_radius);
+  if (primitive.minor_radius) json["minor_radius"] = Number(*primitive.minor_radius);
+  if (primitive.half_angle) json["half_angle"] = Number(*primitive.half_angle);
   if (primitive.sweep) json["sweep"] = Number(*primitive.sweep);
   json["scale"] = Number(primitive.scale);
   json["why"] = primitive.why;
+  if (primitive.accuracy) {
+    json["standard_deviations"] = Deviations(*primitive.accuracy);
+    json["covariance"] = Covariance(*primitive.accuracy);
+    json["inflation"] = Number(primitive.accuracy->inflation);
+  }
   return json;
 }
 
@@ -58,6 +97,7 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
                {"closed", geometry.closed},
                {"trims", geometry.trims},
                {"file", file}};
+  if (!geometry.poles.empty()) json["poles"] = geometry.poles;
   if (!geometry.base_why.empty()) {
     json["base_why"] = geometry.base_why;
     json["distortion"] = Number(geometry.distortion);

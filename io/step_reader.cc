@@ -19,6 +19,7 @@
 #include <streambuf>
 
 #include "batten/io/occt_convert.h"
+#include "batten/io/occt_exact.h"
 #include "batten/io/occt_session.h"
 #include "batten/io/parameter_rectangle.h"
 #include "batten/io/read_error.h"
@@ -40,8 +41,10 @@ class TextBuffer : public std::streambuf {
   }
 };
 
-// The NURBS form on the whole domain; what was periodic comes back clamped.
-NurbsCurve<3> ToNurbs(const Handle(Geom_Curve) & curve, double first, double last) {
+// The NURBS form on the whole domain, of analytic shapes as batten makes them; what was periodic
+// comes back clamped.
+NurbsCurve<3> ToNurbs(const Handle(Geom_Curve) & curve, double first, double last, bool closed) {
+  if (const auto exact = FromAnalytic(curve, first, last, closed)) return ToNurbs(*exact);
   const double slack = 1e-12 * (last - first);
   Handle(Geom_BSplineCurve) bspline = Handle(Geom_BSplineCurve)::DownCast(curve);
   const bool whole = !bspline.IsNull() && !bspline->IsPeriodic() &&
@@ -64,11 +67,12 @@ NurbsCurve<3> ToNurbs(const TopoDS_Edge& edge) {
     last = swap;
     curve = curve->Reversed();
   }
-  return ToNurbs(curve, first, last);
+  return ToNurbs(curve, first, last, BRep_Tool::IsClosed(edge));
 }
 
 NurbsSurface ToNurbs(const TopoDS_Face& face, const ParameterRectangle& box) {
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  if (const auto exact = FromAnalytic(surface, box, SeamsOf(face))) return ToNurbs(*exact);
   Handle(Geom_BSplineSurface) bspline = Handle(Geom_BSplineSurface)::DownCast(surface);
   const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
                      box == NaturalRectangle(*surface);

@@ -10,9 +10,10 @@
 namespace batten {
 
 // Every face and every edge outside faces, as NURBS in the file's own unit. What the file holds as
-// non-periodic B-splines comes as it stands; other shapes are converted, periodic ones clamped. The
-// path "-" is standard input. Throws ReadError for what is not STEP, is truncated or damaged, holds
-// no geometry, or holds a face whose boundary is not a rectangle of its parameters.
+// non-periodic B-splines comes as it stands; lines, circles, planes, cylinders, cones, spheres and
+// tori as batten makes them; other shapes are converted, periodic ones clamped. The path "-" is
+// standard input. Throws ReadError for what is not STEP, is truncated or damaged, holds no
+// geometry, or holds a face whose boundary is not a rectangle of its parameters.
 std::vector<Geometry> ReadStep(const std::string& path);
 
 }  // namespace batten

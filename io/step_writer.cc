@@ -26,14 +26,18 @@
 #include <ctime>
 #include <iterator>
 #include <locale>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include "batten/geometry/clamp.h"
+#include "batten/geometry/exact_shape.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/occt_convert.h"
+#include "batten/io/occt_exact.h"
 #include "batten/io/occt_session.h"
 #include "batten/io/read_error.h"
 
@@ -63,30 +67,44 @@ const char* OcctUnit(const std::string& unit) {
   throw UsageError("unit \"" + unit + "\" is not one of " + names);
 }
 
+// The diagonal of the control points' bounding box.
+template <typename Shape>
+double SizeOf(const Shape& shape) {
+  const auto& points = shape.control_points();
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+}
+
+// The analytic form of exact shapes that do not drown in OpenCASCADE's tolerance.
+template <typename Shape>
+std::optional<TopoDS_Shape> AnalyticShape(const Shape& shape) {
+  if (!(SizeOf(shape) > 10 * Precision::Confusion())) return std::nullopt;
+  const auto exact = ExactShapeOf(shape);
+  return exact ? ToAnalyticShape(*exact) : std::nullopt;
+}
+
 // A natural boundary, degenerate and seam edges included.
 TopoDS_Shape ToShape(const NurbsSurface& surface) {
+  if (const auto analytic = AnalyticShape(surface)) return *analytic;
   const Handle(Geom_BSplineSurface) bspline = ToOcct(surface);
   BRepBuilderAPI_MakeFace face(bspline, Precision::Confusion());
   if (!face.IsDone()) throw Standard_Failure("no face can be built on the surface");
   return face.Shape();
 }
 
+const NurbsCurve<3>& InSpace(const NurbsCurve<3>& curve) { return curve; }
+NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.control_points().cols());
+  points.topRows<2>() = curve.control_points();
+  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
+}
+
 template <int Dim>
 TopoDS_Shape ToShape(const NurbsCurve<Dim>& curve) {
+  if (const auto analytic = AnalyticShape(InSpace(curve))) return *analytic;
   const Handle(Geom_BSplineCurve) bspline = ToOcct(curve);
   BRepBuilderAPI_MakeEdge edge(bspline);
   if (!edge.IsDone()) throw Standard_Failure("no edge can be built on the curve");
   return edge.Shape();
-}
-
-// The diagonal of the control points' bounding box.
-double SizeOf(const Geometry& geometry) {
-  return std::visit(
-      [](const auto& one) {
-        const auto& points = one.control_points();
-        return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-      },
-      geometry);
 }
 
 // The same shape with clamped knots where it is periodic: closed, its ends coincide.
@@ -106,7 +124,7 @@ Geometry Closed(const NurbsSurface& surface) {
 // exceeds 1e-7.
 TopoDS_Shape ValidShape(const Geometry& geometry) {
   const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
-  const double size = SizeOf(geometry);
+  const double size = std::visit([](const auto& one) { return SizeOf(one); }, geometry);
   for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(shape).IsValid();) {
     tolerance *= 10;
     if (!(tolerance <= 1e-6 * size)) {

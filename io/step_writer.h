@@ -10,8 +10,11 @@
 namespace batten {
 
 // Writes AP214 through OpenCASCADE: a surface as a B-rep face, a curve as an edge (a plane curve at
-// z = 0), each a product of its own, in order. The numbers in the file are the data's, declared to
-// be in `unit`. The same geometry gives the same bytes: the time stamp is SOURCE_DATE_EPOCH or
+// z = 0), each a product of its own, in order. What is built exactly as make_curve.h and
+// make_surface.h build it (ExactShapeOf) becomes an analytic line, circle, plane, cylinder, cone,
+// sphere or torus, where readers keep that; all else a B-spline with its own knots and control
+// points, clamped and closed where it is periodic. The numbers in the file are the data's, declared
+// to be in `unit`. The same geometry gives the same bytes: the time stamp is SOURCE_DATE_EPOCH or
 // 1970. Throws UsageError for an unknown unit, WriteError when the file can't be written or no
 // valid B-rep can be built, std::invalid_argument without geometry. The path "-" is standard
 // output.

@@ -140,6 +140,57 @@ TEST_F(FitPrimitiveCommandTest, WritesStepAndReportsAndResiduals) {
   EXPECT_EQ(Batten({"compare", folder_.File("arc.step"), cloud, "--tolerance", "1.1e-3"}).code, 0);
 }
 
+// On a cylinder of radius 2 about the axis through (5, 0, 1) along y, 120° of it.
+std::vector<Row> Cylinder(double wobble) {
+  std::vector<Row> rows;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      const double a = 120 * kDegree * i / 39, r = 2 + wobble * std::sin(7.3 * i * i + 3.1 * k * k);
+      rows.push_back({5 + r * std::cos(a), 0.3 * k, 1 + r * std::sin(a)});
+    }
+  }
+  return rows;
+}
+
+TEST_F(FitPrimitiveCommandTest, WritesSurfacesAsExactShapes) {
+  const std::string cloud = File(Cylinder(1e-3));
+  for (const char* kind : {"auto", "cylinder"}) {
+    const Json report = Fit({cloud, "--kind", kind});
+    EXPECT_EQ(report["geometry"]["kind"], "surface");
+    const Json& primitive = report["geometry"]["primitive"];
+    EXPECT_EQ(primitive["kind"], "cylinder");
+    const double radius = primitive["radius"],
+                 deviation = primitive["standard_deviations"]["radius"];
+    EXPECT_LT(deviation, 1e-3);
+    EXPECT_NEAR(radius, 2, 3 * deviation);
+    EXPECT_NEAR(std::abs(primitive["axis"][1].get<double>()), 1, 1e-5);
+    EXPECT_EQ(primitive["standard_deviations"]["axis"].size(), 2u);
+    EXPECT_EQ(primitive["covariance"]["of"].size(), 5u);
+    EXPECT_EQ(primitive["covariance"]["matrix"].size(), 5u);
+    EXPECT_NEAR(primitive["covariance"]["matrix"][4][4].get<double>(),
+                deviation * deviation,
+                0.1 * deviation * deviation);
+    EXPECT_EQ(report["geometry"]["closed"], Json({false, false}));
+    EXPECT_TRUE(report["warnings"].empty());
+  }
+  const ProgramRun analysis = Batten({"analyze", folder_.File("out.json"), "--json"});
+  EXPECT_EQ(Json::parse(analysis.out)["shape"], "cylinder");
+  const ProgramRun run = Batten({"fit",
+                                 "primitive",
+                                 cloud,
+                                 "--kind",
+                                 "cylinder",
+                                 "-o",
+                                 folder_.File("part.step"),
+                                 "--residuals",
+                                 folder_.File("r.csv")});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("part.step: cylinder of radius "));
+  EXPECT_THAT(run.out, HasSubstr(" ± 0.000"));
+  EXPECT_THAT(folder_.Text("part.step"), HasSubstr("CYLINDRICAL_SURFACE"));
+  EXPECT_THAT(folder_.Text("r.csv"), HasSubstr("distance,u,v,outlier"));
+}
+
 TEST_F(FitPrimitiveCommandTest, ExitsWithThreeWhereTheToleranceIsMissed) {
   const Json report =
       Fit({File(Arc(60, 120, true, 1e-2)), "--kind", "circle", "--tolerance", "1e-3"}, 3);
@@ -151,8 +202,10 @@ TEST_F(FitPrimitiveCommandTest, RefusesBadInputWithItsReason) {
   ExpectRefused({File({{1, 2, 3}, {1, 2, 4}}), "--kind", "circle"}, 1, "at least 3 different");
   ExpectRefused({File(Line(9)), "--kind", "circle"}, 1, "collinear");
   const std::string cloud = File(Line(9));
+  const std::string flat = File(Arc(9, 90, true), "flat.xyz");
   for (const char* kind : {"plane", "cylinder", "sphere", "cone", "torus"}) {
-    ExpectRefused({cloud, "--kind", kind}, 2, "not in this version");
+    ExpectRefused({cloud, "--kind", kind}, 1, "collinear");
+    ExpectRefused({flat, "--kind", kind}, 1, "needs three coordinates");
   }
   ExpectRefused({cloud, "--kind", "cirle"}, 2, "'circle'");
   ExpectRefused({cloud}, 2, "--kind");

@@ -52,7 +52,7 @@ TEST_F(UsageTest, UnknownNamesAreAnsweredWithTheNearest) {
 }
 
 TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
-  for (const char* command : {"make", "section", "tessellate"}) {
+  for (const char* command : {"section", "tessellate"}) {
     ExpectUsageError({command}, {command, "not in this version"});
     ExpectUsageError({command, "--help"}, {command, "not in this version"});
   }
@@ -63,13 +63,10 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
                                              {"--boundary", "c.json"},
                                              {"--symmetric", "x"},
                                              {"--thin", "1"},
-                                             {"--snap"},
                                              {"--uncertainty"},
                                              {"--certify"},
                                              {"--stream"},
                                              {"--las-class", "2"},
-                                             {"--base", "torus"},
-                                             {"--closed", "u"},
                                              {"--trim", "auto"},
                                              {"--normals", "file"},
                                              {"--report", "r.html"}}) {

@@ -22,7 +22,8 @@ BaseScore::Value ScoreOf(const Eigen::Matrix3Xd& points, const SurfaceBase& base
   ThreadPool pool(threads);
   const PointCloud cloud(points);
   const SurfaceFitOptions options;
-  return BaseScore(cloud, AllOf(points), options, pool).Of(base);
+  return BaseScore(cloud, AllOf(points), options, pool)
+      .Of(base, PointMask::Constant(cloud.size(), true));
 }
 
 TEST(BaseScoreTest, LooksAtASampleOfTheGoodPoints) {

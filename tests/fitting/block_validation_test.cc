@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
 #include "random_splines.h"
 #include "tolerances.h"

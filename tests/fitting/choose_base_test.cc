@@ -55,11 +55,15 @@ void ExpectPlaces(const BaseChoice& choice, Eigen::Index count) {
   EXPECT_EQ(choice.base.plane.has_value(), choice.base.name == "plane");
 }
 
-// A plane misses an exact cap along its rim only, by little: that is no outlier's doing.
-TEST(ChooseBaseTest, LaysAnExactCapOutFlat) {
-  const SheetPoints cap =
-      PointsOn(SphericalCap(60), {.count = 5000, .sigma = 0, .isotropic = true, .seed = 3});
-  EXPECT_EQ(Choose(cap.points).base.name, "sheet");
+// A plane misses an exact cap along its rim only, by little: that is no outlier's doing. What is
+// not part of a sphere is laid out flat.
+TEST(ChooseBaseTest, LeavesThePlaneForAnExactCap) {
+  Eigen::Matrix3Xd cap =
+      PointsOn(SphericalCap(60), {.count = 5000, .sigma = 0, .isotropic = true, .seed = 3}).points;
+  EXPECT_EQ(Choose(cap).base.name, "sphere");
+  EXPECT_EQ(Choose(cap, BaseShape::kSheet).base.name, "sheet");
+  cap = Eigen::Vector3d(1.6, 1, 0.8).asDiagonal() * cap;
+  EXPECT_EQ(Choose(cap).base.name, "sheet");
 }
 
 TEST(ChooseBaseTest, TakesThePlaneOfAHeightField) {
@@ -113,9 +117,13 @@ TEST(ChooseBaseTest, TakesTheSheetOfWhatNoPlaneSeesWhole) {
 
 TEST(ChooseBaseTest, RefusesWhatNoBaseServes) {
   EXPECT_THAT(RefusalOf(NoisyPoints(TwistedBand(1)).points), HasSubstr("one-sided"));
-  EXPECT_THAT(RefusalOf(NoisyPoints(ArcSheet(360)).points), HasSubstr("closed"));
-  EXPECT_THAT(RefusalOf(NoisyPoints(SphericalCap(180)).points), HasSubstr("closed"));
-  EXPECT_THAT(RefusalOf(NoisyPoints(ArcSheet(360)).points, BaseShape::kSheet), HasSubstr("closed"));
+  EXPECT_THAT(RefusalOf(NoisyPoints(TwistedBand(1)).points, BaseShape::kSheet),
+              HasSubstr("one-sided"));
+  // A sheet with its edges joined is a tube, not a ball or a ring.
+  for (const BentSheet& sheet : {SphericalCap(180), TorusSheet()}) {
+    SCOPED_TRACE(sheet.name);
+    EXPECT_THAT(RefusalOf(NoisyPoints(sheet).points, BaseShape::kSheet), HasSubstr("closed"));
+  }
   // Closed ones and rolls are layers over every plane.
   for (const BentSheet& sheet : {ArcSheet(360), Roll()}) {
     SCOPED_TRACE(sheet.name);

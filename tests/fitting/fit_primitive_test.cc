@@ -119,7 +119,7 @@ TEST(FitPrimitiveTest, LinesThroughExactPointsAreExact) {
       const double length = (curve.control_points().col(1) - curve.control_points().col(0)).norm();
       EXPECT_NEAR(length, place.scale, kRounding * (size + 10));
     };
-    std::visit(ends, fit.curve);
+    std::visit(ends, fit.geometry);
   }
 }
 
@@ -204,8 +204,7 @@ TEST(FitPrimitiveTest, NothingNearbyCostsLess) {
 }
 
 // How far b is from a, relative to the size of a; infinite where the kind differs.
-double Apart(const std::variant<LineShape, CircleShape>& a,
-             const std::variant<LineShape, CircleShape>& b) {
+double Apart(const PrimitiveShape& a, const PrimitiveShape& b) {
   if (a.index() != b.index()) return HUGE_VAL;
   if (const auto* line = std::get_if<LineShape>(&a)) {
     const LineShape& other = std::get<LineShape>(b);
@@ -252,7 +251,7 @@ TEST(FitPrimitiveTest, TurnsAndMovesAndScalesWithThePoints) {
       const double rounding = distance > 1 ? 1e4 * kRounding * distance : kIterated * 100;
       EXPECT_LT(Apart(here.shape, moved), rounding);
       EXPECT_NEAR(there.report.error.rms / place.scale, here.report.error.rms, rounding);
-      EXPECT_EQ(here.curve.index(), there.curve.index());
+      EXPECT_EQ(here.geometry.index(), there.geometry.index());
     }
   }
 }
@@ -317,7 +316,7 @@ TEST(FitPrimitiveTest, IsTheSameForEveryNumberOfThreads) {
   const PrimitiveFit two = FitPrimitive(Cloud(points, false), options);
   options.threads = 1;
   const PrimitiveFit one = FitPrimitive(Cloud(points, false), options);
-  EXPECT_EQ(std::get<NurbsCurve<3>>(one.curve), std::get<NurbsCurve<3>>(two.curve));
+  EXPECT_EQ(std::get<NurbsCurve<3>>(one.geometry), std::get<NurbsCurve<3>>(two.geometry));
   EXPECT_EQ(one.residuals, two.residuals);
 }
 

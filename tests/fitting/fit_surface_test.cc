@@ -389,10 +389,14 @@ TEST(FitSurfaceTest, RefusesPointsThatCarryNoSurfaceWithTheReason) {
   Eigen::Matrix3Xd line(3, 100);
   for (int k = 0; k < 100; ++k) line.col(k) = k * Eigen::Vector3d(1, 2, -0.5);
   EXPECT_NE(reason(line).find("line"), std::string::npos);
-  Eigen::Matrix3Xd ball(3, 4000);
-  for (Eigen::Index k = 0; k < ball.cols(); ++k)
-    ball.col(k) = Eigen::Vector3d::Random().normalized();
-  EXPECT_NE(reason(ball).find("open sheet"), std::string::npos);
+  Eigen::Matrix3Xd band(3, 4000);
+  for (Eigen::Index k = 0; k < band.cols(); ++k) {
+    const Eigen::Vector2d place = Eigen::Vector2d::Random();
+    const double angle = std::numbers::pi * place[0], across = 0.3 * place[1];
+    const double radius = 1 + across * std::cos(angle / 2);
+    band.col(k) << radius * std::cos(angle), radius * std::sin(angle), across * std::sin(angle / 2);
+  }
+  EXPECT_NE(reason(band).find("open sheet"), std::string::npos);
 }
 
 TEST(FitSurfaceTest, NamesTheOptionThatBreaksItsRule) {

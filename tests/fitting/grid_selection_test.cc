@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
 
 #include <gtest/gtest.h>

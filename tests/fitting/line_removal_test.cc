@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
 #include "random_splines.h"
 #include "tolerances.h"

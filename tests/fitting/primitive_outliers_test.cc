@@ -61,7 +61,8 @@ void ExpectRobust(Loss loss, double share, double factor, int trials) {
         points = WithOutliers(points, share, random, plane);
         const PrimitiveFit fit =
             FitPrimitive(Cloud(points, plane), Options(PrimitiveKind::kAuto, loss));
-        ASSERT_EQ(std::holds_alternative<CircleShape>(fit.shape), bent);
+        ASSERT_EQ(fit.report.geometry.base, bent ? "circle" : "line")
+            << fit.report.geometry.primitive->why;
         dirty_squares += std::pow(OffTruth(fit, truth), 2);
         // An outlier less than six usual windows from the end may stretch the arc.
         if (bent && sweep < 240 * kDegree) {

@@ -54,9 +54,10 @@ Settled Settle(const Eigen::Matrix3Xd& points,
     if (mask[k] && k % leave_out != 0) kept.push_back(k);
   }
   const BaseScore score(cloud, kept, options, pool);
-  Settled settled{base, false, score.Of(base), {}};
+  const PointMask all = PointMask::Constant(cloud.size(), true);
+  Settled settled{base, false, score.Of(base, all), {}};
   settled.any = SettleParameters(settled.base, cloud, mask, score, pool);
-  settled.after = score.Of(settled.base);
+  settled.after = score.Of(settled.base, all);
   return settled;
 }
 
@@ -95,7 +96,9 @@ TEST(SettleParametersTest, TakesWrinklesOut) {
   ThreadPool pool(2);
   const PointCloud points(cloud.points);
   const SurfaceFitOptions options;
-  const double clean = BaseScore(points, AllOf(cloud.points), options, pool).Of(flat).score;
+  const double clean = BaseScore(points, AllOf(cloud.points), options, pool)
+                           .Of(flat, PointMask::Constant(points.size(), true))
+                           .score;
   const Settled settled = Settle(cloud.points, Wrinkled(flat, 10, 0.03), All(cloud.points));
   EXPECT_TRUE(settled.any);
   EXPECT_GT(settled.before.score, 1.3 * clean);

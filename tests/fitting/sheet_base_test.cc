@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
 #include "bent_sheets.h"
 #include "tolerances.h"

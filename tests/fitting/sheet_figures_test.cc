@@ -53,15 +53,16 @@ ChartedSheet ChartedTrumpet() {
 struct SheetCase {
   ChartedSheet charted;
   double density = 1;
+  std::string base = "sheet";  // taken when nothing is said
 };
 
 std::vector<SheetCase> SheetCases(Eigen::Index count) {
   return {{ChartedShell()},
           {Charted(SBend(), 3, 1.2)},
           {ChartedRoll(4.1, count)},
-          {ChartedTrumpet()},
-          {ChartedCap(60)},
-          {ChartedCap(120)},
+          {ChartedTrumpet(), 1, "revolution"},
+          {ChartedCap(60), 1, "sphere"},
+          {ChartedCap(120), 1, "sphere"},
           {ChartedShell(), 10}};
 }
 
@@ -90,14 +91,19 @@ TEST(SheetFiguresTest, ComesAsNearToTheTruthAsTrueParametersWouldAndNeverFolds) 
   for (const SheetCase& kind : SheetCases(count)) {
     SCOPED_TRACE(kind.charted.sheet.name + ", density " + std::to_string(kind.density));
     const SheetPoints cloud = NoisyPoints(kind, count, 1);
-    const SurfaceFit fit = Fit(cloud.points);
-    EXPECT_EQ(fit.report.geometry.base, "sheet");
-    EXPECT_NE(fit.report.geometry.base_why, "");
-    EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
     const Eigen::Matrix3Xd truth = SheetTruth(kind.charted.sheet, 40);
-    EXPECT_LE(ErrorToTruth(fit.surface, truth).rms,
-              kToOracle * BestUniform(kind.charted, cloud, 40).rms);
-    ExpectNoFold(fit.surface, kind.charted.sheet);
+    const double best = BestUniform(kind.charted, cloud, 40).rms;
+    for (const bool asked_for : {false, true}) {
+      if (asked_for && kind.base == "sheet") continue;
+      SCOPED_TRACE(asked_for ? "a sheet asked for" : "nothing said");
+      const SurfaceFit fit =
+          Fit(cloud.points, {.base = asked_for ? BaseShape::kSheet : BaseShape::kAuto});
+      EXPECT_EQ(fit.report.geometry.base, asked_for ? "sheet" : kind.base);
+      EXPECT_NE(fit.report.geometry.base_why, "");
+      EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
+      EXPECT_LE(ErrorToTruth(fit.surface, truth).rms, kToOracle * best);
+      ExpectNoFold(fit.surface, kind.charted.sheet);
+    }
   }
 }
 
@@ -285,9 +291,9 @@ void ExpectToStandThickNoise(Eigen::Index count, std::uint64_t seed) {
 
 TEST(SheetFiguresTest, StandsNoiseAsLargeAsTheSpacing) { ExpectToStandThickNoise(8000, 1); }
 
-std::string RefusalOf(const Eigen::Matrix3Xd& points) {
+std::string RefusalOf(const Eigen::Matrix3Xd& points, BaseShape base = BaseShape::kAuto) {
   try {
-    Fit(points);
+    Fit(points, {.base = base});
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -314,18 +320,20 @@ TEST(SheetFiguresTest, RefusesTwoParallelSheetsAndSaysWhatToDo) {
   }
 }
 
-TEST(SheetFiguresTest, RefusesWhatIsClosedOrOneSidedAndSaysWhatToDo) {
+// A ball and a ring close, but not as a sheet; a sheet that closes round is a tube.
+TEST(SheetFiguresTest, RefusesWhatIsOneSidedOrNoSheetAndSaysWhatToDo) {
   const struct {
     BentSheet sheet;
+    BaseShape base;
     const char* word;
-  } cases[] = {{TwistedBand(1), "one-sided"},
-               {ArcSheet(360), "closed"},
-               {SphericalCap(180), "closed"},
-               {TorusSheet(), "closed"}};
-  for (const auto& [sheet, word] : cases) {
+  } cases[] = {{TwistedBand(1), BaseShape::kAuto, "one-sided"},
+               {TwistedBand(1), BaseShape::kSheet, "one-sided"},
+               {SphericalCap(180), BaseShape::kSheet, "closed"},
+               {TorusSheet(), BaseShape::kSheet, "closed"}};
+  for (const auto& [sheet, base, word] : cases) {
     SCOPED_TRACE(sheet.name);
     EXPECT_THAT(
-        RefusalOf(PointsOn(sheet, {.count = 8000, .sigma = 2e-3, .isotropic = true}).points),
+        RefusalOf(PointsOn(sheet, {.count = 8000, .sigma = 2e-3, .isotropic = true}).points, base),
         AllOf(HasSubstr(word), HasSubstr("fit a part of the cloud")));
   }
 }

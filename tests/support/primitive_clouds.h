@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -13,6 +14,7 @@
 
 #include "batten/fitting/fit_primitive.h"
 #include "dense_samples.h"
+#include "measured_shapes.h"
 #include "random_splines.h"
 
 namespace batten {
@@ -107,10 +109,31 @@ double OffShape(const NurbsCurve<Dim>& curve, const Shape& shape) {
   return most;
 }
 
+template <typename Shape>
+double OffShape(const NurbsSurface& surface, const Shape& shape) {
+  double most = 0;
+  for (int i = 0; i <= 40; ++i) {
+    for (int j = 0; j <= 40; ++j) {
+      most = std::max(most, DistanceTo(SurfaceShape(shape), surface.At(i / 40.0, j / 40.0)));
+    }
+  }
+  return most;
+}
+
 inline double OffShape(const PrimitiveFit& fit) {
-  return std::visit([](const auto& curve, const auto& shape) { return OffShape(curve, shape); },
-                    fit.curve,
-                    fit.shape);
+  return std::visit(
+      [](const auto& geometry, const auto& shape) {
+        using Form = std::decay_t<decltype(shape)>;
+        constexpr bool kCurve =
+            std::is_same_v<Form, LineShape> || std::is_same_v<Form, CircleShape>;
+        if constexpr (kCurve != std::is_same_v<std::decay_t<decltype(geometry)>, NurbsSurface>) {
+          return OffShape(geometry, shape);
+        } else {
+          return std::numeric_limits<double>::infinity();
+        }
+      },
+      fit.geometry,
+      fit.shape);
 }
 
 }  // namespace batten

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// batten make: exact curves and surfaces from numbers.
+#include <fmt/format.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "batten/cli/file_entry.h"
+#include "batten/cli/fit_output.h"
+#include "batten/cli/make_shapes.h"
+#include "batten/cli/program.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
+
+namespace batten {
+namespace {
+
+struct Arguments {
+  MakeArguments shape;
+  std::string out, out_format, unit = "mm";
+  CommonFlags flags;
+};
+
+int Run(const MakeKind& kind, const Arguments& a) {
+  CheckUnit(a.unit);
+  CheckDistinct({a.out}, a.flags.json);
+  CheckGeometryFormat(a.out, a.out_format);
+  CheckWritable(a.out);
+  GeometryFile file{a.out, {}};
+  try {
+    file.geometry = kind.make(a.shape);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("make ") + kind.name + ": " + error.what());
+  }
+  WriteGeometryFiles({file}, {a.out_format, a.unit});
+  const auto entry = FileEntry(file);
+  if (a.flags.json) {
+    PrintFiles(entry);
+  } else if (!a.flags.quiet && a.out != "-") {
+    fmt::print("{}\n", FileLine(entry));
+  }
+  return kDone;
+}
+
+void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App& command = *make.add_subcommand(kind.name, kind.what);
+  kind.add_flags(command, a->shape);
+  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")
+      ->required()
+      ->type_name("OUT");
+  command
+      .add_option(
+          "--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+      ->type_name("FORMAT");
+  command.add_option("--unit", a->unit, "Unit of the numbers, declared in STEP")
+      ->capture_default_str()
+      ->type_name("UNIT");
+  AddCommonFlags(command, a->flags);
+  command.footer(std::string("Example:\n  batten make ") + kind.examples);
+  command.callback([a, &kind, &action] { action = [a, &kind] { return Run(kind, *a); }; });
+}
+
+}  // namespace
+
+void AddMakeCommand(CLI::App& app, Action& action) {
+  CLI::App& make = *app.add_subcommand("make", "Make exact curves and surfaces from numbers");
+  make.require_subcommand(1);
+  std::string examples;
+  for (const MakeKind& kind : MakeKinds()) {
+    AddKind(make, kind, action);
+    examples += std::string("\n  batten make ") + kind.examples;
+  }
+  make.footer(
+      "Everything is exact to rounding, as rational quadratics on [0, 1]; u goes round the axis, v "
+      "along\n"
+      "the profile, normals look outward. In STEP planes, cylinders, cones, spheres, tori, lines "
+      "and\n"
+      "circles are the analytic shapes.\n"
+      "Examples:" +
+      examples);
+}
+
+}  // namespace batten

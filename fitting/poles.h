@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Edges of a surface that are one point, and what that asks of its coefficients.
+#pragma once
+
+#include <Eigen/Core>
+#include <numbers>
+
+#include "batten/geometry/spline_basis.h"
+
+namespace batten {
+
+// What the edge v = lower or v = upper of a surface is. About a smooth pole the surface has a
+// tangent plane; about an apex, as that of a cone, it has not.
+enum class PoleKind { kNone, kSmooth, kApex };
+
+struct Poles {
+  PoleKind start = PoleKind::kNone, end = PoleKind::kNone;
+  double turn = 2 * std::numbers::pi;  // angle about the pole that u sweeps over its domain, > 0
+
+  bool any() const { return start != PoleKind::kNone || end != PoleKind::kNone; }
+  bool operator==(const Poles&) const = default;
+};
+
+// Conditions C c = 0 on the coefficients c that differ (u_i, v_j at i · n_v + j, counts as
+// DistinctCount says), independent of each other; no rows without poles. With c_i0 the first row
+// and c_i1 the second, seen from the edge, and γ, δ the splines over basis_u nearest to the cosine
+// and the sine of the angle about the pole: all c_i0 = P, and c_i1 = Q + γ_i a + δ_i b for some
+// vectors a, b and Q, of a smooth pole Q = P. Then all tangents S_v there lie in the plane of a and
+// b, and turn in it with the angle: the normal is the same from all sides. The third row of a
+// smooth pole carries no harmonics of the angle above the second, as that of v^k, k > 2, in a
+// surface that is smooth about its pole. (Second row from degree 2 in v on, third from degree 3.)
+Eigen::MatrixXd PoleConditions(const SplineBasis& basis_u,
+                               const SplineBasis& basis_v,
+                               const Poles& poles);
+
+// How many they are.
+int PoleConditionCount(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles);
+
+// The nearest coefficients, row by row, that meet the conditions exactly: d × (n_u · n_v), v
+// fastest, repeated ones too. Rounding of what a solver found under the conditions is taken away,
+// so that the edge is one point to the last bit.
+Eigen::MatrixXd WithPolesClosed(Eigen::MatrixXd coefficients,
+                                const SplineBasis& basis_u,
+                                const SplineBasis& basis_v,
+                                const Poles& poles);
+
+}  // namespace batten

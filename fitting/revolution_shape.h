@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// The axis and the mean profile of a shape of revolution.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/base_profile.h"
+#include "batten/fitting/round_chart.h"
+#include "batten/fitting/round_nodes.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten {
+
+struct RevolutionShape {
+  AxisFrame frame;
+  NodesRound seen;                     // the nodes about it
+  std::optional<BaseProfile> profile;  // none where nothing could be found
+  bool closed_along = false;
+  double low = 0, high = 0;  // of the nodes' feet, parameters of the profile
+  std::vector<double> feet;  // of the nodes
+  double misfit = 0;         // distance of the nodes, root mean square, over their mean radius
+};
+
+// The best of the axes that normals give, or the one preferred where it is as good as it stands, as
+// any axis of a sphere is: the profile is integrated along
+// the graph, its mean fitted as a spline, and axis and profile then changed together so that the
+// nodes are nearest. Robust against ripples along and round. O(nodes · spans).
+RevolutionShape FindRevolution(const RoundNodes& round,
+                               const std::optional<AxisFrame>& preferred,
+                               ThreadPool& pool);
+
+}  // namespace batten
