@@ -113,7 +113,7 @@ void AddEveryFitsArguments(CLI::App& command,
           [&a](const std::string& text) {
             a.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
           },
-          "Distance every point must keep; refines where it is missed and there is freedom [none]")
+          "Distance every point must keep; free shapes refine where it is missed [none]")
       ->type_name("T");
   AddText(command, "--loss", a.loss, loss, "LOSS");
   AddText(command,

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
@@ -23,6 +25,18 @@ struct Arguments {
   CommonFlags flags;
 };
 
+// Squares of lengths must stay numbers for whoever reads the file.
+void RequireSensible(const std::vector<Geometry>& geometry) {
+  constexpr double kLargest = 1e100;
+  for (const Geometry& one : geometry) {
+    const double largest =
+        std::visit([](const auto& g) { return g.control_points().cwiseAbs().maxCoeff(); }, one);
+    if (largest > kLargest) {
+      throw std::invalid_argument("coordinates beyond 1e100 are of no use to any CAD system");
+    }
+  }
+}
+
 int Run(const MakeKind& kind, const Arguments& a) {
   CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
@@ -31,6 +45,7 @@ int Run(const MakeKind& kind, const Arguments& a) {
   GeometryFile file{a.out, {}};
   try {
     file.geometry = kind.make(a.shape);
+    RequireSensible(file.geometry);
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }

@@ -44,10 +44,9 @@ class Finder {
     if (tubes_ && in_question(BaseShape::kSheet) && !settled_) TryTube();
     if (found_.serving.empty() && asked_ == BaseShape::kAuto) {
       found_.refusal =
-          "neither are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
+          "nor are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
           "surface, a rectangle with edges that may be joined or drawn together, cannot cover "
-          "them; "
-          "fit them in parts (--box, --where)";
+          "them; fit them in parts (--box, --where)";
     }
     return std::move(found_);
   }

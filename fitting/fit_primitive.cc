@@ -49,12 +49,12 @@ ShapeFitOptions ShapeOptions(const PrimitiveInput& input) {
 }
 
 // Where neighbouring points are off by about the same, it is the kind that is wrong, or the points
-// are bent in a way no noise is.
-void WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
+// are bent in a way no noise is. Whether that is so.
+bool WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
   constexpr double kMostShared = 0.75;  // the distances are twice the noise then
   const double shared =
       SharedVariance(fit, input.points(), 10 * input.rounding * input.unit, input.options.seed);
-  if (!(shared > kMostShared)) return;
+  if (!(shared > kMostShared)) return false;
   char percent[16];
   std::snprintf(percent, sizeof percent, "%.0f %%", 100 * shared);
   const std::string name = Name(fit.kind);
@@ -65,6 +65,32 @@ void WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
                 " of their squared distance from it in common"
           : "neighbours have " + std::string(percent) + " of their squared distance from the " +
                 name + " in common: the points are of another shape, or their errors go together");
+  return true;
+}
+
+// Distances that are no noise did not end at it.
+void SayStalled(bool structured, PrimitiveFit& fit) {
+  if (structured && fit.report.termination == Termination::kNoiseReached) {
+    fit.report.termination = Termination::kStalled;
+  }
+}
+
+// A curve through what is no curve: so far off are measured points by no noise.
+PrimitiveFit NearestCurve(CurvePrimitive& curve) {
+  constexpr double kFarOff = 0.03;  // of the points' extent
+  PrimitiveFit fit = curve.Fit();
+  const InputSummary& input = fit.report.input;
+  const double size = (input.box_max - input.box_min).norm();
+  if (fit.report.error.rms > kFarOff * size) {
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.0f %%", 100 * fit.report.error.rms / size);
+    fit.report.warnings.push_back(
+        "no line, circle, plane, sphere, cylinder, cone or torus explains the points; the " +
+        fit.report.geometry.primitive->kind + " is the nearest: they are off it by " + percent +
+        " of their extent");
+    SayStalled(true, fit);
+  }
+  return fit;
 }
 
 PrimitiveFit FitSurfaceOf(PrimitiveInput& input, SurfaceKind kind) {
@@ -76,8 +102,10 @@ PrimitiveFit FitSurfaceOf(PrimitiveInput& input, SurfaceKind kind) {
   Report(input.options.progress, "solve", 0);
   ShapeFitter fitter(input.points(), input.merged.cloud.weights(), ShapeOptions(input), input.pool);
   const ShapeFit fit = fitter.Fit(kind);
-  WarnOfStructure(input, fit);
-  return SurfaceOutcome(input, fitter, fit, "asked for");
+  const bool structured = WarnOfStructure(input, fit);
+  PrimitiveFit result = SurfaceOutcome(input, fitter, fit, "asked for");
+  SayStalled(structured, result);
+  return result;
 }
 
 // Whether the points' distances from the curve are larger than those from the surface by chance
@@ -106,24 +134,26 @@ double SurpriseOf(const ShapeFit& fit,
 // but one distance each.
 PrimitiveFit FitAny(PrimitiveInput& input) {
   CurvePrimitive curve(input, PrimitiveKind::kAuto);
-  if (input.plane()) return curve.Fit();
+  if (input.plane()) return NearestCurve(curve);
   ShapeFitter fitter(input.points(), input.merged.cloud.weights(), ShapeOptions(input), input.pool);
   std::optional<SurfaceChoice> chosen = ChooseSurface(fitter, input.rounding, input.pool);
-  if (!chosen) return curve.Fit();
+  if (!chosen) return NearestCurve(curve);
   try {
     const DescribedSurface described =
         Described(chosen->fit, fitter, input.points(), input.move, input.rounding, input.pool);
     if (NoiseExplains(curve, chosen->fit, input) ||
         !(SurpriseOf(chosen->fit, described, input) < curve.Surprise())) {
-      return curve.Fit();
+      return NearestCurve(curve);
     }
   } catch (const std::invalid_argument&) {
-    return curve.Fit();  // the points are on one line of the surface
+    return NearestCurve(curve);  // the points are on one line of the surface
   }
   input.report.iterations.clear();
   input.report.warnings.clear();
-  WarnOfStructure(input, chosen->fit);
-  return SurfaceOutcome(input, fitter, chosen->fit, chosen->why);
+  const bool structured = WarnOfStructure(input, chosen->fit);
+  PrimitiveFit result = SurfaceOutcome(input, fitter, chosen->fit, chosen->why);
+  SayStalled(structured, result);
+  return result;
 }
 
 [[noreturn]] void Reject(const std::string& rule) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/round_chart.h"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,9 +14,10 @@ namespace batten {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kClear = 2.2;      // reaches from the axis …
-constexpr double kFarOut = 0.5;     // … or of the median radius
-constexpr double kBand = 4;         // reaches
+constexpr double kClear = 2.2;   // reaches from the axis …
+constexpr double kFarOut = 0.5;  // … or of the median radius
+constexpr double kBand = 4;      // reaches
+constexpr double kClearDeviations = 3;
 constexpr double kHole = 3;         // spacings of a hole at the axis that is none
 constexpr int kCountedAtPole = 32;  // points that tell the spacing there
 
@@ -74,18 +75,25 @@ struct NearAxis {
   double r, along;
 };
 
-// Where along the profile the axis is, by a parabola through the points next to it: what the
-// profile, which goes on straight beyond its last node, says of a round end is too far.
-double AlongAtAxis(const std::vector<NearAxis>& points, size_t counted) {
+// Where along the profile the axis is, by a parabola through the points next to it, and the
+// standard deviation of that: what the profile, which goes on straight beyond its last node, says
+// of a round end is too far.
+struct AxisPlace {
+  double along, deviation;
+};
+AxisPlace PlaceOfAxis(const std::vector<NearAxis>& points, size_t counted) {
   const auto n = static_cast<Eigen::Index>(counted);
   Eigen::MatrixX3d design(n, 3);
   Eigen::VectorXd along(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto& [r, at] = points[static_cast<size_t>(k)];
-    design.row(k) << 1, r, r * r;
+    design.row(k) << 1, r / points[counted - 1].r, std::pow(r / points[counted - 1].r, 2);
     along[k] = at;
   }
-  return design.colPivHouseholderQr().solve(along)[0];
+  const Eigen::Matrix3d inverse = (design.transpose() * design).inverse();
+  const Eigen::Vector3d parabola = inverse * (design.transpose() * along);
+  const double squares = (along - design * parabola).squaredNorm();
+  return {parabola[0], std::sqrt(squares / static_cast<double>(n - 3) * inverse(0, 0))};
 }
 
 // Where the profile's end is a pole: points about it come so near to the axis that there is no
@@ -112,7 +120,12 @@ std::optional<double> PoleAt(std::vector<NearAxis> points,
   if (!of_profile && points[kSeveral - 1].r > kHole * std::min(own, spacing) + noise) {
     return std::nullopt;
   }
-  if (counted == kCountedAtPole) return AlongAtAxis(points, counted);
+  if (counted == kCountedAtPole) {
+    const AxisPlace place = PlaceOfAxis(points, counted);
+    const bool clear = std::abs(place.along - of_profile.value_or(place.along)) >
+                       kClearDeviations * place.deviation;
+    if (!of_profile || clear) return place.along;
+  }
   return of_profile ? *of_profile : points[0].along + way * points[0].r;
 }
 

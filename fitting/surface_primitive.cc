@@ -224,6 +224,11 @@ DescribedSurface Described(const ShapeFit& fit,
                            const Eigen::Vector3d& move,
                            double rounding,
                            ThreadPool& pool) {
+  if (fit.used < fit.freedoms) {
+    throw std::invalid_argument("the loss leaves " + std::to_string(fit.used) + " points, and a " +
+                                Name(fit.kind) + " needs " + std::to_string(fit.freedoms) +
+                                ": its scale is too small");
+  }
   RefuseFlat(fit.kind, fitter.starts(), rounding);
   const ExactSurface local = PatchOf(fit.local, fitter.Counting(fit).points, fit.outliers, pool);
   const ExactSurface patch = Placed(local, fitter.unit(), fitter.middle() + move);

@@ -185,6 +185,8 @@ TEST_F(MakeTest, BadValuesAreNamedWithTheirRule) {
   ExpectRefused({"ellipse", "--radii", "1,-2"}, {"--radii", "both positive"});
   ExpectRefused({"plane", "--size", "1"}, {"--size", "two numbers"});
   ExpectRefused({"line", "--from", "1,1,1", "--to", "1,1,1"}, {"the ends are one point"});
+  ExpectRefused({"cylinder", "--radius", "1e300", "--height", "1"}, {"1e100"});
+  ExpectRefused({"circle", "--radius", "1", "--center", "1e200,0,0"}, {"1e100"});
   ExpectRefused({"cilinder"}, {"'batten make cilinder'", "'cylinder'"});
   for (const char* later :
        {"conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"}) {

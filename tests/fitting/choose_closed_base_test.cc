@@ -197,7 +197,7 @@ TEST(ChooseClosedBaseTest, SaysThatOpenOnesDoNotClose) {
     for (const BentSheet& sheet : {FlatSheet(2, 1), Roll(), ShellSheet()}) {
       SCOPED_TRACE(sheet.name);
       EXPECT_THAT(RefusalOf(Noisy(sheet), {.closed = closed}),
-                  AnyOf(HasSubstr("do not close"), HasSubstr("neither are the points")));
+                  AnyOf(HasSubstr("do not close"), HasSubstr("nor are the points")));
     }
   }
 }

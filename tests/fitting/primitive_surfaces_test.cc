@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <variant>
 
@@ -259,6 +260,29 @@ TEST(PrimitiveSurfacesTest, RefusesWhatDeterminesNothing) {
     EXPECT_THAT(refused(few, kind), HasSubstr("needs at least"));
     if (kind == SurfaceKind::kPlane) continue;
     EXPECT_THAT(refused(place(flat), kind), HasSubstr("coplanar"));
+  }
+}
+
+// No scale of noise makes a lattice in a cube any of these.
+TEST(PrimitiveSurfacesTest, RefusesALossThatLeavesTooFewPoints) {
+  Eigen::Matrix3Xd points(3, 343);
+  for (int k = 0; k < 343; ++k) {
+    points.col(k) << k % 7 + 0.1 * std::sin(k), k / 7 % 7 + 0.1 * std::sin(2 * k),
+        k / 49 + 0.1 * std::sin(3 * k);
+  }
+  const PointCloud cloud = PointCloud::FromWorld(points);
+  for (const PrimitiveKind kind : {PrimitiveKind::kPlane,
+                                   PrimitiveKind::kSphere,
+                                   PrimitiveKind::kCylinder,
+                                   PrimitiveKind::kCone,
+                                   PrimitiveKind::kTorus}) {
+    SCOPED_TRACE(Name(kind));
+    try {
+      FitPrimitive(cloud, {.kind = kind, .loss_scale = 1e-13});
+      ADD_FAILURE() << "not refused";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr("scale is too small"));
+    }
   }
 }
 
