@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -261,6 +262,19 @@ TEST(PrimitiveSurfacesTest, RefusesWhatDeterminesNothing) {
     if (kind == SurfaceKind::kPlane) continue;
     EXPECT_THAT(refused(place(flat), kind), HasSubstr("coplanar"));
   }
+}
+
+// A figure of eight is no circle, and no noise made it of one.
+TEST(PrimitiveSurfacesTest, SaysWhereNoKindExplainsThePoints) {
+  Eigen::Matrix3Xd points(3, 400);
+  for (int k = 0; k < 400; ++k) {
+    const double t = 2 * std::numbers::pi * k / 400;
+    points.col(k) << std::sin(t), std::sin(2 * t), 0;
+  }
+  const PrimitiveFit fit = FitPrimitive(PointCloud::FromWorld(points, 2));
+  ASSERT_EQ(fit.report.warnings.size(), 1);
+  EXPECT_THAT(fit.report.warnings.front(), HasSubstr("explains the points"));
+  EXPECT_EQ(fit.report.termination, Termination::kStalled);
 }
 
 // No scale of noise makes a lattice in a cube any of these.
