@@ -206,7 +206,7 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command =
       *app.add_subcommand("analyze", "What a curve or surface is, or how two of them meet");
-  command.add_option("GEOMETRY", a->first, "Curves or surfaces: .json .step")->required();
+  command.add_option("GEOMETRY", a->first, "Curves or surfaces: .json .step .iges")->required();
   command.add_option("GEOMETRY2",
                      a->second,
                      "A second one: C0 … C2 and G0 … G2 where they meet; the same one again: where "

@@ -166,7 +166,7 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command =
       *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
   command.add_option("CLOUD", a->cloud_path, "Points: .pcd .ply .xyz ...")->required();
   command
       .add_option_function<std::string>(
@@ -181,6 +181,8 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   AddWorkFlags(command, a->work);
   AddCommonFlags(command, a->flags);
   command.footer(
+      "Distances are to the nearest point; of a trimmed surface only the part inside its loops "
+      "counts.\n"
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply");

@@ -9,6 +9,7 @@
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/mesh_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/file_format.h"
@@ -49,15 +50,22 @@ int Run(const Arguments& a) {
   if (a.flags.json && a.out == "-")
     throw UsageError("OUT of - and --json both want standard output");
   const auto [in_format, out_format] = FormatWords(a);
-  const FileFormat from = FormatOf(a.in, in_format), to = FormatOf(a.out, out_format);
+  const FileFormat from = FormatOf(a.in, in_format);
+  if (IsGeometryFormat(from) && NamesMesh(a.out, out_format)) {
+    return WriteMeshOf({.geometry = a.in,
+                        .geometry_format = in_format,
+                        .out = a.out,
+                        .out_format = out_format,
+                        .flags = a.flags});
+  }
+  const FileFormat to = FormatOf(a.out, out_format);
   if (IsCloudFormat(from) && !IsCloudFormat(to)) {
     throw UsageError(a.in + " is a cloud and " + a.out +
                      " geometry: 'batten fit' makes one from the other");
   }
   if (IsCloudFormat(to) && !IsCloudFormat(from)) {
-    throw UsageError(
-        a.in +
-        " is geometry: meshes of it are not in this version ('batten sample' makes points of it)");
+    throw UsageError(a.in + " is geometry and " + a.out +
+                     " a cloud: 'batten sample' makes points of it, 'batten tessellate' a mesh");
   }
   if (!IsWritable(to)) throw UsageError(a.out + ": this format can't be written");
   CheckWritable(a.out);
@@ -72,7 +80,7 @@ int Run(const Arguments& a) {
     entry["non_finite"] = file.non_finite;
   } else {
     const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
-    if (from == FileFormat::kStep && to == FileFormat::kStep && !a.unit_given && !a.flags.quiet) {
+    if (from != FileFormat::kJson && to != FileFormat::kJson && !a.unit_given && !a.flags.quiet) {
       PrintWarning(a.out + " declares " + a.unit + " for the numbers of " + a.in +
                    ", whatever unit that declared: say --unit");
     }
@@ -102,10 +110,13 @@ int Run(const Arguments& a) {
 
 void AddConvertCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
-  CLI::App& command =
-      *app.add_subcommand("convert", "Turn geometry into geometry, or a cloud into a cloud");
-  command.add_option("IN", a->in, "What to read: .json .step, or .pcd .ply .xyz ...")->required();
-  command.add_option("OUT", a->out, "What to write: .json .step, or .ply .pcd .xyz .csv")
+  CLI::App& command = *app.add_subcommand(
+      "convert", "Turn geometry into geometry or a mesh, or a cloud into a cloud");
+  command.add_option("IN", a->in, "What to read: .json .step .iges, or .pcd .ply .xyz ...")
+      ->required();
+  command
+      .add_option(
+          "OUT", a->out, "What to write: .json .step .iges, .stl .obj .ply, or .ply .pcd .xyz .csv")
       ->required();
   command
       .add_option("--output-format",
@@ -123,6 +134,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
       "knots; JSON keeps both as they are, bit by bit.\n"
       "Examples:\n"
       "  batten convert part.json part.step --unit mm\n"
+      "  batten convert part.step part.stl\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
       "  batten convert part.step - --format json\n"
       "  batten convert ground.txt ground.csv --columns x=2,y=3,z=4 --where label=1");

@@ -131,10 +131,10 @@ int Run(const Arguments& a) {
 void AddEditCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand(
-      "edit", "Change curves and surfaces: knots, degree, pieces, place, shape");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+      "edit", "Change curves and surfaces: knots, degree, pieces, place, shape, extent");
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
   command.add_option("OP", a->operations, "Operations, applied in order (below)")->required();
-  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")
+  command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
       ->required()
       ->type_name("OUT");
   command
@@ -154,15 +154,21 @@ void AddEditCommand(CLI::App& app, Action& action) {
       "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"
       "surfaces say dir=u or dir=v where a direction is meant; 'u' is another name of 'at'.\n" +
       EditOperationsHelp() +
-      "After split or decompose the pieces of NAME.json are NAME-1.json, NAME-2.json, ..., and\n"
-      "what follows is done to each. Files appear all or none. Exit code 3 says that a removal or\n"
+      "After split, decompose or cut the pieces of NAME.json are NAME-1.json, NAME-2.json, ..., "
+      "and\n"
+      "what follows is done to each; cut with keep=above or below, and trim, write all pieces "
+      "into\n"
+      "OUT. Files appear all or none. Exit code 3 says that a removal or\n"
       "reduction could not go as far as asked within its tolerance; what it could is written.\n"
       "Examples:\n"
       "  batten edit curve.json -o finer.json insert-knot:at=0.3,times=2 elevate:by=1\n"
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten edit part.json -o moved.step rotate:axis=0,0,1,angle=90 translate:10,0,0\n"
       "  batten edit part.json -o lighter.json remove-knot:dir=v,at=0.5,tolerance=0.01\n"
-      "  batten edit part.json -o edge.json iso:dir=u,at=0");
+      "  batten edit part.json -o edge.json iso:dir=u,at=0\n"
+      "  batten edit part.json -o longer.json extend:dir=u,end=upper,by=5\n"
+      "  batten edit part.json -o half.step cut:plane=0;0;1;25,keep=below\n"
+      "  batten edit part.json -o holed.json trim:curve=hole.json,keep=outside");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

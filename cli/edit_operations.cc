@@ -13,9 +13,11 @@
 #include <utility>
 #include <variant>
 
+#include "batten/cli/edit_cuts.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/degree_elevation.h"
 #include "batten/geometry/degree_reduction.h"
+#include "batten/geometry/extend.h"
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/iso_curve.h"
 #include "batten/geometry/modify_shape.h"
@@ -216,6 +218,21 @@ EditOutcome MovePoint(const EditOperation& op, const Geometry& shape) {
   return One(MovedPoint(std::get<NurbsCurve<3>>(shape), at[0], PointOf<3>(op, "to")));
 }
 
+EditOutcome Extend(const EditOperation& op, const Geometry& shape) {
+  const bool upper = op.Word("end") == "upper";
+  const Continuation how = op.Word("how") == "calm" ? Continuation::kCalm : Continuation::kNatural;
+  const double length = op.Number("by");
+  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
+    if (!op.direction) op.Refuse("a surface has two directions; say dir=u or dir=v");
+    return One(Extended(*surface, {*op.direction, upper}, length, how));
+  }
+  if (op.direction) op.Refuse("a curve has one direction; leave dir out");
+  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
+    return One(Extended(*plane, upper, length, how));
+  }
+  return One(Extended(std::get<NurbsCurve<3>>(shape), upper, length, how));
+}
+
 using Apply = std::function<EditOutcome(const EditOperation&, const Geometry&)>;
 
 // An operation that is one function of the library, f(shape, direction if any, operation).
@@ -273,6 +290,15 @@ const std::map<std::string, Apply>& Table() {
       {"iso", Iso},
       {"set-weight", SetWeight},
       {"move-point", MovePoint},
+      {"extend", Extend},
+      {"cut",
+       [](const EditOperation& op, const Geometry& shape) {
+         return EditOutcome{CutPieces(op, shape), ""};
+       }},
+      {"trim",
+       [](const EditOperation& op, const Geometry& shape) {
+         return EditOutcome{TrimmedPieces(op, RequireSurface(op, shape)), ""};
+       }},
   };
   return table;
 }
@@ -324,7 +350,8 @@ EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
 }
 
 bool CutsIntoPieces(const EditOperation& operation) {
-  return operation.name == "split" || operation.name == "decompose";
+  return operation.name == "split" || operation.name == "decompose" ||
+         (operation.name == "cut" && operation.Word("keep") == "both");
 }
 
 }  // namespace batten

@@ -11,7 +11,7 @@
 namespace batten {
 
 struct EditOutcome {
-  std::vector<Geometry> pieces;  // one, but for split and decompose
+  std::vector<Geometry> pieces;  // one, but for split, decompose, cut and trim
   std::string shortfall;  // how a removal or reduction fell short of what was asked; or empty
 };
 

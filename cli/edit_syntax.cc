@@ -43,16 +43,28 @@ struct Key {
 
 enum class Dir { kNone, kMeant };
 
+// A key whose value is one of some words, or with none of them a path. Its first word is taken
+// where it is not given and optional.
+struct WordKey {
+  std::string name;
+  std::vector<std::string> words;
+  bool needed = false;
+};
+
 struct Operation {
   std::string name;
   std::vector<Key> keys;
   Dir dir;
   std::string form, help;
+  std::vector<WordKey> words = {};
 };
 
 const Key kAt{"at", 1, 1, kAny};
 const Key kTimesKey{"times", 1, 1, kTimes, Key::Need::kDefault, 1};
 const Key kByKey{"by", 1, 1, kBy, Key::Need::kDefault, 1};
+const Key kPlane{"plane", 4, 4, kAny};
+const Key kLength{"by", 1, 1, kPositive};
+const Key kCurveTolerance{"tolerance", 1, 1, kPositive, Key::Need::kNo};
 const Key kTolerance{"tolerance", 1, 1, kNotNegative, Key::Need::kNo};
 
 const std::vector<Operation>& Operations() {
@@ -108,6 +120,24 @@ const std::vector<Operation>& Operations() {
        Dir::kNone,
        "at=u[;v],to=x;y;z",
        "make the shape pass there, with the least change"},
+      {"extend",
+       {kLength},
+       Dir::kMeant,
+       "end=upper,by=L,how=calm",
+       "past an end or edge by a length, curvature going on; how=natural: the same polynomial",
+       {{"end", {"upper", "lower"}, true}, {"how", {"calm", "natural"}}}},
+      {"cut",
+       {kPlane},
+       Dir::kNone,
+       "plane=a;b;c;d,keep=both",
+       "by the plane a x + b y + c z + d = 0 into NAME-1, ...; keep=above (where it is > 0) or below",
+       {{"keep", {"both", "above", "below"}}}},
+      {"trim",
+       {kCurveTolerance},
+       Dir::kNone,
+       "curve=FILE,keep=inside",
+       "by a curve: in u,v if plane, else projected [tolerance=1e-8 of the size]; keep=outside",
+       {{"curve", {}, true}, {"keep", {"inside", "outside"}}}},
   };
   return operations;
 }
@@ -199,6 +229,7 @@ std::vector<double> ParseKey(const EditOperation& operation,
   for (const Key& one : known.keys) {
     if (!one.name.empty()) names.push_back(one.name);
   }
+  for (const WordKey& one : known.words) names.push_back(one.name);
   if (known.dir == Dir::kMeant) names.push_back("dir");
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -210,6 +241,36 @@ std::vector<double> ParseKey(const EditOperation& operation,
   const std::string near = NearestName(key, names);
   operation.Refuse("unknown key '" + key + "'; " +
                    (near.empty() ? rule : "did you mean '" + near + "'?"));
+}
+
+// Takes a key whose value is a word; whether it is one.
+bool TakesWord(EditOperation& operation,
+               const Operation& known,
+               const std::string& key,
+               const std::string& text) {
+  const auto found = std::find_if(
+      known.words.begin(), known.words.end(), [&](const WordKey& one) { return one.name == key; });
+  if (found == known.words.end()) return false;
+  const std::vector<std::string>& words = found->words;
+  if (text.empty()) operation.Refuse(key + " is empty");
+  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end()) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+    operation.Refuse(key + " = '" + text + "' is not among " + list);
+  }
+  operation.words[key] = text;
+  return true;
+}
+
+void FillWords(EditOperation& operation, const Operation& known) {
+  for (const WordKey& key : known.words) {
+    if (operation.words.count(key.name) > 0) continue;
+    if (key.needed) {
+      operation.Refuse("'" + key.name + "' is missing; the form is " + known.name + ':' +
+                       known.form);
+    }
+    operation.words[key.name] = key.words.front();
+  }
 }
 
 }  // namespace
@@ -231,6 +292,7 @@ EditOperation ParseEditOperation(const std::string& text) {
       operation.direction = ParseDirection(operation, value);
       continue;
     }
+    if (TakesWord(operation, known, key, value)) continue;
     const auto found = std::find_if(known.keys.begin(),
                                     known.keys.end(),
                                     [&, k = &key](const Key& one) { return one.name == *k; });
@@ -245,6 +307,7 @@ EditOperation ParseEditOperation(const std::string& text) {
     }
     operation.values[key.name] = {key.fallback};
   }
+  FillWords(operation, known);
   return operation;
 }
 

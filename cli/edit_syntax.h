@@ -17,9 +17,11 @@ struct EditOperation {
   std::string typed;  // for messages; long ones are cut
   std::string name;
   std::map<std::string, std::vector<double>> values;  // by key; "" for values without one
+  std::map<std::string, std::string> words;           // of keys that take a word or a path
   std::optional<Direction> direction;
 
   bool Has(const std::string& key) const { return values.count(key) > 0; }
+  const std::string& Word(const std::string& key) const { return words.at(key); }
   const std::vector<double>& Numbers(const std::string& key) const { return values.at(key); }
   double Number(const std::string& key) const { return values.at(key).front(); }
   int Whole(const std::string& key) const { return static_cast<int>(Number(key)); }
@@ -28,8 +30,8 @@ struct EditOperation {
   [[noreturn]] void Refuse(const std::string& reason) const;
 };
 
-// The operation of a text. Values are numbers, lists of them separated by ',' or ';'; `u` is
-// another name of `at`, and what has a default is filled in. Throws UsageError naming the
+// The operation of a text. Values are numbers, lists of them separated by ',' or ';', or words; `u`
+// is another name of `at`, and what has a default is filled in. Throws UsageError naming the
 // operation, the value and the rule, and the nearest name for one that is not known.
 EditOperation ParseEditOperation(const std::string& text);
 

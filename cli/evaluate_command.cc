@@ -14,6 +14,7 @@
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/geometry/curvature.h"
+#include "batten/geometry/trim_region.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "batten/io/whole_file.h"
@@ -76,8 +77,20 @@ void Check(const NurbsSurface& surface, const Request& request) {
   RequireInside(request, surface.basis_v(), request.at[1], "v");
 }
 
+// What is inside a geometry's trims; none where it has none.
+struct RegionOf {
+  template <int Dim>
+  std::optional<TrimRegion> operator()(const NurbsCurve<Dim>&) const {
+    return std::nullopt;
+  }
+  std::optional<TrimRegion> operator()(const NurbsSurface& surface) const {
+    if (!surface.trimmed()) return std::nullopt;
+    return TrimRegion(surface);
+  }
+};
+
 template <int Dim>
-Json Evaluate(const NurbsCurve<Dim>& curve, const Request& request, int order) {
+Json Evaluate(const NurbsCurve<Dim>& curve, const TrimRegion*, const Request& request, int order) {
   const std::vector<double>& at = request.at;
   const auto derivatives = curve.Derivatives(at[0], order);
   Json result{{"at", at}, {"point", ToJson(derivatives.col(0))}, {"derivatives", Json::array()}};
@@ -91,10 +104,15 @@ Json Evaluate(const NurbsCurve<Dim>& curve, const Request& request, int order) {
   return result;
 }
 
-Json Evaluate(const NurbsSurface& surface, const Request& request, int order) {
+Json Evaluate(const NurbsSurface& surface,
+              const TrimRegion* region,
+              const Request& request,
+              int order) {
   const std::vector<double>& at = request.at;
   const SurfaceDerivatives derivatives = surface.Derivatives(at[0], at[1], order);
-  Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}, {"derivatives", Json::array()}};
+  Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}};
+  if (region != nullptr) result["inside"] = region->Contains(at[0], at[1]);
+  result["derivatives"] = Json::array();
   for (int k = 0; k <= order; ++k) {
     Json row = Json::array();
     for (int l = 0; k + l <= order; ++l) row.push_back(ToJson(derivatives(k, l)));
@@ -214,10 +232,14 @@ int Run(const Arguments& a) {
   if (a.flags.json) fmt::print("{{\"results\": [");
   bool first = true;
   for (size_t g = 0; g < geometry.size(); ++g) {
+    const std::optional<TrimRegion> region = std::visit(RegionOf(), geometry[g]);
     for (const Request& request : requests) {
       Report(progress, "evaluate", static_cast<double>(g) / static_cast<double>(geometry.size()));
       Json result = std::visit(
-          [&](const auto& shape) { return Evaluate(shape, request, a.derivatives); }, geometry[g]);
+          [&](const auto& shape) {
+            return Evaluate(shape, region ? &*region : nullptr, request, a.derivatives);
+          },
+          geometry[g]);
       if (geometry.size() > 1) result["index"] = g;
       if (a.flags.json) {
         fmt::print("{}\n  {}", std::exchange(first, false) ? "" : ",", result.dump());
@@ -236,7 +258,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command =
       *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
   command.add_option("--at", a->at, "Parameters u or u,v; may be given again")
       ->type_name("u[,v]")
       ->allow_extra_args(false);
@@ -262,7 +284,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
       "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"
       "outside the domain is refused; in a periodic direction it is taken whole periods away.\n"
       "Normals are S_u x S_v / |...|. They and curvatures are limits at collapsed edges, and none\n"
-      "where there is no limit.\n"
+      "where there is no limit. On a trimmed surface 'inside' says whether the point counts.\n"
       "Examples:\n"
       "  batten evaluate part.json --at 0.5,0.25\n"
       "  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json     with curvature\n"

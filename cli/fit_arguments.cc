@@ -104,7 +104,7 @@ void AddEveryFitsArguments(CLI::App& command,
       .add_option(
           points, a.clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
       ->required();
-  command.add_option("-o,--output", a.out, "Where to write: .step .stp .json")
+  command.add_option("-o,--output", a.out, "Where to write: .step .iges .json")
       ->required()
       ->type_name("OUT");
   command
@@ -169,7 +169,7 @@ FitFiles::FitFiles(const FitArguments& arguments)
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
   if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
-    throw UsageError("-o " + a_.out + ": geometry is written as .json or .step");
+    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step or .iges");
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(), {a_.out, a_.output.residuals});

@@ -86,6 +86,9 @@ class FitFiles {
   // can't be used.
   const PointCloud& Read(bool parameters);
 
+  // Of what was read: places of rows that are not finite.
+  const std::vector<Eigen::Index>& missing() const { return file_.missing; }
+
   // Runs `fit`; the library's reason why points can't be fitted gets the name of their file.
   template <class Function>
   auto Explained(const Function& fit) const {

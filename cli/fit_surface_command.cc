@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "batten/cli/fit_arguments.h"
+#include "batten/cli/fit_grid.h"
 #include "batten/cli/parse_values.h"
+#include "batten/cli/surface_conditions.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/io/read_error.h"
@@ -20,8 +22,10 @@ struct Arguments : FitArguments {
     max_control_points = "20000";
     parameterization = "auto";
   }
-  std::string degree = "3,3", base = "auto", closed = "auto", trim = "none", normals = "auto";
+  std::string degree = "3,3", base = "auto", closed = "auto", trim = "auto", normals = "auto";
   bool keep_outliers = false, snap = false;
+  ConditionArguments conditions;
+  std::string grid, grid_method = "auto";
 };
 
 // Words of the contract that a later version will understand are told apart from mistakes.
@@ -29,13 +33,32 @@ void CheckChoices(const Arguments& a) {
   CheckChoice("--base", a.base, {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
   CheckChoice("--closed", a.closed, {"auto", "none", "u", "v", "uv"});
   CheckChoice("--parameterization", a.parameterization, {"auto", "given"});
-  CheckChoice("--trim", a.trim, {"none"}, {"auto"});
-  CheckChoice("--normals", a.normals, {"auto", "none"}, {"file"});
+  CheckChoice("--trim", a.trim, {"auto", "none"});
+  CheckChoice("--normals", a.normals, {"auto", "file", "none"});
   if (a.parameterization == "given" && a.base != "auto") {
     throw UsageError("--base " + a.base + ": given parameters need no base");
   }
   if (a.parameterization == "given" && a.snap) {
     throw UsageError("--snap: over given parameters the surface stays free-form");
+  }
+  if (a.parameterization == "given" && (a.conditions.any() || !a.conditions.domain.empty())) {
+    throw UsageError(
+        "--parameterization given: --boundary, --meet, --symmetric and --domain need a base of the "
+        "fit's own");
+  }
+  if (a.grid.empty() && a.grid_method != "auto")
+    throw UsageError("--grid-method " + a.grid_method + ": needs --grid N,M");
+  if (!a.grid.empty() &&
+      (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
+       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto")) {
+    throw UsageError(
+        "--grid: the points' rows and columns are met as they are; --base, --snap, --loss, "
+        "--smoothing, "
+        "--optimize, --boundary, --meet, --symmetric and --domain are for scattered points");
+  }
+  if (a.snap && a.conditions.any()) {
+    throw UsageError(
+        "--snap: an exact shape meets no conditions (--boundary, --meet, --symmetric)");
   }
   if (a.parameterization == "given" && a.closed != "auto" && a.closed != "none") {
     throw UsageError("--closed " + a.closed + ": over given parameters a surface stays open");
@@ -82,7 +105,10 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
   options.closed = Named<Closing>(
       a.closed,
       {{"none", Closing::kNone}, {"u", Closing::kU}, {"v", Closing::kV}, {"uv", Closing::kBoth}});
+  options.trim = a.trim == "none" ? Trimming::kNone : Trimming::kAuto;
+  TakeConditions(a.conditions, options);
   options.given_parameters = a.parameterization == "given";
+  options.side_of_normals = a.normals == "file";
   options.keep_outliers = a.keep_outliers;
   options.snap = a.snap;
   return WithWork(std::move(options), a);
@@ -92,6 +118,9 @@ int Run(const Arguments& a) {
   CheckChoices(a);
   SurfaceFitOptions options = ToOptions(a);
   FitFiles files(a);
+  if (!a.grid.empty())
+    return RunGridFit(
+        files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
   const PointCloud& cloud = files.Read(options.given_parameters);
   if (cloud.dimension() == 2) {
     files.Refuse("holds points in the plane (two columns); a surface needs x y z");
@@ -129,8 +158,22 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "sphere torus",
       "BASE");
   add("--closed", a->closed, "Directions that close without a seam: auto none u v uv", "CLOSED");
-  add("--trim", a->trim, "none: the surface is the whole rectangle around the points", "TRIM");
-  add("--normals", a->normals, "auto none", "FROM");
+  add("--trim",
+      a->trim,
+      "auto: cut back to the outline and the holes of the points; none: the whole rectangle",
+      "TRIM");
+  add("--normals",
+      a->normals,
+      "file: the surface's normal looks to the side the points' normals do; auto none",
+      "FROM");
+  AddConditionArguments(command, a->conditions);
+  command
+      .add_option("--grid",
+                  a->grid,
+                  "The points are N rows of M, one row after the other: interpolated, or, with "
+                  "--tolerance or --control-points, approximated. Points nan are missing cells")
+      ->type_name("N,M");
+  add("--grid-method", a->grid_method, "auto interpolate local least-squares", "METHOD");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
   command.add_flag(
       "--snap",
@@ -146,6 +189,9 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
       "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
       "off.csv\n"
+      "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
+      "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
+      "  batten fit surface half.xyz -o hull.step --symmetric y\n"
       "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "
       "params,weights\n"
       "  batten fit surface ridge.xyz -o ridge.step --control-points 12,8 --optimize knots\n"

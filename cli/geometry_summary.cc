@@ -158,6 +158,7 @@ Json Summary(const NurbsSurface& surface, double tolerance) {
   info["closed"] = ClosedDirections(surface);
   info["seam"] =
       Json::array({OrNull(SeamContinuity(surface, kU)), OrNull(SeamContinuity(surface, kV))});
+  info["trims"] = surface.trims().size();
   AddMeasures(Measure(surface), 3, "area", info);
   AddShape(surface, 3, tolerance, info);
   return info;

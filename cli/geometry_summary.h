@@ -11,10 +11,12 @@
 namespace batten {
 
 // {"kind", "degree", "control_points", "knots", "domain", "periodic", "continuity", "rational",
-// "closed", "seam", "bounding_box", "length" | "area", "curvature", "shape"[, "shape_parameters"]}.
+// "closed", "seam"[, "trims"], "bounding_box", "length" | "area", "curvature", "shape"[,
+// "shape_parameters"]}.
 //  continuity: per direction, the least k of C^k over the interior knots as measured there; the
 //    degree where there is none. seam: the same from the end of a closed direction to its start,
-//    null where it is not closed.
+//    null where it is not closed. trims: of a surface, how many loops bound the part that counts,
+//    which box, area and curvature are of; 0: the whole.
 //  curvature: the extremes of a curve's curvature, of a surface's principal curvatures; null for
 //    none, and in place of what grows without bound.
 //  shape: NameOf(ClassifyShape(…, {tolerance})); its parameters in the data's units and radians.

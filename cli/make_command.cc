@@ -63,7 +63,7 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *make.add_subcommand(kind.name, kind.what);
   kind.add_flags(command, a->shape);
-  command.add_option("-o,--output", a->out, "Where to write: .step .stp .json")
+  command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
       ->required()
       ->type_name("OUT");
   command

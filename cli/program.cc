@@ -19,15 +19,11 @@ namespace {
 std::string command_line;
 
 // Commands of the contract that later versions will have.
-const std::vector<std::string> kLaterCommands = {"section", "tessellate"};
+const std::vector<std::string> kLaterCommands = {};
 const std::vector<std::string> kLaterFits = {"scan"};
 const std::vector<std::string> kLaterKinds = {
     "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
-const std::vector<std::string> kLaterFlags = {"--grid",
-                                              "--domain",
-                                              "--boundary",
-                                              "--symmetric",
-                                              "--thin",
+const std::vector<std::string> kLaterFlags = {"--thin",
                                               "--interpolate",
                                               "--component",
                                               "--start-tangent",
@@ -226,11 +222,13 @@ int RunProgram(int argc, char** argv) {
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);
   AddEditCommand(app, action);
+  AddSectionCommand(app, action);
   AddMakeCommand(app, action);
   AddConvertCommand(app, action);
   AddAnalyzeCommand(app, action);
   AddInfoCommand(app, action);
   AddSampleCommand(app, action);
+  AddTessellateCommand(app, action);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     command->fallthrough(false);
   }

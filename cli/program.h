@@ -53,6 +53,8 @@ void AddInfoCommand(CLI::App& app, Action& action);
 void AddMakeCommand(CLI::App& app, Action& action);
 void AddProjectCommand(CLI::App& app, Action& action);
 void AddSampleCommand(CLI::App& app, Action& action);
+void AddSectionCommand(CLI::App& app, Action& action);
+void AddTessellateCommand(CLI::App& app, Action& action);
 
 // The command line as it was typed, for reports.
 const std::string& CommandLine();

@@ -251,7 +251,7 @@ void AddProjectCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand(
       "project", "Find the nearest point of a curve or surface to every point of a cloud");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
   command
       .add_option("POINTS",
                   a->points,
@@ -264,6 +264,7 @@ void AddProjectCommand(CLI::App& app, Action& action) {
       "One row for each point, in order: its parameters on the geometry, the foot point, the\n"
       "distance, and a lower bound that certifies it: no point of the geometry is nearer than "
       "that.\n"
+      "Of a trimmed surface only the part inside its loops counts.\n"
       "Of several geometries in a file the nearest is taken, and its index given.\n"
       "Examples:\n"
       "  batten project part.step scan.ply\n"

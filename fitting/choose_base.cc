@@ -169,8 +169,9 @@ class BaseChooser {
   // Of the bases that close and serve, that over which left-out points are predicted best, poles
   // told apart; none with a refusal.
   std::optional<Scored> BestRound() {
-    // What is a height field is no tube.
-    ClosedBases closed = FindClosedBases(good(), options_, !plane_allowed(), pool_);
+    // What is a height field, but for few layers, is no tube.
+    const bool height_field = plane_allowed() && plane_.overlap <= kOverlapToWarn;
+    ClosedBases closed = FindClosedBases(good(), options_, !height_field, pool_);
     if (closed.serving.empty()) {
       refusal_ += (refusal_.empty() ? "" : "; ") + closed.refusal;
       return std::nullopt;

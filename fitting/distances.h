@@ -16,12 +16,16 @@ struct PointDistances {
   Eigen::MatrixXd parameters;  // of the foot points: 2 × m (u, v) or 1 × m (u)
 };
 
-// From each point's nearest point on the whole surface.
+// From each point's nearest point on the whole surface or, where it is trimmed, on the part inside
+// its loops. Where that point lies on the border, of the surface or of the part, the distance is
+// the whole one, not only its share along the normal; its sign is that of the side of the tangent
+// plane there on which the given point lies.
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            ThreadPool& pool);
 
 // From the local foot points reached from given parameters; for rounds in which points stay near.
+// Trims are not looked at: a surface is fitted before it is trimmed.
 PointDistances DistancesFrom(const NurbsSurface& surface,
                              const Eigen::Matrix3Xd& points,
                              const Eigen::Matrix2Xd& start,

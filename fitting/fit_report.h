@@ -99,6 +99,8 @@ struct GeometrySummary {
   std::string base_why = {};                                 // this base
   // Of a surface over its base: the rms of how much lengths differ from those of the parameters.
   double distortion = 0;
+  // Over a plane: its axes u and v and its normal, columns
+  std::optional<Eigen::Matrix3d> base_axes = std::nullopt;
   std::vector<bool> poles = {};  // of a surface: whether its edges v = low and v = high are points
 };
 

@@ -5,11 +5,15 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/freedom.h"
+#include "batten/fitting/mirror_plane.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/robust_loss.h"
@@ -28,6 +32,22 @@ enum class BaseShape { kAuto, kPlane, kSheet, kRevolution, kSphere, kTorus };
 // that closes is periodic, without a seam. With kNone a closed shape is cut open along a line.
 enum class Closing { kAuto, kNone, kU, kV, kBoth };
 
+// Whether the surface is cut back to the outline and the holes of its points, or stays the whole
+// rectangle around them.
+enum class Trimming { kAuto, kNone };
+
+// What an edge of the surface is to meet exactly: a curve; or a neighbour in that edge of its that
+// runs along the points, with its tangent planes there. In the cloud's world coordinates.
+struct BoundaryCondition {
+  std::variant<NurbsCurve<3>, NurbsSurface> shape;
+  std::string name;  // for messages, as that of its file
+};
+
+// A rectangle of parameters.
+struct DomainBox {
+  double u0, v0, u1, v1;
+};
+
 struct SurfaceFitOptions {
   int degree_u = 3, degree_v = 3;                  // 1 … 25
   std::optional<double> tolerance = std::nullopt;  // orthogonal distance in the data's units, > 0
@@ -45,6 +65,18 @@ struct SurfaceFitOptions {
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
   BaseShape base = BaseShape::kAuto;
   Closing closed = Closing::kAuto;
+  Trimming trim = Trimming::kAuto;
+  std::vector<BoundaryCondition> boundary = {};  // at most four, each another edge
+  // How far an edge may be from its curve, ≥ 0, for fewer control points
+  double boundary_tolerance = 0;
+  // Points to be met exactly; those with normals also with the tangent plane there
+  std::optional<PointCloud> meet = std::nullopt;
+  // The surface is its own mirror image in this plane, of which the points may be one side
+  std::optional<MirrorPlane> symmetric = std::nullopt;
+  // The domain in place of the smallest rectangle: coordinates along the base plane's axes (which
+  // the report names), lengths on a sheet
+  std::optional<DomainBox> domain = std::nullopt;
+  bool side_of_normals = false;   // its normal looks to the side that the cloud's own ones do
   bool given_parameters = false;  // at the cloud's own (u, v) instead of a base's
   bool keep_outliers = false;     // fit them like any other point
   // An exact plane, cylinder, sphere, cone or torus in place of the free-form surface where that

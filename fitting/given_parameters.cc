@@ -12,6 +12,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/stopwatch.h"
+#include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/knot_vectors.h"
 
 namespace batten {
@@ -101,10 +102,14 @@ Eigen::Vector2d MeanLengths(const PreparedCloud& prepared,
 }  // namespace
 
 NurbsSurface GivenParameters::InUsersUnits(const NurbsSurface& surface) const {
+  const Eigen::Vector2d from(surface.basis_u().lower(), surface.basis_v().lower());
+  const Eigen::Vector2d to(surface.basis_u().upper(), surface.basis_v().upper());
+  const Eigen::Vector2d scale = (high - low).cwiseQuotient(to - from);
   return NurbsSurface(Scaled(surface.basis_u(), low[0], high[0]),
                       Scaled(surface.basis_v(), low[1], high[1]),
                       surface.control_points(),
-                      surface.weights());
+                      surface.weights())
+      .WithTrims(MovedLoops(surface.trims(), scale, low - scale.cwiseProduct(from)));
 }
 
 GivenParameters PrepareGiven(const PointCloud& cloud,

@@ -111,6 +111,39 @@ SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals
   return sides;
 }
 
+// Towards the axis of the smallest cone about the normals of the largest piece, which all look to
+// one side of it: a steep sheet, whose normals of either sign fill nearly all directions, has one.
+std::optional<Eigen::Vector3d> ConeAxisOfSide(const SheetSides& sides) {
+  std::vector<int> sizes(static_cast<size_t>(sides.pieces), 0);
+  for (const int piece : sides.piece) ++sizes[static_cast<size_t>(piece)];
+  const auto largest =
+      static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < sides.normals.cols(); ++k)
+    if (sides.piece[static_cast<size_t>(k)] == largest) kept.push_back(k);
+  const Eigen::Matrix3Xd normals = sides.normals(Eigen::all, kept);
+  Eigen::Vector3d axis = normals.rowwise().sum();
+  if (!(axis.norm() > 0)) return std::nullopt;
+  axis.normalize();
+  Eigen::Vector3d best = axis;
+  double best_openness = -1;
+  for (int round = 1; round <= 200; ++round) {
+    const Eigen::VectorXd cosines = normals.transpose() * axis;
+    const std::vector<double> all(cosines.begin(), cosines.end());
+    const double low = Quantile(all, kSteepShare), high = Quantile(all, 2 * kSteepShare);
+    if (low > best_openness) {
+      best_openness = low;
+      best = axis;
+    }
+    Eigen::Vector3d steep = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < normals.cols(); ++k)
+      if (cosines[k] >= low && cosines[k] <= high) steep += normals.col(k);
+    if (!(steep.norm() > 0)) break;
+    axis = (axis + steep.normalized() / (1.0 + round)).normalized();
+  }
+  return best;
+}
+
 // How much of a sheet looks away from an axis, clearly, while the greater part of its piece looks
 // along it: there the sheet goes under itself. Walls parallel to the axis do not.
 struct Folds {
@@ -312,16 +345,21 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
     normals = pca.eigenvectors().col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
   }
 
+  const SheetSides sides = AgreeOnSides(points(Eigen::all, samples), normals);
+  std::vector<Eigen::Vector3d> trials;
+  for (int start = 0; start < 3; ++start)
+    trials.push_back(ConeAxis(normals, pca.eigenvectors().col(start)));
+  if (const auto of_side = ConeAxisOfSide(sides)) trials.push_back(*of_side);
   Eigen::Vector3d axis = pca.eigenvectors().col(0);
   double openness = -1;
-  for (int start = 0; start < 3; ++start) {
-    const Eigen::Vector3d trial = ConeAxis(normals, pca.eigenvectors().col(start));
+  for (const Eigen::Vector3d& trial : trials) {
     const double trial_openness = Openness(normals, trial);
     if (trial_openness > openness + 1e-12) {
       openness = trial_openness;
       axis = trial;
     }
   }
+  const Eigen::Vector3d of_cone = axis;
   for (const int d : {2, 1, 0}) {
     const Eigen::Vector3d candidate = Eigen::Vector3d::Unit(d);
     const double candidate_openness = Openness(normals, candidate);
@@ -334,11 +372,11 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   PlaneBase base = BaseAlong(axis, openness, points, spacing, margin);
   // A cone about normals of either sign may be that of a sheet that folds over the plane. Another
   // direction must be clearly better, or rough clouds would turn with their noise.
-  const SheetSides sides = AgreeOnSides(points(Eigen::all, samples), normals);
   const double folded = FoldsAlong(sides, axis).sheet;
   if (folded > kFoldedShare || base.overlap > kLayeredShare) {
     const double allowed = folded > 0 ? std::min(kFoldedShare, folded / 2) : kFoldedShare;
-    const auto upright = UprightDirections(normals, pca.eigenvectors());
+    auto upright = UprightDirections(normals, pca.eigenvectors());
+    upright.push_back(of_cone);
     if (const auto unfolded = UnfoldedAxis(sides, upright, centred, spacing, allowed)) {
       base = BaseAlong(*unfolded, Openness(normals, *unfolded), points, spacing, margin);
     }

@@ -9,6 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "batten/geometry/bounding_box.h"
+#include "batten/geometry/trim_region.h"
+
 namespace batten {
 namespace {
 
@@ -47,6 +50,20 @@ std::vector<double> Strips(const SplineBasis& basis) {
     for (int k = 0; k < kStrips; ++k) strips.push_back(a + (b - a) * k / kStrips);
   }
   strips.push_back(basis.upper());
+  return strips;
+}
+
+// The same of a trimmed surface within the outer loop's reach along an axis, which is cut further.
+std::vector<double> Strips(const SplineBasis& basis, const NurbsCurve<2>& outer, int axis) {
+  constexpr int kParts = 32;
+  const Eigen::AlignedBox2d reach = BoundingBox(outer);
+  const double low = std::max(reach.min()[axis], basis.lower());
+  const double high = std::min(reach.max()[axis], basis.upper());
+  std::vector<double> strips = Strips(basis);
+  for (int k = 0; k <= kParts; ++k) strips.push_back(low + (high - low) * k / kParts);
+  std::erase_if(strips, [&](double u) { return u < low || u > high; });
+  std::sort(strips.begin(), strips.end());
+  strips.erase(std::unique(strips.begin(), strips.end()), strips.end());
   return strips;
 }
 
@@ -100,25 +117,43 @@ PointCloud SampleCurve(const NurbsCurve<Dim>& curve, const SampleOptions& option
 PointCloud SampleGeometry(const NurbsSurface& surface, const SampleOptions& options) {
   Check(options);
   Random random(options.seed);
-  const std::vector<double> in_u = Strips(surface.basis_u()), in_v = Strips(surface.basis_v());
+  const TrimRegion region(surface);
+  std::vector<double> in_u, in_v;
+  if (surface.trimmed()) {
+    in_u = Strips(surface.basis_u(), surface.trims()[0], 0);
+    in_v = Strips(surface.basis_v(), surface.trims()[0], 1);
+  } else {
+    in_u = Strips(surface.basis_u());
+    in_v = Strips(surface.basis_v());
+  }
   const size_t columns = in_v.size() - 1;
   std::vector<double> running;
   double area = 0;
   for (size_t i = 0; i + 1 < in_u.size(); ++i) {
     for (size_t j = 0; j < columns; ++j) {
       const double du = in_u[i + 1] - in_u[i], dv = in_v[j + 1] - in_v[j];
+      if (region.CoverOf({in_u[i], in_u[i + 1], in_v[j], in_v[j + 1]}) ==
+          TrimRegion::Cover::kOutside) {
+        running.push_back(area);
+        continue;
+      }
       const SurfaceJet jet = surface.JetAt(in_u[i] + du / 2, in_v[j] + dv / 2);
       area += jet.du.cross(jet.dv).norm() * du * dv;
       running.push_back(area);
     }
   }
   Eigen::Matrix3Xd points(3, options.count);
-  for (Eigen::Index k = 0; k < options.count; ++k) {
+  constexpr Eigen::Index kMostTries = 1000;  // for a point, on average
+  Eigen::Index tries = 0;
+  for (Eigen::Index k = 0; k < options.count;) {
+    if (++tries > kMostTries * options.count) {
+      throw std::invalid_argument("SampleGeometry: the trims of the surface leave no area");
+    }
     const size_t cell = Pick(running, random.Uniform());
     const size_t i = cell / columns, j = cell % columns;
     const double u = in_u[i] + (in_u[i + 1] - in_u[i]) * random.Uniform();
     const double v = in_v[j] + (in_v[j + 1] - in_v[j]) * random.Uniform();
-    points.col(k) = surface.At(u, v);
+    if (region.Contains(u, v)) points.col(k++) = surface.At(u, v);
   }
   return Disturb(std::move(points), options, random, 3);
 }

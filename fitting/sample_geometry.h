@@ -17,8 +17,9 @@ struct SampleOptions {
   std::uint64_t seed = 1;     // same seed, same points, on every machine
 };
 
-// Points spread evenly by area (by length on curves), with normal noise. Plane curves give plane
-// clouds. Throws std::invalid_argument naming the option that breaks its rule.
+// Points spread evenly by area (by length on curves), with normal noise; on a trimmed surface over
+// the part inside its trims. Plane curves give plane clouds. Throws std::invalid_argument naming
+// the option that breaks its rule, and where trims leave no area.
 PointCloud SampleGeometry(const NurbsSurface& surface, const SampleOptions& options);
 PointCloud SampleGeometry(const NurbsCurve<2>& curve, const SampleOptions& options);
 PointCloud SampleGeometry(const NurbsCurve<3>& curve, const SampleOptions& options);

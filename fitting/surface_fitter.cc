@@ -11,6 +11,7 @@
 
 #include "batten/fitting/choose_smoothing.h"
 #include "batten/fitting/company.h"
+#include "batten/fitting/constrained_surface.h"
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
@@ -31,7 +32,6 @@ constexpr double kSmoothing = 1e-4;
 constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
 constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
 constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
-constexpr double kVoidShareToWarn = 0.05;
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
 constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
@@ -65,6 +65,7 @@ class SurfaceFitter {
     } else {
       Solve();
     }
+    if (prepared_.conditions.any()) MeetConditions();
     if (noise_is_shared_) {
       report_.warnings.push_back(
           "neighbouring points share their noise: blocks of left-out points are predicted better "
@@ -78,12 +79,16 @@ class SurfaceFitter {
                        base_.poles,
                        robust_,
                        noise_is_shared_};
-    OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+    if (prepared_.conditions.any()) {
+      report_.optimize.why = "the surface meets conditions, which free points would leave";
+    } else {
+      OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+    }
     report_.geometry.distortion = DistortionAt(draft.surface, draft.parameters);
     report_.geometry.poles = {base_.poles.start != PoleKind::kNone,
                               base_.poles.end != PoleKind::kNone};
     const bool doubted = !options_.loss && !options_.keep_outliers && (robust_ || !used_.all());
-    return {std::move(draft), std::move(used_), doubted, std::move(report_)};
+    return {std::move(draft), std::move(used_), empty_share_, doubted, std::move(report_)};
   }
 
  private:
@@ -260,9 +265,10 @@ class SurfaceFitter {
     if (base_.exact) return;
     const double share = LayeredShareOf(Residuals(), pool_);
     if (share <= kLayersToRefuse) return;
-    throw std::invalid_argument("in " + std::to_string(std::lround(100 * share)) +
-                                " % of places the points lie on two sheets, one above the other: one "
-                                "surface would run between them; fit one of them (--box, --where)");
+    throw std::invalid_argument(
+        "in " + std::to_string(std::lround(100 * share)) +
+        " % of places the points lie on two sheets, one above the other: one "
+        "surface would run between them; fit one of them (--box, --where)");
   }
 
   // Points the base has no place for get one from the surface: their foot on it.
@@ -352,7 +358,7 @@ class SurfaceFitter {
     surface_ = std::move(refined.surface);
     // Where parameters are part of the data the joint stage starts from those.
     parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
-    WarnOfVoids(refined.empty_share);
+    empty_share_ = refined.empty_share;
     report_.seconds.refine = watch_.Lap();
   }
 
@@ -391,7 +397,7 @@ class SurfaceFitter {
     CalmResult calm = SolveCalmly(*problem_, calm_options, pool_);
     Take(calm.problem);
     const LinearSolution& solution = calm.solution;
-    WarnOfVoids(calm.empty_share);
+    empty_share_ = calm.empty_share;
     if (solution.regularised) {
       report_.warnings.push_back(
           "the points do not determine every control point: fairness was raised");
@@ -402,11 +408,23 @@ class SurfaceFitter {
     report_.seconds.solve += watch_.Lap();
   }
 
-  void WarnOfVoids(double share) {
-    if (share <= kVoidShareToWarn) return;
-    report_.warnings.push_back("there are no points in " +
-                               std::to_string(std::lround(100 * share)) +
-                               " % of the surface's rectangle: the surface is a guess there");
+  // The bases that serve without conditions serve with them: the least sum under these.
+  void MeetConditions() {
+    const FittingProblem problem =
+        options_.tolerance ? ProblemOf(used_).WithBases(surface_->basis_u(), surface_->basis_v())
+                           : *problem_;
+    const SurfaceConstraints constraints = ConstraintsOf(prepared_.conditions);
+    ConstrainedSolution solution = SolveConstrained(problem, constraints, pool_);
+    for (const MissedConstraint& missed : solution.missed)
+      report_.warnings.push_back(missed.Text());
+    if (options_.control_points && solution.surface.control_points().cols() > problem.net_size()) {
+      report_.warnings.push_back(
+          "the curves given for edges have more knots than the control points asked for allow: "
+          "theirs were taken too");
+    }
+    surface_ = std::move(solution.surface);
+    parameters_ = problem.data().parameters;
+    report_.seconds.solve += watch_.Lap();
   }
 
   void Record(const std::vector<RoundSummary>& rounds) {
@@ -429,6 +447,7 @@ class SurfaceFitter {
   std::optional<LinearSolution> solution_;  // of that, once asked for
   std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
   Eigen::Matrix2Xd parameters_;             // of the used points
+  double empty_share_ = 0;                  // of the domain
 };
 
 }  // namespace

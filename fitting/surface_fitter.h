@@ -11,10 +11,11 @@
 namespace batten {
 
 struct FittedDraft {
-  SurfaceDraft draft;    // in the cloud's local coordinates, over the base's parameters
-  PointMask used;        // of the prepared points: those the fit rests on
-  bool doubted = false;  // points were set aside, or bounded by a loss of the fitter's own choice
-  FitReport report;      // the one given and all but what is measured on the finished surface
+  SurfaceDraft draft;      // in the cloud's local coordinates, over the base's parameters
+  PointMask used;          // of the prepared points: those the fit rests on
+  double empty_share = 0;  // of the domain: no points there
+  bool doubted = false;    // points were set aside, or bounded by a loss of the fitter's own choice
+  FitReport report;        // the one given and all but what is measured on the finished surface
 };
 
 // Stage by stage: outliers told apart and cells chosen until the two agree, reweighting where there

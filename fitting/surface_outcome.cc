@@ -246,11 +246,14 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const SurfaceFitOptions& options,
                       const std::string& shape,
                       ThreadPool& pool,
-                      FitReport report) {
+                      FitReport report,
+                      const Eigen::Matrix2Xd* start) {
   const Eigen::Vector3d move = cloud.origin() - options.shift;
   NurbsSurface written = move.isZero(0) ? surface : surface.Translated(move);
   const NurbsSurface measured = move.isZero(0) ? surface : written.Translated(-move);
-  const PointDistances found = DistancesTo(measured, merged.cloud.points(), pool);
+  const Eigen::Matrix3Xd& points = merged.cloud.points();
+  const PointDistances found =
+      start ? DistancesFrom(measured, points, *start, pool) : DistancesTo(measured, points, pool);
   SurfaceFit fit{std::move(written),
                  Eigen::Matrix2Xd(2, cloud.size()),
                  Eigen::VectorXd(cloud.size()),
@@ -270,6 +273,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
   report.geometry.degree = {fit.surface.basis_u().degree(), fit.surface.basis_v().degree()};
   report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
   report.geometry.rational = fit.surface.rational();
+  report.geometry.trims = static_cast<int>(fit.surface.trims().size());
   report.geometry.closed = {fit.surface.basis_u().periodic(), fit.surface.basis_v().periodic()};
   if (report.geometry.primitive) {  // exact shapes close without periodic knots
     report.geometry.closed = {Closed(fit.surface, Direction::kU),
@@ -283,7 +287,8 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
         " points out of tolerance were set aside as outliers and are not counted (error_all "
         "counts them; --keep-outliers fits them)");
   }
-  if (fit.surface.size_u() * fit.surface.size_v() > report.input.used) {
+  const bool fair = report.geometry.base != "grid";  // grids are filled first
+  if (fair && fit.surface.size_u() * fit.surface.size_v() > report.input.used) {
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
   }

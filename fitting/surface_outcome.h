@@ -41,7 +41,9 @@ InputSummary SummariseInput(const PointCloud& cloud,
 // The fit with everything the report says of it, measured on the surface as it is handed out,
 // rounding of far coordinates included. `surface` is in the cloud's local coordinates, `merged`
 // the cloud's different points, `used` those of them that count, `shape` what the data would have
-// to be for a warning that they are not, as in "a smooth surface".
+// to be for a warning that they are not, as in "a smooth surface". With `start`, parameters of the
+// merged points that are near their feet, the feet are the local ones reached from there: never
+// nearer than the nearest.
 SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const PointCloud& cloud,
                       const MergedCloud& merged,
@@ -49,6 +51,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const SurfaceFitOptions& options,
                       const std::string& shape,
                       ThreadPool& pool,
-                      FitReport report);
+                      FitReport report,
+                      const Eigen::Matrix2Xd* start = nullptr);
 
 }  // namespace batten

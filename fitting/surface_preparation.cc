@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/choose_base.h"
 #include "batten/fitting/company.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/stopwatch.h"
@@ -52,12 +51,28 @@ namespace {
 
 constexpr double kClearlySmaller = 0.98;  // of the area
 
+// Gives the base parameters that mirror themselves.
+void MakeSymmetric(CloudSymmetry& symmetry, const MergedCloud& merged, BaseChoice& choice) {
+  std::vector<Eigen::Index> twins(static_cast<size_t>(merged.cloud.size()));
+  for (size_t k = 0; k < merged.place.size(); ++k)
+    twins[static_cast<size_t>(merged.place[k])] =
+        merged.place[static_cast<size_t>(symmetry.twins[k])];
+  SymmetricBase symmetric =
+      SymmetricParameters(choice.base, merged.cloud, choice.reached, symmetry.plane, twins);
+  symmetric.base.why += "; symmetric about the plane given";
+  choice.base = std::move(symmetric.base);
+  symmetry.reflected = symmetric.reflected;
+}
+
 void TakeBase(PreparedCloud& prepared,
               const NeighbourIndex& index,
               const SurfaceFitOptions& options,
               ThreadPool& pool) {
   Stopwatch watch;
-  BaseChoice choice = ChooseBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
+  auto [choice, conditions] =
+      ChooseConditionedBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
+  prepared.conditions = std::move(conditions);
+  if (prepared.symmetry) MakeSymmetric(*prepared.symmetry, prepared.merged, choice);
   prepared.base = std::move(choice.base);
   prepared.reached = std::move(choice.reached);
   prepared.warnings = std::move(choice.warnings);
@@ -114,8 +129,10 @@ bool TakeSmallerBase(PreparedCloud& prepared,
 
 PreparedCloud PrepareCloud(const PointCloud& cloud,
                            const SurfaceFitOptions& options,
-                           ThreadPool& pool) {
+                           ThreadPool& pool,
+                           std::optional<CloudSymmetry> symmetry) {
   PreparedCloud prepared;
+  prepared.symmetry = std::move(symmetry);
   Report(options.progress, "prepare", 0);
   if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
   prepared.merged = MergeDuplicates(cloud);

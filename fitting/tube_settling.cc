@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
-#include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/fitting_bases.h"
+#include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
 #include "batten/fitting/tube_chart.h"
 

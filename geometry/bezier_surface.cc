@@ -12,6 +12,7 @@
 #include "batten/geometry/number_text.h"
 #include "batten/geometry/rational_derivatives.h"
 #include "batten/geometry/rational_patch.h"
+#include "batten/geometry/trim_maps.h"
 #include "batten/geometry/weighted_means.h"
 
 namespace batten {
@@ -315,6 +316,7 @@ NurbsSurface ToNurbs(const BezierSurface& surface) {
 }
 
 BezierSurface ToBezier(const NurbsSurface& surface) {
+  RefuseTrims(surface.trims(), "ToBezier", "a Bézier surface has no loops");
   const SplineBasis &basis_u = surface.basis_u(), &basis_v = surface.basis_v();
   const int p = basis_u.degree(), q = basis_v.degree();
   const int span_u = OneSpan(basis_u), span_v = OneSpan(basis_v);

@@ -90,7 +90,7 @@ std::optional<Eigen::Vector3d> NormalAt(const BezierSurface& surface, double u, 
 
 // As a NURBS surface of one span in each direction over [0, 1]², and back (domains brought to
 // [0, 1]). Throw std::invalid_argument when a degree is not in [1, kMaxDegree], or the NURBS
-// surface has more spans.
+// surface has more spans or is trimmed.
 NurbsSurface ToNurbs(const BezierSurface& surface);
 BezierSurface ToBezier(const NurbsSurface& surface);
 

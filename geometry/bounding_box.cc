@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/geometry/spline_pieces.h"
+#include "batten/geometry/trimmed_box.h"
 
 namespace batten {
 namespace {
@@ -157,6 +158,7 @@ template Eigen::AlignedBox<double, 2> BoundingBox(const NurbsCurve<2>&);
 template Eigen::AlignedBox<double, 3> BoundingBox(const NurbsCurve<3>&);
 
 Eigen::AlignedBox3d BoundingBox(const NurbsSurface& surface) {
+  if (surface.trimmed()) return TrimmedBox(surface);
   const Eigen::Vector3d centre = surface.control_points().col(0);
   const SurfacePieces pieces(surface);
   std::vector<Net> nets;

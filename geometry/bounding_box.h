@@ -17,6 +17,9 @@ namespace batten {
 // its extreme along a whole curve that is no parameter line, the work is bounded, and that side
 // is the control points' bound instead, at most 1e-8 of the size beyond the surface.
 // [Piegl & Tiller 1997, §4.2 P4.5, strong convex hull; Lane & Riesenfeld 1980]
+// Of a trimmed surface the box of the part inside its trims: inside them as above, to 1e-12; along
+// the loops from samples, the greatest of which are followed, so that an extreme narrower than two
+// of them can be missed.
 template <int Dim>
 Eigen::AlignedBox<double, Dim> BoundingBox(const NurbsCurve<Dim>& curve);
 Eigen::AlignedBox3d BoundingBox(const NurbsSurface& surface);

@@ -212,7 +212,7 @@ NurbsSurface Periodic(const NurbsSurface& surface, Direction direction, double t
   CheckTolerance(tolerance);
   const SplineBasis& other = OtherBasis(surface, direction);
   const ControlRows rows = PeriodicRows(RowsOf(surface, direction), tolerance, other.degree());
-  return SurfaceOf(rows, direction, other);
+  return SurfaceOf(rows, direction, other).WithTrims(surface.trims());
 }
 
 template NurbsCurve<2> Clamped(const NurbsCurve<2>&);

@@ -13,6 +13,7 @@
 #include "batten/geometry/composed_blossom.h"
 #include "batten/geometry/homogeneous.h"
 #include "batten/geometry/number_text.h"
+#include "batten/geometry/trim_maps.h"
 
 namespace batten {
 namespace {
@@ -434,6 +435,7 @@ NurbsCurve<Dim> Composed(const NurbsCurve<Dim>& curve, const ScalarSpline& f) {
 }
 
 NurbsSurface Composed(const NurbsSurface& surface, Direction direction, const ScalarSpline& f) {
+  RefuseTrims(surface.trims(), "Composed", "its loops would be no NURBS curves");
   const Eigen::MatrixXd rows = HomogeneousRows(surface, direction);
   const Outer result = Compose({BasisOf(surface, direction),
                                 rows,

@@ -42,7 +42,8 @@ struct ScalarSpline {
 //
 // Throws std::invalid_argument if p·q > 25, sizes differ, f cannot be shown to increase strictly
 // (by the signs of its Bézier coefficients after 40 halvings), does not end at the ends of the
-// domain, or is so steep that doubles s do not resolve the pieces of C. [DeRose, Goldman, Hagen &
+// domain, or is so steep that doubles s do not resolve the pieces of C, and for a trimmed surface,
+// whose loops would be no NURBS curves any more. [DeRose, Goldman, Hagen &
 // Mann 1993; Piegl & Tiller 1997, §6.4]
 template <int Dim>
 NurbsCurve<Dim> Composed(const NurbsCurve<Dim>& curve, const ScalarSpline& f);

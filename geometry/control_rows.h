@@ -56,14 +56,16 @@ NurbsSurface SurfaceOf(const ControlRows& rows, Direction direction, const Splin
 // The basis of the direction that is not `direction`.
 const SplineBasis& OtherBasis(const NurbsSurface& surface, Direction direction);
 
-// The shape after `edit`, which makes ControlRows out of ControlRows.
+// The shape after `edit`, which makes ControlRows over the same domain out of ControlRows: trims
+// stay as they are.
 template <int Dim, typename Edit>
 NurbsCurve<Dim> Edited(const NurbsCurve<Dim>& curve, const Edit& edit) {
   return CurveOf<Dim>(edit(RowsOf(curve)));
 }
 template <typename Edit>
 NurbsSurface Edited(const NurbsSurface& surface, Direction direction, const Edit& edit) {
-  return SurfaceOf(edit(RowsOf(surface, direction)), direction, OtherBasis(surface, direction));
+  return SurfaceOf(edit(RowsOf(surface, direction)), direction, OtherBasis(surface, direction))
+      .WithTrims(surface.trims());
 }
 
 }  // namespace batten

@@ -11,6 +11,7 @@
 
 #include "batten/geometry/curvature.h"
 #include "batten/geometry/spline_pieces.h"
+#include "batten/geometry/trim_region.h"
 
 namespace batten {
 namespace {
@@ -79,10 +80,12 @@ double GreatestOn(const CurvePiece& piece, double sign) {
   return greatest;
 }
 
-// The upper principal curvature of the piece turned by `sign`, at regular places.
+// The upper principal curvature of the piece turned by `sign`, at regular places. Nothing counts
+// outside the region.
 class PieceCurvature {
  public:
-  PieceCurvature(const SurfacePiece& piece, int side) : piece_(piece) {
+  PieceCurvature(const SurfacePiece& piece, const TrimRegion& region, int side)
+      : piece_(piece), region_(region) {
     double du = 0, dv = 0;
     for (int i = 0; i <= side; ++i) {
       for (int j = 0; j <= side; ++j) {
@@ -102,7 +105,13 @@ class PieceCurvature {
     return CurvatureOf(jet);
   }
 
+  bool Counts(const Eigen::Vector2d& at) const {
+    return region_.Contains(piece_.u0 + at[0] * (piece_.u1 - piece_.u0),
+                            piece_.v0 + at[1] * (piece_.v1 - piece_.v0));
+  }
+
   double At(const Eigen::Vector2d& at, double sign) const {
+    if (!Counts(at)) return -kInfinity;
     const auto curvature = Of(JetOf(piece_, at[0], at[1]));
     if (!curvature) return -kInfinity;
     return sign > 0 ? curvature->principal_high : -curvature->principal_low;
@@ -117,6 +126,7 @@ class PieceCurvature {
 
  private:
   const SurfacePiece& piece_;
+  const TrimRegion& region_;
   std::vector<SurfaceJet> jets_;
   double least_ = 0;
 };
@@ -168,6 +178,48 @@ class BestSamples {
   std::array<Sample, 8> best_;
 };
 
+// Places of the trim loops by the piece they lie in, in its own parameters.
+class PlacesOnLoops {
+ public:
+  explicit PlacesOnLoops(const NurbsSurface& surface)
+      : in_u_(Breaks(surface.basis_u())), in_v_(Breaks(surface.basis_v())) {
+    constexpr double kTolerance = 1e-3;  // of the domain
+    const double side = std::min(in_u_.back() - in_u_[0], in_v_.back() - in_v_[0]);
+    places_.resize((in_u_.size() - 1) * (in_v_.size() - 1));
+    for (const NurbsCurve<2>& loop : surface.trims()) {
+      const Polygon polygon = LoopPolyline(loop, kTolerance * side);
+      for (const Eigen::Vector2d place : polygon.points.colwise()) Add(place);
+    }
+  }
+
+  const std::vector<Eigen::Vector2d>& In(int i, int j) const {
+    return places_[i * (in_v_.size() - 1) + j];
+  }
+
+ private:
+  static std::vector<double> Breaks(const SplineBasis& basis) {
+    std::vector<double> breaks;
+    for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
+    breaks.push_back(basis.upper());
+    return breaks;
+  }
+
+  static int IndexOf(const std::vector<double>& breaks, double u) {
+    const auto beyond = std::upper_bound(breaks.begin(), breaks.end(), u) - breaks.begin();
+    return std::clamp(static_cast<int>(beyond) - 1, 0, static_cast<int>(breaks.size()) - 2);
+  }
+
+  void Add(const Eigen::Vector2d& uv) {
+    const int i = IndexOf(in_u_, uv[0]), j = IndexOf(in_v_, uv[1]);
+    const Eigen::Vector2d at((uv[0] - in_u_[i]) / (in_u_[i + 1] - in_u_[i]),
+                             (uv[1] - in_v_[j]) / (in_v_[j + 1] - in_v_[j]));
+    places_[i * (in_v_.size() - 1) + j].push_back(at.cwiseMax(0.0).cwiseMin(1.0));
+  }
+
+  std::vector<double> in_u_, in_v_;
+  std::vector<std::vector<Eigen::Vector2d>> places_;
+};
+
 }  // namespace
 
 template <int Dim>
@@ -192,16 +244,19 @@ std::optional<CurvatureInterval> CurvatureRange(const NurbsSurface& surface) {
   const double cells = static_cast<double>(pieces.count_u()) * pieces.count_v();
   const int wanted = 2 * std::max(surface.basis_u().degree(), surface.basis_v().degree()) + 2;
   const int side = std::clamp(static_cast<int>(std::sqrt(kMostSamples / cells)) - 1, 2, wanted);
+  const TrimRegion region(surface);
+  const PlacesOnLoops on_loops(surface);
   BestSamples lowest, highest;
   bool down = false, up = false;  // without bound
   for (int i = 0; i < pieces.count_u(); ++i) {
     for (int j = 0; j < pieces.count_v(); ++j) {
       const SurfacePiece piece = pieces.Piece(i, j);
-      const PieceCurvature curvature(piece, side);
+      const PieceCurvature curvature(piece, region, side);
       Sample low{-kInfinity, i, j}, high = low;
       for (int k = 0; k < static_cast<int>(curvature.jets().size()); ++k) {
         const Eigen::Vector2d at =
             Eigen::Vector2d(k / (side + 1), k % (side + 1)) / static_cast<double>(side);
+        if (!curvature.Counts(at)) continue;
         if (const auto here = curvature.Of(curvature.jets()[k])) {
           if (-here->principal_low > low.value) low = {-here->principal_low, i, j, at};
           if (here->principal_high > high.value) high = {here->principal_high, i, j, at};
@@ -210,6 +265,11 @@ std::optional<CurvatureInterval> CurvatureRange(const NurbsSurface& surface) {
           down = down || beside->principal_low * size < -kGrows;
           up = up || beside->principal_high * size > kGrows;
         }
+      }
+      for (const Eigen::Vector2d& at : on_loops.In(i, j)) {
+        const double below = curvature.At(at, -1), above = curvature.At(at, 1);
+        if (below > low.value) low = {below, i, j, at};
+        if (above > high.value) high = {above, i, j, at};
       }
       lowest.See(low);
       highest.See(high);
@@ -220,8 +280,8 @@ std::optional<CurvatureInterval> CurvatureRange(const NurbsSurface& surface) {
     for (const Sample& sample : samples.best()) {
       if (sample.value == -kInfinity) break;
       const SurfacePiece piece = pieces.Piece(sample.i, sample.j);
-      greatest =
-          std::max(greatest, Climbed(PieceCurvature(piece, side), sample.at, 1.0 / side, sign));
+      greatest = std::max(
+          greatest, Climbed(PieceCurvature(piece, region, side), sample.at, 1.0 / side, sign));
     }
     return greatest;
   };

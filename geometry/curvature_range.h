@@ -27,7 +27,8 @@ std::optional<CurvatureInterval> CurvatureRange(const NurbsCurve<Dim>& curve);
 // from the eight best pieces by at most 400 steps of a pattern search. Where S_u × S_v falls below
 // 1e-4 of its usual size, curvature is lost to rounding and only asked whether it is unbounded.
 // Values are attained; how near they are to the extremes is not proved. None where the surface has
-// no normal anywhere.
+// no normal anywhere. Of a trimmed surface only samples inside its trims count, and places on the
+// loops (the vertices of polygons within 1e-3 of the domain) besides; steps stay inside.
 std::optional<CurvatureInterval> CurvatureRange(const NurbsSurface& surface);
 
 extern template std::optional<CurvatureInterval> CurvatureRange(const NurbsCurve<2>&);

@@ -52,7 +52,8 @@ NurbsSurface Elevated(const NurbsSurface& surface, Direction direction, int by) 
   const ControlRows rows = RowsOf(surface, direction);
   CheckElevation(rows.basis.degree(), by);
   if (by == 0) return surface;
-  return SurfaceOf(ElevatedRows(rows, by), direction, OtherBasis(surface, direction));
+  return SurfaceOf(ElevatedRows(rows, by), direction, OtherBasis(surface, direction))
+      .WithTrims(surface.trims());
 }
 
 }  // namespace batten

@@ -223,7 +223,7 @@ DegreeReduction<NurbsSurface> Reduced(const NurbsSurface& surface,
                                       int by,
                                       double tolerance) {
   return Best(surface, RowsOf(surface, direction), by, tolerance, [&](const ControlRows& rows) {
-    return SurfaceOf(rows, direction, OtherBasis(surface, direction));
+    return SurfaceOf(rows, direction, OtherBasis(surface, direction)).WithTrims(surface.trims());
   });
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "batten/geometry/foot_search.h"
+#include "batten/geometry/trimmed_foot_search.h"
 
 namespace batten {
 namespace {
@@ -43,7 +44,16 @@ void Place(const FootTable& table,
 }  // namespace
 
 struct SurfaceFootPoints::Search {
-  explicit Search(NurbsSurface s) : surface(std::move(s)), search(FootTable(surface)) {}
+  explicit Search(NurbsSurface s) : surface(std::move(s)), search(FootTable(surface)) {
+    if (surface.trimmed()) trimmed = std::make_unique<const TrimmedFootSearch>(surface, search);
+  }
+
+  FoundFoot Nearest(const Eigen::Vector3d& q) const {
+    FootWorkspace& workspace = ThreadWorkspace();
+    const FoundFoot found = search.Nearest(q, workspace);
+    if (trimmed == nullptr || trimmed->Counts(found)) return found;
+    return trimmed->Nearest(q, found, workspace);
+  }
 
   SurfaceFoot Answer(const Eigen::Vector3d& q, const FoundFoot& found) const {
     const FootTable& table = search.table();
@@ -57,6 +67,7 @@ struct SurfaceFootPoints::Search {
 
   NurbsSurface surface;
   FootSearch search;
+  std::unique_ptr<const TrimmedFootSearch> trimmed;  // none: no trims
 };
 
 SurfaceFootPoints::SurfaceFootPoints(NurbsSurface surface)
@@ -69,7 +80,7 @@ const NurbsSurface& SurfaceFootPoints::surface() const { return search_->surface
 
 SurfaceFoot SurfaceFootPoints::Nearest(const Eigen::Vector3d& q) const {
   CheckQuery("SurfaceFootPoints::Nearest", q);
-  return search_->Answer(q, search_->search.Nearest(q, ThreadWorkspace()));
+  return search_->Answer(q, search_->Nearest(q));
 }
 
 SurfaceFoot SurfaceFootPoints::Near(const Eigen::Vector3d& q, double u, double v) const {
@@ -78,9 +89,10 @@ SurfaceFoot SurfaceFootPoints::Near(const Eigen::Vector3d& q, double u, double v
   u = search_->surface.basis_u().Clamp(u);
   v = search_->surface.basis_v().Clamp(v);
   const int i = table.u.Find(u), j = table.v.Find(v);
-  return search_->Answer(q,
-                         search_->search.Descend(
-                             q, i * table.v.cells() + j, table.u.Local(i, u), table.v.Local(j, v)));
+  const FoundFoot found =
+      search_->search.Descend(q, i * table.v.cells() + j, table.u.Local(i, u), table.v.Local(j, v));
+  const bool counts = search_->trimmed == nullptr || search_->trimmed->Counts(found);
+  return search_->Answer(q, counts ? found : search_->Nearest(q));
 }
 
 namespace {

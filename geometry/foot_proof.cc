@@ -26,10 +26,12 @@ constexpr int kMostCells = 200000;  // for one point, before the bound is given 
 FootProof::FootProof(const FootTable& table,
                      const Eigen::Vector3d& q,
                      const FoundFoot& start,
-                     std::vector<double>& arena)
+                     std::vector<double>& arena,
+                     const TrimRegion* region)
     : table_(table),
       q_(q),
       arena_(arena),
+      region_(region),
       best_piece_(start.piece),
       best_x_(start.x),
       best_y_(start.y),
@@ -43,13 +45,34 @@ FoundFoot FootProof::result() const {
   return {best_piece_, best_x_, best_y_, d, bound};
 }
 
-void FootProof::Check(int piece, double box_squared) {
+// Twice as much with a region: nothing on its loops, which are certified to once as much, may look
+// nearer.
+double FootProof::AcceptableMiss() const {
+  const double miss = epsilon_ * (2 * std::sqrt(squared_) + epsilon_) + kFarRounding * squared_;
+  return region_ == nullptr ? miss : 2 * miss;
+}
+
+bool FootProof::InRegion(double x, double y) const {
+  const int cells_v = table_.v.cells();
+  return region_->Contains(table_.u.At(piece_ / cells_v, x), table_.v.At(piece_ % cells_v, y));
+}
+
+bool FootProof::Outside(const LocalBox& box) const {
+  const int cell_u = piece_ / table_.v.cells(), cell_v = piece_ % table_.v.cells();
+  return region_->CoverOf({table_.u.At(cell_u, box.x0),
+                           table_.u.At(cell_u, box.x1),
+                           table_.v.At(cell_v, box.y0),
+                           table_.v.At(cell_v, box.y1)}) == TrimRegion::Cover::kOutside;
+}
+
+void FootProof::Check(int piece, double box_squared, bool cut) {
   // What lies within an acceptable miss needs no proof: the bound is then zero.
   if (squared_ <= epsilon_ * epsilon_) {
     proved_ = 0;
     return;
   }
   piece_ = piece;
+  cut_ = cut;
   local_q_ = q_ - table_.centres[piece];
   form_ = {table_.local(piece),
            table_.degree_u(),
@@ -61,7 +84,7 @@ void FootProof::Check(int piece, double box_squared) {
   const double q2 = local_q_.squaredNorm();
   const double reach = std::sqrt(q2) + table_.radii[piece];
   for (;;) {
-    wanted_ = epsilon_ * (2 * std::sqrt(squared_) + epsilon_) + kFarRounding * squared_;
+    wanted_ = AcceptableMiss();
     const double rounding = kRounding * (reach * reach + squared_);
     const bool exact = rounding > wanted_;
     // Two halves a level.
@@ -122,9 +145,21 @@ double FootProof::SquaresOfNet(const Cell& cell) {
   return LeastCoefficient(cell.f, cell.values());
 }
 
-// Follows the surface downhill from a place of the piece.
-FootProof::Verdict FootProof::Try(double x, double y) {
-  const FootPlace place = DescendInPiece(form_, local_q_.data(), x, y, {-1, 1, -1, 1}, 0);
+// Downhill from a place of the region as far as that leads to one: in the piece, else in the box,
+// else not at all.
+FootPlace FootProof::DescendInRegion(const LocalBox& box, double x, double y) const {
+  FootPlace place = DescendInPiece(form_, local_q_.data(), x, y, {-1, 1, -1, 1}, 0);
+  if (Counts(place.x, place.y)) return place;
+  place = DescendInPiece(form_, local_q_.data(), x, y, box, 0);
+  if (Counts(place.x, place.y)) return place;
+  Eigen::Vector3d position;
+  EvaluatePosition(form_, x, y, position.data());
+  return {x, y, (position - local_q_).squaredNorm(), 0};
+}
+
+// Follows the surface downhill from a place of the cell.
+FootProof::Verdict FootProof::Try(const LocalBox& box, double x, double y) {
+  const FootPlace place = DescendInRegion(box, x, y);
   if (!(place.squared < squared_)) return Verdict::kUndecided;
   best_piece_ = piece_;
   best_x_ = place.x;
@@ -149,7 +184,7 @@ FootProof::Cell FootProof::Take(const Cell& like, size_t& used) {
   return cell;
 }
 
-// A corner where F is negative is a nearer place.
+// A corner where F is negative is a nearer place if it counts.
 FootProof::Verdict FootProof::Corner(const Cell& cell) {
   const int m = 2 * cell.p, n = 2 * cell.q, w = n + 1;
   double corners[4] = {cell.f[0], cell.f[n], cell.f[m * w], cell.f[m * w + n]};
@@ -161,9 +196,14 @@ FootProof::Verdict FootProof::Corner(const Cell& cell) {
       corners[k] += margin_ * weight * weight;
     }
   }
-  const int lowest = static_cast<int>(std::min_element(corners, corners + 4) - corners);
-  if (corners[lowest] >= 0) return Verdict::kNothingNearer;
-  return Try(lowest < 2 ? cell.box.x0 : cell.box.x1, lowest % 2 ? cell.box.y1 : cell.box.y0);
+  const auto x = [&](int k) { return k < 2 ? cell.box.x0 : cell.box.x1; };
+  const auto y = [&](int k) { return k % 2 ? cell.box.y1 : cell.box.y0; };
+  int lowest = -1;
+  for (int k = 0; k < 4; ++k) {
+    const double below = lowest < 0 ? 0 : corners[lowest];
+    if (corners[k] < below && Counts(x(k), y(k))) lowest = k;
+  }
+  return lowest < 0 ? Verdict::kNothingNearer : Try(cell.box, x(lowest), y(lowest));
 }
 
 // Newton's method for an F that is convex but for second derivatives of at least −bend, from the
@@ -183,7 +223,10 @@ FootProof::Verdict FootProof::CheckConvex(const Cell& cell, double bend) {
   }
   PlaneJet jet = EvaluateBernstein(cell.f, m, n, x, y);
   for (int step = 0; step < 40; ++step) {
-    if (jet.value < 0) return Try(cell.box.x0 + x * wide, cell.box.y0 + y * high);
+    if (jet.value < 0) {
+      const double at_x = cell.box.x0 + x * wide, at_y = cell.box.y0 + y * high;
+      return Counts(at_x, at_y) ? Try(cell.box, at_x, at_y) : Certify(0);
+    }
     // A convex function lies above its tangent plane, this one below it by bend/2 times the square.
     const double far_x = std::max(x, 1 - x), far_y = std::max(y, 1 - y);
     const double falls_x =
@@ -284,6 +327,7 @@ FootProof::Verdict FootProof::CheckCell(const Cell& cell, int depth, size_t used
   if (cell.q > 0 && (shape.rises_y || shape.falls_y)) {
     return CheckSide(cell, false, shape.rises_y, depth, used);
   }
+  if (cut_ && Outside(cell.box)) return Verdict::kNothingNearer;
   if (cell.p == 0 && cell.q == 0) return Verdict::kUndecided;
   const bool first = cell.q == 0 || (cell.p > 0 && shape.bend_x >= shape.bend_y);
   return CheckHalves(cell, first, depth, used);

@@ -9,24 +9,32 @@
 #include "batten/geometry/bernstein_polynomial.h"
 #include "batten/geometry/foot_kernels.h"
 #include "batten/geometry/foot_table.h"
+#include "batten/geometry/trim_region.h"
 
 namespace batten {
 
 struct FoundFoot;
 
+// With a region, only places in it count, and on its loops nothing may be nearer than the start. A
+// nearer place of the region is then still found: where |S − q| falls towards one side of a cell,
+// whoever follows it from a place inside comes to that side or to a loop first; and the nearer
+// places of a convex cell hang together, so that none counts where one does not.
 class FootProof {
  public:
   // `arena` is scratch memory that grows as needed.
   FootProof(const FootTable& table,
             const Eigen::Vector3d& q,
             const FoundFoot& start,
-            std::vector<double>& arena);
+            std::vector<double>& arena,
+            const TrimRegion* region = nullptr);
 
   // After this nothing on the piece, whose box has that squared distance, is nearer than the lower
-  // bound of the result.
-  void Check(int piece, double box_squared);
+  // bound of the result. `cut`: a loop passes through the piece, which otherwise counts wholly.
+  void Check(int piece, double box_squared, bool cut = false);
 
   double squared() const { return squared_; }
+  // What a squared distance may be missed by.
+  double AcceptableMiss() const;
   FoundFoot result() const;
 
  private:
@@ -47,7 +55,11 @@ class FootProof {
   Verdict CheckSide(const Cell& cell, bool first, bool low, int depth, size_t used);
   Verdict CheckHalves(const Cell& cell, bool first, int depth, size_t used);
   Verdict Corner(const Cell& cell);
-  Verdict Try(double x, double y);
+  Verdict Try(const LocalBox& box, double x, double y);
+  FootPlace DescendInRegion(const LocalBox& box, double x, double y) const;
+  bool Counts(double x, double y) const { return !cut_ || InRegion(x, y); }
+  bool InRegion(double x, double y) const;
+  bool Outside(const LocalBox& box) const;
   Verdict Certify(double least);
   double SquaresOfNet(const Cell& cell);
   Cell Take(const Cell& like, size_t& used);
@@ -55,6 +67,8 @@ class FootProof {
   const FootTable& table_;
   Eigen::Vector3d q_;
   std::vector<double>& arena_;
+  const TrimRegion* region_;
+  bool cut_ = false;  // the piece at hand counts in part
 
   int best_piece_;
   double best_x_, best_y_, squared_;

@@ -27,10 +27,8 @@ FootSearch::FootSearch(FootTable table) : table_(std::move(table)), boxes_(table
   Eigen::Index column = 0;
   for (int piece = 0; piece < table_.pieces(); ++piece) {
     for (int k = 0; k < kSamples * in_v; ++k) {
-      double position[3];
       const double y = in_v == 1 ? 0 : SampleAt(k % in_v);
-      EvaluatePosition(Piece(piece), SampleAt(k / in_v), y, position);
-      samples.col(column++) = table_.centres[piece] + Eigen::Map<Eigen::Vector3d>(position);
+      samples.col(column++) = Position(piece, SampleAt(k / in_v), y);
     }
   }
   samples_ = SampleTree(samples);
@@ -82,13 +80,21 @@ FoundFoot FootSearch::Descend(const Eigen::Vector3d& q, int piece, double x, dou
   return {i * cells_v + j, place.x, place.y, std::sqrt(place.squared), 0};
 }
 
-FoundFoot FootSearch::Nearest(const Eigen::Vector3d& q, FootWorkspace& workspace) const {
-  Eigen::Vector3d lookup = q;
+Eigen::Vector3d FootSearch::Position(int piece, double x, double y) const {
+  Eigen::Vector3d position;
+  EvaluatePosition(Piece(piece), x, y, position.data());
+  return table_.centres[piece] + position;
+}
+
+Eigen::Vector3d FootSearch::Lookup(const Eigen::Vector3d& q) const {
   const Eigen::Vector3d out = q - table_.middle;
   const double far = out.norm();
-  if (far > kLookupRadius * table_.size) {
-    lookup = table_.middle + kLookupRadius * table_.size / far * out;
-  }
+  if (!(far > kLookupRadius * table_.size)) return q;
+  return table_.middle + kLookupRadius * table_.size / far * out;
+}
+
+FoundFoot FootSearch::Nearest(const Eigen::Vector3d& q, FootWorkspace& workspace) const {
+  const Eigen::Vector3d lookup = Lookup(q);
   const int sample = samples_.Nearest(lookup.data());
   const int in_v = table_.degree_v() == 0 ? 1 : kSamples, each = kSamples * in_v;
   const int at = sample % each;

@@ -45,6 +45,12 @@ class FootSearch {
   // The local minimum below a place, across pieces; the lower bound is zero.
   FoundFoot Descend(const Eigen::Vector3d& q, int piece, double x, double y) const;
 
+  // The point at a place.
+  Eigen::Vector3d Position(int piece, double x, double y) const;
+
+  // Where to look up the start for a point: the point itself, or nearer where it is far away.
+  Eigen::Vector3d Lookup(const Eigen::Vector3d& q) const;
+
  private:
   FootPiece Piece(int piece) const;
 

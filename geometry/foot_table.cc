@@ -68,6 +68,18 @@ FootAxis FootAxis::Single() {
   return axis;
 }
 
+FootAxis FootAxis::Row(int cells, int degree) {
+  FootAxis axis;
+  axis.degree_ = degree;
+  for (int k = 0; k < cells; ++k) {
+    axis.breaks_.push_back(k);
+    axis.spans_.push_back(k);
+  }
+  axis.breaks_.push_back(cells);
+  axis.Finish();
+  return axis;
+}
+
 void FootAxis::Finish() {
   const int count = cells();
   for (int k = 0; k < count; ++k) {
@@ -247,6 +259,26 @@ FootTable::FootTable(const NurbsCurve<Dim>& curve)
     if (rational) net.row(3) = curve.weights().segment(first, p + 1).transpose();
     net.topRows<3>() = points * net.row(3).asDiagonal();
     SetPiece(i, centre, net * matrix.transpose());
+  }
+}
+
+FootTable::FootTable(const std::vector<Eigen::Matrix3Xd>& curves, const Eigen::Vector3d& origin)
+    : u(FootAxis::Row(static_cast<int>(curves.size()), static_cast<int>(curves[0].cols()) - 1)),
+      v(FootAxis::Single()) {
+  Eigen::AlignedBox3d whole;
+  for (const Eigen::Matrix3Xd& points : curves) {
+    for (Eigen::Index k = 0; k < points.cols(); ++k) whole.extend(Eigen::Vector3d(points.col(k)));
+  }
+  size = whole.diagonal().norm() / 2;
+  middle = origin + whole.center();
+  Allocate();
+  for (int i = 0; i < u.cells(); ++i) {
+    const Eigen::Vector3d low = curves[i].rowwise().minCoeff();
+    const Eigen::Vector3d high = curves[i].rowwise().maxCoeff();
+    const Eigen::Vector3d centre = origin + (low + (high - low) / 2);
+    Eigen::Matrix4Xd net = Eigen::Matrix4Xd::Ones(4, curves[i].cols());
+    net.topRows<3>() = curves[i].colwise() - (centre - origin);
+    SetPiece(i, centre, std::move(net));
   }
 }
 

@@ -17,7 +17,8 @@ class FootAxis {
  public:
   FootAxis() = default;
   explicit FootAxis(const SplineBasis& basis, int cuts);
-  static FootAxis Single();  // the missing direction of a curve
+  static FootAxis Single();                    // the missing direction of a curve
+  static FootAxis Row(int cells, int degree);  // cell k is [k, k + 1]
 
   int cells() const { return static_cast<int>(spans_.size()); }
   int span(int cell) const { return spans_[cell]; }
@@ -57,6 +58,9 @@ class FootTable {
   explicit FootTable(const NurbsSurface& surface);
   template <int Dim>
   explicit FootTable(const NurbsCurve<Dim>& curve);
+  // Polynomial curves of one degree, each by its Bézier points less `origin`: one a cell. They need
+  // not meet.
+  FootTable(const std::vector<Eigen::Matrix3Xd>& curves, const Eigen::Vector3d& origin);
 
   FootAxis u, v;
   bool rational = false;

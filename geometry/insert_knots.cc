@@ -62,7 +62,8 @@ NurbsCurve<Dim> InsertKnot(const NurbsCurve<Dim>& curve, double u, int times) {
 NurbsSurface InsertKnot(const NurbsSurface& surface, Direction direction, double at, int times) {
   const ControlRows rows = RowsOf(surface, direction);
   const auto knots = Checked("InsertKnot", "at", rows.basis, Repeated(at, times));
-  return SurfaceOf(Refined(rows, knots), direction, OtherBasis(surface, direction));
+  return SurfaceOf(Refined(rows, knots), direction, OtherBasis(surface, direction))
+      .WithTrims(surface.trims());
 }
 
 template <int Dim>
@@ -76,7 +77,8 @@ NurbsSurface RefineKnots(const NurbsSurface& surface,
                          std::span<const double> knots) {
   const ControlRows rows = RowsOf(surface, direction);
   const auto sorted = Checked("RefineKnots", "at", rows.basis, knots);
-  return SurfaceOf(Refined(rows, sorted), direction, OtherBasis(surface, direction));
+  return SurfaceOf(Refined(rows, sorted), direction, OtherBasis(surface, direction))
+      .WithTrims(surface.trims());
 }
 
 template NurbsCurve<2> InsertKnot(const NurbsCurve<2>&, double, int);

@@ -16,6 +16,7 @@
 #include "batten/geometry/knot_removal.h"
 #include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/number_text.h"
+#include "batten/geometry/trim_maps.h"
 
 namespace batten {
 namespace {
@@ -152,6 +153,9 @@ NurbsSurface Join(const NurbsSurface& first,
                   Direction direction,
                   double tolerance) {
   CheckTolerance(tolerance);
+  for (const NurbsSurface* surface : {&first, &second}) {
+    RefuseTrims(surface->trims(), "Join", "the loops of two surfaces are not joined");
+  }
   const Direction across = direction == Direction::kU ? Direction::kV : Direction::kU;
   NurbsSurface a = Clamped(first, direction), b = Clamped(second, direction);
   RaiseToSameDegree(a, b, direction);

@@ -24,7 +24,8 @@ NurbsCurve<Dim> Join(const NurbsCurve<Dim>& first, const NurbsCurve<Dim>& second
 // raised and knots merged (knots of the second within 1e-12 of the domain's length of a knot of the
 // first become that); it stays periodic where both are over the same knots and is clamped
 // otherwise. The edges must agree within the tolerance at equal parameters, the bound of their
-// distance counting, and rational ones also in the proportions of their weights.
+// distance counting, and rational ones also in the proportions of their weights. Throws
+// std::invalid_argument if a surface is trimmed.
 NurbsSurface Join(const NurbsSurface& first,
                   const NurbsSurface& second,
                   Direction direction,

@@ -64,7 +64,8 @@ NurbsSurface WithWeight(const NurbsSurface& surface, int i, int j, double weight
     }
   }
   return NurbsSurface(
-      surface.basis_u(), surface.basis_v(), surface.control_points(), std::move(weights));
+             surface.basis_u(), surface.basis_v(), surface.control_points(), std::move(weights))
+      .WithTrims(surface.trims());
 }
 
 template <int Dim>
@@ -105,7 +106,8 @@ NurbsSurface MovedPoint(const NurbsSurface& surface,
       points.col(i * surface.size_v() + j) += R(i % R.rows(), j % R.cols()) * step;
     }
   }
-  return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(points), surface.weights());
+  return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(points), surface.weights())
+      .WithTrims(surface.trims());
 }
 
 template NurbsCurve<2> WithWeight(const NurbsCurve<2>&, int, double);

@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 
+#include "batten/geometry/number_text.h"
 #include "batten/geometry/rational_derivatives.h"
 
 namespace batten {
@@ -232,7 +234,24 @@ std::optional<Eigen::Vector3d> UnitNormal(const SurfaceJet& jet) {
 }
 
 NurbsSurface NurbsSurface::Translated(const Eigen::Vector3d& shift) const {
-  return NurbsSurface(basis_u_, basis_v_, control_points_.colwise() + shift, weights_);
+  return NurbsSurface(basis_u_, basis_v_, control_points_.colwise() + shift, weights_)
+      .WithTrims(trims_);
+}
+
+NurbsSurface NurbsSurface::WithTrims(std::vector<NurbsCurve<2>> loops) const {
+  const Eigen::Array2d sides(basis_u_.upper() - basis_u_.lower(),
+                             basis_v_.upper() - basis_v_.lower());
+  for (const NurbsCurve<2>& loop : loops) {
+    const Eigen::Array2d gap =
+        (loop.At(loop.basis().upper()) - loop.At(loop.basis().lower())).array().abs();
+    if ((gap <= kLoopClosure * sides).all()) continue;
+    throw std::invalid_argument("NurbsSurface: trim loop " + std::to_string(&loop - loops.data()) +
+                                " does not close: its ends are " + NumberText(gap[0]) + ", " +
+                                NumberText(gap[1]) + " apart");
+  }
+  NurbsSurface trimmed = *this;
+  trimmed.trims_ = std::move(loops);
+  return trimmed;
 }
 
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/spline_basis.h"
 
 namespace batten {
@@ -80,6 +81,19 @@ class NurbsSurface {
   // for each ruling at a cone's tip, none on a fold or where it depends on the direction.
   std::optional<Eigen::Vector3d> NormalAt(double u, double v) const;
 
+  // The loops in the domain that bound the part of the surface that counts: the outer boundary
+  // first, counter-clockwise, then the holes, clockwise; none: the whole domain. On a periodic
+  // direction they lie in one period [lower, upper], and where the part goes round, its outer loop
+  // runs along the seam, once on either side. Evaluation does not look at them; trim_region.h tells
+  // what is inside.
+  const std::vector<NurbsCurve<2>>& trims() const { return trims_; }
+  bool trimmed() const { return !trims_.empty(); }
+
+  // The surface with these loops in place of its own. Throws std::invalid_argument unless each
+  // ends where it begins, to kLoopClosure of the domain. That they lie in the domain, are turned as
+  // said and do not cross is the maker's business: trim_region.h checks and turns.
+  NurbsSurface WithTrims(std::vector<NurbsCurve<2>> loops) const;
+
   // The surface moved by `shift`.
   NurbsSurface Translated(const Eigen::Vector3d& shift) const;
 
@@ -92,7 +106,11 @@ class NurbsSurface {
   Eigen::Matrix3Xd control_points_;
   Eigen::VectorXd weights_;
   bool rational_;
+  std::vector<NurbsCurve<2>> trims_;
 };
+
+// How far, as a share of the domain, the ends of a trim loop may be apart.
+inline constexpr double kLoopClosure = 1e-9;
 
 // The unit normal of a jet; none where S_u and S_v are parallel to rounding, or vanish.
 std::optional<Eigen::Vector3d> UnitNormal(const SurfaceJet& jet);

@@ -31,7 +31,7 @@ NurbsCurve<Dim> ShapeOf(const ControlRows& rows, const NurbsCurve<Dim>&, Directi
   return CurveOf<Dim>(rows);
 }
 NurbsSurface ShapeOf(const ControlRows& rows, const NurbsSurface& like, Direction direction) {
-  return SurfaceOf(rows, direction, OtherBasis(like, direction));
+  return SurfaceOf(rows, direction, OtherBasis(like, direction)).WithTrims(like.trims());
 }
 
 // Bézier pieces over the knots of `original`, of which `shape` has some.

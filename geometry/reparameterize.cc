@@ -12,6 +12,7 @@
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/homogeneous.h"
 #include "batten/geometry/number_text.h"
+#include "batten/geometry/trim_maps.h"
 
 namespace batten {
 namespace {
@@ -127,6 +128,14 @@ NurbsCurve<Dim> Mapped(const DomainMap& map, const NurbsCurve<Dim>& curve) {
                          curve.weights().cwiseProduct(WeightFactors(map, curve.basis())));
 }
 
+TrimLoops MappedTrims(const DomainMap& map,
+                      const TrimLoops& loops,
+                      Direction direction,
+                      const SplineBasis& basis) {
+  if (map.linear()) return ScaledTrims(loops, direction, basis, map.a, map.b);
+  return MobiusTrims(loops, direction, basis, map.a, map.b, map.ratio);
+}
+
 NurbsSurface Mapped(const DomainMap& map, const NurbsSurface& surface, Direction direction) {
   CheckMap(map);
   const bool along_u = direction == Direction::kU;
@@ -143,7 +152,8 @@ NurbsSurface Mapped(const DomainMap& map, const NurbsSurface& surface, Direction
   return NurbsSurface(along_u ? std::move(basis) : surface.basis_u(),
                       along_u ? surface.basis_v() : std::move(basis),
                       surface.control_points(),
-                      std::move(weights));
+                      std::move(weights))
+      .WithTrims(MappedTrims(map, surface.trims(), direction, old));
 }
 
 DomainMap LinearMap(const SplineBasis& basis, double a, double b) {

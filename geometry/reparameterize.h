@@ -12,7 +12,8 @@ namespace batten {
 // The same shape over the domain [a, b], a < b: only knots change, C̃(s) = C(f(s)) with f linear.
 // Control points and weights stay bit by bit, the ends of the domain are a and b exactly, equal
 // knots stay equal, periodic stays periodic. Throws std::invalid_argument if a < b does not hold or
-// two different knots would fall together in the rounding of the new domain. O(n).
+// two different knots would fall together in the rounding of the new domain. Trims are scaled with
+// the domain. O(n).
 template <int Dim>
 NurbsCurve<Dim> Reparameterized(const NurbsCurve<Dim>& curve, double a, double b);
 NurbsSurface Reparameterized(const NurbsSurface& surface, Direction direction, double a, double b);
@@ -28,7 +29,9 @@ NurbsSurface Reparameterized(const NurbsSurface& surface, Direction direction, d
 // unclamped unless one of its knots lies at or beyond the pole; then it is clamped first. Rounding:
 // knots are right to some ε of the largest knot, weights to 4(p + 1)·ε; the point at s is moved as
 // by such changes of knots and weights. Throws std::invalid_argument unless the coefficients are
-// finite, αδ − βγ > 0, and γs + δ ≠ 0 on the new domain (that is α − γu ≠ 0 on the old one).
+// finite, αδ − βγ > 0, and γs + δ ≠ 0 on the new domain (that is α − γu ≠ 0 on the old one). Trims
+// are mapped exactly: a loop of degree p becomes a rational one of degree 2p, over the same
+// parameters and with the same continuity; throws where 2p is above kMaxDegree.
 // O(p·n). [Piegl & Tiller 1997, §6.4, whose α, β, γ, δ are those of the inverse: pass δ, −β, −γ, α
 // for them; Lee & Lucian 1991]
 template <int Dim>

@@ -3,6 +3,7 @@
 
 #include "batten/geometry/control_rows.h"
 #include "batten/geometry/knot_vectors.h"
+#include "batten/geometry/trim_maps.h"
 
 namespace batten {
 namespace {
@@ -22,12 +23,15 @@ NurbsCurve<Dim> Reversed(const NurbsCurve<Dim>& curve) {
 }
 
 NurbsSurface Reversed(const NurbsSurface& surface, Direction direction) {
-  return Edited(surface, direction, ReversedRows);
+  const SplineBasis& basis = direction == Direction::kU ? surface.basis_u() : surface.basis_v();
+  return Edited(surface, direction, ReversedRows)
+      .WithTrims(ReversedTrims(surface.trims(), direction, basis));
 }
 
 NurbsSurface Swapped(const NurbsSurface& surface) {
   // The rows across u, read as rows across v.
-  return SurfaceOf(RowsOf(surface, Direction::kU), Direction::kV, surface.basis_v());
+  return SurfaceOf(RowsOf(surface, Direction::kU), Direction::kV, surface.basis_v())
+      .WithTrims(SwappedTrims(surface.trims()));
 }
 
 template NurbsCurve<2> Reversed(const NurbsCurve<2>&);

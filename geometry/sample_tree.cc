@@ -2,6 +2,7 @@
 #include "batten/geometry/sample_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -14,7 +15,10 @@ constexpr int kLeaf = 8;
 
 SampleTree::SampleTree(const Eigen::Matrix3Xd& points) : order_(points.cols()) {
   std::iota(order_.begin(), order_.end(), 0);
-  if (!order_.empty()) Build(points, 0, static_cast<int>(order_.size()));
+  if (order_.empty()) return;
+  low_ = points.rowwise().minCoeff();
+  high_ = points.rowwise().maxCoeff();
+  Build(points, 0, static_cast<int>(order_.size()));
   x_.reserve(order_.size());
   y_.reserve(order_.size());
   z_.reserve(order_.size());
@@ -52,15 +56,25 @@ int SampleTree::Build(const Eigen::Matrix3Xd& points, int begin, int end) {
   return index;
 }
 
-int SampleTree::Nearest(const double* q) const {
+int SampleTree::Nearest(const double* q, double limit) const {
+  // A node, how far its points are from q along each axis at least, and squared in all: a little
+  // less, so that rounding leaves out nothing.
   struct Wait {
     int node;
-    double squared;
+    double off[3], squared;
+    void Sum() {
+      constexpr double kLess = 1 - 8 * std::numeric_limits<double>::epsilon();
+      squared = kLess * (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
+    }
   };
   Wait waiting[64];
-  int count = 0, best = 0;
-  double nearest = std::numeric_limits<double>::infinity();
-  waiting[count++] = {0, 0};
+  int count = 0, best = -1;
+  double nearest = limit;
+  waiting[count++] = {0, {0, 0, 0}, 0};
+  for (int d = 0; d < 3; ++d) {
+    waiting[0].off[d] = std::max({0.0, low_[d] - q[d], q[d] - high_[d]});
+  }
+  waiting[0].Sum();
   while (count > 0) {
     const Wait next = waiting[--count];
     if (next.squared >= nearest) continue;
@@ -68,7 +82,10 @@ int SampleTree::Nearest(const double* q) const {
     while (nodes_[index].axis >= 0) {
       const Node& node = nodes_[index];
       const double off = q[node.axis] - node.cut;
-      waiting[count++] = {off < 0 ? node.above : node.below, off * off};
+      Wait& other = waiting[count++] = next;
+      other.node = off < 0 ? node.above : node.below;
+      other.off[node.axis] = std::max(next.off[node.axis], std::abs(off));
+      other.Sum();
       index = off < 0 ? node.below : node.above;
     }
     for (int k = nodes_[index].below; k < nodes_[index].above; ++k) {
@@ -80,7 +97,8 @@ int SampleTree::Nearest(const double* q) const {
       }
     }
   }
-  return order_[best];
+  if (best >= 0) return order_[best];
+  return std::isfinite(limit) ? -1 : order_.front();
 }
 
 }  // namespace batten

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 namespace batten {
@@ -13,8 +14,9 @@ class SampleTree {
   // Points are columns. O(n log n).
   explicit SampleTree(const Eigen::Matrix3Xd& points);
 
-  // The index of the nearest point; the first of equals in the tree's order. Needs a point.
-  int Nearest(const double* q) const;
+  // The index of the nearest point; the first of equals in the tree's order. Needs a point. With a
+  // limit, −1 where no squared distance is below it.
+  int Nearest(const double* q, double limit = std::numeric_limits<double>::infinity()) const;
 
  private:
   // A leaf holds the points of [begin, end) of the order; an inner node cuts at a plane.
@@ -28,6 +30,7 @@ class SampleTree {
   std::vector<Node> nodes_;
   std::vector<int> order_;
   std::vector<double> x_, y_, z_;  // in order
+  Eigen::Vector3d low_, high_;     // of all points
 };
 
 }  // namespace batten

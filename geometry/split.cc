@@ -4,8 +4,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "batten/geometry/homogeneous.h"
 #include "batten/geometry/knot_refinement.h"
 #include "batten/geometry/number_text.h"
+#include "batten/geometry/trim_clip.h"
 
 namespace batten {
 namespace {
@@ -64,6 +66,43 @@ std::vector<ControlRows> DecomposeRows(const ControlRows& rows) {
   return pieces;
 }
 
+// An untrimmed piece of the surface along a direction, with what the surface's trims leave of it.
+std::vector<NurbsSurface> Parts(const NurbsSurface& surface,
+                                Direction direction,
+                                const NurbsSurface& piece) {
+  if (!surface.trimmed()) return {piece};
+  const SplineBasis &whole = BasisOf(surface, direction), &part = BasisOf(piece, direction);
+  const UnitDomain domain(surface);
+  std::vector<TrimLoops> sets{surface.trims()};
+  const auto cut = [&](double at, KeptSide side) {
+    std::vector<TrimLoops> cut_sets;
+    for (const TrimLoops& loops : sets) {
+      for (TrimLoops& left : CutTrims(loops, domain, direction, at, side)) {
+        cut_sets.push_back(std::move(left));
+      }
+    }
+    sets = std::move(cut_sets);
+  };
+  if (part.lower() > whole.lower()) cut(part.lower(), KeptSide::kAbove);
+  if (part.upper() < whole.upper()) cut(part.upper(), KeptSide::kBelow);
+  std::vector<NurbsSurface> parts;
+  const UnitDomain piece_domain(piece);
+  for (TrimLoops& loops : sets) {
+    parts.push_back(FillsDomain(loops, piece_domain) ? piece : piece.WithTrims(std::move(loops)));
+  }
+  return parts;
+}
+
+NurbsSurface OnePart(const std::string& function, std::vector<NurbsSurface> parts) {
+  if (parts.empty()) Reject(function, "the trims of the surface leave nothing of a piece");
+  if (parts.size() > 1) {
+    Reject(function,
+           "the trims of the surface leave " + std::to_string(parts.size()) +
+               " parts of a piece, not one; SegmentParts gives them");
+  }
+  return std::move(parts.front());
+}
+
 }  // namespace
 
 template <int Dim>
@@ -77,7 +116,10 @@ std::pair<NurbsSurface, NurbsSurface> Split(const NurbsSurface& surface,
                                             double at) {
   const auto [low, high] = SplitRows(RowsOf(surface, direction), "at", at);
   const SplineBasis& other = OtherBasis(surface, direction);
-  return {SurfaceOf(low, direction, other), SurfaceOf(high, direction, other)};
+  const auto trimmed = [&](const ControlRows& rows) {
+    return OnePart("Split", Parts(surface, direction, SurfaceOf(rows, direction, other)));
+  };
+  return {trimmed(low), trimmed(high)};
 }
 
 template <int Dim>
@@ -85,9 +127,19 @@ NurbsCurve<Dim> Segment(const NurbsCurve<Dim>& curve, double a, double b) {
   return Edited(curve, [&](const ControlRows& rows) { return SegmentRows(rows, a, b); });
 }
 
+std::vector<NurbsSurface> SegmentParts(const NurbsSurface& surface,
+                                       Direction direction,
+                                       double a,
+                                       double b) {
+  const ControlRows rows = SegmentRows(RowsOf(surface, direction), a, b);
+  if (b > BasisOf(surface, direction).upper()) {
+    RefuseTrims(surface.trims(), "Segment", "a piece of it through the seam is not made");
+  }
+  return Parts(surface, direction, SurfaceOf(rows, direction, OtherBasis(surface, direction)));
+}
+
 NurbsSurface Segment(const NurbsSurface& surface, Direction direction, double a, double b) {
-  const auto edit = [&](const ControlRows& rows) { return SegmentRows(rows, a, b); };
-  return Edited(surface, direction, edit);
+  return OnePart("Segment", SegmentParts(surface, direction, a, b));
 }
 
 NurbsSurface Segment(const NurbsSurface& surface, double a, double b, double c, double d) {
@@ -104,7 +156,8 @@ std::vector<NurbsCurve<Dim>> Decompose(const NurbsCurve<Dim>& curve) {
 std::vector<NurbsSurface> Decompose(const NurbsSurface& surface, Direction direction) {
   std::vector<NurbsSurface> pieces;
   for (const ControlRows& rows : DecomposeRows(RowsOf(surface, direction))) {
-    pieces.push_back(SurfaceOf(rows, direction, OtherBasis(surface, direction)));
+    const NurbsSurface piece = SurfaceOf(rows, direction, OtherBasis(surface, direction));
+    for (NurbsSurface& part : Parts(surface, direction, piece)) pieces.push_back(std::move(part));
   }
   return pieces;
 }

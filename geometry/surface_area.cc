@@ -15,6 +15,7 @@
 #include "batten/geometry/gauss_rule.h"
 #include "batten/geometry/rational_derivatives.h"
 #include "batten/geometry/spline_pieces.h"
+#include "batten/geometry/trimmed_area.h"
 
 namespace batten {
 namespace {
@@ -245,8 +246,14 @@ std::vector<Part> PartsIn(const SplineBasis& basis, double low, double high) {
   return parts;
 }
 
-// Parts of a stretch that, over a periodic basis, may run across the seam.
-std::vector<Part> Parts(const SplineBasis& basis, double low, double high, const char* name) {
+// A stretch of parameters inside the domain; over a periodic basis, one across the seam is two.
+struct Stretch {
+  double low, high;
+};
+std::vector<Stretch> Stretches(const SplineBasis& basis,
+                               double low,
+                               double high,
+                               const char* name) {
   const auto reject = [&](const std::string& rule) {
     throw std::invalid_argument("Area: " + std::string(name) + " in [" + std::to_string(low) +
                                 ", " + std::to_string(high) + "] " + rule);
@@ -257,14 +264,19 @@ std::vector<Part> Parts(const SplineBasis& basis, double low, double high, const
       reject("is not inside the domain [" + std::to_string(basis.lower()) + ", " +
              std::to_string(basis.upper()) + "]");
     }
-    return PartsIn(basis, low, high);
+    return {{low, high}};
   }
   const double period = basis.upper() - basis.lower();
   if (!(high - low <= period)) reject("is longer than one period");
   const double start = basis.Clamp(low), end = start + (high - low);
-  std::vector<Part> parts = PartsIn(basis, start, std::min(end, basis.upper()));
-  if (end > basis.upper()) {
-    for (const Part& part : PartsIn(basis, basis.lower(), end - period)) parts.push_back(part);
+  if (end <= basis.upper()) return {{start, end}};
+  return {{start, basis.upper()}, {basis.lower(), end - period}};
+}
+
+std::vector<Part> Parts(const SplineBasis& basis, double low, double high, const char* name) {
+  std::vector<Part> parts;
+  for (const Stretch& stretch : Stretches(basis, low, high, name)) {
+    for (const Part& part : PartsIn(basis, stretch.low, stretch.high)) parts.push_back(part);
   }
   return parts;
 }
@@ -302,6 +314,15 @@ double Area(const NurbsSurface& surface) {
 }
 
 double Area(const NurbsSurface& surface, double u0, double u1, double v0, double v1) {
+  if (surface.trimmed()) {
+    double sum = 0;
+    for (const Stretch& u : Stretches(surface.basis_u(), u0, u1, "u")) {
+      for (const Stretch& v : Stretches(surface.basis_v(), v0, v1, "v")) {
+        sum += TrimmedArea(surface, {u.low, u.high, v.low, v.high});
+      }
+    }
+    return sum;
+  }
   const Quadrature quadrature(surface.basis_u().degree(), surface.basis_v().degree());
   const SurfacePieces pieces(surface);
   const std::vector<Part> in_v = Parts(surface.basis_v(), v0, v1, "v");

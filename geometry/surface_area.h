@@ -16,6 +16,11 @@ namespace batten {
 // a pair of cubic spans. [Davis & Rabinowitz 1984, §5.6, §6.2]
 double Area(const NurbsSurface& surface);
 
+// Of a trimmed surface, here and below, the area of the part inside its trims, which must be turned
+// as NurbsSurface says (TurnedLoops). Pairs of knot spans that a loop passes are measured between
+// the loop and one of their sides, to 1e-10 of the sum of what that adds and subtracts; there folds
+// between the nodes of a rule are not looked for.
+
 // The area over [u0, u1] × [v0, v1], relative to that area as exact as above. In a periodic
 // direction the rectangle may begin anywhere and reach up to one period. Throws
 // std::invalid_argument unless u0 ≤ u1, v0 ≤ v1 and, where not periodic, all are in the domain.

@@ -73,7 +73,8 @@ NurbsSurface Transformed(const NurbsSurface& surface, const Eigen::Matrix4d& mat
   return NurbsSurface(surface.basis_u(),
                       surface.basis_v(),
                       std::move(image.points),
-                      surface.weights().cwiseProduct(image.factors));
+                      surface.weights().cwiseProduct(image.factors))
+      .WithTrims(surface.trims());
 }
 
 template <int Dim>

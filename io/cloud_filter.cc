@@ -124,15 +124,28 @@ void CloudFilter::Take(RowBatch& batch) {
   part_.rows += batch.rows;
   DropUnmatched(batch);
   const Eigen::Index unmatched = DropCount(batch);
+  const std::vector<char> matched(keep_.begin(), keep_.begin() + batch.rows);
   DropNonFinite(batch);
   RequirePositiveWeights(batch);
   const Eigen::Index finite_dropped = DropCount(batch);
   DropOutside(batch);
   const Eigen::Index all_dropped = DropCount(batch);
+  if (finite_dropped > unmatched) NoteMissing(matched);
+  part_.matched += batch.rows - unmatched;
   part_.non_finite += finite_dropped - unmatched;
   part_.filtered += unmatched + all_dropped - finite_dropped;
   Append(batch);
   batch.rows = 0;
+}
+
+// Remembers which of the matched rows were dropped since.
+void CloudFilter::NoteMissing(const std::vector<char>& matched) {
+  Eigen::Index at = part_.matched;
+  for (size_t r = 0; r < matched.size(); ++r) {
+    if (!matched[r]) continue;
+    if (!keep_[r]) part_.missing.push_back(at);
+    ++at;
+  }
 }
 
 void CloudFilter::DropUnmatched(const RowBatch& batch) {

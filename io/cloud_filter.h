@@ -36,7 +36,8 @@ struct CloudPart {
   std::vector<std::string> fields;
   int dimension = 3;
   bool has_normals = false, has_parameters = false, has_weights = false, has_colours = false;
-  Eigen::Index rows = 0, non_finite = 0, filtered = 0;
+  Eigen::Index rows = 0, matched = 0, non_finite = 0, filtered = 0;
+  std::vector<Eigen::Index> missing;  // places of those not finite among the rows that match
   std::vector<CloudChunk> chunks;
 
   Eigen::Index kept() const { return rows - non_finite - filtered; }
@@ -71,6 +72,7 @@ class CloudFilter {
   CloudPart Finish() && { return std::move(part_); }
 
  private:
+  void NoteMissing(const std::vector<char>& matched);
   void DropUnmatched(const RowBatch& batch);
   void DropNonFinite(const RowBatch& batch);
   void RequirePositiveWeights(const RowBatch& batch) const;

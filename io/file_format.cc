@@ -31,6 +31,8 @@ constexpr std::array kKnown{
     KnownWord{"json", FileFormat::kJson},
     KnownWord{"step", FileFormat::kStep},
     KnownWord{"stp", FileFormat::kStep},
+    KnownWord{"iges", FileFormat::kIges},
+    KnownWord{"igs", FileFormat::kIges},
 };
 
 struct UnsupportedWord {
@@ -48,8 +50,6 @@ constexpr std::array kUnsupported{
     UnsupportedWord{"stl", "not in this version; convert it to .ply"},
     UnsupportedWord{"off", "not in this version; convert it to .ply"},
     UnsupportedWord{"glb", "not in this version; use .step or .json"},
-    UnsupportedWord{"iges", "not in this version; use .step or .json"},
-    UnsupportedWord{"igs", "not in this version; use .step or .json"},
 };
 
 std::string Lower(std::string text) {
@@ -76,7 +76,7 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
   }
   throw UsageError(
       subject + ": unknown format '" + word +
-      "'; known are pcd, ply, text, xyz, csv, json and step (say which with --format)");
+      "'; known are pcd, ply, text, xyz, csv, json, step and iges (say which with --format)");
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
   // The word "text" is no extension.
   if (extension.size() < 2 || extension == ".text") {
     throw UsageError(path + ": the name does not say the format; say it with --format" +
-                     " (pcd, ply, text, xyz, csv, json, step)");
+                     " (pcd, ply, text, xyz, csv, json, step, iges)");
   }
   return FormatOfWord(extension.substr(1), path);
 }
@@ -109,12 +109,14 @@ const char* FormatName(FileFormat format) {
       return "json";
     case FileFormat::kStep:
       return "step";
+    case FileFormat::kIges:
+      return "iges";
   }
   return "?";
 }
 
 bool IsGeometryFormat(FileFormat format) {
-  return format == FileFormat::kJson || format == FileFormat::kStep;
+  return format == FileFormat::kJson || format == FileFormat::kStep || format == FileFormat::kIges;
 }
 
 bool IsCloudFormat(FileFormat format) { return !IsGeometryFormat(format); }

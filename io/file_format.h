@@ -14,11 +14,13 @@ enum class FileFormat {
   kCsv,   // .csv: the same; written with commas and a header line
   kJson,  // .json: geometry
   kStep,  // .step .stp: geometry
+  kIges,  // .iges .igs: geometry
 };
 
-// The format named by the word `format` (pcd, ply, text, xyz, csv, json, step; any case) or, when
-// that is empty, by the extension of the path. Throws UsageError saying what to do where the word
-// or extension is unknown or known but not supported, and where the path "-" comes without a word.
+// The format named by the word `format` (pcd, ply, text, xyz, csv, json, step, iges; any case) or,
+// when that is empty, by the extension of the path. Throws UsageError saying what to do where the
+// word or extension is unknown or known but not supported, and where the path "-" comes without a
+// word.
 FileFormat FormatOf(const std::string& path, const std::string& format = "");
 
 // The word that names the format.

@@ -8,6 +8,8 @@
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/geometry_json.h"
+#include "batten/io/iges_reader.h"
+#include "batten/io/iges_writer.h"
 #include "batten/io/read_error.h"
 #include "batten/io/step_reader.h"
 #include "batten/io/step_writer.h"
@@ -16,13 +18,13 @@
 namespace batten {
 namespace {
 
-enum class Format { kJson, kStep };
+enum class Format { kJson, kStep, kIges };
 
 // From the format word, or else the extension.
 Format FormatOf(const std::string& path, const std::string& word) {
   std::string name = word;
   if (word.empty()) {
-    if (path == "-") throw UsageError("-: a format (json or step) must be named");
+    if (path == "-") throw UsageError("-: a format (json, step or iges) must be named");
     const std::string extension = std::filesystem::path(path).extension().string();
     if (extension.size() > 1) name = extension.substr(1);
   }
@@ -31,13 +33,11 @@ Format FormatOf(const std::string& path, const std::string& word) {
   });
   if (name == "json") return Format::kJson;
   if (name == "step" || name == "stp") return Format::kStep;
-  if (name == "iges" || name == "igs") {
-    throw UsageError(path + ": IGES is not in this version; use .step or .json");
-  }
+  if (name == "iges" || name == "igs") return Format::kIges;
   const std::string what =
       word.empty() ? (name.empty() ? "a name without an extension" : "the extension ." + name)
                    : "the format \"" + word + "\"";
-  throw UsageError(path + ": " + what + " is not one of geometry; use .json or .step");
+  throw UsageError(path + ": " + what + " is not one of geometry; use .json, .step or .iges");
 }
 
 }  // namespace
@@ -48,6 +48,8 @@ std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOp
       return ParseGeometryJson(ReadWholeFile(path), path == "-" ? "standard input" : path);
     case Format::kStep:
       return ReadStep(path);
+    case Format::kIges:
+      return ReadIges(path);
   }
   return {};
 }
@@ -69,6 +71,8 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
     }
     case Format::kStep:
       return WriteStep(geometry, path, options.unit);
+    case Format::kIges:
+      return WriteIges(geometry, path, options.unit);
   }
 }
 

@@ -15,7 +15,7 @@ namespace batten {
 using Geometry = std::variant<NurbsCurve<2>, NurbsCurve<3>, NurbsSurface>;
 
 struct GeometryReadOptions {
-  std::string format;  // "json" or "step"; empty: by the path's extension
+  std::string format;  // "json", "step" or "iges"; empty: by the path's extension
 };
 
 // Every curve and surface of a file, in its order and its own unit; at least one. The path "-" is
@@ -25,8 +25,8 @@ std::vector<Geometry> ReadGeometry(const std::string& path,
                                    const GeometryReadOptions& options = {});
 
 struct GeometryWriteOptions {
-  std::string format;       // "json" or "step"; empty: by the path's extension
-  std::string unit = "mm";  // of the coordinates: declared in STEP, which never scales them
+  std::string format;       // "json", "step" or "iges"; empty: by the path's extension
+  std::string unit = "mm";  // of the coordinates: declared in STEP and IGES, never scaled
 };
 
 // Refuses a path no geometry can be written to for its format. Throws UsageError.

@@ -15,9 +15,11 @@ namespace batten {
 // Euclidean, a surface's v index runs fastest, missing weights are ones, names not of the form are
 // ignored. A direction that `periodic` says to be so has knots and control points that repeat (see
 // SplineBasis::Periodic); points and weights that do so up to the rounding of decimals, 1e-12 of
-// the size, are made to repeat exactly. Throws ReadError naming `path` and the field, as in
-// `shape.data[0].knotvector_u`, or the line. Trimmed surfaces are refused, and coordinates above
-// 1e150 in magnitude.
+// the size, are made to repeat exactly. A surface's `trims` are loops in its parameter domain, each
+// a curve or a container of curves that make one loop; ends within 1e-6 of the domain are moved
+// together, and the loops are turned as NurbsSurface::trims says. Throws ReadError naming `path`
+// and the field, as in `shape.data[0].knotvector_u`, or the line; coordinates above 1e150 in
+// magnitude are refused.
 std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path);
 
 // The same form; numbers in the shortest decimal form that reads back bit by bit, `periodic` only

@@ -5,6 +5,7 @@
 #include <TColStd_Array1OfReal.hxx>
 #include <TColStd_Array2OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
+#include <TColgp_Array1OfPnt2d.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <utility>
 #include <vector>
@@ -68,6 +69,19 @@ Handle(Geom_BSplineCurve) CurveToOcct(const NurbsCurve<Dim>& curve) {
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<2>& curve) { return CurveToOcct(curve); }
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<3>& curve) { return CurveToOcct(curve); }
 
+Handle(Geom2d_BSplineCurve) ToOcct2d(const NurbsCurve<2>& curve) {
+  const int size = curve.basis().size();
+  TColgp_Array1OfPnt2d poles(1, size);
+  TColStd_Array1OfReal weights(1, size);
+  for (int i = 0; i < size; ++i) {
+    poles(i + 1) = gp_Pnt2d(curve.control_points()(0, i), curve.control_points()(1, i));
+    weights(i + 1) = curve.weights()[i];
+  }
+  const KnotArrays knots(curve.basis().knots());
+  return new Geom2d_BSplineCurve(
+      poles, weights, knots.values, knots.multiplicities, curve.basis().degree());
+}
+
 Handle(Geom_BSplineSurface) ToOcct(const NurbsSurface& surface) {
   TColgp_Array2OfPnt poles(1, surface.size_u(), 1, surface.size_v());
   TColStd_Array2OfReal weights(1, surface.size_u(), 1, surface.size_v());
@@ -99,6 +113,19 @@ NurbsCurve<3> FromOcct(const Geom_BSplineCurve& curve) {
     weights[i] = curve.Weight(i + 1);
   }
   return NurbsCurve<3>(SplineBasis(curve.Degree(), Flat(curve.Knots(), curve.Multiplicities())),
+                       std::move(points),
+                       std::move(weights));
+}
+
+NurbsCurve<2> FromOcct(const Geom2d_BSplineCurve& curve) {
+  const int size = curve.NbPoles();
+  Eigen::Matrix2Xd points(2, size);
+  Eigen::VectorXd weights(size);
+  for (int i = 0; i < size; ++i) {
+    points.col(i) << curve.Pole(i + 1).X(), curve.Pole(i + 1).Y();
+    weights[i] = curve.Weight(i + 1);
+  }
+  return NurbsCurve<2>(SplineBasis(curve.Degree(), Flat(curve.Knots(), curve.Multiplicities())),
                        std::move(points),
                        std::move(weights));
 }

@@ -2,6 +2,7 @@
 // NURBS between batten and OpenCASCADE. Not installed; includes OpenCASCADE.
 #pragma once
 
+#include <Geom2d_BSplineCurve.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
 
@@ -14,11 +15,13 @@ namespace batten {
 // not hold, such as distinct knots that differ by rounding only.
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<3>& curve);
 Handle(Geom_BSplineCurve) ToOcct(const NurbsCurve<2>& curve);  // at z = 0
-Handle(Geom_BSplineSurface) ToOcct(const NurbsSurface& surface);
+Handle(Geom2d_BSplineCurve) ToOcct2d(const NurbsCurve<2>& curve);
+Handle(Geom_BSplineSurface) ToOcct(const NurbsSurface& surface);  // without its trims
 
 // The reverse, for shapes that are not periodic. Throws std::invalid_argument where batten's
 // constructors do.
 NurbsCurve<3> FromOcct(const Geom_BSplineCurve& curve);
+NurbsCurve<2> FromOcct(const Geom2d_BSplineCurve& curve);
 NurbsSurface FromOcct(const Geom_BSplineSurface& surface);
 
 }  // namespace batten

@@ -49,6 +49,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
   if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
   const std::vector<FileFormat> formats = CloudFormats(paths, options.format);
   CloudFile file;
+  Eigen::Index matched = 0;
   std::vector<CloudPart> parts;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     std::function<void(double)> progress;
@@ -58,6 +59,8 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
       };
     }
     parts.push_back(ReadPart(paths[k], formats[k], options, std::move(progress)));
+    for (const Eigen::Index at : parts.back().missing) file.missing.push_back(matched + at);
+    matched += parts.back().matched;
     file.points_in_file += parts.back().rows;
     file.non_finite += parts.back().non_finite;
     file.filtered += parts.back().filtered;

@@ -48,6 +48,8 @@ struct CloudFile {
   Eigen::Index points_in_file = 0;  // rows or vertices in the files, kept or not
   Eigen::Index non_finite = 0;  // dropped because a number they need is NaN, infinite or missing
   Eigen::Index filtered = 0;    // dropped by `where` or `box`
+  // Places of those not finite among all rows that match `where`, from 0: holes of a grid
+  std::vector<Eigen::Index> missing;
   std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
 };
 

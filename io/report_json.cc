@@ -102,6 +102,11 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
     json["base_why"] = geometry.base_why;
     json["distortion"] = Number(geometry.distortion);
   }
+  if (geometry.base_axes) {
+    const Eigen::Matrix3d& axes = *geometry.base_axes;
+    json["base_axes"] = {
+        {"u", Vector(axes.col(0))}, {"v", Vector(axes.col(1))}, {"normal", Vector(axes.col(2))}};
+  }
   if (geometry.primitive) json["primitive"] = Primitive(*geometry.primitive);
   return json;
 }

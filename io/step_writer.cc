@@ -21,9 +21,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
-#include <ctime>
 #include <iterator>
 #include <locale>
 #include <optional>
@@ -33,13 +30,15 @@
 #include <utility>
 #include <variant>
 
-#include "batten/geometry/clamp.h"
 #include "batten/geometry/exact_shape.h"
 #include "batten/io/atomic_file.h"
+#include "batten/io/closed_form.h"
 #include "batten/io/occt_convert.h"
 #include "batten/io/occt_exact.h"
 #include "batten/io/occt_session.h"
 #include "batten/io/read_error.h"
+#include "batten/io/time_stamp.h"
+#include "batten/io/trimmed_face.h"
 
 namespace batten {
 namespace {
@@ -84,6 +83,7 @@ std::optional<TopoDS_Shape> AnalyticShape(const Shape& shape) {
 
 // A natural boundary, degenerate and seam edges included.
 TopoDS_Shape ToShape(const NurbsSurface& surface) {
+  if (surface.trimmed()) return ToTrimmedFace(surface);
   if (const auto analytic = AnalyticShape(surface)) return *analytic;
   const Handle(Geom_BSplineSurface) bspline = ToOcct(surface);
   BRepBuilderAPI_MakeFace face(bspline, Precision::Confusion());
@@ -107,18 +107,6 @@ TopoDS_Shape ToShape(const NurbsCurve<Dim>& curve) {
   return edge.Shape();
 }
 
-// The same shape with clamped knots where it is periodic: closed, its ends coincide.
-template <int Dim>
-Geometry Closed(const NurbsCurve<Dim>& curve) {
-  return curve.basis().periodic() ? Clamped(curve) : curve;
-}
-Geometry Closed(const NurbsSurface& surface) {
-  NurbsSurface closed = surface;
-  if (surface.basis_u().periodic()) closed = Clamped(closed, Direction::kU);
-  if (surface.basis_v().periodic()) closed = Clamped(closed, Direction::kV);
-  return closed;
-}
-
 // The shape with the smallest tolerance, by powers of ten from OpenCASCADE's own 1e-7 to a
 // millionth of its size, at which it is valid: with large coordinates or high degrees rounding
 // exceeds 1e-7.
@@ -135,24 +123,6 @@ TopoDS_Shape ValidShape(const Geometry& geometry) {
   return shape;
 }
 
-// "2024-05-31T12:00:00" in UTC, of SOURCE_DATE_EPOCH where it holds seconds since 1970, else of 0.
-std::string TimeStamp() {
-  std::int64_t seconds = 0;
-  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
-    std::int64_t given = 0;
-    const char* end = epoch + std::strlen(epoch);
-    const auto [stop, error] = std::from_chars(epoch, end, given);
-    constexpr std::int64_t kYear10000 = 253402300800;
-    if (error == std::errc() && stop == end && given >= 0 && given < kYear10000) seconds = given;
-  }
-  const std::time_t time = static_cast<std::time_t>(seconds);
-  std::tm utc = {};
-  ::gmtime_r(&time, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-  return text;
-}
-
 Handle(TCollection_HAsciiString) Text(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
 }
@@ -160,7 +130,7 @@ Handle(TCollection_HAsciiString) Text(const std::string& text) {
 void SetHeader(const Handle(StepData_StepModel) & model) {
   APIHeaderSection_MakeHeader header(model);
   header.SetName(Text("batten"));
-  header.SetTimeStamp(Text(TimeStamp()));
+  header.SetTimeStamp(Text(TimeStamp("%Y-%m-%dT%H:%M:%S")));
   header.SetAuthorValue(1, Text("batten"));
   header.SetOrganizationValue(1, Text(""));
   header.SetPreprocessorVersion(Text("batten"));
@@ -223,7 +193,7 @@ std::string ToStep(const std::vector<Geometry>& geometry, const char* unit) {
   Interface_Static::SetCVal("write.step.product.name", "batten");
   STEPControl_Writer writer;
   for (const Geometry& one : geometry) {
-    const Geometry closed = std::visit([](const auto& shape) { return Closed(shape); }, one);
+    const Geometry closed = ClosedForm(one);
     if (writer.Transfer(ValidShape(closed), STEPControl_AsIs) != IFSelect_RetDone) {
       throw Standard_Failure("OpenCASCADE does not translate the shape to STEP");
     }

@@ -44,6 +44,23 @@ TEST_F(CommandsTest, JsonToStepToJsonIsTheSameGeometry) {
   EXPECT_EQ(folder_.Text("b.step"), folder_.Text("a.step"));
 }
 
+TEST_F(CommandsTest, TrimmedSurfacesPassThroughIgesAndStep) {
+  const std::string hole =
+      R"("trims": {"count": 1, "data": [{"type": "spline", "degree": 1, "knotvector": [0, 0, 1, 2, 3, 3],
+      "control_points": {"points": [[0.5, 0.25], [1.5, 0.25], [1, 0.75], [0.5, 0.25]]}, "reversed": 0}]},
+      "degree_u")";
+  std::string text = kRationalPatch;
+  text.replace(text.find("\"degree_u\""), std::string("\"degree_u\"").size(), hole);
+  const std::string trimmed = folder_.With("trimmed.json", text);
+  Run({"convert", trimmed, folder_.File("first.json")});
+  EXPECT_EQ(Entry(folder_.Text("first.json"))["trims"]["count"], 1);
+  for (const std::string name : {"a.igs", "a.iges", "a.step"}) {
+    Run({"convert", trimmed, folder_.File(name)});
+    Run({"convert", folder_.File(name), folder_.File("back.json")});
+    EXPECT_EQ(folder_.Text("back.json"), folder_.Text("first.json")) << name;
+  }
+}
+
 TEST_F(CommandsTest, PlaneAndPeriodicCurvesBecomeStepAsHelpSays) {
   Run({"convert", parabola_, folder_.File("flat.step")});
   Run({"convert", folder_.File("flat.step"), folder_.File("flat.json")});

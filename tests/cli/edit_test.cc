@@ -434,8 +434,8 @@ TEST_F(EditTest, FilesThatCanNotBeUsedAreRefusedBeforeTheWork) {
     EXPECT_EQ(folder_.Entries(), before);
     return run.err;
   };
-  EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.iges"), "reverse"}, 2),
-              HasSubstr("IGES is not in this version"));
+  EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.brep"), "reverse"}, 2),
+              HasSubstr(".brep"));
   EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.xyz"), "reverse"}, 2),
               HasSubstr(".xyz"));
   EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.json")}, 2), HasSubstr("OP"));

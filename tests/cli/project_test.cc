@@ -5,6 +5,9 @@
 
 #include <sstream>
 
+#include "batten/geometry/make_curve.h"
+#include "batten/geometry/make_surface.h"
+#include "batten/geometry/trim_loops.h"
 #include "batten/io/geometry_file.h"
 #include "exact_shapes.h"
 #include "random_splines.h"
@@ -96,6 +99,30 @@ TEST_F(ProjectTest, OfSeveralGeometriesTheNearestAnswers) {
   EXPECT_EQ(results[2]["at"].size(), 1u);
   EXPECT_NEAR(results[2]["distance"].get<double>(), 0.5, kIterated);
   EXPECT_NEAR(results[2]["lower_bound"].get<double>(), 0.5, kIterated);
+}
+
+// A square with a round hole: over the hole its rim is nearest, beyond the sides they are.
+TEST_F(ProjectTest, OfATrimmedSurfaceThePartInsideTheLoopsCounts) {
+  const NurbsCurve<2> sides(SplineBasis(1, {0, 0, 1, 2, 3, 4, 4}),
+                            Eigen::Matrix<double, 2, 5>{{0, 1, 1, 0, 0}, {0, 0, 1, 1, 0}});
+  const NurbsSurface square =
+      MakePlane({}, {-1, 1}, {-1, 1})
+          .WithTrims(TurnedLoops({sides, MakeArc(Eigen::Vector2d(0.5, 0.5), 0.25)}));
+  const std::string path = Stored("pierced.json", {square});
+  const std::string points =
+      folder_.With("p.xyz", "0.1 0 0\n0 0 1.2\n0.7 0.7 2\n0.75 0 -0.25\n2 0 0\n");
+  const double expected[] = {0.4, 1.3, 2, 0.25, 1};
+  const Json results = RunJson({path, points});
+  ASSERT_EQ(results.size(), 5u);
+  for (size_t k = 0; k < 5; ++k) {
+    EXPECT_NEAR(results[k]["distance"].get<double>(), expected[k], kIterated) << k;
+    EXPECT_NEAR(results[k]["lower_bound"].get<double>(), expected[k], kIterated) << k;
+  }
+  EXPECT_NEAR(results[0]["foot"][0].get<double>(), 0.5, kIterated);
+  const ProgramRun compared = Batten({"compare", path, points, "--json"});
+  EXPECT_EQ(compared.code, 0) << compared.err;
+  EXPECT_NEAR(Json::parse(compared.out)["error"]["max"].get<double>(), 2, kIterated);
+  EXPECT_NEAR(Json::parse(compared.out)["error"]["mean"].get<double>(), 4.95 / 5, kIterated);
 }
 
 TEST_F(ProjectTest, TheTableForPeopleIsACloudAgain) {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <string>
 
+#include "batten/geometry/make_curve.h"
+#include "batten/geometry/make_surface.h"
+#include "batten/geometry/trim_region.h"
 #include "dense_samples.h"
 #include "exact_shapes.h"
 #include "random_splines.h"
@@ -114,6 +117,27 @@ TEST(DistancesTest, ChangeSignWhenTheSurfaceIsTurnedOver) {
   const Eigen::VectorXd a = DistancesTo(sheet, points, pool).distances;
   const Eigen::VectorXd b = DistancesTo(turned, points, pool).distances;
   EXPECT_LE((a + b).cwiseAbs().maxCoeff(), kIterated * ExtentOf(sheet));
+}
+
+// A square of the plane z = 0 with a round hole of radius 1/2: the whole distance also beside the
+// border, above the plane and below.
+TEST(DistancesTest, ToATrimmedSurfaceAreThoseToThePartInsideItsLoops) {
+  ThreadPool pool(1);
+  const NurbsCurve<2> sides(SplineBasis(1, {0, 0, 1, 2, 3, 4, 4}),
+                            Eigen::Matrix<double, 2, 5>{{0, 1, 1, 0, 0}, {0, 0, 1, 1, 0}});
+  const NurbsSurface square =
+      MakePlane({}, {-1, 1}, {-1, 1})
+          .WithTrims(TurnedLoops({sides, MakeArc(Eigen::Vector2d(0.5, 0.5), 0.25)}));
+  RandomSplines random(5);
+  const Eigen::Matrix3Xd points = RandomPoints(random, 300, 0.7);
+  const PointDistances found = DistancesTo(square, points, pool);
+  const TrimRegion region(square);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const double beside = std::max(0.0, 0.5 - points.col(k).head<2>().norm());
+    const double height = points(2, k);
+    EXPECT_NEAR(found.distances[k], std::copysign(std::hypot(beside, height), height), kIterated);
+    EXPECT_TRUE(region.Contains(found.parameters(0, k), found.parameters(1, k)));
+  }
 }
 
 TEST(DistancesTest, FromAStartAreNeverLongerThanThere) {

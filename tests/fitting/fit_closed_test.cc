@@ -197,7 +197,8 @@ TEST(FitClosedTest, StaysCalmOverAHoleInTheWall) {
     if (std::hypot(place[0] - std::numbers::pi, place[1] - 1.5) < 0.4) continue;
     cloud.points.col(kept++) = cloud.points.col(k);
   }
-  const SurfaceFit fit = Fit(cloud.points.leftCols(kept));
+  const SurfaceFit fit =
+      FitSurface(PointCloud(cloud.points.leftCols(kept)), {.trim = Trimming::kNone});
   EXPECT_EQ(fit.report.geometry.closed, (std::vector<bool>{true, false}));
   // A flat lid would be off by 0.4²/2 = 0.08.
   const Eigen::Matrix3Xd truth = TruthOn(shape, 4000, shape.SpacingOf(8000)).points;

@@ -90,6 +90,7 @@ TEST(FitSheetTest, VoidsAreCalmWithAToleranceToo) {
   const PointCloud cloud = CloudOn(holed, 12000);
   SurfaceFitOptions options;
   options.optimize = Freedom{false, false, false};
+  options.trim = Trimming::kNone;
   const SurfaceFit plain = FitSurface(cloud, options);
   options.tolerance = 2.5 * kSigma;
   const SurfaceFit refined = FitSurface(cloud, options);

@@ -198,5 +198,35 @@ TEST(SampleGeometryTest, RefusesOptionsThatBreakTheirRuleAndNamesThem) {
   EXPECT_THROW(SampleGeometry(Circle(1), {.count = 0}), std::invalid_argument);
 }
 
+// A disc of the unit square, placed so that its middle is in the middle: rings and sectors of equal
+// area hold equally many points, none lies outside, and a small disc is as good.
+TEST(SampleGeometryTest, OfATrimmedSurfaceIsEvenOverThePart) {
+  const NurbsSurface square(SplineBasis::Uniform(1, 2, 0, 1),
+                            SplineBasis::Uniform(1, 2, 0, 1),
+                            Eigen::Matrix3Xd{{0, 0, 1, 1}, {0, 1, 0, 1}, {0, 0, 0, 0}});
+  for (const double radius : {0.4, 1e-3}) {
+    constexpr int kCorners = 720;
+    Eigen::Matrix2Xd corners(2, kCorners + 1);
+    for (int k = 0; k <= kCorners; ++k) {
+      const double angle = 2 * std::numbers::pi * (k % kCorners) / kCorners;
+      corners.col(k) << 0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle);
+    }
+    const NurbsCurve<2> loop(SplineBasis::Uniform(1, kCorners + 1, 0, 1), corners);
+    const Eigen::Matrix3Xd points =
+        World(SampleGeometry(square.WithTrims({loop}), {.count = 20000, .seed = 3}));
+    std::array<int, 10> rings{}, sectors{};
+    for (const Eigen::Vector3d point : points.colwise()) {
+      const double x = (point[0] - 0.5) / radius, y = (point[1] - 0.5) / radius;
+      const double squared = x * x + y * y;
+      ASSERT_LE(squared, 1 + kIterated);
+      ++rings[std::min(9, static_cast<int>(10 * squared))];
+      const double turn = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
+      ++sectors[std::min(9, static_cast<int>(10 * turn))];
+    }
+    ExpectEven(rings);
+    ExpectEven(sectors);
+  }
+}
+
 }  // namespace
 }  // namespace batten

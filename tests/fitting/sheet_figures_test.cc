@@ -97,7 +97,8 @@ TEST(SheetFiguresTest, ComesAsNearToTheTruthAsTrueParametersWouldAndNeverFolds) 
       if (asked_for && kind.base == "sheet") continue;
       SCOPED_TRACE(asked_for ? "a sheet asked for" : "nothing said");
       const SurfaceFit fit =
-          Fit(cloud.points, {.base = asked_for ? BaseShape::kSheet : BaseShape::kAuto});
+          Fit(cloud.points,
+              {.base = asked_for ? BaseShape::kSheet : BaseShape::kAuto, .trim = Trimming::kNone});
       EXPECT_EQ(fit.report.geometry.base, asked_for ? "sheet" : kind.base);
       EXPECT_NE(fit.report.geometry.base_why, "");
       EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
@@ -357,7 +358,7 @@ TEST(SheetFiguresTest, StaysCalmOverAHole) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const SheetPoints cloud =
         PointsOn(sheet, {.count = 4000, .sigma = 2e-3, .isotropic = true, .seed = seed});
-    const SurfaceFit fit = Fit(cloud.points);
+    const SurfaceFit fit = Fit(cloud.points, {.trim = Trimming::kNone});
     EXPECT_THAT(fit.report.warnings, ::testing::Contains(HasSubstr("no points")));
     BentSheet whole = sheet;
     whole.inside = nullptr;

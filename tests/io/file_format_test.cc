@@ -30,6 +30,8 @@ TEST(FileFormatTest, GoesByTheExtensionInAnyCase) {
   EXPECT_EQ(FormatOf("a.STP"), FileFormat::kStep);
   EXPECT_EQ(FormatOf("a.step"), FileFormat::kStep);
   EXPECT_EQ(FormatOf("a.json"), FileFormat::kJson);
+  EXPECT_EQ(FormatOf("a.igs"), FileFormat::kIges);
+  EXPECT_EQ(FormatOf("a.IGES"), FileFormat::kIges);
   for (const char* path : {"a.txt", "a.asc", "a.pts", "a.xy", "a.dat"}) {
     EXPECT_EQ(FormatOf(path), FileFormat::kText) << path;
   }
@@ -48,7 +50,8 @@ TEST(FileFormatTest, EveryNameIsAWordForItself) {
                             FileFormat::kXyz,
                             FileFormat::kCsv,
                             FileFormat::kJson,
-                            FileFormat::kStep}) {
+                            FileFormat::kStep,
+                            FileFormat::kIges}) {
     EXPECT_EQ(FormatOf("-", FormatName(format)), format);
     EXPECT_NE(IsCloudFormat(format), IsGeometryFormat(format));
     EXPECT_TRUE(IsReadable(format) && IsWritable(format));
@@ -61,7 +64,7 @@ TEST(FileFormatTest, SaysWhatToDoWithWhatItCantRead) {
   EXPECT_THAT(Advice("part.3dm"), HasSubstr("Rhino"));
   EXPECT_THAT(Advice("part.g2"), HasSubstr(".step"));
   EXPECT_THAT(Advice("part.brep"), HasSubstr(".step"));
-  for (const char* path : {"a.las", "a.obj", "a.stl", "a.off", "a.iges", "a.igs", "a.glb"}) {
+  for (const char* path : {"a.las", "a.obj", "a.stl", "a.off", "a.glb"}) {
     EXPECT_THAT(Advice(path), HasSubstr("not in this version")) << path;
   }
   EXPECT_THAT(Advice("a.foo"), HasSubstr("--format"));

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Surfaces of a file as one triangle mesh in another: what tessellate and convert share.
+#pragma once
+
+#include <string>
+
+#include "batten/cli/program.h"
+
+namespace batten {
+
+struct MeshRequest {
+  std::string geometry, geometry_format, out, out_format;
+  double chord_tolerance = 0;  // 0: 1e-3 of the size of all surfaces
+  CommonFlags flags;
+};
+
+// Whether the word, or else the path, names a format of meshes.
+bool NamesMesh(const std::string& path, const std::string& format);
+
+// Writes the mesh, then the line or JSON on standard output. Returns the exit code.
+int WriteMeshOf(const MeshRequest& request);
+
+}  // namespace batten

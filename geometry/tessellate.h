@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Triangle meshes of surfaces.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "batten/geometry/nurbs_surface.h"
+
+namespace batten {
+
+struct TriangleMesh {
+  Eigen::Matrix3Xd vertices;
+  Eigen::Matrix2Xd parameters;  // of the vertices; on a seam, those of one of its sides
+  Eigen::Matrix3Xd normals;     // the surface's unit normals; at tips the mean of the triangles'
+  Eigen::Matrix3Xi triangles;   // indices of vertices, counter-clockwise seen against the normals
+};
+
+struct TessellateOptions {
+  double chord_tolerance = 0;  // ≥ 0, in the data's units; 0: 1e-3 of the surface's diagonal
+  Eigen::Index max_triangles = 50000000;  // > 0; what needs more is refused
+  // Called from time to time with the share of the triangles so far that are done; what it throws
+  // ends the work.
+  std::function<void(double)> progress = nullptr;
+};
+
+// Triangles that follow the surface, the part inside its trims, within the chord tolerance: the
+// triangles' planes lie that near to the surface between their corners, which lie on it, and edges
+// on the border that near to the border. Corners of loops are vertices.
+// Edges inside the mesh belong to two triangles each, without gaps or vertices in their midst; so
+// do the seams of closed surfaces, and a collapsed edge is one vertex. Other edges lie along the
+// trim loops or the edges of the domain.
+// Every crossing of knot lines inside is a vertex, and lines of knots where the surface may have a
+// crease are edges.
+//
+// How: a constrained Delaunay triangulation over the domain, whose triangles are halved at the edge
+// along which the surface bends most, until second derivatives at four places in a triangle, and
+// distances there and at the middles of its edges, stay below 0.8 of the tolerance. That is no
+// proof: what is narrower than a fraction of a span between knots can be missed. Parameters lie on
+// a lattice of 2^29 steps to the domain, loops to half a step; triangles of less than two steps are
+// not halved. The same input gives the same mesh. About 2 µs for a triangle.
+// Throws std::invalid_argument for options out of range and where more than max_triangles are
+// needed, in most cases before work begins.
+// [second-derivative bound: Filip, Magedson & Markot 1986]
+TriangleMesh Tessellate(const NurbsSurface& surface, const TessellateOptions& options = {});
+
+// The meshes as one, in their order; nothing is joined.
+TriangleMesh JoinedMeshes(const std::vector<TriangleMesh>& meshes);
+
+}  // namespace batten

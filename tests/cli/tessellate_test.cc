@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// batten tessellate: surfaces in, a mesh out.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "batten/geometry/make_curve.h"
+#include "batten/geometry/make_surface.h"
+#include "batten/io/geometry_file.h"
+#include "run_program.h"
+
+namespace batten {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+
+class TessellateCommandTest : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name) const { return folder_.File(name); }
+
+  std::string Written(const std::string& name, const std::vector<Geometry>& geometry) const {
+    WriteGeometry(geometry, File(name));
+    return File(name);
+  }
+
+  void ExpectRefused(const std::vector<std::string>& words, int code, const std::string& said) {
+    const std::ptrdiff_t before = folder_.Entries();
+    const ProgramRun run = Batten(words);
+    EXPECT_EQ(run.code, code) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(said));
+    EXPECT_EQ(folder_.Entries(), before);
+  }
+
+  NurbsSurface sphere_ = MakeSphere(Frame(), 1);
+  NurbsSurface plane_ = MakePlane(Frame(), {0, 1}, {0, 1});
+  TemporaryFolder folder_;
+};
+
+TEST_F(TessellateCommandTest, SeveralSurfacesBecomeOneMesh) {
+  const std::string in = Written("in.json", {sphere_, plane_});
+  for (const char* name : {"a.stl", "a.obj", "a.ply"}) {
+    const ProgramRun run =
+        Batten({"tessellate", in, "-o", File(name), "--chord-tolerance", "0.01", "--json"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Json file = Json::parse(run.out)["files"][0];
+    EXPECT_EQ(file["kind"], "mesh");
+    EXPECT_EQ(file["surfaces"], 2);
+    EXPECT_EQ(file["chord_tolerance"], 0.01);
+    // A closed sphere has 2 n − 4 triangles for n vertices, the plane 2 for 4.
+    EXPECT_EQ(file["triangles"].get<int>(), 2 * (file["vertices"].get<int>() - 4) - 4 + 2);
+    EXPECT_TRUE(std::filesystem::exists(File(name)));
+  }
+}
+
+TEST_F(TessellateCommandTest, TheDefaultIsFinerThanTheSizeByAThousand) {
+  const std::string in = Written("in.json", {plane_});
+  const ProgramRun run = Batten({"tessellate", in, "-o", File("a.stl")});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.out, HasSubstr("2 triangles, 4 vertices, within 0.00141"));
+  EXPECT_EQ(Batten({"tessellate", in, "-o", File("b.stl"), "--quiet"}).out, "");
+}
+
+TEST_F(TessellateCommandTest, StandardOutputTakesTheMesh) {
+  const std::string in = Written("in.json", {plane_});
+  const ProgramRun run = Batten({"tessellate", in, "-o", "-", "--format", "obj"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, StartsWith("# written by batten\nv "));
+}
+
+TEST_F(TessellateCommandTest, CurvesAreLeftOut) {
+  const NurbsCurve<3> line = MakeLine(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0));
+  const std::string mixed = Written("in.json", {plane_, line}), curve = Written("c.json", {line});
+  const ProgramRun run = Batten({"tessellate", mixed, "-o", File("a.stl")});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.err, HasSubstr("1 curves are left out"));
+  ExpectRefused({"tessellate", curve, "-o", File("b.stl")}, 1, "holds no surface");
+}
+
+TEST_F(TessellateCommandTest, ConvertWritesMeshesToo) {
+  const std::string in = Written("in.json", {sphere_});
+  EXPECT_EQ(Batten({"convert", in, File("a.stl")}).code, 0);
+  EXPECT_EQ(Batten({"convert", in, File("a.ply")}).code, 0);
+  EXPECT_EQ(folder_.Entries(), 3);
+}
+
+TEST_F(TessellateCommandTest, WhatCannotBeIsRefused) {
+  const std::string in = Written("in.json", {sphere_});
+  ExpectRefused({"tessellate", in, "-o", File("a.step")}, 2, "meshes are written as");
+  ExpectRefused(
+      {"tessellate", in, "-o", File("a.stl"), "--chord-tolerance", "0"}, 2, "--chord-tolerance");
+  ExpectRefused({"tessellate", in, "-o", File("a.stl"), "--chord-tolerance", "1e-15"},
+                1,
+                "more than the 50000000 triangles");
+  ExpectRefused({"tessellate", File("none.json"), "-o", File("a.stl")}, 1, "none.json");
+}
+
+}  // namespace
+}  // namespace batten
