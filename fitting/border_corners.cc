@@ -14,12 +14,12 @@ using Index = Eigen::Index;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMostTurn = 165 * kDegree;  // a hair-pin
-constexpr double kGap = 1.5;      // left out on either side: rounded by the border's making
-constexpr double kBetter = 1.5;   // sum of squares of a circle over that of two lines
-constexpr double kNoise = 0.1;    // a border is never better known than that
-constexpr double kMostMoved = 2;  // by longer windows
-constexpr double kFarthest = 3;   // of a corner from its place on the border
-constexpr double kSharp = 100 * kDegree;
+constexpr double kGap = 1.5;       // left out on either side: rounded by the border's making
+constexpr double kBetter = 1.5;    // sum of squares of a circle over that of two lines
+constexpr double kNoise = 0.1;     // a border is never better known than that
+constexpr double kMostMoved = 2;   // by longer windows
+constexpr double kFarthest = 3.2;  // of a corner from the border
+constexpr double kSharp = 140 * kDegree;
 constexpr double kLongest = 20;  // of the windows that place a corner
 
 // What asks for a corner: both windows this long and this straight, turned by as many degrees, and
@@ -49,7 +49,7 @@ class CornerSearch {
     MergeNear();
     // Lines that meet far from the border belong to a narrow bend, unless they make a sharp tip.
     std::erase_if(corners_, [&](const BorderCorner& corner) {
-      return std::abs(corner.turn) < kSharp && (corner.place - At(corner.index)).norm() > kFarthest;
+      return std::abs(corner.turn) < kSharp && FromBorder(corner) > kFarthest;
     });
     return std::move(corners_);
   }
@@ -58,6 +58,14 @@ class CornerSearch {
   Index Count(double length) const { return static_cast<Index>(std::lround(length / step_)); }
   Index Wrapped(Index i) const { return ((i % border_.cols()) + border_.cols()) % border_.cols(); }
   Eigen::Vector2d At(Index i) const { return border_.col(Wrapped(i)); }
+
+  // How far a corner lies from the border around it.
+  double FromBorder(const BorderCorner& corner) const {
+    double least = (corner.place - At(corner.index)).norm();
+    for (Index i = -Count(10); i <= Count(10); ++i)
+      least = std::min(least, (corner.place - At(corner.index + i)).norm());
+    return least;
+  }
 
   // From the points first … last.
   Fitted Line(Index first, Index last) const {

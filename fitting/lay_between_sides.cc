@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/four_sides.h"
 #include "batten/fitting/outline_in_box.h"
+#include "batten/fitting/statistics.h"
 #include "batten/geometry/number_text.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
@@ -27,6 +29,7 @@ constexpr double kNearlyMeets = 1e-6;  // of the size: closer than this they are
 constexpr double kSmoothingOfSides = 1e-7;
 constexpr double kSideKeeps = 0.5;  // spacings that a smoothed side may be off the outline
 constexpr int kMostSpansOfSide = 24, kSamplesPerSpan = 4;
+constexpr double kTooSparse = 1.8;         // spacings of the mean: sides drawn there mislead
 constexpr double kNearlyRectangle = 0.75;  // of its area: an outline that is laid onto it
 constexpr double kBeyondInNoise = 3, kBeyondInSpacings = 0.1;
 
@@ -209,33 +212,40 @@ NurbsCurve<2> Smoothed(const std::function<Eigen::Vector2d(double)>& at,
   }
 }
 
-// Where three corners are found and the fourth is blunt: the place of the loop next to the corner
-// of the rectangle that none of the three is next to.
-std::optional<double> BluntCorner(const OutlineCurve& outer, const Eigen::Vector2d& lengths) {
-  std::array<bool, 4> taken = {false, false, false, false};
-  const auto corner = [&](int k) {
-    return Eigen::Vector2d(k == 1 || k == 2 ? lengths[0] : 0.0, k >= 2 ? lengths[1] : 0.0);
-  };
-  for (const double at : outer.corners) {
-    int nearest = 0;
-    for (int k = 1; k < 4; ++k) {
-      if ((outer.loop.At(at) - corner(k)).norm() < (outer.loop.At(at) - corner(nearest)).norm())
-        nearest = k;
-    }
-    if (taken[static_cast<size_t>(nearest)]) return std::nullopt;
-    taken[static_cast<size_t>(nearest)] = true;
-  }
-  const auto left = std::find(taken.begin(), taken.end(), false) - taken.begin();
+// The loop's places next to the corners of the rectangle, ascending: corners that were found near
+// them, for one of the four any place. None where fewer were found, or others elsewhere.
+std::optional<std::vector<double>> CornersOfRectangle(const OutlineCurve& outer,
+                                                      const Eigen::Vector2d& lengths,
+                                                      double spacing) {
   constexpr int kPlaces = 4000;
+  constexpr double kNear = 10;  // spacings: corners of one ragged corner
   const double a = outer.loop.basis().lower(), step = (outer.loop.basis().upper() - a) / kPlaces;
-  double best = a, least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < kPlaces; ++k) {
-    const double off = (outer.loop.At(a + k * step) - corner(static_cast<int>(left))).norm();
-    if (off >= least) continue;
-    least = off;
-    best = a + k * step;
+  std::vector<double> cuts;
+  int found = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d corner(k == 1 || k == 2 ? lengths[0] : 0.0, k >= 2 ? lengths[1] : 0.0);
+    const auto off = [&](double at) { return (outer.loop.At(at) - corner).norm(); };
+    double best = a;
+    for (int i = 1; i < kPlaces; ++i)
+      if (off(a + i * step) < off(best)) best = a + i * step;
+    const Eigen::Vector2d nearest = outer.loop.At(best);
+    std::optional<double> real;
+    for (const double at : outer.corners) {
+      if ((outer.loop.At(at) - nearest).norm() < kNear * spacing && (!real || off(at) < off(*real)))
+        real = at;
+    }
+    found += real ? 1 : 0;
+    cuts.push_back(real.value_or(best));
   }
-  return best;
+  std::sort(cuts.begin(), cuts.end());
+  if (found < 3 || std::adjacent_find(cuts.begin(), cuts.end()) != cuts.end()) return std::nullopt;
+  for (const double at : outer.corners) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const double cut : cuts)
+      least = std::min(least, (outer.loop.At(at) - outer.loop.At(cut)).norm());
+    if (least > kNear * spacing) return std::nullopt;
+  }
+  return cuts;
 }
 
 // Without the corners at which the loop hardly turns: those at the ends of a stretch on an edge.
@@ -268,12 +278,9 @@ bool TakeFourSides(const Outline& outline,
     }
     return true;
   }
-  if (outer.corners.size() != 3) return false;
-  const std::optional<double> blunt = BluntCorner(outer, lengths);
-  if (!blunt) return false;
-  std::vector<double> cuts = outer.corners;
-  cuts.push_back(*blunt);
-  std::sort(cuts.begin(), cuts.end());
+  const auto places = CornersOfRectangle(outer, lengths, spacing);
+  if (!places) return false;
+  const std::vector<double>& cuts = *places;
   const double a = outer.loop.basis().lower(), b = outer.loop.basis().upper();
   for (size_t k = 0; k < 4; ++k) {
     const double from = cuts[k], to = k < 3 ? cuts[k + 1] : cuts[0] + (b - a);
@@ -374,6 +381,28 @@ void EndAround(SurfaceBase& base,
   KeepInside(base);
 }
 
+// How many times as far apart as the mean spacing points are where they are sparse: from the counts
+// of tiles of 4 × 4 spacings that have all their neighbours; 1 where counts are those of chance.
+double Sparseness(const Eigen::Matrix2Xd& parameters, const PointMask& counted, double spacing) {
+  constexpr double kTile = 4, kOfChance = 10;  // the lowest twentieth of Poisson's with mean 16
+  std::map<std::pair<long, long>, double> counts;
+  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
+    if (!counted[k]) continue;
+    counts[{std::lround(parameters(0, k) / (kTile * spacing)),
+            std::lround(parameters(1, k) / (kTile * spacing))}] += 1;
+  }
+  std::vector<double> inner;
+  for (const auto& [tile, count] : counts) {
+    bool all = true;
+    for (long i = -1; i <= 1; ++i)
+      for (long j = -1; j <= 1; ++j)
+        all = all && counts.contains({tile.first + i, tile.second + j});
+    if (all) inner.push_back(count);
+  }
+  if (inner.empty()) return 1;
+  return std::sqrt(std::max(1.0, kOfChance / Quantile(std::move(inner), 0.05)));
+}
+
 // Whether a place is on the far side of a given edge.
 bool IsBeyond(const SurfaceBase& base,
               const Ring& ring,
@@ -450,8 +479,15 @@ LaidSides LayBetweenSides(SurfaceBase& base,
   return laid;
 }
 
-bool LayBetweenOutline(
-    SurfaceBase& base, const PointMask& reached, double spacing, double noise, ThreadPool& pool) {
+bool LayBetweenOutline(SurfaceBase& base,
+                       const PointMask& reached,
+                       double mean_spacing,
+                       double noise,
+                       ThreadPool& pool) {
+  // Where points are sparse the outline is drawn as there, and is as much less certain.
+  const double sparseness = Sparseness(base.parameters, reached, mean_spacing);
+  if (sparseness > kTooSparse) return false;
+  const double spacing = sparseness * mean_spacing;
   const Outline outline = OutlineOf(base, reached, spacing, noise, pool);
   // A loop of degree one is the rectangle itself.
   if (outline.fills || outline.loops.empty() || outline.loops.front().loop.basis().degree() == 1) {
@@ -463,7 +499,7 @@ bool LayBetweenOutline(
   const FourSidedMap map(SidesOf(ring));
   if (!map.one_to_one()) return false;
   TakePlacesOn(map, base, pool);
-  EndAround(base, reached, {true, true, true, true}, spacing / 2);
+  EndAround(base, reached, {true, true, true, true}, sparseness * spacing / 2);
   return true;
 }
 
