@@ -213,8 +213,9 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
                      "it closes");
   AddTolerances(command, a);
   command
-      .add_option(
-          "--format", a->format, "Format of '-' or of a file whose name does not tell: json step")
+      .add_option("--format",
+                  a->format,
+                  "Format of '-' or of a file whose name does not tell: json step iges")
       ->type_name("FORMAT");
   AddCommonFlags(command, a->flags);
   command.footer(

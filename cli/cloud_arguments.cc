@@ -42,9 +42,10 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       .add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
       ->type_name("NUMBERS");
   command
-      .add_option("--format",
-                  arguments.format,
-                  "Format of files whose name does not tell, or of '-' (pcd ply text; json step)")
+      .add_option(
+          "--format",
+          arguments.format,
+          "Format of files whose name does not tell, or of '-' (pcd ply text; json step iges)")
       ->type_name("FORMAT");
 }
 

@@ -140,11 +140,12 @@ void AddEditCommand(CLI::App& app, Action& action) {
   command
       .add_option("--format",
                   a->format,
-                  "Format of GEOMETRY where its name does not tell, or of '-': json step")
+                  "Format of GEOMETRY where its name does not tell, or of '-': json step iges")
       ->type_name("FORMAT");
   command
-      .add_option(
-          "--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+      .add_option("--output-format",
+                  a->out_format,
+                  "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
   command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
       ->capture_default_str()

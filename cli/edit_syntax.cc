@@ -130,7 +130,8 @@ const std::vector<Operation>& Operations() {
        {kPlane},
        Dir::kNone,
        "plane=a;b;c;d,keep=both",
-       "by the plane a x + b y + c z + d = 0 into NAME-1, ...; keep=above (where it is > 0) or below",
+       "by the plane a x + b y + c z + d = 0 into NAME-1, ...; keep=above (where it is > 0) or "
+       "below",
        {{"keep", {"both", "above", "below"}}}},
       {"trim",
        {kCurveTolerance},

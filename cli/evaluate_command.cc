@@ -276,8 +276,9 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
       ->default_str("0")
       ->type_name("K");
   command
-      .add_option(
-          "--format", a->format, "Format of '-' or of a file whose name does not tell: json step")
+      .add_option("--format",
+                  a->format,
+                  "Format of '-' or of a file whose name does not tell: json step iges")
       ->type_name("FORMAT");
   AddCommonFlags(command, a->flags);
   command.footer(

@@ -127,8 +127,9 @@ void AddEveryFitsArguments(CLI::App& command,
           "Subtracted from what is written: keep (nothing), local, or x,y,z",
           "ORIGIN");
   command
-      .add_option(
-          "--output-format", a.out_format, "Format of OUT where its name does not tell: json step")
+      .add_option("--output-format",
+                  a.out_format,
+                  "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
   AddCloudArguments(command, a.cloud);
   AddOutputArguments(command, a.output);

@@ -67,8 +67,9 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
       ->required()
       ->type_name("OUT");
   command
-      .add_option(
-          "--output-format", a->out_format, "Format of OUT where its name does not tell: json step")
+      .add_option("--output-format",
+                  a->out_format,
+                  "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
   command.add_option("--unit", a->unit, "Unit of the numbers, declared in STEP")
       ->capture_default_str()

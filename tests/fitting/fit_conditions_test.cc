@@ -143,6 +143,58 @@ TEST(FitConditionsTest, RefusesCurvesThatDoNotMeetAndNamesTheGap) {
   }
 }
 
+// From one side of the plane the surface of both, its own mirror image to the last bits.
+TEST(FitConditionsTest, MirrorsItselfWhereOneSideWasMeasured) {
+  std::mt19937_64 engine(12);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> normal(0, kSigma);
+  const auto hull = [](double x, double y) { return 0.3 * x * x - 0.4 * y * y + 0.1 * x; };
+  Eigen::Matrix3Xd points(3, 5000);
+  for (auto point : points.colwise()) {
+    const double x = 2 * uniform(engine), y = uniform(engine);
+    point << x, 5 + y, hull(x, y) + normal(engine);
+  }
+  SurfaceFitOptions options;
+  options.symmetric = MirrorPlane{{0, 2, 0}, 10};  // y = 5
+  const SurfaceFit fit = FitSurface(PointCloud(points), options);
+  EXPECT_EQ(fit.parameters.cols(), 5000);
+  EXPECT_EQ(fit.residuals.size(), 5000);
+  EXPECT_EQ(fit.report.input.points, 5000);
+  EXPECT_LT(fit.report.error.rms, 1.05 * kSigma);
+  const SurfaceFootPoints feet(fit.surface);
+  for (const double x : {0.1, 0.9, 1.9}) {
+    for (const double y : {-0.95, -0.5, 0.0, 0.5, 0.95}) {
+      const Eigen::Vector3d truth(x, 5 + y, hull(x, y));
+      EXPECT_LT(feet.Nearest(truth).distance, kSigma) << "measured or not";
+    }
+  }
+  const NurbsSurface& s = fit.surface;
+  double off[2] = {0, 0};  // from the images of control points across u, across v
+  for (int i = 0; i < s.size_u(); ++i) {
+    for (int j = 0; j < s.size_v(); ++j) {
+      Eigen::Vector3d image = s.control_point(i, j);
+      image[1] = 10 - image[1];
+      const Eigen::Vector3d across_u = s.control_point(s.size_u() - 1 - i, j),
+                            across_v = s.control_point(i, s.size_v() - 1 - j);
+      off[0] = std::max(off[0], (across_u - image).norm());
+      off[1] = std::max(off[1], (across_v - image).norm());
+    }
+  }
+  EXPECT_LE(std::min(off[0], off[1]), 2e-15) << "two units in the last place of 6";
+}
+
+TEST(FitConditionsTest, LeavesOutAndCountsWhatLiesBeyondAGivenEdge) {
+  SurfaceFitOptions options;
+  options.boundary = {{Through([](double t) { return Shell(0.05, t); }), "inside"}};
+  const SurfaceFit fit = FitSurface(ShellCloud(6000, 0, 1, 3), options);
+  EXPECT_NEAR(static_cast<double>(fit.report.input.outliers), 0.05 * 6000, 40) << "3 sd of chance";
+  EXPECT_LT(fit.report.error.rms, 1.1 * kSigma);
+  bool said = false;
+  for (const std::string& warning : fit.report.warnings)
+    said = said || warning.find("lie beyond the given boundary") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
 TEST(FitConditionsTest, TakesADomainInCoordinates) {
   std::mt19937_64 engine(8);
   std::uniform_real_distribution<double> uniform(0, 1);

@@ -159,6 +159,17 @@ TEST(FitTrimmedTest, KeepsTheRectangleWhereThatIsAskedFor) {
   EXPECT_TRUE(said);
 }
 
+TEST(FitTrimmedTest, DoesNotCutBackToOneOfTwoParts) {
+  const auto beside = [](double x, double) { return x < 0.46 || x > 0.54; };
+  const SurfaceFit fit = FitSurface(Hilly(8000, beside, Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(fit.surface.trimmed());
+  bool said = false;
+  for (const std::string& warning : fit.report.warnings)
+    said = said || warning.find("fall into 2 parts") != std::string::npos;
+  EXPECT_TRUE(said);
+  EXPECT_LT(fit.report.error.rms, 1.1e-3);
+}
+
 TEST(FitTrimmedTest, TrimsOverGivenParametersInTheirUnits) {
   const PointCloud plain = Hilly(8000, InRing, Eigen::Matrix3d::Identity());
   PointCloud cloud = plain;
