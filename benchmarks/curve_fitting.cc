@@ -2,16 +2,12 @@
 // Prints, as Markdown tables, how near curve fits come to curves that are known, medians over
 // seeds: rms and largest distance of the fitted curve from the noise-free one, points beyond open
 // ends left out, and of the noise-free one from the fitted (back), beside the limit that noise
-// alone sets. `clouds FOLDER` writes clouds for other programs instead, and `measure CURVE
-// LINE.xyz` prints rms, largest distance and the one back for the curve of such a program, given as
-// points in a row.
+// alone sets.
 #include <Eigen/Core>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <fstream>
-#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -220,69 +216,14 @@ void PrintConics() {
   }
 }
 
-void WriteCloud(const std::string& path, const Eigen::Matrix3Xd& points, int dimension) {
-  std::ofstream out(path);
-  out.precision(17);
-  for (const auto point : points.colwise()) {
-    out << point[0] << ' ' << point[1];
-    if (dimension == 3) out << ' ' << point[2];
-    out << '\n';
-  }
-  if (!out.flush()) throw std::runtime_error("can't write " + path);
-}
-
-// helix_2k_1.xyz, helix_100k_1.xyz … for every seed.
-void WriteClouds(const std::string& folder) {
-  const KnownCurve helix = WavyHelix();
-  for (int seed = 1; seed <= kSeeds; ++seed) {
-    for (const CurveCloudKind& kind : {kShortHelix, kLongHelix}) {
-      WriteCloud(folder + "/helix_" + std::to_string(kind.count / 1000) + "k_" +
-                     std::to_string(seed) + ".xyz",
-                 CloudAlong(helix, kind, static_cast<unsigned>(seed)),
-                 helix.dimension);
-    }
-  }
-}
-
-void PrintMeasured(const std::string& name, const std::string& path) {
-  for (const KnownCurve& curve : {WavyHelix(), ClosedFlower(), UnitSquare()}) {
-    if (curve.name != name) continue;
-    std::ifstream in(path);
-    std::vector<double> numbers;
-    for (double x = 0; in >> x;) numbers.push_back(x);
-    const auto dimension = static_cast<size_t>(curve.dimension);
-    if (!in.eof() || numbers.size() < 2 * dimension || numbers.size() % dimension != 0) {
-      throw std::runtime_error(path + ": not rows of " + std::to_string(dimension) + " numbers");
-    }
-    const auto count = static_cast<Eigen::Index>(numbers.size() / dimension);
-    Eigen::Matrix3Xd line = Eigen::Matrix3Xd::Zero(3, count);
-    line.topRows(curve.dimension) =
-        Eigen::Map<const Eigen::MatrixXd>(numbers.data(), curve.dimension, count);
-    const TruthError error = ErrorAgainst(curve, line);
-    std::printf("%.4e %.4e %.4e\n", error.rms, error.max, error.back);
-    return;
-  }
-  throw std::runtime_error("no curve " + name + ": helix, flower or square");
-}
-
 }  // namespace
 }  // namespace batten
 
-int main(int argc, char** argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
+int main() {
   try {
-    if (words.empty()) {
-      batten::PrintFreeForms();
-      batten::PrintPrimitives();
-      batten::PrintConics();
-    } else if (words.size() == 2 && words[0] == "clouds") {
-      batten::WriteClouds(words[1]);
-    } else if (words.size() == 3 && words[0] == "measure") {
-      batten::PrintMeasured(words[1], words[2]);
-    } else {
-      std::fprintf(stderr, "usage: curve_fitting [clouds FOLDER | measure CURVE LINE.xyz]\n");
-      return 2;
-    }
+    batten::PrintFreeForms();
+    batten::PrintPrimitives();
+    batten::PrintConics();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "curve_fitting: %s\n", error.what());
     return 1;

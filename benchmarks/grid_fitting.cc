@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Franke's function on regular grids: interpolation, and approximation within a tolerance. Prints
-// seconds, control points and errors as peers/sisl_grids.c does for SISL.
-// Usage: grid_fitting [LINES]...
+// Franke's function on a regular grid: interpolation or, with a tolerance, approximation within it.
+// Prints median seconds, control points and errors as peers/sisl_grids.c does for SISL: the rms of
+// z against the function, and the largest difference from the interpolant. THREADS 0: all cores.
+// Usage: grid_fitting LINES THREADS [TOLERANCE]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <vector>
 
 #include "batten/fitting/approximate_grid.h"
 #include "batten/fitting/interpolate_grid.h"
-#include "batten/fitting/stopwatch.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "job_results.h"
 #include "known_grids.h"
 
 namespace batten {
 namespace {
 
-constexpr int kRepeats = 5, kFiner = 4, kMostPlaces = 2000;
+constexpr int kFiner = 4, kMostPlaces = 2000;
 
 struct Errors {
   double rms = 0;   // of z to the function, at the surface's own (x, y)
@@ -42,52 +42,31 @@ Errors Measure(const NurbsSurface& surface, const NurbsSurface& other, int lines
   return errors;
 }
 
-void Run(int lines, ThreadPool& pool) {
+void Run(int lines, double tolerance, ThreadPool& pool) {
   const PointNet net = FrankeGrid(lines, lines);
-  double best = std::numeric_limits<double>::infinity();
-  Stopwatch watch;
-  for (int k = 0; k < kRepeats; ++k) {
-    watch.Lap();
-    InterpolateGrid(net, {}, pool);
-    best = std::min(best, watch.Lap());
-  }
   const NurbsSurface through = InterpolateGrid(net, {}, pool).surface;
-  std::printf("interpolate %d, %d threads: %.3g s, rms to truth %.3g\n",
-              lines,
-              pool.threads(),
-              best,
-              Measure(through, through, lines).rms);
-  for (const double tolerance : {1e-3, 1e-4}) {
-    watch.Lap();
-    const ToleratedGrid kept = ApproximateGrid(net, tolerance, {}, pool);
-    const double seconds = watch.Lap();
-    const Errors errors = Measure(kept.surface, through, lines);
-    std::printf(
-        "approximate %d %g, %d threads: %.3g s, %d x %d = %d control points, rms to truth %.3g, "
-        "max to interpolant %.3g, proven %.3g%s\n",
-        lines,
-        tolerance,
-        pool.threads(),
-        seconds,
-        kept.surface.size_u(),
-        kept.surface.size_v(),
-        kept.surface.size_u() * kept.surface.size_v(),
-        errors.rms,
-        errors.most,
-        kept.error,
-        kept.interpolates ? " (the interpolant)" : "");
-  }
+  JobRuns runs;
+  const NurbsSurface surface = RunJob(runs, [&] {
+    return tolerance > 0 ? ApproximateGrid(net, tolerance, {}, pool).surface
+                         : InterpolateGrid(net, {}, pool).surface;
+  });
+  const Errors errors = Measure(surface, through, lines);
+  runs.PrintSeconds();
+  std::printf(" numbers=%d rms=%.4e", surface.size_u() * surface.size_v(), errors.rms);
+  if (tolerance > 0) std::printf(" max=%.4e", errors.most);
+  std::printf("\n");
 }
 
 }  // namespace
 }  // namespace batten
 
 int main(int argc, char** argv) {
-  std::vector<int> sizes{21, 51, 100, 200, 1000};
-  if (argc > 1) sizes.clear();
-  for (int k = 1; k < argc; ++k) sizes.push_back(std::max(4, std::atoi(argv[k])));
-  for (const int threads : {1, 2}) {
-    batten::ThreadPool pool(threads);
-    for (const int lines : sizes) batten::Run(lines, pool);
+  const int lines = argc > 2 ? std::atoi(argv[1]) : 0;
+  if (lines < 4 || argc > 4) {
+    std::fprintf(stderr, "usage: grid_fitting LINES THREADS [TOLERANCE]\n");
+    return 2;
   }
+  batten::ThreadPool pool(std::atoi(argv[2]));
+  batten::Run(lines, argc > 3 ? std::atof(argv[3]) : 0, pool);
+  return 0;
 }

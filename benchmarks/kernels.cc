@@ -3,10 +3,19 @@
 #include <benchmark/benchmark.h>
 
 #include <memory>
+#include <vector>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#include <flann/algorithms/kdtree_single_index.h>
+#include <flann/flann.hpp>
+#pragma GCC diagnostic pop
 
 #include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/grid_selection.h"
+#include "batten/fitting/neighbours.h"
 #include "known_clouds.h"
 
 namespace batten {
@@ -32,6 +41,36 @@ BENCHMARK(LinearSolve)
     ->Args({21, 1000000})
     ->Args({61, 1000000})
     ->Unit(benchmark::kMillisecond);
+
+constexpr int kNeighbours = 25;
+
+// The neighbours of every point of a cloud, in the order of the file.
+void Neighbours(benchmark::State& state) {
+  const Eigen::Matrix3Xd points = Scatter(Franke, state.range(0), 1e-3, 0, 1);
+  const NeighbourIndex index(points);
+  for (auto _ : state) benchmark::DoNotOptimize(index.Nearest(points, kNeighbours));
+  state.SetItemsProcessed(state.iterations() * points.cols());
+}
+BENCHMARK(Neighbours)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
+
+// The same by FLANN.
+void NeighboursByFlann(benchmark::State& state) {
+  Eigen::Matrix3Xf points = Scatter(Franke, state.range(0), 1e-3, 0, 1).cast<float>();
+  const auto count = static_cast<size_t>(points.cols());
+  const flann::Matrix<float> rows(points.data(), count, 3);
+  flann::KDTreeSingleIndex<flann::L2_3D<float>> index(rows,
+                                                      flann::KDTreeSingleIndexParams(15, false));
+  index.buildIndex();
+  std::vector<int> found(count * kNeighbours);
+  std::vector<float> distances(found.size());
+  flann::Matrix<int> found_rows(found.data(), count, kNeighbours);
+  flann::Matrix<float> distance_rows(distances.data(), count, kNeighbours);
+  flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED);
+  parameters.cores = 1;
+  for (auto _ : state) index.knnSearch(rows, found_rows, distance_rows, kNeighbours, parameters);
+  state.SetItemsProcessed(state.iterations() * points.cols());
+}
+BENCHMARK(NeighboursByFlann)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/nearest_sample.h"
 
 namespace batten {
 namespace {
@@ -76,9 +77,10 @@ BaseProfile::BaseProfile(const Eigen::Matrix2Xd& places,
   speed_ = lengths_.back() / range_;
   const int count = spans * kSamplesASpan;
   sample_step_ = range_ / count;
-  samples_.resize(2, closed ? count : count + 1);
-  for (Eigen::Index i = 0; i < samples_.cols(); ++i) {
-    samples_.col(i) = At(sample_step_ * static_cast<double>(i)).place;
+  const Eigen::Index samples = closed ? count : count + 1;
+  samples_.setConstant((samples + kSampleLanes - 1) / kSampleLanes * kSampleLanes, 2, HUGE_VAL);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    samples_.row(i) = At(sample_step_ * static_cast<double>(i)).place.transpose();
   }
 }
 
@@ -96,19 +98,10 @@ BaseProfile::Jet BaseProfile::At(double s) const {
 }
 
 double BaseProfile::Foot(const Eigen::Vector2d& place) const {
-  Eigen::Index nearest = 0;
-  double least = HUGE_VAL;
-  const double* sample = samples_.data();
-  for (Eigen::Index i = 0; i < samples_.cols(); ++i, sample += 2) {
-    const double r = sample[0] - place[0], z = sample[1] - place[1];
-    const double squares = r * r + z * z;
-    if (squares < least) {
-      least = squares;
-      nearest = i;
-    }
-  }
+  const Eigen::Index nearest = NearestSample(
+      samples_.col(0).data(), samples_.col(1).data(), samples_.rows(), place[0], place[1]);
   constexpr int kMostSteps = 8;
-  constexpr double kSettled = 1e-13;
+  constexpr double kSettled = 1e-9;  // the next step would be of its square
   double s = sample_step_ * static_cast<double>(nearest);
   for (int step = 0; step < kMostSteps; ++step) {
     const Jet jet = At(s);

@@ -46,7 +46,7 @@ class BaseProfile {
   double speed_ = 1;
   std::vector<Eigen::Matrix<double, 2, 4>> spans_;  // powers of s − start
   std::vector<double> lengths_;                     // at the spans' starts, and the end
-  Eigen::Matrix2Xd samples_;
+  Eigen::MatrixX2d samples_;                        // filled up with infinite ones
   double sample_step_ = 0;
 };
 

@@ -32,7 +32,21 @@ class BaseScore {
   // base has a place for: the others' parameters are a guess. O(points of the sample).
   Value Of(const SurfaceBase& base, const PointMask& reached) const;
 
+  // The same where nearly the same base is known to ask for nearly such a grid: only its
+  // surroundings are searched.
+  Value Near(const SurfaceBase& base, const PointMask& reached, const Value& near) const;
+
+  // At less cost, and hardly ever too low: of a few grids with about as many cells as `near` has,
+  // and of no more than so many control points.
+  Value AtMost(const SurfaceBase& base,
+               const PointMask& reached,
+               const Value& near,
+               double most_control_points) const;
+
  private:
+  FittingProblem ProblemOf(const SurfaceBase& base, const PointMask& reached) const;
+  Value At(const SurfaceBase& base, const FittingProblem& problem, int cells_u, int cells_v) const;
+
   const PointCloud& points_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "batten/fitting/coefficient_order.h"
 #include "batten/fitting/fairness.h"
+#include "batten/fitting/net_values.h"
 #include "batten/fitting/normal_equations.h"
 #include "batten/fitting/pole_rows.h"
+#include "batten/fitting/tied_system.h"
 
 namespace batten {
 namespace {
@@ -31,7 +34,7 @@ class Tiles {
 
   int Column(double u) const { return Place(u - low_u_, columns_); }
   int Row(double v) const { return Place(v - low_v_, rows_); }
-  Eigen::Index Of(double u, double v) const { return Column(u) * rows_ + Row(v); }
+  Eigen::Index Of(int column, int row) const { return column * rows_ + row; }
   Eigen::Index size() const { return columns_ * rows_; }
 
  private:
@@ -58,40 +61,18 @@ double Area(const FittingProblem& problem) {
 // |S − z|² at every point; a coefficient of the net in a row, in the order of the solver.
 Eigen::VectorXd SquaredErrors(const SplineBasis& outer,
                               const SplineBasis& inner,
-                              const Eigen::VectorXd& a,
-                              const Eigen::VectorXd& b,
+                              const PointRows& points,
                               const Eigen::MatrixXd& values,
-                              const CellOrder& order,
                               const Eigen::MatrixXd& net,
                               ThreadPool& pool) {
-  const std::vector<int> outer_rows = CoefficientOrder(outer).Rows(outer),
-                         inner_rows = DistinctIndices(&inner);
   const Eigen::Index columns = DistinctCount(inner);
-  const int p = outer.degree(), q = inner.degree();
-  Eigen::VectorXd squares(values.cols());
-  pool.For(std::ssize(order.cells()), 8, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-    double No[kMaxDegree + 1], Ni[kMaxDegree + 1];
-    for (std::ptrdiff_t c = first; c < last; ++c) {
-      const CellOrder::Cell& cell = order.cells()[static_cast<size_t>(c)];
-      const int* rows = outer_rows.data() + (cell.outer_span - p);
-      const int* places = inner_rows.data() + (cell.inner_span - q);
-      for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
-        const Eigen::Index k = order.points()[static_cast<size_t>(i)];
-        outer.Values(cell.outer_span, a[k], No);
-        inner.Values(cell.inner_span, b[k], Ni);
-        squares[k] = 0;
-        for (Eigen::Index d = 0; d < values.rows(); ++d) {
-          double error = -values(d, k);
-          for (int r = 0; r <= p; ++r) {
-            for (int s = 0; s <= q; ++s)
-              error += No[r] * Ni[s] * net(columns * rows[r] + places[s], d);
-          }
-          squares[k] += error * error;
-        }
-      }
-    }
-  });
-  return squares;
+  Eigen::MatrixXd coefficients(net.cols(), Eigen::Index{outer.size()} * inner.size());
+  Eigen::Index to = 0;
+  for (const int i : CoefficientOrder(outer).Rows(outer)) {
+    for (const int j : DistinctIndices(&inner))
+      coefficients.col(to++) = net.row(columns * i + j).transpose();
+  }
+  return (NetValues(outer, &inner, coefficients, points, pool) - values).colwise().squaredNorm();
 }
 
 }  // namespace
@@ -102,8 +83,8 @@ double ParameterSpacing(const FittingProblem& problem) {
   const Tiles tiles(problem, width);
   std::vector<bool> full(static_cast<size_t>(tiles.size()), false);
   for (Eigen::Index k = 0; k < problem.size(); ++k) {
-    full[static_cast<size_t>(
-        tiles.Of(problem.data().parameters(0, k), problem.data().parameters(1, k)))] = true;
+    full[static_cast<size_t>(tiles.Of(tiles.Column(problem.data().parameters(0, k)),
+                                      tiles.Row(problem.data().parameters(1, k))))] = true;
   }
   const auto share = static_cast<double>(std::count(full.begin(), full.end(), true)) /
                      static_cast<double>(full.size());
@@ -119,14 +100,18 @@ BlockValidation::BlockValidation(const FittingProblem& problem, double width)
   }
   const FittingData& data = problem.data();
   const Tiles tiles(problem, width);
-  std::vector<int> fold_of(static_cast<size_t>(problem.size()));
+  std::vector<char> fold_of(static_cast<size_t>(problem.size()));
+  block_of_.resize(static_cast<size_t>(problem.size()));
   std::vector<int> number(static_cast<size_t>(tiles.size()), -1);
   std::vector<Eigen::Index> sizes(kFolds, 0);
   for (Eigen::Index k = 0; k < problem.size(); ++k) {
     const double u = data.parameters(0, k), v = data.parameters(1, k);
-    fold_of[static_cast<size_t>(k)] = FoldOf(tiles.Column(u), tiles.Row(v));
-    ++sizes[static_cast<size_t>(fold_of[static_cast<size_t>(k)])];
-    number[static_cast<size_t>(tiles.Of(u, v))] = 0;
+    const int column = tiles.Column(u), row = tiles.Row(v), fold = FoldOf(column, row);
+    const auto tile = static_cast<int>(tiles.Of(column, row));
+    fold_of[static_cast<size_t>(k)] = static_cast<char>(fold);
+    block_of_[static_cast<size_t>(k)] = tile;
+    ++sizes[static_cast<size_t>(fold)];
+    number[static_cast<size_t>(tile)] = 0;
   }
   for (int& n : number) {
     if (n == 0) n = blocks_++;
@@ -140,7 +125,6 @@ BlockValidation::BlockValidation(const FittingProblem& problem, double width)
     if (data.weights.size() > 0) fold.weights.resize(size);
     fold.block.reserve(static_cast<size_t>(size));
   }
-  block_of_.reserve(static_cast<size_t>(problem.size()));
   for (Eigen::Index k = 0; k < problem.size(); ++k) {
     Fold& fold = folds_[static_cast<size_t>(fold_of[static_cast<size_t>(k)])];
     const Eigen::Index to = std::ssize(fold.block);
@@ -148,8 +132,9 @@ BlockValidation::BlockValidation(const FittingProblem& problem, double width)
     fold.v[to] = data.parameters(1, k);
     fold.values.col(to) = data.values.col(k);
     if (data.weights.size() > 0) fold.weights[to] = data.weights[k];
-    fold.block.push_back(number[static_cast<size_t>(tiles.Of(fold.u[to], fold.v[to]))]);
-    block_of_.push_back(fold.block.back());
+    int& block = block_of_[static_cast<size_t>(k)];
+    block = number[static_cast<size_t>(block)];
+    fold.block.push_back(block);
   }
 }
 
@@ -158,17 +143,17 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
                                         ThreadPool& pool) const {
   const bool u_outside = basis_u.size() >= basis_v.size();
   const SplineBasis &outer = u_outside ? basis_u : basis_v, &inner = u_outside ? basis_v : basis_u;
-  std::vector<CellOrder> orders;
+  std::vector<PointRows> points;
   std::vector<NormalEquations> equations;
   double trace = 0;
   for (const Fold& fold : folds_) {
-    const Eigen::VectorXd &a = u_outside ? fold.u : fold.v, &b = u_outside ? fold.v : fold.u;
-    orders.emplace_back(outer, &inner, a, b);
-    equations.emplace_back(outer, &inner, a, b, fold.values, fold.weights, orders.back(), pool);
+    points.push_back(RowsOf(
+        u_outside ? fold.u : fold.v, u_outside ? fold.v : fold.u, fold.values, fold.weights));
+    equations.emplace_back(outer, &inner, points.back(), pool);
     trace += equations.back().trace();
   }
   const FairnessForm fairness(outer, &inner);
-  const Eigen::MatrixXd conditions = PoleConditionsOnRows(basis_u, basis_v, poles_, u_outside);
+  const NetTies ties = PoleTies(basis_u, basis_v, poles_, u_outside);
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(blocks_);
   for (size_t f = 0; f < folds_.size(); ++f) {
     const Fold& fold = folds_[f];
@@ -182,19 +167,12 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
     }
     if (smoothing_ > 0) fairness.AddTo(matrix, smoothing_ * trace / fairness.Trace());
     matrix.AddToDiagonal(4 * std::numeric_limits<double>::epsilon() * trace / matrix.size());
-    if (!matrix.Factor()) {
+    TiedSystem system(std::move(matrix), ties);
+    if (!system.Factor(&pool)) {
       return Eigen::VectorXd::Constant(blocks_, std::numeric_limits<double>::infinity());
     }
-    matrix.Solve(net);
-    MeetConditions(matrix, conditions, net);
-    const Eigen::VectorXd squares = SquaredErrors(outer,
-                                                  inner,
-                                                  u_outside ? fold.u : fold.v,
-                                                  u_outside ? fold.v : fold.u,
-                                                  fold.values,
-                                                  orders[f],
-                                                  net,
-                                                  pool);
+    system.Solve(net);
+    const Eigen::VectorXd squares = SquaredErrors(outer, inner, points[f], fold.values, net, pool);
     for (Eigen::Index k = 0; k < squares.size(); ++k) {
       errors[fold.block[static_cast<size_t>(k)]] +=
           (fold.weights.size() > 0 ? fold.weights[k] : 1.0) * squares[k];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/fitting/penalised_system.h"
+#include "batten/fitting/tied_system.h"
 
 namespace batten {
 namespace {
@@ -63,7 +64,7 @@ class Trials {
 
  private:
   // In parts of a fixed number of columns, so that threads change nothing.
-  double Freedom(const BlockBandedMatrix& factor) const {
+  double Freedom(const TiedSystem& factor) const {
     const Eigen::Index parts = (probes_.cols() + kColumns - 1) / kColumns;
     std::vector<double> sums(static_cast<size_t>(parts), 0.0);
     pool_.For(parts, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {

@@ -2,10 +2,12 @@
 #include "batten/fitting/closed_bases.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "batten/fitting/empty_share.h"
+#include "batten/fitting/revolution_shape.h"
 #include "batten/fitting/round_base.h"
 #include "batten/fitting/tube_base.h"
 
@@ -57,15 +59,20 @@ class Finder {
   void TryRound() {
     const CloudStatistics& statistics = good_.statistics;
     const RoundNodes nodes =
-        ChooseRoundNodes(good_.points, good_.index, statistics.noise, {}, pool_);
+        good_.nodes ? RoundNodesOf(*good_.nodes, statistics.noise, {})
+                    : ChooseRoundNodes(good_.points, good_.index, statistics.noise, {}, pool_);
     if (!nodes.serves()) {
       found_.refusal = nodes.refusal;
       return;
     }
-    const RoundCloud cloud{good_.points, nodes, statistics.spacing, statistics.noise, good_.margin};
+    RoundCloud cloud{good_.points, nodes, statistics.spacing, statistics.noise, good_.margin};
     Report(progress_, "parameterize", 0.6);
     if (in_question(BaseShape::kSphere) && !settled_) Take(SphereBaseOf(cloud, {}, pool_));
-    if (in_question(BaseShape::kTorus) && !settled_) Take(TorusBaseOf(cloud, {}, pool_));
+    if (settled_ || !(in_question(BaseShape::kTorus) || in_question(BaseShape::kRevolution)))
+      return;
+    const RevolutionShape shape = FindRevolution(nodes, std::nullopt, pool_);
+    cloud.shape = &shape;
+    if (in_question(BaseShape::kTorus)) Take(TorusBaseOf(cloud, {}, pool_));
     Report(progress_, "parameterize", 0.7);
     if (in_question(BaseShape::kRevolution) && !settled_) Take(RevolutionBaseOf(cloud, {}, pool_));
   }

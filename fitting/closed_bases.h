@@ -8,6 +8,7 @@
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/neighbours.h"
+#include "batten/fitting/sheet_nodes.h"
 #include "batten/fitting/surface_base.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -19,6 +20,7 @@ struct GoodPoints {
   const NeighbourIndex& index;
   const CloudStatistics& statistics;
   double margin;
+  const SheetNodes* nodes = nullptr;  // of them, as ChooseSheetNodes gives by default, if known
 };
 
 struct ClosedBase {

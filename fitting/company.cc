@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/company.h"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
-#include "batten/fitting/statistics.h"
 
 namespace batten {
 namespace {
@@ -15,45 +16,81 @@ constexpr double kMuchFarther = 2.5;
 constexpr int kCountedByFew = 1;
 constexpr Eigen::Index kFewest = 50;
 
+// The sixth neighbours' distances and the six neighbours of every point of an index, by the index's
+// order.
+struct Circles {
+  std::vector<int> neighbours;  // ranks in the order
+  std::vector<double> reach;
+};
+
+Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, ThreadPool& pool) {
+  const auto order = index.order();
+  const auto count = std::ssize(order);
+  std::vector<int> rank(order.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i)
+    rank[static_cast<size_t>(order[i])] = static_cast<int>(i);
+  Circles circles{std::vector<int>(order.size() * kNeighbour), std::vector<double>(order.size())};
+  pool.For(count, 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    Eigen::Matrix3Xd queries(3, end - begin);
+    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(order[i]);
+    const std::vector<int> near = index.Nearest(queries, kNeighbour + 1);  // the point itself first
+    for (auto i = begin; i < end; ++i) {
+      const int* row = near.data() + (i - begin) * (kNeighbour + 1) + 1;
+      for (int n = 0; n < kNeighbour; ++n)
+        circles.neighbours[static_cast<size_t>(i * kNeighbour + n)] =
+            rank[static_cast<size_t>(row[n])];
+      circles.reach[static_cast<size_t>(i)] =
+          (points.col(row[kNeighbour - 1]) - queries.col(i - begin)).norm();
+    }
+  });
+  return circles;
+}
+
+bool StandsApart(const Circles& circles, std::ptrdiff_t i) {
+  std::array<double, kNeighbour> theirs;
+  for (int n = 0; n < kNeighbour; ++n)
+    theirs[n] = circles.reach[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
+  std::sort(theirs.begin(), theirs.end());
+  const double median = (theirs[kNeighbour / 2 - 1] + theirs[kNeighbour / 2]) / 2;
+  return circles.reach[static_cast<size_t>(i)] > kMuchFarther * median;
+}
+
 }  // namespace
 
-PointMask HaveCompany(const Eigen::Matrix3Xd& points, const PointMask& mask) {
+PointMask HaveCompany(const Eigen::Matrix3Xd& points, const PointMask& mask, ThreadPool& pool) {
   PointMask company = mask;
   std::vector<Eigen::Index> chosen;
   for (Eigen::Index k = 0; k < mask.size(); ++k) {
     if (mask[k]) chosen.push_back(k);
   }
-  const auto count = static_cast<Eigen::Index>(chosen.size());
+  const auto count = std::ssize(chosen);
   if (count < kFewest) return company;
   const Eigen::Matrix3Xd some = points(Eigen::all, chosen);
-  const NeighbourIndex index(some);
-  const std::vector<int> nearest =
-      index.Nearest(some, kNeighbour + 1);  // the point itself is first
-  const auto neighbour = [&](Eigen::Index k, int n) {
-    return static_cast<Eigen::Index>(nearest[static_cast<size_t>(k * (kNeighbour + 1) + n)]);
-  };
-  Eigen::VectorXd reach(count);
-  for (Eigen::Index k = 0; k < count; ++k)
-    reach[k] = (some.col(neighbour(k, kNeighbour)) - some.col(k)).norm();
-  std::vector<bool> apart(chosen.size());
-  std::vector<double> theirs(kNeighbour);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    for (int n = 1; n <= kNeighbour; ++n)
-      theirs[static_cast<size_t>(n - 1)] = reach[neighbour(k, n)];
-    apart[static_cast<size_t>(k)] = reach[k] > kMuchFarther * Median(theirs);
-  }
+  const NeighbourIndex index(some, pool);
+  const Circles circles = CirclesOf(some, index, pool);
+  std::vector<char> apart(chosen.size());
+  pool.For(count, 4096, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (auto i = begin; i < end; ++i)
+      apart[static_cast<size_t>(i)] = StandsApart(circles, i) ? 1 : 0;
+  });
   // Where the density falls at a line, those of the thin side next to it have others behind them.
-  Eigen::VectorXi counted_by = Eigen::VectorXi::Zero(count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if (apart[static_cast<size_t>(k)]) continue;
-    for (int n = 1; n <= kNeighbour; ++n) ++counted_by[neighbour(k, n)];
+  std::vector<int> counted_by(chosen.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    if (apart[static_cast<size_t>(i)]) continue;
+    for (int n = 0; n < kNeighbour; ++n)
+      ++counted_by[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
   }
-  for (size_t k = 0; k < chosen.size(); ++k) {
-    if (apart[k] && counted_by[static_cast<Eigen::Index>(k)] <= kCountedByFew) {
-      company[chosen[k]] = false;
-    }
+  const auto order = index.order();
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    if (apart[i] && counted_by[i] <= kCountedByFew)
+      company[chosen[static_cast<size_t>(order[i])]] = false;
   }
   return company;
+}
+
+PointMask HaveCompany(const Eigen::Matrix3Xd& points, const PointMask& mask) {
+  ThreadPool alone(1);
+  return HaveCompany(points, mask, alone);
 }
 
 }  // namespace batten

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/geometry/thread_pool.h"
 
 namespace batten {
 
@@ -16,5 +17,6 @@ namespace batten {
 // al. 2000, the local outlier factor, with medians] All where they are fewer than fifty. O(m log
 // m).
 PointMask HaveCompany(const Eigen::Matrix3Xd& points, const PointMask& mask);
+PointMask HaveCompany(const Eigen::Matrix3Xd& points, const PointMask& mask, ThreadPool& pool);
 
 }  // namespace batten

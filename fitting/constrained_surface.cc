@@ -63,7 +63,7 @@ double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 std::string MissedConstraint::Text() const {
   return condition + " contradicts the other constraints: missed by " +
-         (angle ? NumberText(amount * 180 / std::numbers::pi) + " degrees" : NumberText(amount));
+         (angle ? RoundedText(amount * 180 / std::numbers::pi) + " degrees" : RoundedText(amount));
 }
 
 struct ConstrainedSystem::Parts {

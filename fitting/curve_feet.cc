@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "batten/fitting/curve_cut.h"
+#include "batten/fitting/curve_pieces.h"
 #include "batten/geometry/curve_evaluator.h"
-#include "batten/geometry/foot_point.h"
 
 namespace batten {
 namespace {
@@ -37,15 +37,12 @@ template <int Dim>
 Eigen::Matrix2Xd FeetOf(const FittingProblem& problem,
                         const Eigen::MatrixXd& coefficients,
                         ThreadPool& pool) {
-  const CurveFootPoints<Dim> feet(NurbsCurve<Dim>(problem.basis_u(), coefficients));
   Eigen::Matrix2Xd parameters = problem.data().parameters;
-  pool.For(parameters.cols(), 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    Eigen::Vector3d q = Eigen::Vector3d::Zero();
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
-      q.head<Dim>() = problem.data().values.col(k);
-      parameters(0, k) = feet.Near(q, parameters(0, k)).u;
-    }
-  });
+  const Eigen::VectorXd starts = parameters.row(0).transpose();
+  parameters.row(0) =
+      LocalFeet<Dim>(
+          NurbsCurve<Dim>(problem.basis_u(), coefficients), problem.data().values, starts, pool)
+          .transpose();
   return parameters;
 }
 
@@ -71,31 +68,41 @@ struct Reach {
   Eigen::Index count = 0;
 };
 
+// The piece between sharp places that holds each parameter.
+class PieceNumbers {
+ public:
+  PieceNumbers(const Eigen::Matrix2Xd& parameters, const std::vector<double>& places) {
+    if (places.size() == 2) return;
+    pieces_.reserve(static_cast<size_t>(parameters.cols()));
+    for (const double u : parameters.row(0)) {
+      const auto above = std::upper_bound(places.begin(), places.end(), u);
+      pieces_.push_back(static_cast<size_t>(
+          std::clamp<std::ptrdiff_t>(above - places.begin() - 1, 0, std::ssize(places) - 2)));
+    }
+  }
+
+  size_t operator[](Eigen::Index k) const {
+    return pieces_.empty() ? 0 : pieces_[static_cast<size_t>(k)];
+  }
+
+ private:
+  std::vector<size_t> pieces_;  // empty: one piece
+};
+
 std::vector<Reach> ReachOf(const FittingProblem& problem,
                            const Eigen::Matrix2Xd& parameters,
                            const std::vector<double>& places,
-                           const std::vector<size_t>& piece_of) {
+                           const PieceNumbers& piece_of) {
   std::vector<Reach> reach(places.size() - 1, {places.back(), places.front(), 0});
   const Eigen::VectorXd& weights = problem.data().weights;
   for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
     if (weights.size() > 0 && weights[k] == 0) continue;
-    Reach& piece = reach[piece_of[static_cast<size_t>(k)]];
+    Reach& piece = reach[piece_of[k]];
     piece.first = std::min(piece.first, parameters(0, k));
     piece.last = std::max(piece.last, parameters(0, k));
     ++piece.count;
   }
   return reach;
-}
-
-std::vector<size_t> PiecesOf(const Eigen::Matrix2Xd& parameters,
-                             const std::vector<double>& places) {
-  std::vector<size_t> piece_of;
-  for (const double u : parameters.row(0)) {
-    const auto above = std::upper_bound(places.begin(), places.end(), u);
-    piece_of.push_back(static_cast<size_t>(
-        std::clamp<std::ptrdiff_t>(above - places.begin() - 1, 0, std::ssize(places) - 2)));
-  }
-  return piece_of;
 }
 
 // Data stay between the corners they lie between and reach near them, and to the ends of an open
@@ -105,9 +112,9 @@ void KeepReach(const FittingProblem& problem, Eigen::Matrix2Xd& parameters) {
   const std::vector<double> places = SharpPlaces(basis);
   if (places.empty()) return;
   const double period = basis.periodic() ? basis.upper() - basis.lower() : 0;
-  const std::vector<size_t> piece_of = PiecesOf(problem.data().parameters, places);
+  const PieceNumbers piece_of(problem.data().parameters, places);
   for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
-    const size_t piece = piece_of[static_cast<size_t>(k)];
+    const size_t piece = piece_of[k];
     double& u = parameters(0, k);
     // Feet beyond the seam are near the end they came from.
     if (period > 0) u += period * std::round((problem.data().parameters(0, k) - u) / period);
@@ -120,7 +127,7 @@ void KeepReach(const FittingProblem& problem, Eigen::Matrix2Xd& parameters) {
     before.back().last = basis.upper();
   }
   for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
-    const size_t piece = piece_of[static_cast<size_t>(k)];
+    const size_t piece = piece_of[k];
     const Reach &was = before[piece], &is = after[piece];
     const double length = is.last - is.first;
     const auto count = static_cast<double>(std::max<Eigen::Index>(1, is.count));

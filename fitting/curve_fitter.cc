@@ -45,7 +45,7 @@ constexpr double kAlike = 1e-8;   // of the size: curves that differ less are on
 constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kStartSpans = 15, kStartForTolerance = 5;
 constexpr Eigen::Index kPointsOfStartSpan = 8;
-constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000;
+constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000, kManyUnderLoss = 10000;
 constexpr int kFeetSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
@@ -284,32 +284,69 @@ class CurveFitter {
     if (!loss && noisy && strays > kManyStrays * static_cast<double>(strays_.size()))
       loss = Loss::kTukey;
     const bool robust = loss && *loss != Loss::kNone;
-    const bool many = problem_->size() > kManyPoints && !robust && !options_.tolerance;
-    SpanAdaptation adapted = Adapted(many ? MeansOfRows(*problem_, kMeans) : *problem_);
-    Record(adapted.rounds);
+    const bool many = problem_->size() > kManyPoints && !options_.tolerance;
+    SpanAdaptation adapted =
+        robust ? AdaptedUnderLoss(many ? EveryFewData(*problem_, kManyUnderLoss) : *problem_, *loss)
+               : Adapted(many ? MeansOfRows(*problem_, kMeans) : *problem_);
+    if (!robust) Record(adapted.rounds);
+    if (many && robust) adapted = AdaptedToAll(adapted, *loss);
     const double means = many ? static_cast<double>(problem_->size()) / kMeans : 1;
     if (noise_ == 0) noise_ = adapted.noise * std::sqrt(means);
-    const RobustCurve losses{loss.value_or(Loss::kNone),
-                             options_.loss_scale,
-                             !options_.loss,
-                             distance_ == CurveDistance::kPoint,
-                             std::max(kAlike * size_, kTiny),
-                             anchored_};
-    const Eigen::VectorXd own = problem_->data().weights;
-    if (robust) adapted = NearLeastAbsolute(std::move(adapted), losses, pool_);
-    for (int pass = 0; robust && pass < kRobustPasses; ++pass) {
+    report_.termination = adapted.full         ? Termination::kMaxControlPoints
+                          : options_.tolerance ? Termination::kStalled
+                                               : Termination::kNoiseReached;
+    FittingProblem whole = !many    ? std::move(adapted.problem)
+                           : robust ? WeightedWhole(adapted, *loss)
+                                    : problem_->WithBasis(adapted.layout.Basis());
+    Settle(std::move(whole), adapted.layout);
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  RobustCurve Losses(Loss loss, bool all) const {
+    return {loss,
+            options_.loss_scale,
+            !options_.loss,
+            distance_ == CurveDistance::kPoint,
+            std::max(kAlike * size_, kTiny),
+            all ? anchored_ : std::vector<Eigen::Index>{}};
+  }
+
+  // Adaptation and weights in turn; the problem that comes back has the weights of the loss.
+  SpanAdaptation AdaptedUnderLoss(const FittingProblem& problem, Loss loss) {
+    const RobustCurve losses = Losses(loss, problem.size() == problem_->size());
+    SpanAdaptation adapted = Adapted(problem);
+    Record(adapted.rounds);
+    if (noise_ == 0) noise_ = adapted.noise;
+    const Eigen::VectorXd own = problem.data().weights;
+    adapted = NearLeastAbsolute(std::move(adapted), losses, pool_);
+    for (int pass = 0; pass < kRobustPasses; ++pass) {
       const FittingProblem weighted = WeightedByLoss(adapted, losses, own, pool_);
       adapted = Adapted(weighted);
       Record(adapted.rounds);
     }
-    if (robust) adapted.problem = WeightedByLoss(adapted, losses, own, pool_);
-    report_.termination = adapted.full         ? Termination::kMaxControlPoints
-                          : options_.tolerance ? Termination::kStalled
-                                               : Termination::kNoiseReached;
-    FittingProblem whole =
-        many ? problem_->WithBasis(adapted.layout.Basis()) : std::move(adapted.problem);
-    Settle(std::move(whole), adapted.layout);
-    report_.seconds.solve = watch_.Lap();
+    adapted.problem = WeightedByLoss(adapted, losses, own, pool_);
+    return adapted;
+  }
+
+  // All data at their feet on a curve fitted to some of them or to means, weighted by the loss.
+  FittingProblem WeightedWhole(const SpanAdaptation& part, Loss loss) const {
+    const FittingProblem whole = problem_->WithBasis(part.layout.Basis());
+    const SpanAdaptation all{part.layout,
+                             distance_ == CurveDistance::kPoint
+                                 ? MovedToFeet(whole, part.solution.coefficients, pool_, anchored_)
+                                 : whole,
+                             part.solution,
+                             part.noise,
+                             part.full,
+                             {}};
+    return WeightedByLoss(all, Losses(loss, true), whole.data().weights, pool_);
+  }
+
+  // What all data ask for once some of them have told which are far off.
+  SpanAdaptation AdaptedToAll(const SpanAdaptation& some, Loss loss) {
+    SpanAdaptation adapted = Adapted(MeansOfRows(WeightedWhole(some, loss), kMeans));
+    Record(adapted.rounds);
+    return adapted;
   }
 
   // The last fits, on all data; open ends first go where noise lets the points say they are.
@@ -586,6 +623,7 @@ class CurveFitter {
                                             strays_,
                                             options_,
                                             problem_->data().weights,
+                                            problem_->data().parameters.row(0).transpose(),
                                             distance_,
                                             noise_,
                                             problem_->unknowns()},

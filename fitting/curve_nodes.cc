@@ -18,6 +18,7 @@ namespace {
 constexpr Eigen::Index kSample = 2000;  // points looked at for the scale
 constexpr Eigen::Index kAsked = 300;    // of which so many are asked
 constexpr int kFewestAround = 10;
+constexpr int kManyAround = 64;  // are enough mostly
 constexpr int kMostAround = 500;
 constexpr double kThin = 0.03;  // squared thickness against squared length of a thin neighbourhood
 constexpr int kShifts = 5;
@@ -47,6 +48,23 @@ Thickness ThicknessOf(const Eigen::Matrix3Xd& around) {
   const Eigen::MatrixX2d rest = across - powers * gram.ldlt().solve(powers.transpose() * across);
   const auto freedom = static_cast<double>(x.size() - 3);
   return {rest.squaredNorm() / along, std::sqrt(rest.col(1).squaredNorm() / freedom)};
+}
+
+struct RowNoise {
+  double noise = 0;
+  bool sure = false;
+};
+
+// Of the first of these neighbours that are longer than thick. Few points can look like a row by
+// chance; twice they hardly do.
+RowNoise NoiseAround(const Eigen::Matrix3Xd& sample, const int* nearest, int most) {
+  Thickness thickness;
+  int thin = 0;
+  for (int k = kFewestAround; k <= most && thin < 2; k += k / 4) {
+    thickness = ThicknessOf(sample(Eigen::all, std::vector<int>(nearest, nearest + k)));
+    thin = thickness.ratio <= kThin ? thin + 1 : 0;
+  }
+  return {thin > 0 ? thickness.noise : 0, thin == 2};
 }
 
 // The middle of the points in a ball and the direction in which they run.
@@ -118,20 +136,24 @@ CurveScale ScaleOfCurves(const Eigen::Matrix3Xd& points) {
   if (points.cols() < 2) return scale;
   const Eigen::Matrix3Xd sample = EveryFew(points, kSample);
   const Eigen::Matrix3Xd asked = EveryFew(sample, kAsked);
-  const int most = static_cast<int>(std::min<Eigen::Index>(kMostAround, sample.cols()));
-  const std::vector<int> nearest = NeighbourIndex(sample).Nearest(asked, most);
-  std::vector<double> noises, spacings;
-  for (Eigen::Index i = 0; i < asked.cols(); ++i) {
-    const int* around = &nearest[i * most];
-    spacings.push_back((sample.col(around[std::min(2, most - 1)]) - asked.col(i)).norm());
-    // Few points can look like a row by chance; twice they hardly do.
-    Thickness thickness;
-    int thin = 0;
-    for (int k = kFewestAround; k <= most && thin < 2; k += k / 4) {
-      thickness = ThicknessOf(sample(Eigen::all, std::vector<int>(around, around + k)));
-      thin = thickness.ratio <= kThin ? thin + 1 : 0;
+  const NeighbourIndex index(sample);
+  std::vector<double> noises(static_cast<size_t>(asked.cols()), 0.0), spacings;
+  std::vector<Eigen::Index> open(static_cast<size_t>(asked.cols()));
+  std::iota(open.begin(), open.end(), Eigen::Index{0});
+  for (const int around : {kManyAround, kMostAround}) {
+    const int most = static_cast<int>(std::min<Eigen::Index>(around, sample.cols()));
+    const std::vector<int> nearest = index.Nearest(asked(Eigen::all, open), most);
+    std::vector<Eigen::Index> undecided;
+    for (size_t i = 0; i < open.size(); ++i) {
+      const int* const row = &nearest[i * static_cast<size_t>(most)];
+      if (around == kManyAround)
+        spacings.push_back((sample.col(row[std::min(2, most - 1)]) - asked.col(open[i])).norm());
+      const RowNoise found = NoiseAround(sample, row, most);
+      noises[static_cast<size_t>(open[i])] = found.noise;
+      if (!found.sure && most < sample.cols()) undecided.push_back(open[i]);
     }
-    noises.push_back(thin > 0 ? thickness.noise : 0);
+    open = std::move(undecided);
+    if (open.empty()) break;
   }
   scale.spacing = Median(std::move(spacings)) * static_cast<double>(sample.cols()) /
                   static_cast<double>(points.cols());

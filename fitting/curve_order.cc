@@ -4,10 +4,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <compare>
+#include <span>
 #include <sstream>
 #include <stdexcept>
-#include <tuple>
+#include <vector>
 
 #include "batten/fitting/curve_guide.h"
 #include "batten/fitting/curve_nodes.h"
@@ -48,9 +49,16 @@ constexpr int kSmoothRounds = 2;
 // Different points of a cloud around zero, of size about one, in an order that is their own.
 struct Places {
   Eigen::Matrix3Xd points;
-  std::vector<std::vector<Eigen::Index>> given;  // points of the cloud at each
+  std::vector<Eigen::Index> order;  // points of the cloud, place by place
+  std::vector<size_t> first;        // of each place in that order, and behind the last
   Eigen::Vector3d middle;
   double unit;
+
+  // Points of the cloud at a place.
+  std::span<const Eigen::Index> Given(Eigen::Index place) const {
+    const auto i = static_cast<size_t>(place);
+    return {order.data() + first[i], first[i + 1] - first[i]};
+  }
 };
 
 Places PlacesOf(const PointCloud& cloud) {
@@ -58,24 +66,28 @@ Places PlacesOf(const PointCloud& cloud) {
   Places places;
   places.unit = UnitOf(points);
   places.middle = points.rowwise().minCoeff() / 2 + points.rowwise().maxCoeff() / 2;
-  const auto key = [&](Eigen::Index k) {
-    return std::tuple(points(0, k), points(1, k), points(2, k));
+  // By coordinates, then by number.
+  struct Keyed {
+    double x, y, z;
+    Eigen::Index k;
+    auto operator<=>(const Keyed&) const = default;
   };
-  std::vector<Eigen::Index> order(points.cols());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return std::pair(key(a), a) < std::pair(key(b), b);
-  });
-  for (const Eigen::Index k : order) {
-    if (places.given.empty() || key(places.given.back().front()) != key(k)) {
-      places.given.emplace_back();
-    }
-    places.given.back().push_back(k);
+  std::vector<Keyed> keyed(static_cast<size_t>(points.cols()));
+  for (Eigen::Index k = 0; k < points.cols(); ++k)
+    keyed[static_cast<size_t>(k)] = {points(0, k), points(1, k), points(2, k), k};
+  std::sort(keyed.begin(), keyed.end());
+  for (size_t i = 0; i < keyed.size(); ++i) {
+    const Keyed &here = keyed[i], &before = keyed[i > 0 ? i - 1 : 0];
+    const bool same = here.x == before.x && here.y == before.y && here.z == before.z;
+    if (i == 0 || !same) places.first.push_back(i);
+    places.order.push_back(here.k);
   }
-  places.points.resize(3, places.given.size());
-  for (size_t i = 0; i < places.given.size(); ++i) {
-    places.points.col(i) = (points.col(places.given[i].front()) - places.middle) / places.unit;
+  places.points.resize(3, std::ssize(places.first));
+  for (size_t i = 0; i < places.first.size(); ++i) {
+    places.points.col(static_cast<Eigen::Index>(i)) =
+        (points.col(places.order[places.first[i]]) - places.middle) / places.unit;
   }
+  places.first.push_back(keyed.size());
   return places;
 }
 
@@ -322,7 +334,7 @@ CurvePath PathOf(const Places& places,
     if (guide.closed && i > 0) {
       path.gap = std::max(path.gap, (place(i) - place(i - 1)).norm() * places.unit);
     }
-    for (const Eigen::Index k : places.given[order[i]]) {
+    for (const Eigen::Index k : places.Given(order[i])) {
       path.points.push_back(k);
       expanded.push_back(parameters[i] * places.unit);
     }
@@ -422,7 +434,8 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
   });
   for (size_t i = 0; i < look.places.size(); ++i) {
     if (look.places[i].guide >= 0) continue;
-    result.outliers.insert(result.outliers.end(), places.given[i].begin(), places.given[i].end());
+    const std::span<const Eigen::Index> given = places.Given(static_cast<Eigen::Index>(i));
+    result.outliers.insert(result.outliers.end(), given.begin(), given.end());
   }
   std::sort(result.outliers.begin(), result.outliers.end());
   Report(progress, "order", 1);

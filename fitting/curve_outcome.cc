@@ -2,9 +2,10 @@
 #include "batten/fitting/curve_outcome.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
-#include "batten/fitting/distances.h"
+#include "batten/fitting/curve_distances.h"
 
 namespace batten {
 namespace {
@@ -27,6 +28,16 @@ PointMask Forgotten(const CurveGrounds& grounds) {
     if (place >= 0 && grounds.weights[place] == 0) forgotten[k] = true;
   }
   return forgotten;
+}
+
+// A parameter near the foot point of every point of the curve, NaN for others.
+Eigen::VectorXd KnownPlaces(const CurveGrounds& grounds) {
+  Eigen::VectorXd places(grounds.cloud.size());
+  for (Eigen::Index k = 0; k < places.size(); ++k) {
+    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
+    places[k] = place < 0 ? std::numeric_limits<double>::quiet_NaN() : grounds.parameters[place];
+  }
+  return places;
 }
 
 template <int Dim>
@@ -79,7 +90,8 @@ CurveFit<Dim> MeasuredCurve(const CurveGrounds& grounds,
       (grounds.cloud.origin() - options.shift).template head<Dim>();
   NurbsCurve<Dim> written = Moved<Dim>(curve, middle + move);
   const NurbsCurve<Dim> measured = Moved<Dim>(written, -move);
-  const PointDistances found = DistancesTo<Dim>(measured, grounds.cloud.points(), pool);
+  const PointDistances found =
+      DistancesNear<Dim>(measured, grounds.cloud.points(), KnownPlaces(grounds), pool);
   CurveFit<Dim> fit{std::move(written),
                     found.parameters.row(0).transpose(),
                     found.distances,

@@ -14,6 +14,7 @@ struct CurveGrounds {
   const PointMask& strays;
   const CurveFitOptions& options;
   const Eigen::VectorXd& weights;  // of the ordered points in the end; empty: ones
+  Eigen::VectorXd parameters;      // of the ordered points, near their foot points
   CurveDistance distance;          // kParameter or kPoint: what was fitted
   double noise;                    // standard deviation across the curve, per coordinate
   int control_points;              // that differ

@@ -19,7 +19,7 @@ struct RobustCurve {
   bool spare_runs;
   bool feet;           // parameters are foot points
   double least_scale;  // > 0
-  const std::vector<Eigen::Index>& anchored;
+  std::vector<Eigen::Index> anchored;
 };
 
 // A start for the loss: least absolute distances, nearly, on the layout there is, so that whatever

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "batten/fitting/distances.h"
+#include "batten/fitting/curve_distances.h"
 
 namespace batten {
 namespace {
@@ -200,9 +200,10 @@ Eigen::VectorXd CurveDistances(const FittingProblem& problem,
   }
   const Eigen::Matrix3Xd points = InSpace(values);
   const SplineBasis& basis = problem.basis_u();
+  const Eigen::VectorXd places = problem.data().parameters.row(0).transpose();
   return values.rows() == 2
-             ? DistancesTo<2>(CurveOf<2>(basis, coefficients), points, pool).distances
-             : DistancesTo<3>(CurveOf<3>(basis, coefficients), points, pool).distances;
+             ? DistancesNear<2>(CurveOf<2>(basis, coefficients), points, places, pool).distances
+             : DistancesNear<3>(CurveOf<3>(basis, coefficients), points, places, pool).distances;
 }
 
 SpanChoice ChooseSpans(const FittingProblem& problem,

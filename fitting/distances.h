@@ -24,6 +24,13 @@ PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            ThreadPool& pool);
 
+// The same, faster: column k of `near` is a place thought near the foot of point k, or NaN. Throws
+// std::invalid_argument unless there is one column a point.
+PointDistances DistancesTo(const NurbsSurface& surface,
+                           const Eigen::Matrix3Xd& points,
+                           const Eigen::Matrix2Xd& near,
+                           ThreadPool& pool);
+
 // From the local foot points reached from given parameters; for rounds in which points stay near.
 // Trims are not looked at: a surface is fitted before it is trimmed.
 PointDistances DistancesFrom(const NurbsSurface& surface,

@@ -114,7 +114,8 @@ struct OptimizeSummary {
 
 // One round of fitting.
 struct RoundSummary {
-  std::string stage;  // "cross-validation", "block validation", "robust", "refine", "joint"
+  std::string stage;  // "cross-validation" (also "… of a part" of many points), "block validation",
+                      // "robust", "refine", "joint"
   int control_points_u = 0, control_points_v = 0;
   double rms = 0, max = 0;
   double score = 0;  // the stage's own criterion; see the documentation of the stage

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "batten/fitting/coefficient_order.h"
+#include "batten/fitting/net_values.h"
 #include "batten/fitting/penalised_system.h"
 
 namespace batten {
@@ -20,16 +21,39 @@ constexpr double kCancelled = 1e-9;
   throw std::invalid_argument("FittingProblem: " + rule);
 }
 
-void RequireInside(const Eigen::RowVectorXd& parameters, const SplineBasis& basis) {
-  if (parameters.minCoeff() < basis.lower() || parameters.maxCoeff() > basis.upper())
+void RequireInside(const Eigen::AlignedBox2d& box, int direction, const SplineBasis& basis) {
+  if (box.min()[direction] < basis.lower() || box.max()[direction] > basis.upper())
     Reject("a parameter lies outside the domain");
+}
+
+void CheckWeights(const Eigen::VectorXd& weights, Eigen::Index points) {
+  if (weights.size() == 0) return;
+  if (weights.size() != points) Reject("weights and parameters differ in number");
+  if (!weights.allFinite()) Reject("a weight is not finite");
+  if (!(weights.minCoeff() >= 0)) Reject("a weight is negative");
+}
+
+Eigen::AlignedBox2d BoxOf(const Eigen::Matrix2Xd& parameters) {
+  Eigen::AlignedBox2d box;
+  for (const auto& place : parameters.colwise()) box.extend(place);
+  return box;
 }
 
 }  // namespace
 
+// Once for data that many problems share.
+FittingProblem::CheckedData FittingProblem::Check(std::shared_ptr<const FittingData> data) {
+  if (!data) Reject("no data");
+  if (data->values.cols() != data->parameters.cols())
+    Reject("values and parameters differ in number");
+  if (!data->values.allFinite() || !data->parameters.allFinite()) Reject("data are not finite");
+  CheckWeights(data->weights, data->parameters.cols());
+  return {data, BoxOf(data->parameters)};
+}
+
 FittingProblem::FittingProblem(SplineBasis basis_u,
                                std::optional<SplineBasis> basis_v,
-                               std::shared_ptr<const FittingData> data,
+                               CheckedData data,
                                double smoothing,
                                FairnessEnergy energy,
                                const Poles& poles)
@@ -39,21 +63,11 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
       smoothing_(smoothing),
       energy_(energy),
       poles_(poles) {
-  if (!data_) Reject("no data");
-  const Eigen::Index m = data_->parameters.cols();
-  if (data_->values.cols() != m) Reject("values and parameters differ in number");
-  if (data_->weights.size() != 0 && data_->weights.size() != m)
-    Reject("weights and parameters differ in number");
-  if (!data_->values.allFinite() || !data_->parameters.allFinite()) Reject("data are not finite");
-  if (!data_->weights.allFinite()) Reject("a weight is not finite");
-  if (data_->weights.size() != 0 && !(data_->weights.minCoeff() >= 0))
-    Reject("a weight is negative");
   if (!(smoothing_ >= 0) || !std::isfinite(smoothing_))
     Reject("smoothing is negative or not finite");
-  if (m > 0) {
-    RequireInside(data_->parameters.row(0), basis_u_);
-    if (basis_v_) RequireInside(data_->parameters.row(1), *basis_v_);
-  }
+  if (data_.box.isEmpty()) return;
+  RequireInside(data_.box, 0, basis_u_);
+  if (basis_v_) RequireInside(data_.box, 1, *basis_v_);
 }
 
 FittingProblem::FittingProblem(SplineBasis basis_u,
@@ -62,7 +76,7 @@ FittingProblem::FittingProblem(SplineBasis basis_u,
                                double smoothing)
     : FittingProblem(std::move(basis_u),
                      std::optional<SplineBasis>(std::move(basis_v)),
-                     std::move(data),
+                     Check(std::move(data)),
                      smoothing,
                      FairnessEnergy::kThinPlate,
                      Poles()) {}
@@ -72,7 +86,7 @@ FittingProblem::FittingProblem(SplineBasis basis,
                                double smoothing)
     : FittingProblem(std::move(basis),
                      std::optional<SplineBasis>(),
-                     std::move(data),
+                     Check(std::move(data)),
                      smoothing,
                      FairnessEnergy::kThinPlate,
                      Poles()) {}
@@ -100,17 +114,21 @@ FittingProblem FittingProblem::WithBasis(SplineBasis basis) const {
 }
 
 FittingProblem FittingProblem::WithWeights(Eigen::VectorXd weights) const {
-  auto data = std::make_shared<FittingData>(*data_);
+  CheckWeights(weights, size());
+  auto data = std::make_shared<FittingData>();
+  data->parameters = data_.data->parameters;
+  data->values = data_.data->values;
   data->weights = std::move(weights);
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
+  return FittingProblem(
+      basis_u_, basis_v_, {std::move(data), data_.box}, smoothing_, energy_, poles_);
 }
 
 FittingProblem FittingProblem::WithParameters(Eigen::Matrix2Xd parameters) const {
   auto data = std::make_shared<FittingData>();
   data->parameters = std::move(parameters);
-  data->values = data_->values;
-  data->weights = data_->weights;
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
+  data->values = data_.data->values;
+  data->weights = data_.data->weights;
+  return WithData(std::move(data));
 }
 
 FittingProblem FittingProblem::WithSmoothing(double smoothing) const {
@@ -130,12 +148,24 @@ FittingProblem FittingProblem::WithPoles(const Poles& poles) const {
 }
 
 FittingProblem FittingProblem::WithData(std::shared_ptr<const FittingData> data) const {
-  return FittingProblem(basis_u_, basis_v_, std::move(data), smoothing_, energy_, poles_);
+  return FittingProblem(basis_u_, basis_v_, Check(std::move(data)), smoothing_, energy_, poles_);
+}
+
+PointRows RowsOf(const FittingProblem& problem) {
+  const FittingData& data = problem.data();
+  const double* parameters = data.parameters.data();
+  return {problem.size(),
+          parameters,
+          problem.is_curve() ? nullptr : parameters + 1,
+          2,
+          data.values.data(),
+          static_cast<int>(data.values.rows()),
+          data.weights.size() > 0 ? data.weights.data() : nullptr};
 }
 
 LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   const PenalisedSystem system(problem, pool);
-  const PenalisedSystem::Solution solution = system.Solve(problem.smoothing());
+  const PenalisedSystem::Solution solution = system.Solve(problem.smoothing(), &pool);
   LinearSolution result;
   result.coefficients = system.Net(solution.rows);
   result.regularised = solution.raised;
@@ -154,31 +184,11 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
 Eigen::MatrixXd EvaluateAt(const FittingProblem& problem,
                            const Eigen::MatrixXd& coefficients,
                            ThreadPool& pool) {
-  const SplineBasis& bu = problem.basis_u();
-  const SplineBasis* bv = problem.is_curve() ? nullptr : &problem.basis_v();
-  const Eigen::Matrix2Xd& uv = problem.data().parameters;
-  const int p = bu.degree(), q = bv ? bv->degree() : 0, size_v = bv ? bv->size() : 1;
-  Eigen::MatrixXd values(coefficients.rows(), uv.cols());
-  pool.For(uv.cols(), 2048, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    double Nu[kMaxDegree + 1], Nv[kMaxDegree + 1];
-    Nv[0] = 1;
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const int su = bu.Span(uv(0, k)), sv = bv ? bv->Span(uv(1, k)) : 0;
-      bu.Values(su, uv(0, k), Nu);
-      if (bv) bv->Values(sv, uv(1, k), Nv);
-      for (Eigen::Index d = 0; d < coefficients.rows(); ++d) {
-        double sum = 0;
-        for (int r = 0; r <= p; ++r) {
-          const Eigen::Index row = Eigen::Index{su - p + r} * size_v + sv - q;
-          double inner = 0;
-          for (int s = 0; s <= q; ++s) inner += Nv[s] * coefficients(d, row + s);
-          sum += Nu[r] * inner;
-        }
-        values(d, k) = sum;
-      }
-    }
-  });
-  return values;
+  return NetValues(problem.basis_u(),
+                   problem.is_curve() ? nullptr : &problem.basis_v(),
+                   coefficients,
+                   RowsOf(problem),
+                   pool);
 }
 
 }  // namespace batten

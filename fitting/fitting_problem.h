@@ -4,10 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 
 #include "batten/fitting/fairness_energy.h"
+#include "batten/fitting/point_rows.h"
 #include "batten/fitting/poles.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
@@ -53,28 +55,36 @@ class FittingProblem {
   bool is_curve() const { return !basis_v_; }
   const SplineBasis& basis_u() const { return basis_u_; }
   const SplineBasis& basis_v() const { return basis_v_.value(); }  // surfaces only
-  const FittingData& data() const { return *data_; }
-  const std::shared_ptr<const FittingData>& shared_data() const { return data_; }
+  const FittingData& data() const { return *data_.data; }
+  const std::shared_ptr<const FittingData>& shared_data() const { return data_.data; }
   double smoothing() const { return smoothing_; }
   FairnessEnergy energy() const { return energy_; }
   const Poles& poles() const { return poles_; }
-  Eigen::Index size() const { return data_->parameters.cols(); }
+  Eigen::Index size() const { return data_.data->parameters.cols(); }
   int net_size() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
   // Control points that differ, less the conditions on them: periodic bases repeat some, poles tie
   // some together.
   int unknowns() const;
 
  private:
+  // Data of agreeing sizes, finite, with weights that are not negative, and the box of their
+  // parameters (empty without points).
+  struct CheckedData {
+    std::shared_ptr<const FittingData> data;
+    Eigen::AlignedBox2d box;
+  };
+  static CheckedData Check(std::shared_ptr<const FittingData> data);
+
   FittingProblem(SplineBasis basis_u,
                  std::optional<SplineBasis> basis_v,
-                 std::shared_ptr<const FittingData> data,
+                 CheckedData data,
                  double smoothing,
                  FairnessEnergy energy,
                  const Poles& poles);
 
   SplineBasis basis_u_;
   std::optional<SplineBasis> basis_v_;
-  std::shared_ptr<const FittingData> data_;
+  CheckedData data_;
   double smoothing_ = 0;
   FairnessEnergy energy_ = FairnessEnergy::kThinPlate;
   Poles poles_;
@@ -85,6 +95,9 @@ struct LinearSolution {
   double residual_squares = 0;   // Σ w |S − z|², to full accuracy even where it is tiny
   bool regularised = false;      // the matrix was singular: smoothing had to be raised
 };
+
+// The problem's points with the parameters of u and v, as long as its data live.
+PointRows RowsOf(const FittingProblem& problem);
 
 // Solves for the coefficients. Empty cells are carried by fairness; where that does not suffice,
 // the smoothing is raised tenfold at a time and the solution says so. O(m + n · min(n_u, n_v)²).

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/geometry/arc_length.h"
 
@@ -12,8 +13,8 @@ namespace {
 
 constexpr double kLeastJacobian = 0.1;  // of the mean: flatter cells spoil what is fitted over them
 constexpr int kSteps = 30;
-constexpr double kArrived = 1e-13;  // of the square
-constexpr double kFarthest = 2;     // from the square's middle, in its sizes
+constexpr double kArrived = 1e-9;  // of the square: the next step would be of its square
+constexpr double kFarthest = 2;    // from the square's middle, in its sizes
 
 }  // namespace
 
@@ -56,6 +57,7 @@ FourSidedMap::FourSidedMap(const PlaneSides& sides)
   length_s_ = (ArcLength(sides.lower_v) + ArcLength(sides.upper_v)) / 2;
   length_t_ = (ArcLength(sides.lower_u) + ArcLength(sides.upper_u)) / 2;
   CheckFolds();
+  FindStarts();
 }
 
 FourSidedMap::Jet FourSidedMap::At(double s, double t) const {
@@ -76,12 +78,14 @@ FourSidedMap::Jet FourSidedMap::At(double s, double t) const {
 
 void FourSidedMap::CheckFolds() {
   nodes_.resize(2, (kGrid + 1) * (kGrid + 1));
+  slopes_.resize(4, nodes_.cols());
   double least = 0, sum = 0;
   for (int pass = 0; pass < 2; ++pass) {
     for (int i = 0; i <= kGrid; ++i) {
       for (int j = 0; j <= kGrid; ++j) {
         const Jet jet = At(static_cast<double>(i) / kGrid, static_cast<double>(j) / kGrid);
         nodes_.col(i * (kGrid + 1) + j) = jet.point;
+        slopes_.col(i * (kGrid + 1) + j) << jet.ds, jet.dt;
         const double area = jet.ds[0] * jet.dt[1] - jet.ds[1] * jet.dt[0];
         if (pass == 0) {
           sum += area;
@@ -96,18 +100,45 @@ void FourSidedMap::CheckFolds() {
   one_to_one_ = mean > 0 && least >= kLeastJacobian * mean;
 }
 
-Eigen::Vector2d FourSidedMap::NearestNode(const Eigen::Vector2d& point) const {
+void FourSidedMap::FindStarts() {
+  low_ = nodes_.rowwise().minCoeff();
+  tile_ =
+      ((nodes_.rowwise().maxCoeff() - low_) / kTiles).cwiseMax(std::numeric_limits<double>::min());
+  starts_.resize(kTiles, kTiles);
+  for (int i = 0; i < kTiles; ++i) {
+    for (int j = 0; j < kTiles; ++j) {
+      const Eigen::Vector2d middle = low_ + Eigen::Vector2d(i + 0.5, j + 0.5).cwiseProduct(tile_);
+      starts_(j, i) = static_cast<int>(NearestNodeIndex(middle));
+    }
+  }
+}
+
+Eigen::Index FourSidedMap::NearestNodeIndex(const Eigen::Vector2d& point) const {
   Eigen::Index nearest = 0;
   (nodes_.colwise() - point).colwise().squaredNorm().minCoeff(&nearest);
-  return Eigen::Vector2d(static_cast<double>(nearest / (kGrid + 1)),
-                         static_cast<double>(nearest % (kGrid + 1))) /
+  return nearest;
+}
+
+Eigen::Vector2d FourSidedMap::NodePlace(Eigen::Index node) {
+  return Eigen::Vector2d(static_cast<double>(node / (kGrid + 1)),
+                         static_cast<double>(node % (kGrid + 1))) /
          kGrid;
 }
 
-std::optional<Eigen::Vector2d> FourSidedMap::Invert(const Eigen::Vector2d& point) const {
-  Eigen::Vector2d at = NearestNode(point);
+// A node near a place.
+Eigen::Index FourSidedMap::Start(const Eigen::Vector2d& point) const {
+  const Eigen::Array2d tile =
+      ((point - low_).array() / tile_.array()).floor().max(0.0).min(kTiles - 1.0);
+  return starts_(static_cast<int>(tile[1]), static_cast<int>(tile[0]));
+}
+
+std::optional<Eigen::Vector2d> FourSidedMap::InvertFrom(Eigen::Index node,
+                                                        const Eigen::Vector2d& point) const {
+  Eigen::Vector2d at = NodePlace(node);
   for (int step = 0; step < kSteps; ++step) {
-    const Jet jet = At(at[0], at[1]);
+    const Jet jet =
+        step > 0 ? At(at[0], at[1])
+                 : Jet{nodes_.col(node), slopes_.col(node).head<2>(), slopes_.col(node).tail<2>()};
     Eigen::Matrix2d slope;
     slope << jet.ds, jet.dt;
     const Eigen::Vector2d move = slope.inverse() * (point - jet.point);
@@ -119,11 +150,17 @@ std::optional<Eigen::Vector2d> FourSidedMap::Invert(const Eigen::Vector2d& point
   return std::nullopt;
 }
 
+std::optional<Eigen::Vector2d> FourSidedMap::Invert(const Eigen::Vector2d& point) const {
+  const std::optional<Eigen::Vector2d> found = InvertFrom(Start(point), point);
+  return found ? found : InvertFrom(NearestNodeIndex(point), point);
+}
+
 Eigen::Matrix2Xd FourSidedMap::Inverted(const Eigen::Matrix2Xd& points, ThreadPool& pool) const {
   Eigen::Matrix2Xd places(2, points.cols());
   pool.For(points.cols(), 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
-      places.col(k) = Invert(points.col(k)).value_or(NearestNode(points.col(k)));
+      const std::optional<Eigen::Vector2d> found = Invert(points.col(k));
+      places.col(k) = found ? *found : NodePlace(NearestNodeIndex(points.col(k)));
     }
   });
   return places;

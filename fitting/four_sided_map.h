@@ -58,14 +58,21 @@ class FourSidedMap {
     void MoveEnds(const Eigen::Vector2d& start, const Eigen::Vector2d& end);
   };
 
-  static constexpr int kGrid = 32;
+  static constexpr int kGrid = 32, kTiles = 48;
 
   void CheckFolds();
-  Eigen::Vector2d NearestNode(const Eigen::Vector2d& point) const;
+  void FindStarts();
+  Eigen::Index NearestNodeIndex(const Eigen::Vector2d& point) const;
+  static Eigen::Vector2d NodePlace(Eigen::Index node);  // (s,t)
+  Eigen::Index Start(const Eigen::Vector2d& point) const;
+  std::optional<Eigen::Vector2d> InvertFrom(Eigen::Index node, const Eigen::Vector2d& point) const;
 
   Side lower_v_, upper_v_, lower_u_, upper_u_;
   Eigen::Matrix2d corners_low_, corners_high_;  // columns: s = 0, s = 1; at t = 0, at t = 1
   Eigen::Matrix2Xd nodes_;                      // of a grid of (kGrid + 1)² places
+  Eigen::Matrix4Xd slopes_;                     // and the derivatives there: S_s above S_t
+  Eigen::Vector2d low_, tile_;  // tiles over the nodes' box: its corner, their sides
+  Eigen::ArrayXXi starts_;      // the node nearest to a tile's middle
   double length_s_ = 0, length_t_ = 0;
   bool one_to_one_ = false;
 };

@@ -7,10 +7,13 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 
 #include "batten/fitting/block_choice.h"
+#include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/fitting_bases.h"
 
 namespace batten {
@@ -20,12 +23,18 @@ constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothin
 constexpr int kFineGrid = 1500;
 constexpr int kRisesToStop = 3;
 constexpr int kCellsAtLeastTried = 8;
-constexpr double kBeyondChance = 4;  // standard deviations, for more than a single cell
+constexpr double kBeyondChance = 4;           // standard deviations, for more than a single cell
+constexpr Eigen::Index kManyPoints = 150000;  // a part of them tells where the ladder may begin
+constexpr Eigen::Index kSample = 50000;
+constexpr std::uint64_t kSeed = 1;
 
 class Search {
  public:
-  Search(const FittingProblem& problem, const GridLimits& limits, ThreadPool& pool)
-      : problem_(problem), limits_(limits), pool_(pool) {
+  Search(const FittingProblem& problem,
+         const GridLimits& limits,
+         ThreadPool& pool,
+         std::string stage = "cross-validation")
+      : stage_(std::move(stage)), problem_(problem), limits_(limits), pool_(pool) {
     points_ = static_cast<double>(problem.size());
     if (problem.data().weights.size() > 0) {
       points_ = static_cast<double>((problem.data().weights.array() > 0).count());
@@ -74,7 +83,7 @@ class Search {
     const double squares = std::max(solution.residual_squares, exact_);
     known->second = points_ * squares / (freedom * freedom);
     RoundSummary round;
-    round.stage = "cross-validation";
+    round.stage = stage_;
     round.control_points_u = cells_u + limits_.degree_u;
     round.control_points_v = cells_v + limits_.degree_v;
     round.rms = std::sqrt(solution.residual_squares / points_);
@@ -118,6 +127,7 @@ class Search {
     return std::max(1.0, points_ - kFreedomFactor * Unknowns(cells_u, cells_v));
   }
 
+  std::string stage_;
   const FittingProblem& problem_;
   const GridLimits& limits_;
   ThreadPool& pool_;
@@ -126,13 +136,24 @@ class Search {
   std::map<std::pair<int, int>, double> scores_;
 };
 
+// About so many of the data, evenly out of their order.
+std::shared_ptr<const FittingData> EveryPart(const FittingData& data, Eigen::Index count) {
+  const std::vector<Eigen::Index> some = SampleIndices(data.parameters.cols(), count, kSeed);
+  auto part = std::make_shared<FittingData>();
+  part->parameters = data.parameters(Eigen::all, some);
+  part->values = data.values(Eigen::all, some);
+  if (data.weights.size() > 0) part->weights = data.weights(some);
+  return part;
+}
+
 // From coarse to fine until the score has risen several times in a row; `enough` can stop it after
-// a grid that is the best so far.
+// a grid that is the best so far. From `first` cells on in either direction.
 std::pair<int, int> ClimbLadder(Search& search,
+                                double first,
                                 const std::function<bool(std::pair<int, int>)>& enough,
                                 const Progress& progress) {
-  std::pair<int, int> best = search.Least();
-  double cells = 1;
+  double cells = first;
+  std::pair<int, int> best = cells > 1 ? search.Square(cells) : search.Least();
   int rises = 0;
   double previous = search.Score(best.first, best.second);
   for (;;) {
@@ -179,6 +200,22 @@ std::pair<int, int> Descend(Search& search, std::pair<int, int> best, const Prog
   return best;
 }
 
+// Cells in either direction that a part of very many points already asks for: all of them ask for
+// no fewer.
+double FirstOfLadder(const FittingProblem& problem,
+                     const GridLimits& limits,
+                     ThreadPool& pool,
+                     std::vector<RoundSummary>& rounds,
+                     const Progress& progress) {
+  if (problem.size() < kManyPoints) return 1;
+  const FittingProblem part = problem.WithData(EveryPart(problem.data(), kSample));
+  Search search(part, limits, pool, "cross-validation of a part");
+  const std::pair<int, int> best = ClimbLadder(
+      search, 1, [](auto) { return false; }, progress);
+  rounds = std::move(search.rounds);
+  return std::sqrt(static_cast<double>(best.first) * best.second);
+}
+
 }  // namespace
 
 GridChoice ChooseGrid(const FittingProblem& problem,
@@ -209,7 +246,8 @@ GridChoice ChooseGrid(const FittingProblem& problem,
       grid = coarsened(cells);
       return settled = grid != cells;
     };
-    scored = ClimbLadder(search, follows_noise, progress);
+    const double first = FirstOfLadder(problem, limits, pool, search.rounds, progress);
+    scored = ClimbLadder(search, first, follows_noise, progress);
   }
   if (!settled) {
     scored = Descend(search, scored, progress);

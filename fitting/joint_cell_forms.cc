@@ -69,7 +69,6 @@ void JointCells::MakeFairness() {
 void JointCells::Prepare(const Cell& cell, Eigen::Index k, Workspace& work) const {
   const double u = feet_.parameters(0, k), v = feet_.parameters(1, k);
   shape_.Rational(cell.span_u, cell.span_v, u, v, work.R.data());
-  if (only_points()) return;
   const Eigen::VectorXd point = data_->values.col(k) + feet_.difference.col(k);
   work.toward = work.corner.colwise() - point;
   if (local_knots() == 0) return;
@@ -142,11 +141,9 @@ JointCells::Workspace JointCells::WorkspaceOf(const Cell& cell) const {
   return work;
 }
 
-// [J r]ᵀ[J r] of the cell's points, fairness, prior and proximal term; its last entry is twice the
-// cost.
-Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
-  const int dim = dimension(), f = functions_, n = local_columns();
-  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n + 1, n + 1);
+// [J r]ᵀ[J r] of the cell's points; the last entry is left alone.
+void JointCells::AddPoints(const Cell& cell, Eigen::MatrixXd& form) const {
+  const int dim = dimension(), n = local_columns();
   Eigen::MatrixXd rows(n + 1, kBatch);
   int filled = 0;
   const auto flush = [&] {
@@ -154,13 +151,10 @@ Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
     filled = 0;
   };
   Workspace work = WorkspaceOf(cell);
-  double cost = 0;
   Eigen::VectorXd direction(dim);
   for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
     const Eigen::Index k = order_[i];
     const double weight = Weight(k);
-    const double plain = data_->weights.size() > 0 ? data_->weights[k] : 1.0;
-    cost += 2 * plain * LossValue(options_.loss, Distance(k), options_.loss_scale);
     if (weight == 0) continue;
     Prepare(cell, k, work);
     const double root = std::sqrt(weight);
@@ -178,6 +172,20 @@ Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
     }
   }
   flush();
+}
+
+// The same of the cell's points, fairness, prior and proximal term; its last entry is twice the
+// cost.
+Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
+  const int dim = dimension(), f = functions_, n = local_columns();
+  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n + 1, n + 1);
+  if (only_points()) {
+    AddSums(cell, form);
+  } else {
+    AddPoints(cell, form);
+  }
+  double cost = PointsCost(cell);
+  const Workspace work = WorkspaceOf(cell);
   if (cell.fairness.size() > 0) {
     const double calm = cell.calm;
     const Eigen::MatrixXd pull = calm * work.corner * cell.fairness;
@@ -213,9 +221,9 @@ Eigen::MatrixXd JointCells::CellForm(const Cell& cell) const {
 }
 
 // How far the shape at the accepted parameters moves with the local unknowns: the point-distance
-// form. Of control points alone every coordinate has the same.
+// form.
 Eigen::MatrixXd JointCells::ProximalForm(const Cell& cell) const {
-  const int dim = dimension(), f = functions_, n = only_points() ? f : local_columns();
+  const int dim = dimension(), n = local_columns();
   Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n, n);
   Eigen::MatrixXd rows(n, kBatch);
   int filled = 0;
@@ -228,12 +236,8 @@ Eigen::MatrixXd JointCells::ProximalForm(const Cell& cell) const {
     const Eigen::Index k = order_[i];
     Prepare(cell, k, work);
     const double root = std::sqrt(Weight(k));
-    for (int d = 0; d < (only_points() ? 1 : dim); ++d) {
-      if (only_points()) {
-        rows.col(filled) = root * work.R;
-      } else {
-        FillRow(work, Eigen::VectorXd::Unit(dim, d), root, rows.col(filled).data());
-      }
+    for (int d = 0; d < dim; ++d) {
+      FillRow(work, Eigen::VectorXd::Unit(dim, d), root, rows.col(filled).data());
       if (++filled == kBatch) flush();
     }
   }
@@ -264,15 +268,20 @@ Eigen::VectorXd JointCells::Displacement(const Cell& cell) const {
   return moved;
 }
 
-// Twice what the cell adds to the cost.
-double JointCells::CellCost(const Cell& cell) const {
-  const int dim = dimension(), f = functions_;
+double JointCells::PointsCost(const Cell& cell) const {
   double cost = 0;
   for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
     const Eigen::Index k = order_[i];
     cost += 2 * (data_->weights.size() > 0 ? data_->weights[k] : 1.0) *
             LossValue(options_.loss, Distance(k), options_.loss_scale);
   }
+  return cost;
+}
+
+// Twice what the cell adds to the cost.
+double JointCells::CellCost(const Cell& cell, double of_damping) const {
+  const int dim = dimension(), f = functions_;
+  double cost = PointsCost(cell);
   if (cell.fairness.size() > 0) {
     Eigen::MatrixXd corner(dim, f);
     for (int a = 0; a < f; ++a)
@@ -288,9 +297,9 @@ double JointCells::CellCost(const Cell& cell) const {
   const Eigen::VectorXd moved = Displacement(cell);
   if (only_points()) {
     const Eigen::Map<const Eigen::MatrixXd> corner(moved.data(), dim, f);
-    cost += used_damping_ * (corner * cell.proximal).cwiseProduct(corner).sum();
+    cost += of_damping * (corner * cell.proximal).cwiseProduct(corner).sum();
   } else {
-    cost += used_damping_ * moved.dot(cell.proximal * moved);
+    cost += of_damping * moved.dot(cell.proximal * moved);
   }
   return cost;
 }
@@ -310,7 +319,7 @@ void JointCells::Evaluate(int cell, double* residual, double* jacobian) const {
   const auto residuals = static_cast<size_t>(rows()), index = static_cast<size_t>(cell);
   if (jacobian == nullptr) {
     std::fill_n(residual, residuals, 0.0);
-    residual[0] = std::sqrt(std::max(0.0, CellCost(cells_[index])));
+    residual[0] = std::sqrt(std::max(0.0, CellCost(cells_[index], used_damping_)));
     return;
   }
   const size_t all = residuals * (columns() + 1);

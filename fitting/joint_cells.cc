@@ -65,6 +65,7 @@ JointCells::JointCells(const FittingProblem& problem,
   };
   add_direction(shape_.basis_u, options.free_knots_u);
   if (shape_.basis_v) add_direction(*shape_.basis_v, options.free_knots_v);
+  rational_ = !(shape_.weights.array() == shape_.weights[0]).all();
   MakeBlocks();
   double trace = 0;
   std::vector<double> R(static_cast<size_t>(functions_));
@@ -220,7 +221,7 @@ bool JointCells::ProjectPoints() {
   return true;
 }
 
-void JointCells::Accept() {
+void JointCells::AcceptState() {
   accepted_ = shape_;
   accepted_feet_ = feet_.parameters;
   accepted_log_weights_ = log_weights_;
@@ -247,9 +248,17 @@ void JointCells::Accept() {
   }
   if (knots_moved) MakeFairness();
   prior_ = std::max(options_.weight_prior, FreePrior());
+  if (only_points()) {
+    SumPoints();
+    return;
+  }
   pool_.For(cells(), 4, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
     for (std::ptrdiff_t c = first; c < last; ++c) cells_[c].proximal = ProximalForm(cells_[c]);
   });
+}
+
+void JointCells::Accept() {
+  AcceptState();
   Linearise();
 }
 

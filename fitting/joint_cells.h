@@ -35,6 +35,8 @@ class JointCells {
   int blocks() const { return static_cast<int>(net_.cols()); }
   int BlockOf(int control_point) const { return block_of_[static_cast<size_t>(control_point)]; }
   double* point(int block) { return net_.col(block).data(); }
+  const Eigen::MatrixXd& net() const { return net_; }  // a column a block
+  void SetNet(const Eigen::MatrixXd& net) { net_ = net; }
   double* log_weight(int block) { return &log_weights_[block]; }
   int directions() const { return static_cast<int>(directions_.size()); }
   bool free_weights() const { return options_.free_weights; }
@@ -64,6 +66,30 @@ class JointCells {
   // Makes the present state the one that later steps start from: foot points, damping, Jacobians.
   // The latter on the pool, so that nothing depends on its number of threads.
   void Accept();
+
+  // The same without Jacobians, which only Ceres asks for. `damping` is not looked at.
+  void AcceptState();
+
+  // Whether nothing is free but control points: then the sums of the cells say all there is.
+  bool only_points() const { return !options_.free_weights && local_knots() == 0; }
+
+  // Those of one cell at the accepted state, as AddCellProducts (joint_kernels.h) leaves them, with
+  // M the part of the unit matrix that moving the foot can not undo, and one, both times the
+  // point's weight and over the square of Σ N w; where all weights are equal that is 1.
+  struct Sums {
+    int span_u, span_v;
+    const double* pairs;
+    const double* pulls;
+    const Eigen::MatrixXd& fairness;  // in the functions of the cell; may be empty
+    double calm;                      // what counts of it
+  };
+  Sums SumsOf(int cell) const;
+  double function_weight(int control_point) const {
+    return rational_ ? shape_.weights[control_point] : 1.0;
+  }
+
+  // What Evaluate's residuals, without derivatives, come to at a damping: half their squares.
+  double Cost(double of_damping) const;
 
   // Residuals (rows()) of a cell whose squares add up to twice its cost; with their Jacobian
   // (rows() × columns(), row major) at the accepted state. Columns: control points, weights, gaps
@@ -101,7 +127,6 @@ class JointCells {
 
   int local_columns() const;  // with the knots the cell depends on instead of the gaps
   int local_knots() const;    // their number
-  bool only_points() const { return !options_.free_weights && local_knots() == 0; }
   void MakeBlocks();
   void MakeCells();
   void MakeFairness();
@@ -118,9 +143,19 @@ class JointCells {
   Eigen::MatrixXd CellForm(const Cell& cell) const;
   void Linearise();
   void Rows(const Cell& cell, double* residual, double* jacobian) const;
+  void AddPoints(const Cell& cell, Eigen::MatrixXd& form) const;
+  double PointsCost(const Cell& cell) const;
   Eigen::MatrixXd ProximalForm(const Cell& cell) const;
+  size_t pairs_length() const;
+  size_t sums_length() const;
+  void SumPoints();
+  void SumCell(const Cell& cell, double* sums) const;
+  template <typename Use>
+  void ForPairs(const Cell& cell, const double* pairs, const Use& use) const;
+  void AddSums(const Cell& cell, Eigen::MatrixXd& form) const;
+  Eigen::MatrixXd ProximalOfSums(const Cell& cell, const double* pairs) const;
   Eigen::VectorXd Displacement(const Cell& cell) const;
-  double CellCost(const Cell& cell) const;
+  double CellCost(const Cell& cell, double of_damping) const;
   double FreePrior() const;
   double Prior(int block) const;
 
@@ -147,6 +182,8 @@ class JointCells {
   std::vector<Cell> cells_;
   std::vector<Eigen::Index> order_;  // points sorted by cell
   std::vector<double> linear_;       // a cell: residuals, then the Jacobian
+  std::vector<double> sums_;         // a cell: of pairs, then of pulls; where only points are free
+  bool rational_ = false;            // weights differ
   Feet feet_;
   Eigen::Matrix2Xd accepted_feet_;
   ResidualNoise residual_noise_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The joint optimisation of control points, weights, knots and every point's parameters, by Ceres.
+// The joint optimisation of control points, weights, knots and every point's parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ struct JointResult {
                                    // given where the start was kept
   Eigen::MatrixXd control_points;  // d × n, v fastest
   Eigen::VectorXd weights;         // of geometric mean 1 where they were free
-  int iterations = 0;              // of Ceres
+  int iterations = 0;              // refused steps included
   double rms_before = 0, rms_after = 0;        // of the distances
   double misfit_before = 0, misfit_after = 0;  // Σ w 2ρ(d) and the terms' squares
   bool cancelled = false;
@@ -55,9 +55,10 @@ struct JointResult {
 // Minimises Σ w ρ(d_k), d_k the distance of datum k, over the control points and whatever else is
 // free. Parameters are eliminated: at a foot point only the distance along the normal is left of a
 // residual, so a point adds one row R_ij(u,v)·n (more at the domain's edges) to the block of its
-// knot cell. Ceres' evaluation callback projects all points and sorts them into cells before every
-// evaluation, so points that cross knots are never extrapolated. Steps are damped by the
-// point-distance matrix, and those that turn a normal over are refused. Weights are free as
+// knot cell. All points are projected and sorted into cells before every evaluation, so points that
+// cross knots are never extrapolated. Steps are damped by the point-distance matrix, and those that
+// turn a normal over are refused. Where nothing but control points is free, steps are solved by
+// block-banded factorisation; user's terms, weights and knots go to Ceres. Weights are free as
 // logarithms, knots as logarithms of their gaps. The result is never worse than the start: in rms,
 // or, with a loss or terms, in misfit. `problem` gives bases, data (points, d = 3, or 2 for plane
 // curves), and parameters to start from, foot points if they are free; `weights` may be empty.

@@ -11,9 +11,12 @@ namespace batten {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixX3d;
 using Eigen::RowVector3d;
-using Eigen::VectorXd;
+
+constexpr int kMost = static_cast<int>(kMostMeans);
+// Of a window's means; nothing is allocated.
+using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMost, 3>;
 
 // By how much, in squared standard deviations of the noise, the kink must leave less than …
 constexpr double kOverCubic = 8, kPerChance = 2;  // and so much more for each e-fold of places
@@ -48,6 +51,7 @@ class Fits {
     t_.resize(m);
     root_.resize(m);
     rest_.resize(m, 3);
+    Values power = Values::Ones(m);
     for (Index k = 0; k < m; ++k) {
       const auto i = static_cast<size_t>(k);
       t_[k] = (window.u[i] - low_) / half_ - 1;
@@ -55,12 +59,14 @@ class Fits {
       rest_.row(k) = root_[k] * window.p[i].transpose();
     }
     data_ = rest_;
-    for (int power = 0; power <= degree; ++power) {
-      VectorXd column = Orthogonal(t_.array().pow(power).matrix());
+    for (functions_ = 0; functions_ <= degree;) {
+      Values column = Orthogonal(power);
       column /= column.norm();
-      basis_.push_back(column);
+      basis_[functions_++] = column;
       rest_ -= column * (column.transpose() * rest_);
+      power = power.cwiseProduct(t_);
     }
+    squares_ = rest_.squaredNorm();
   }
 
   Index size() const { return t_.size(); }
@@ -69,43 +75,51 @@ class Fits {
   double Parameter(double t) const { return low_ + half_ * (t + 1); }
 
   // Of the function's values, what is left besides the parabolas.
-  VectorXd Orthogonal(const VectorXd& values) const {
-    VectorXd column = root_.cwiseProduct(values);
-    for (const VectorXd& other : basis_) column -= other * other.dot(column);
+  Values Orthogonal(const Values& values) const {
+    Values column = root_.cwiseProduct(values);
+    for (int i = 0; i < functions_; ++i) column -= basis_[i] * basis_[i].dot(column);
     return column;
   }
 
-  double Squares() const { return rest_.squaredNorm(); }
+  double Squares() const { return squares_; }
 
-  // Sum of squared residuals of a parabola and this function.
-  double SquaresWith(const VectorXd& values) const {
-    const VectorXd column = Orthogonal(values);
-    const double norm = column.squaredNorm();
+  // Sum of squared residuals of a parabola and this function. What is left of the data is
+  // orthogonal to the parabolas already.
+  double SquaresWith(const Values& values) const {
+    const Values column = root_.cwiseProduct(values);
+    double norm = column.squaredNorm();
+    for (int i = 0; i < functions_; ++i) {
+      const double part = basis_[i].dot(column);
+      norm -= part * part;
+    }
     if (!(norm > 1e-12 * static_cast<double>(size()))) return Squares();
-    return rest_.squaredNorm() - (column.transpose() * rest_).squaredNorm() / norm;
+    return Squares() - (column.transpose() * rest_).squaredNorm() / norm;
   }
 
   // Sums of squared residuals of polynomials of degrees 3 … 6.
   std::array<double, 4> SquaresOfPolynomials() const {
     std::array<double, 4> squares;
-    std::vector<VectorXd> basis;
-    double rest = rest_.squaredNorm();
-    for (int power = 3; power <= 6; ++power) {
-      VectorXd column = Orthogonal(t_.array().pow(power).matrix());
-      for (const VectorXd& other : basis) column -= other * other.dot(column);
+    std::array<Values, 4> basis;
+    size_t functions = 0;
+    double rest = Squares();
+    Values power = t_.cwiseProduct(t_);
+    for (size_t i = 0; i < squares.size(); ++i) {
+      power = power.cwiseProduct(t_);
+      Values column = Orthogonal(power);
+      for (size_t j = 0; j < functions; ++j) column -= basis[j] * basis[j].dot(column);
       const double norm = column.norm();
       if (norm > 1e-9) {
-        basis.push_back(column / norm);
-        rest -= (basis.back().transpose() * rest_).squaredNorm();
+        basis[functions] = column / norm;
+        rest -= (basis[functions++].transpose() * rest_).squaredNorm();
       }
-      squares[static_cast<size_t>(power - 3)] = rest;
+      squares[i] = rest;
     }
     return squares;
   }
 
   // A straight turn from 0 to slope 1 at s, over `width`.
-  VectorXd Turn(double s, double width) const {
-    VectorXd values(size());
+  Values Turn(double s, double width) const {
+    Values values(size());
     for (Index k = 0; k < size(); ++k) {
       const double x = t_[k] - s, from = x + width / 2;
       values[k] = from <= 0 ? 0 : x >= width / 2 ? x : from * from / (2 * width);
@@ -114,10 +128,10 @@ class Fits {
   }
 
   // What a parabola and this function leave: mean square, and the noise that neighbours show.
-  Residuals ResidualsOf(const VectorXd& values, double noise) const {
-    VectorXd column = Orthogonal(values);
+  Residuals ResidualsOf(const Values& values, double noise) const {
+    Values column = Orthogonal(values);
     column /= column.norm();
-    const MatrixX3d left = rest_ - column * (column.transpose() * rest_);
+    const Rows left = rest_ - column * (column.transpose() * rest_);
     const Index steps = size() - 1;
     const double differences = (left.bottomRows(steps) - left.topRows(steps)).squaredNorm();
     const double plane = kDimensions;
@@ -126,8 +140,8 @@ class Fits {
   }
 
   // Coefficients of 1, t, t² and the turn, one a row.
-  Eigen::Matrix<double, 4, 3> Coefficients(const VectorXd& turn) const {
-    Eigen::MatrixX4d columns(size(), 4);
+  Eigen::Matrix<double, 4, 3> Coefficients(const Values& turn) const {
+    Eigen::Matrix<double, Eigen::Dynamic, 4, 0, kMost, 4> columns(size(), 4);
     columns << root_, root_.cwiseProduct(t_), root_.cwiseProduct(t_.cwiseAbs2()),
         root_.cwiseProduct(turn);
     return columns.householderQr().solve(data_);
@@ -135,9 +149,11 @@ class Fits {
 
  private:
   double low_ = 0, half_ = 0;
-  VectorXd t_, root_;
-  MatrixX3d rest_, data_;
-  std::vector<VectorXd> basis_;
+  Values t_, root_;
+  Rows rest_, data_;
+  std::array<Values, 3> basis_;
+  int functions_ = 0;
+  double squares_ = 0;  // of the rest
 };
 
 struct Best {

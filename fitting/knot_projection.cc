@@ -161,7 +161,7 @@ std::optional<KnotProjection::Solved> KnotProjection::Solve(const MovingKnots& k
                 &outer_parameters,
                 &inner_parameters,
                 u_outside,
-                system.order(),
+                CellOrder(*outer, inner, outer_parameters, inner_parameters),
                 std::move(matrix),
                 std::move(coefficients),
                 cost,

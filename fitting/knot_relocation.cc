@@ -96,34 +96,108 @@ LayoutTrials::LayoutTrials(const FittingProblem& problem, int spans) {
 
 double LayoutTrials::Squares(const SpanLayout& layout) const {
   const SplineBasis basis = layout.Basis();
-  const CoefficientOrder order(basis);
-  const std::vector<int> rows = order.Rows(basis);
+  return Squares(basis, Sums(basis));
+}
+
+Eigen::MatrixXd LayoutTrials::Sums(const SplineBasis& basis) const {
+  const Eigen::Index functions = basis.degree() + 1;
   const std::vector<int> spans = basis.Spans();
+  Eigen::MatrixXd sums(functions * (functions + values_.rows()), std::ssize(spans));
+  for (Eigen::Index i = 0; i < sums.cols(); ++i)
+    SumSpan(basis, spans[static_cast<size_t>(i)], sums.col(i));
+  return sums;
+}
+
+// The products of functions r ≥ s at (p + 1) r + s, behind them those with each coordinate. What
+// lies before the first span or behind the last belongs to it.
+void LayoutTrials::SumSpan(const SplineBasis& basis,
+                           int span,
+                           Eigen::Ref<Eigen::VectorXd> sums) const {
+  const int p = basis.degree();
+  const auto dimension = static_cast<int>(values_.rows());
+  const double low = basis.knots()[static_cast<size_t>(span)],
+               high = basis.knots()[static_cast<size_t>(span) + 1];
+  const auto place = [&](double u) {
+    return static_cast<size_t>(std::lower_bound(parameters_.begin(), parameters_.end(), u) -
+                               parameters_.begin());
+  };
+  const size_t begin = low > basis.lower() ? place(low) : 0,
+               end = high < basis.upper() ? place(high) : parameters_.size();
+  sums.setZero();
+  double* const gram = sums.data();
+  double* const right = gram + (p + 1) * (p + 1);
+  double values[kMaxDegree + 1];
+  for (size_t k = begin; k < end; ++k) {
+    basis.Values(span, parameters_[k], values);
+    const double* const z = values_.data() + k * static_cast<size_t>(dimension);
+    for (int r = 0; r <= p; ++r) {
+      const double scaled = weights_[k] * values[r];
+      for (int s = 0; s <= r; ++s) gram[r * (p + 1) + s] += scaled * values[s];
+      for (int d = 0; d < dimension; ++d) right[r * dimension + d] += scaled * z[d];
+    }
+  }
+}
+
+double LayoutTrials::Squares(const SplineBasis& basis, const Eigen::MatrixXd& sums) const {
+  const CoefficientOrder order(basis);
+  const std::vector<int> rows = order.Rows(basis), spans = basis.Spans();
   const int p = basis.degree();
   const auto dimension = static_cast<int>(values_.rows());
   Band matrix(order.count(), order.bandwidth());
   std::vector<double> rhs(static_cast<size_t>(order.count() * dimension), 0.0);
-  double values[kMaxDegree + 1];
-  size_t at = 0;
-  for (size_t k = 0; k < parameters_.size(); ++k) {
-    while (at + 1 < spans.size() &&
-           parameters_[k] >= basis.knots()[static_cast<size_t>(spans[at]) + 1])
-      ++at;
-    basis.Values(spans[at], parameters_[k], values);
-    const int* const row = rows.data() + (spans[at] - p);
+  for (size_t i = 0; i < spans.size(); ++i) {
+    const double* const gram = sums.col(static_cast<Eigen::Index>(i)).data();
+    const double* const right = gram + (p + 1) * (p + 1);
+    const int* const row = rows.data() + (spans[i] - p);
     for (int r = 0; r <= p; ++r) {
-      const double scaled = weights_[k] * values[r];
-      for (int s = 0; s <= p; ++s) {
-        if (row[s] <= row[r]) matrix.at(row[r], row[s]) += scaled * values[s];
+      for (int s = 0; s <= r; ++s) {
+        // Functions of few spans around may be one.
+        const double twice = s < r && row[s] == row[r] ? 2 : 1;
+        matrix.at(std::max(row[r], row[s]), std::min(row[r], row[s])) +=
+            twice * gram[r * (p + 1) + s];
       }
-      for (int d = 0; d < dimension; ++d) {
-        rhs[static_cast<size_t>(d * order.count() + row[r])] +=
-            scaled * values_(d, static_cast<Eigen::Index>(k));
-      }
+      for (int d = 0; d < dimension; ++d)
+        rhs[static_cast<size_t>(d * order.count() + row[r])] += right[r * dimension + d];
     }
   }
   return total_ - matrix.Explained(rhs, dimension);
 }
+
+namespace {
+
+// A layout with its sums, to be changed break by break.
+class Trial {
+ public:
+  Trial(const LayoutTrials& trials, const SpanLayout& layout)
+      : trials_(trials), sums_(trials.Sums(layout.Basis())) {}
+
+  // Of a layout that differs by that break only; Accept makes it the present one.
+  double Squares(const SpanLayout& layout, int moved) {
+    const SplineBasis basis = layout.Basis();
+    const std::vector<int> spans = basis.Spans();
+    const int count = layout.spans(), p = layout.degree();
+    changed_.clear();
+    for (int i = moved - p; i < moved + p; ++i) {
+      if (!layout.closed() && (i < 0 || i >= count)) continue;
+      changed_.push_back(((i % count) + count) % count);
+    }
+    std::sort(changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    before_ = sums_(Eigen::all, changed_);
+    for (const int i : changed_)
+      trials_.SumSpan(basis, spans[static_cast<size_t>(i)], sums_.col(i));
+    return trials_.Squares(basis, sums_);
+  }
+
+  void TakeBack() { sums_(Eigen::all, changed_) = before_; }
+
+ private:
+  const LayoutTrials& trials_;
+  Eigen::MatrixXd sums_, before_;
+  std::vector<int> changed_;
+};
+
+}  // namespace
 
 SpanLayout RelocateKnots(const LayoutTrials& trials, SpanLayout layout) {
   const SpanLayout start = layout;
@@ -131,6 +205,7 @@ SpanLayout RelocateKnots(const LayoutTrials& trials, SpanLayout layout) {
     const std::vector<double>& first = start.breaks();
     return breaks[span + 1] - breaks[span] >= kNarrowest * (first[span + 1] - first[span]);
   };
+  Trial trial(trials, layout);
   double best = trials.Squares(layout);
   double share = kFirstShare;
   for (int sweep = 0; sweep < kSweeps; ++sweep, share *= kShrink) {
@@ -142,8 +217,11 @@ SpanLayout RelocateKnots(const LayoutTrials& trials, SpanLayout layout) {
         breaks[i] += share * (breaks[side > 0 ? i + 1 : i - 1] - breaks[i]);
         if (!wide(breaks, i - 1) || !wide(breaks, i)) continue;
         const SpanLayout moved = layout.WithBreaks(std::move(breaks));
-        const double squares = trials.Squares(moved);
-        if (!(squares < best)) continue;
+        const double squares = trial.Squares(moved, k);
+        if (!(squares < best)) {
+          trial.TakeBack();
+          continue;
+        }
         best = squares;
         layout = moved;
         break;

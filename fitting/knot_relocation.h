@@ -21,6 +21,12 @@ class LayoutTrials {
   // do not determine the curve.
   double Squares(const SpanLayout& layout) const;
 
+  // What each span's means give to the normal matrix and the right-hand sides, a column each: a
+  // layout that differs by one break has the other columns in common.
+  Eigen::MatrixXd Sums(const SplineBasis& basis) const;
+  void SumSpan(const SplineBasis& basis, int span, Eigen::Ref<Eigen::VectorXd> sums) const;
+  double Squares(const SplineBasis& basis, const Eigen::MatrixXd& sums) const;
+
  private:
   std::vector<double> parameters_;  // increasing
   Eigen::MatrixXd values_;          // d × m

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -383,21 +382,29 @@ void EndAround(SurfaceBase& base,
 
 // How many times as far apart as the mean spacing points are where they are sparse: from the counts
 // of tiles of 4 × 4 spacings that have all their neighbours; 1 where counts are those of chance.
-double Sparseness(const Eigen::Matrix2Xd& parameters, const PointMask& counted, double spacing) {
+// Infinite where the points are all but lost in the rectangle.
+double Sparseness(const SurfaceBase& base, const PointMask& counted, double spacing) {
   constexpr double kTile = 4, kOfChance = 10;  // the lowest twentieth of Poisson's with mean 16
-  std::map<std::pair<long, long>, double> counts;
-  for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
-    if (!counted[k]) continue;
-    counts[{std::lround(parameters(0, k) / (kTile * spacing)),
-            std::lround(parameters(1, k) / (kTile * spacing))}] += 1;
+  constexpr double kMostTiles = 4;             // a point
+  const double side = kTile * spacing;
+  const double tiles = (base.length_u / side + 2) * (base.length_v / side + 2);
+  if (tiles > kMostTiles * static_cast<double>(counted.size()) + 1e4)
+    return std::numeric_limits<double>::infinity();
+  const auto columns = static_cast<Eigen::Index>(base.length_u / side) + 2,
+             rows = static_cast<Eigen::Index>(base.length_v / side) + 2;
+  Eigen::MatrixXi counts = Eigen::MatrixXi::Zero(rows, columns);
+  const auto place = [&](double length, Eigen::Index most) {
+    return std::clamp<Eigen::Index>(std::lround(length / side), 0, most - 1);
+  };
+  for (Eigen::Index k = 0; k < counted.size(); ++k) {
+    if (counted[k])
+      ++counts(place(base.parameters(1, k), rows), place(base.parameters(0, k), columns));
   }
   std::vector<double> inner;
-  for (const auto& [tile, count] : counts) {
-    bool all = true;
-    for (long i = -1; i <= 1; ++i)
-      for (long j = -1; j <= 1; ++j)
-        all = all && counts.contains({tile.first + i, tile.second + j});
-    if (all) inner.push_back(count);
+  for (Eigen::Index i = 1; i + 1 < columns; ++i) {
+    for (Eigen::Index j = 1; j + 1 < rows; ++j) {
+      if ((counts.block<3, 3>(j - 1, i - 1).array() > 0).all()) inner.push_back(counts(j, i));
+    }
   }
   if (inner.empty()) return 1;
   return std::sqrt(std::max(1.0, kOfChance / Quantile(std::move(inner), 0.05)));
@@ -485,7 +492,7 @@ bool LayBetweenOutline(SurfaceBase& base,
                        double noise,
                        ThreadPool& pool) {
   // Where points are sparse the outline is drawn as there, and is as much less certain.
-  const double sparseness = Sparseness(base.parameters, reached, mean_spacing);
+  const double sparseness = Sparseness(base, reached, mean_spacing);
   if (sparseness > kTooSparse) return false;
   const double spacing = sparseness * mean_spacing;
   const Outline outline = OutlineOf(base, reached, spacing, noise, pool);

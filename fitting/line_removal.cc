@@ -19,6 +19,7 @@ constexpr double kManyIdle = 0.25;  // control points gone, for a finer one to b
 constexpr double kPointsPerControlPoint = 3;
 constexpr int kRefusalsToStop = 3;  // of single lines, one after the other
 constexpr double kAtFirst = 0.25;   // of the lines, in the first removal
+constexpr Eigen::Index kMostInOrder = 50000;
 constexpr double kWorthTrying = 2;  // times what the score grants, for the estimate's sake
 
 struct Line {
@@ -32,17 +33,19 @@ double TotalWeight(const FittingProblem& problem) {
   return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
 }
 
-// Σ w N Nᵀ over the points' parameters in one direction.
+// Σ w N Nᵀ over the points' parameters in one direction; of very many points, over some of them
+// for all: lines are only put in order by it.
 Eigen::MatrixXd Gram(const SplineBasis& basis,
                      const Eigen::RowVectorXd& parameters,
                      const Eigen::VectorXd& weights) {
   const int p = basis.degree();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(basis.size(), basis.size());
   double N[kMaxDegree + 1];
-  for (Eigen::Index k = 0; k < parameters.size(); ++k) {
+  const Eigen::Index step = 1 + parameters.size() / kMostInOrder;
+  for (Eigen::Index k = 0; k < parameters.size(); k += step) {
     const int span = basis.Span(parameters[k]);
     basis.Values(span, parameters[k], N);
-    const double weight = weights.size() > 0 ? weights[k] : 1.0;
+    const double weight = static_cast<double>(step) * (weights.size() > 0 ? weights[k] : 1.0);
     for (int s = 0; s <= p; ++s) {
       for (int r = s; r <= p; ++r) gram(span - p + r, span - p + s) += weight * N[r] * N[s];
     }

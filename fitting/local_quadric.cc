@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -17,11 +18,14 @@ constexpr double kMost = 0.8, kNormalAtMost = 1.2816;  // the quantile of |x| at
 constexpr double kRidge = 1e-12;  // of the mean square: collinear points still have a quadric
 
 double MagnitudeQuantile(const Eigen::VectorXd& values, double fraction) {
-  std::vector<double> magnitudes(static_cast<size_t>(values.size()));
-  for (Eigen::Index k = 0; k < values.size(); ++k) magnitudes[k] = std::abs(values[k]);
-  auto at = magnitudes.begin() +
-            static_cast<std::ptrdiff_t>(fraction * static_cast<double>(magnitudes.size()));
-  std::nth_element(magnitudes.begin(), at, magnitudes.end());
+  constexpr size_t kOnStack = 64;
+  const auto size = static_cast<size_t>(values.size());
+  std::array<double, kOnStack> few{};
+  std::vector<double> many(size > kOnStack ? size : 0);
+  double* magnitudes = size > kOnStack ? many.data() : few.data();
+  for (size_t k = 0; k < size; ++k) magnitudes[k] = std::abs(values[static_cast<Eigen::Index>(k)]);
+  double* at = magnitudes + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(size));
+  std::nth_element(magnitudes, at, magnitudes + size);
   return *at;
 }
 
@@ -37,11 +41,18 @@ double Farthest(const Eigen::Matrix3Xd& differences) {
 
 LocalPlane WeightedPlane(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& weights) {
   const Eigen::Vector3d centre = points * weights / weights.sum();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    const Eigen::Vector3d d = points.col(k) - centre;
-    covariance += weights[k] * d * d.transpose();
+    const double x = points(0, k) - centre[0], y = points(1, k) - centre[1];
+    const double z = points(2, k) - centre[2], w = weights[k];
+    xx += w * x * x;
+    xy += w * x * y;
+    xz += w * x * z;
+    yy += w * y * y;
+    yz += w * y * z;
+    zz += w * z * z;
   }
+  const Eigen::Matrix3d covariance{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance);
   return {centre, solver.eigenvectors().col(0)};

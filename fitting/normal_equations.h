@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/fitting/block_banded_matrix.h"
+#include "batten/fitting/point_rows.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
 
@@ -38,21 +39,20 @@ class CellOrder {
 };
 
 // A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis
-// functions at a point's parameters and z its values. Sums are kept a cell at a time, so the result
-// does not depend on the number of threads. O(m (p+1)² (q+1)² / 4).
+// functions at a point's parameters and z its values. Gathered as moments of knot cells, each of
+// which is turned once into products of basis functions: all factors are positive, so that the
+// matrix is as exact as the plain sum. The sums do not depend on the number of threads.
+// O(m (2p+1)(2q+1)) and a few points' worth for every cell; memory of the moments besides.
 class NormalEquations {
  public:
-  // values: d × m; weights: empty for ones; inner basis: null for a curve.
+  // inner basis: null for a curve, whose points have no inner parameters. Parameters must lie in
+  // the bases' domains.
   NormalEquations(const SplineBasis& outer_basis,
                   const SplineBasis* inner_basis,
-                  const Eigen::VectorXd& outer,
-                  const Eigen::VectorXd& inner,
-                  const Eigen::MatrixXd& values,
-                  const Eigen::VectorXd& weights,
-                  const CellOrder& order,
+                  const PointRows& points,
                   ThreadPool& pool);
 
-  // Adds A to a matrix of EmptyMatrix' sizes.
+  // Adds A to a matrix of EmptyMatrix' sizes. O(n (p+1)(2q+1)).
   void AddTo(BlockBandedMatrix& matrix) const;
 
   // Rows as in the matrix: those of the outer basis in its CoefficientOrder, inside each the
@@ -62,13 +62,20 @@ class NormalEquations {
   double trace() const { return trace_; }              // of A, repeated coefficients apart
 
  private:
-  int degree_outer_, degree_inner_;
   std::vector<int> outer_rows_, inner_rows_;
-  std::vector<CellOrder::Cell> cells_;
-  std::vector<double> grams_;  // a cell: products of pairs of outer × pairs of inner functions
+  int degree_outer_, degree_inner_;
+  // Σ w N_i N_{i+a} M_j M_{j+b} at ((i(p+1) + a) n_inner + j)(q+1) + b.
+  std::vector<double> band_;
   Eigen::MatrixXd rhs_;
   double squares_ = 0, trace_ = 0;
 };
+
+// Points of m parameters each (inner: empty for a curve), values d × m, weights empty for ones.
+// What it is made of must live as long as it is used.
+PointRows RowsOf(const Eigen::VectorXd& outer,
+                 const Eigen::VectorXd& inner,
+                 const Eigen::MatrixXd& values,
+                 const Eigen::VectorXd& weights);
 
 // A zero matrix for the coefficients of a tensor-product spline that differ; inner basis null for a
 // curve.

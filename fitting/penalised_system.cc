@@ -26,20 +26,21 @@ const SplineBasis* Pointer(const std::optional<SplineBasis>& basis) {
   return basis ? &*basis : nullptr;
 }
 
+PointRows Turned(PointRows points) {
+  std::swap(points.outer, points.inner);
+  return points;
+}
+
 }  // namespace
 
 PenalisedSystem::PenalisedSystem(const FittingProblem& problem, ThreadPool& pool)
     : PenalisedSystem(problem.basis_u(),
                       problem.is_curve() ? nullptr : &problem.basis_v(),
-                      problem.data().parameters.row(0),
-                      problem.data().parameters.row(1),
-                      problem.data().values,
-                      problem.data().weights,
+                      RowsOf(problem),
                       problem.energy(),
                       pool) {
   if (problem.is_curve()) return;
-  conditions_ =
-      PoleConditionsOnRows(problem.basis_u(), problem.basis_v(), problem.poles(), u_outside_);
+  ties_ = PoleTies(problem.basis_u(), problem.basis_v(), problem.poles(), u_outside_);
 }
 
 PenalisedSystem::PenalisedSystem(const SplineBasis& basis_u,
@@ -50,23 +51,20 @@ PenalisedSystem::PenalisedSystem(const SplineBasis& basis_u,
                                  const Eigen::VectorXd& weights,
                                  FairnessEnergy energy,
                                  ThreadPool& pool)
+    : PenalisedSystem(basis_u, basis_v, RowsOf(u, v, values, weights), energy, pool) {}
+
+PenalisedSystem::PenalisedSystem(const SplineBasis& basis_u,
+                                 const SplineBasis* basis_v,
+                                 const PointRows& points,
+                                 FairnessEnergy energy,
+                                 ThreadPool& pool)
     : u_outside_(!basis_v || basis_u.size() >= basis_v->size()),
       outer_(u_outside_ ? basis_u : *basis_v),
       inner_(basis_v ? std::optional<SplineBasis>(u_outside_ ? *basis_v : basis_u) : std::nullopt),
       outer_rows_(CoefficientOrder(outer_).Rows(outer_)),
       inner_rows_(DistinctIndices(Pointer(inner_))),
       inner_distinct_(inner_ ? DistinctCount(*inner_) : 1),
-      outer_parameters_(u_outside_ ? u : v),
-      inner_parameters_(u_outside_ ? v : u),
-      order_(outer_, Pointer(inner_), outer_parameters_, inner_parameters_),
-      equations_(outer_,
-                 Pointer(inner_),
-                 outer_parameters_,
-                 inner_parameters_,
-                 values,
-                 weights,
-                 order_,
-                 pool),
+      equations_(outer_, Pointer(inner_), u_outside_ ? points : Turned(points), pool),
       fairness_(outer_, Pointer(inner_), energy),
       unit_(equations_.trace() / fairness_.Trace()),
       jitter_(4 * std::numeric_limits<double>::epsilon() * equations_.trace() / unknowns()) {}
@@ -79,16 +77,15 @@ BlockBandedMatrix PenalisedSystem::Matrix(double smoothing, double jitters) cons
   return matrix;
 }
 
-PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing) const {
+PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* pool) const {
   const double asked = smoothing;
   for (int attempt = 0; attempt <= kAttempts; ++attempt) {
     // High degrees need more than rounding's worth of jitter.
-    BlockBandedMatrix matrix = Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5)));
-    if (matrix.Factor() &&
+    TiedSystem matrix(Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5))), ties_);
+    if (matrix.Factor(pool) &&
         (smoothing >= kFirmSmoothing || matrix.SmallestPivot() > kSingularInJitters * jitter_)) {
       Eigen::MatrixXd rows = rhs();
       matrix.Solve(rows);
-      MeetConditions(matrix, conditions_, rows);
       if (rows.allFinite()) {
         Solution solution{
             std::move(matrix), std::move(rows), Lambda(smoothing), smoothing != asked};

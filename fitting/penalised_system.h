@@ -10,6 +10,7 @@
 #include "batten/fitting/fairness.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/normal_equations.h"
+#include "batten/fitting/tied_system.h"
 
 namespace batten {
 
@@ -18,7 +19,7 @@ namespace batten {
 // by a jitter on the diagonal, a few units in the last place.
 class PenalisedSystem {
  public:
-  // Gathers the data. O(m (p+1)² (q+1)²).
+  // Gathers the data. O(m (2p+1)(2q+1)).
   PenalisedSystem(const FittingProblem& problem, ThreadPool& pool);
 
   // The same of bases (v null: a curve) with one parameter a point.
@@ -32,17 +33,17 @@ class PenalisedSystem {
                   ThreadPool& pool);
 
   struct Solution {
-    BlockBandedMatrix factor;  // of A + λP and the jitter
-    Eigen::MatrixXd rows;      // unknowns × d
+    TiedSystem factor;     // of A + λP and the jitter under the problem's conditions
+    Eigen::MatrixXd rows;  // unknowns × d
     double lambda;
     bool raised;                  // the matrix was singular: the smoothing is not the one asked for
     double residual_squares = 0;  // Σ w |S − z|², as a difference of sums over the data
   };
 
-  // The least sum under the problem's conditions (poles), which are met by Lagrange's multipliers.
-  // Where the matrix is singular, the smoothing is raised tenfold at a time; throws
-  // std::invalid_argument where that does not help. O(n · min(n_u, n_v)²).
-  Solution Solve(double smoothing) const;
+  // The least sum under the problem's conditions (poles), which are met by elimination. Where the
+  // matrix is singular, the smoothing is raised tenfold at a time; throws std::invalid_argument
+  // where that does not help. A pool, where given, helps with large nets. O(n · min(n_u, n_v)²).
+  Solution Solve(double smoothing, ThreadPool* pool = nullptr) const;
 
   // A + smoothing · tr(A)/tr(P) · P and so many jitters, not factored.
   BlockBandedMatrix Matrix(double smoothing, double jitters) const;
@@ -50,7 +51,6 @@ class PenalisedSystem {
   double Lambda(double smoothing) const { return smoothing * unit_; }
   double jitter() const { return jitter_; }
   double squares() const { return equations_.squares(); }  // Σ w |z|²
-  const CellOrder& order() const { return order_; }
   const Eigen::MatrixXd& rhs() const { return equations_.rhs(); }
   bool u_outside() const { return u_outside_; }
   int unknowns() const { return static_cast<int>(equations_.rhs().rows()); }
@@ -64,6 +64,13 @@ class PenalisedSystem {
   Eigen::Index RowOf(Eigen::Index coefficient) const;
 
  private:
+  // `points` with the parameters of u and v.
+  PenalisedSystem(const SplineBasis& basis_u,
+                  const SplineBasis* basis_v,
+                  const PointRows& points,
+                  FairnessEnergy energy,
+                  ThreadPool& pool);
+
   Eigen::MatrixXd InOuterOrder(const Eigen::MatrixXd& rows) const;
 
   bool u_outside_;
@@ -71,12 +78,10 @@ class PenalisedSystem {
   std::optional<SplineBasis> inner_;
   std::vector<int> outer_rows_, inner_rows_;
   Eigen::Index inner_distinct_;
-  Eigen::VectorXd outer_parameters_, inner_parameters_;
-  CellOrder order_;
   NormalEquations equations_;
   FairnessForm fairness_;
-  double unit_, jitter_;        // tr(A)/tr(P)
-  Eigen::MatrixXd conditions_;  // on the rows; as many rows as there are conditions
+  double unit_, jitter_;  // tr(A)/tr(P)
+  NetTies ties_;          // of the rows at poles
 };
 
 }  // namespace batten

@@ -2,6 +2,7 @@
 #include "batten/fitting/plan_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <vector>
@@ -83,6 +84,46 @@ std::vector<char> HangTogether(const Eigen::Matrix3Xd& plan, const Joined& joine
   return together;
 }
 
+// Whether places clearly hang together: they fill the better part of tiles that would hold nine
+// each if they were spread evenly, and the tiles filled are one piece. Its gaps are then at most
+// two tiles wide, far less than ten distances of neighbours.
+bool ClearlyHangTogether(const Eigen::Matrix3Xd& plan) {
+  constexpr double kPlacesOfATile = 9, kLeastFilled = 0.5;
+  const Eigen::Vector2d low = plan.topRows<2>().rowwise().minCoeff();
+  const Eigen::Vector2d extent = plan.topRows<2>().rowwise().maxCoeff() - low;
+  const double side = std::sqrt(extent.prod() * kPlacesOfATile / static_cast<double>(plan.cols()));
+  if (!(side > 0)) return false;
+  const auto most = static_cast<double>(plan.cols());
+  if (!((extent / side).maxCoeff() < most)) return false;
+  const int nu = static_cast<int>(extent[0] / side) + 1,
+            nv = static_cast<int>(extent[1] / side) + 1;
+  std::vector<char> filled(static_cast<size_t>(nu) * static_cast<size_t>(nv), 0);
+  for (const auto place : plan.colwise()) {
+    const int i = std::min(nu - 1, static_cast<int>((place[0] - low[0]) / side));
+    const int j = std::min(nv - 1, static_cast<int>((place[1] - low[1]) / side));
+    filled[i * nv + j] = 1;
+  }
+  const auto count = std::count(filled.begin(), filled.end(), 1);
+  if (static_cast<double>(count) < kLeastFilled * nu * nv) return false;
+  std::vector<int> front{
+      static_cast<int>(std::find(filled.begin(), filled.end(), 1) - filled.begin())};
+  filled[front.front()] = 0;
+  std::ptrdiff_t seen = 0;
+  while (!front.empty()) {
+    const int i = front.back() / nv, j = front.back() % nv;
+    front.pop_back();
+    ++seen;
+    for (int a = std::max(0, i - 1); a <= std::min(nu - 1, i + 1); ++a) {
+      for (int b = std::max(0, j - 1); b <= std::min(nv - 1, j + 1); ++b) {
+        if (!filled[a * nv + b]) continue;
+        filled[a * nv + b] = 0;
+        front.push_back(a * nv + b);
+      }
+    }
+  }
+  return seen == count;
+}
+
 }  // namespace
 
 double ShareApart(const Eigen::Matrix2Xd& places, std::uint64_t seed) {
@@ -90,6 +131,7 @@ double ShareApart(const Eigen::Matrix2Xd& places, std::uint64_t seed) {
   if (std::ssize(sample) <= kNeighbours) return 0;
   Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, std::ssize(sample));
   plan.topRows<2>() = places(Eigen::all, sample);
+  if (ClearlyHangTogether(plan)) return 0;
   std::vector<Eigen::Index> points(sample.size(), 1);  // that a place stands for
   const auto all = static_cast<double>(sample.size());
   for (;;) {

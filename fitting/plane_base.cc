@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <queue>
@@ -14,7 +13,9 @@
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/cone_axis.h"
 #include "batten/fitting/normals.h"
+#include "batten/fitting/plan_layers.h"
 #include "batten/fitting/smallest_rectangle.h"
 #include "batten/fitting/statistics.h"
 
@@ -39,32 +40,6 @@ double Openness(const Eigen::Matrix3Xd& normals,
   for (Eigen::Index k = 0; k < normals.cols(); ++k)
     cosines.push_back(std::abs(normals.col(k).dot(axis)));
   return Quantile(std::move(cosines), share);
-}
-
-// Towards the axis of the smallest cone about the normals: repeated means of those that are
-// steepest. [Bădoiu & Clarkson 2003, for balls]
-Eigen::Vector3d ConeAxis(const Eigen::Matrix3Xd& normals, Eigen::Vector3d axis) {
-  Eigen::Vector3d best = axis;
-  double best_openness = Openness(normals, axis);
-  for (int round = 1; round <= 60; ++round) {
-    std::vector<double> cosines(static_cast<size_t>(normals.cols()));
-    for (Eigen::Index k = 0; k < normals.cols(); ++k)
-      cosines[k] = std::abs(normals.col(k).dot(axis));
-    const double low = Quantile(cosines, kSteepShare), high = Quantile(cosines, 2 * kSteepShare);
-    Eigen::Vector3d steep = Eigen::Vector3d::Zero();
-    for (Eigen::Index k = 0; k < normals.cols(); ++k) {
-      if (cosines[k] < low || cosines[k] > high) continue;
-      steep += normals.col(k).dot(axis) < 0 ? (-normals.col(k)).eval() : normals.col(k).eval();
-    }
-    if (!(steep.norm() > 0)) break;
-    axis = (axis + steep.normalized() / (1.0 + round)).normalized();
-    const double openness = Openness(normals, axis);
-    if (openness > best_openness) {
-      best_openness = openness;
-      best = axis;
-    }
-  }
-  return best;
 }
 
 // Normals with signs that agree between neighbours, in pieces: no sign passes a crease.
@@ -111,9 +86,10 @@ SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals
   return sides;
 }
 
-// Towards the axis of the smallest cone about the normals of the largest piece, which all look to
-// one side of it: a steep sheet, whose normals of either sign fill nearly all directions, has one.
+// The axis of the smallest cone about the normals of the largest piece, which all look to one side
+// of it: a steep sheet, whose normals of either sign fill nearly all directions, has one.
 std::optional<Eigen::Vector3d> ConeAxisOfSide(const SheetSides& sides) {
+  constexpr int kRounds = 200;
   std::vector<int> sizes(static_cast<size_t>(sides.pieces), 0);
   for (const int piece : sides.piece) ++sizes[static_cast<size_t>(piece)];
   const auto largest =
@@ -122,26 +98,9 @@ std::optional<Eigen::Vector3d> ConeAxisOfSide(const SheetSides& sides) {
   for (Eigen::Index k = 0; k < sides.normals.cols(); ++k)
     if (sides.piece[static_cast<size_t>(k)] == largest) kept.push_back(k);
   const Eigen::Matrix3Xd normals = sides.normals(Eigen::all, kept);
-  Eigen::Vector3d axis = normals.rowwise().sum();
-  if (!(axis.norm() > 0)) return std::nullopt;
-  axis.normalize();
-  Eigen::Vector3d best = axis;
-  double best_openness = -1;
-  for (int round = 1; round <= 200; ++round) {
-    const Eigen::VectorXd cosines = normals.transpose() * axis;
-    const std::vector<double> all(cosines.begin(), cosines.end());
-    const double low = Quantile(all, kSteepShare), high = Quantile(all, 2 * kSteepShare);
-    if (low > best_openness) {
-      best_openness = low;
-      best = axis;
-    }
-    Eigen::Vector3d steep = Eigen::Vector3d::Zero();
-    for (Eigen::Index k = 0; k < normals.cols(); ++k)
-      if (cosines[k] >= low && cosines[k] <= high) steep += normals.col(k);
-    if (!(steep.norm() > 0)) break;
-    axis = (axis + steep.normalized() / (1.0 + round)).normalized();
-  }
-  return best;
+  const Eigen::Vector3d mean = normals.rowwise().sum();
+  if (!(mean.norm() > 0)) return std::nullopt;
+  return ConeAxis(normals, mean.normalized(), {kSteepShare, true, kRounds});
 }
 
 // How much of a sheet looks away from an axis, clearly, while the greater part of its piece looks
@@ -197,35 +156,18 @@ Eigen::Matrix3d FrameOf(const Eigen::Vector3d& normal) {
   return axes;
 }
 
-// The share of places, 4 spacings wide, whose points lie in layers: a gap in height that no slope
-// explains, with a good part of the points on either side.
-double OverlapShare(const Eigen::Matrix3Xd& local, double spacing, double steepest_tangent) {
-  constexpr double kPlaceInSpacings = 4;
-  constexpr double kLayerShare = 0.3;
-  const double cell = kPlaceInSpacings * spacing;
-  std::map<std::pair<long, long>, std::vector<double>> heights;
-  for (Eigen::Index k = 0; k < local.cols(); ++k) {
-    heights[{std::lround(std::floor(local(0, k) / cell)),
-             std::lround(std::floor(local(1, k) / cell))}]
-        .push_back(local(2, k));
-  }
-  constexpr double kSteepestSlope = 2;  // steeper places hold a continuum of heights, without a gap
-  const double gap = 1.5 * cell * std::clamp(steepest_tangent, 1.0, kSteepestSlope);
-  size_t places = 0, layered = 0;
-  for (auto& [place, h] : heights) {
-    if (h.size() < 4) continue;
-    ++places;
-    std::sort(h.begin(), h.end());
-    const auto layer =
-        std::max<size_t>(2, static_cast<size_t>(kLayerShare * static_cast<double>(h.size())));
-    for (size_t k = layer; k + layer <= h.size(); ++k) {
-      if (h[k] - h[k - 1] > gap) {
-        ++layered;
-        break;
-      }
-    }
-  }
-  return places > 0 ? static_cast<double>(layered) / static_cast<double>(places) : 0;
+// Normals at places, side by side.
+Eigen::Matrix3Xd NormalsAt(const Eigen::Matrix3Xd& places,
+                           const Eigen::Matrix3Xd& points,
+                           const NeighbourIndex& index,
+                           int neighbours,
+                           ThreadPool& pool) {
+  Eigen::Matrix3Xd normals(3, places.cols());
+  pool.For(places.cols(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    normals.middleCols(begin, end - begin) =
+        EstimateNormals(index, points, places.middleCols(begin, end - begin), neighbours);
+  });
+  return normals;
 }
 
 // The directions a sheet with vertical walls may be a height field over: the coordinate axes, the
@@ -247,30 +189,33 @@ std::vector<Eigen::Vector3d> UprightDirections(const Eigen::Matrix3Xd& normals,
 std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
                                             const std::vector<Eigen::Vector3d>& directions,
                                             const Eigen::Matrix3Xd& points,
+                                            const Eigen::Vector3d& mean,
                                             double spacing,
-                                            double allowed_fold) {
+                                            double allowed_fold,
+                                            ThreadPool& pool) {
   constexpr size_t kAxes = 3;
   constexpr double kSlack = 0.01;         // of overlap
   constexpr double kEquallySteep = 0.05;  // in cosine
   struct Candidate {
     Eigen::Vector3d axis;
     double openness, overlap;
-    bool preferred;
+    bool preferred, serves;
   };
-  std::vector<Candidate> candidates;
-  double least_overlap = kLayeredShare;
-  for (size_t k = 0; k < directions.size(); ++k) {
+  std::vector<Candidate> candidates(directions.size());
+  pool.For(std::ssize(directions), 1, [&](std::ptrdiff_t at, std::ptrdiff_t) {
+    const auto k = static_cast<size_t>(at);
+    Candidate& own = candidates[k] = {directions[k], 0, 1, k < kAxes, false};
     // Not edge-on: a good part lies open, as it does in no grazing view but a coordinate axis's.
-    const double open_part = Openness(sides.normals, directions[k], kWallShare);
-    if (open_part < (k < kAxes ? kWall : kLiesOpen)) continue;
-    const double openness = Openness(sides.normals, directions[k]);
-    const double overlap = OverlapShare(FrameOf(directions[k]).transpose() * points,
-                                        spacing,
-                                        std::tan(std::acos(std::min(1.0, openness))));
-    if (IsFolded(FoldsAlong(sides, directions[k]), overlap, allowed_fold)) continue;
-    candidates.push_back({directions[k], openness, overlap, k < kAxes});
-    least_overlap = std::min(least_overlap, overlap);
-  }
+    const double open_part = Openness(sides.normals, own.axis, kWallShare);
+    if (open_part < (own.preferred ? kWall : kLiesOpen)) return;
+    own.openness = Openness(sides.normals, own.axis);
+    own.overlap = LayeredPlaces(
+        points, mean, FrameOf(own.axis), spacing, std::tan(std::acos(std::min(1.0, own.openness))));
+    own.serves = !IsFolded(FoldsAlong(sides, own.axis), own.overlap, allowed_fold);
+  });
+  std::erase_if(candidates, [](const Candidate& c) { return !c.serves; });
+  double least_overlap = kLayeredShare;
+  for (const Candidate& c : candidates) least_overlap = std::min(least_overlap, c.overlap);
   std::erase_if(candidates, [&](const Candidate& c) { return c.overlap > least_overlap + kSlack; });
   if (candidates.empty()) return std::nullopt;
   const auto best = std::max_element(
@@ -289,18 +234,22 @@ std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
 PlaneBase BaseAlong(Eigen::Vector3d axis,
                     double openness,
                     const Eigen::Matrix3Xd& points,
+                    const Eigen::Vector3d& mean,
                     double spacing,
                     double margin) {
   int largest;
   axis.cwiseAbs().maxCoeff(&largest);
   if (axis[largest] < 0) axis = -axis;
-  const Eigen::Vector3d mean = points.rowwise().mean();
   PlaneBase base;
   base.axes = FrameOf(axis);
   base.steepness = std::acos(std::clamp(openness, 0.0, 1.0));
-  const Eigen::Matrix3Xd local = base.axes.transpose() * (points.colwise() - mean);
-  std::vector<Eigen::Vector2d> plan(static_cast<size_t>(local.cols()));
-  for (Eigen::Index k = 0; k < local.cols(); ++k) plan[k] = local.col(k).head<2>();
+  std::vector<Eigen::Vector2d> plan;
+  plan.reserve(static_cast<size_t>(points.cols()));
+  const Eigen::Vector3d along_u = base.axes.col(0), along_v = base.axes.col(1);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const Eigen::Vector3d from = points.col(k) - mean;
+    plan.emplace_back(along_u.dot(from), along_v.dot(from));
+  }
   const TurnedRectangle r = RectangleOf(ConvexHullOf(std::move(plan)));
   if (!(r.area > 0)) {
     throw std::invalid_argument(
@@ -313,8 +262,18 @@ PlaneBase BaseAlong(Eigen::Vector3d axis,
       mean + base.axes.col(0) * (r.low[0] - margin) + base.axes.col(1) * (r.low[1] - margin);
   base.length_u = r.high[0] - r.low[0] + 2 * margin;
   base.length_v = r.high[1] - r.low[1] + 2 * margin;
-  base.overlap = OverlapShare(base.ToFrame(points), spacing, std::tan(base.steepness));
+  base.overlap = LayeredPlaces(points, base.origin, base.axes, spacing, std::tan(base.steepness));
   return base;
+}
+
+// Sums of squares and products of coordinates about a place.
+Eigen::Matrix3d ScatterAbout(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& mean) {
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const Eigen::Vector3d from = points.col(k) - mean;
+    for (int d = 0; d < 3; ++d) scatter.col(d) += from[d] * from;
+  }
+  return scatter;
 }
 
 }  // namespace
@@ -324,11 +283,19 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         double spacing,
                         double margin,
                         const PlaneBaseOptions& options) {
+  ThreadPool one(1);
+  return FindPlaneBase(points, index, spacing, margin, options, one);
+}
+
+PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
+                        const NeighbourIndex& index,
+                        double spacing,
+                        double margin,
+                        const PlaneBaseOptions& options,
+                        ThreadPool& pool) {
   if (points.cols() < 3) throw std::invalid_argument("a surface needs at least 3 different points");
   const Eigen::Vector3d mean = points.rowwise().mean();
-  const Eigen::Matrix3Xd centred = points.colwise() - mean;
-  const Eigen::Matrix3d scatter =
-      centred * centred.transpose() / static_cast<double>(points.cols());
+  const Eigen::Matrix3d scatter = ScatterAbout(points, mean) / static_cast<double>(points.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca(scatter);
   const double across = std::sqrt(std::max(0.0, pca.eigenvalues()[1]));
   const double along = std::sqrt(std::max(0.0, pca.eigenvalues()[2]));
@@ -339,24 +306,31 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
 
   const std::vector<Eigen::Index> samples =
       SampleIndices(points.cols(), options.samples, options.seed);
-  Eigen::Matrix3Xd normals =
-      EstimateNormals(index, points, points(Eigen::all, samples), points.cols() < 200 ? 12 : 30);
+  const Eigen::Matrix3Xd places = points(Eigen::all, samples);
+  Eigen::Matrix3Xd normals = NormalsAt(places, points, index, points.cols() < 200 ? 12 : 30, pool);
   if (points.cols() < 12) {
     normals = pca.eigenvectors().col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
   }
 
-  const SheetSides sides = AgreeOnSides(points(Eigen::all, samples), normals);
-  std::vector<Eigen::Vector3d> trials;
-  for (int start = 0; start < 3; ++start)
-    trials.push_back(ConeAxis(normals, pca.eigenvectors().col(start)));
-  if (const auto of_side = ConeAxisOfSide(sides)) trials.push_back(*of_side);
+  constexpr int kStarts = 3, kRounds = 61;
+  std::optional<SheetSides> sides;
+  std::vector<std::optional<Eigen::Vector3d>> trials(kStarts + 1);
+  pool.For(kStarts + 1, 1, [&](std::ptrdiff_t start, std::ptrdiff_t) {
+    if (start == 0) {
+      sides = AgreeOnSides(places, normals);
+      trials[kStarts] = ConeAxisOfSide(*sides);
+    } else {
+      trials[start - 1] =
+          ConeAxis(normals, pca.eigenvectors().col(start - 1), {kSteepShare, false, kRounds});
+    }
+  });
   Eigen::Vector3d axis = pca.eigenvectors().col(0);
   double openness = -1;
-  for (const Eigen::Vector3d& trial : trials) {
-    const double trial_openness = Openness(normals, trial);
+  for (const std::optional<Eigen::Vector3d>& trial : trials) {
+    const double trial_openness = trial ? Openness(normals, *trial) : -1;
     if (trial_openness > openness + 1e-12) {
       openness = trial_openness;
-      axis = trial;
+      axis = *trial;
     }
   }
   const Eigen::Vector3d of_cone = axis;
@@ -369,16 +343,16 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
       break;
     }
   }
-  PlaneBase base = BaseAlong(axis, openness, points, spacing, margin);
+  PlaneBase base = BaseAlong(axis, openness, points, mean, spacing, margin);
   // A cone about normals of either sign may be that of a sheet that folds over the plane. Another
   // direction must be clearly better, or rough clouds would turn with their noise.
-  const double folded = FoldsAlong(sides, axis).sheet;
+  const double folded = FoldsAlong(*sides, axis).sheet;
   if (folded > kFoldedShare || base.overlap > kLayeredShare) {
     const double allowed = folded > 0 ? std::min(kFoldedShare, folded / 2) : kFoldedShare;
     auto upright = UprightDirections(normals, pca.eigenvectors());
     upright.push_back(of_cone);
-    if (const auto unfolded = UnfoldedAxis(sides, upright, centred, spacing, allowed)) {
-      base = BaseAlong(*unfolded, Openness(normals, *unfolded), points, spacing, margin);
+    if (const auto unfolded = UnfoldedAxis(*sides, upright, points, mean, spacing, allowed, pool)) {
+      base = BaseAlong(*unfolded, Openness(normals, *unfolded), points, mean, spacing, margin);
     }
   }
   return base;

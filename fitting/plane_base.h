@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "batten/fitting/neighbours.h"
+#include "batten/geometry/thread_pool.h"
 
 namespace batten {
 
@@ -45,5 +46,13 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         double spacing,
                         double margin,
                         const PlaneBaseOptions& options = {});
+
+// The same with threads, bit for bit.
+PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
+                        const NeighbourIndex& index,
+                        double spacing,
+                        double margin,
+                        const PlaneBaseOptions& options,
+                        ThreadPool& pool);
 
 }  // namespace batten

@@ -2,10 +2,10 @@
 #include "batten/fitting/point_cloud.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -39,11 +39,13 @@ double RoundOrigin(double low, double high) {
 }  // namespace
 
 PointCloud::PointCloud(Eigen::Matrix3Xd points, Eigen::Vector3d origin, int dimension)
-    : points_(std::move(points)), origin_(std::move(origin)), dimension_(dimension) {
+    : points_(std::make_shared<const Eigen::Matrix3Xd>(std::move(points))),
+      origin_(std::move(origin)),
+      dimension_(dimension) {
   if (dimension_ != 2 && dimension_ != 3) {
     throw std::invalid_argument("PointCloud: dimension must be 2 or 3");
   }
-  RequireFinite(points_.allFinite(), "a point");
+  RequireFinite(points_->allFinite(), "a point");
   RequireFinite(origin_.allFinite(), "the origin");
 }
 
@@ -97,7 +99,7 @@ PointCloud PointCloud::Subset(const Eigen::Array<bool, Eigen::Dynamic, 1>& keep)
 }
 
 PointCloud PointCloud::Picked(const std::vector<Eigen::Index>& kept) const {
-  PointCloud result(points_(Eigen::all, kept), origin_, dimension_);
+  PointCloud result((*points_)(Eigen::all, kept), origin_, dimension_);
   if (normals_.cols() > 0) result.normals_ = normals_(Eigen::all, kept);
   if (weights_.size() > 0) result.weights_ = weights_(kept);
   if (colours_.cols() > 0) result.colours_ = colours_(Eigen::all, kept);
@@ -117,35 +119,56 @@ std::uint64_t HashOf(const Eigen::Vector3d& p) {
   return hash;
 }
 
-// For every point the first one at its place, by a table with open addressing, asked for a few
-// points ahead. [Knuth 1998, 6.4, algorithm L]
+struct HashedPoint {
+  std::uint32_t hash, point;  // the hash's upper half: the lower one chose the block
+};
+
+// Points under their hashes, block by block, each in the order of the points.
+struct HashBlocks {
+  std::vector<HashedPoint> points;
+  std::vector<Eigen::Index> begins;  // one more than blocks
+};
+
+HashBlocks BlocksOf(const Eigen::Matrix3Xd& p) {
+  constexpr std::uint64_t kPerBlock = 8192;  // a block and its table stay in the cache
+  constexpr std::uint64_t kMostBlocks = 4096;
+  const auto m = static_cast<std::uint64_t>(p.cols());
+  const std::uint64_t blocks = std::min(std::bit_ceil(m / kPerBlock + 1), kMostBlocks);
+  HashBlocks result{std::vector<HashedPoint>(m), std::vector<Eigen::Index>(blocks + 1)};
+  for (Eigen::Index k = 0; k < p.cols(); ++k)
+    ++result.begins[(HashOf(p.col(k)) & (blocks - 1)) + 1];
+  std::partial_sum(result.begins.begin(), result.begins.end(), result.begins.begin());
+  std::vector<Eigen::Index> next(result.begins.begin(), result.begins.end() - 1);
+  for (Eigen::Index k = 0; k < p.cols(); ++k) {
+    const std::uint64_t hash = HashOf(p.col(k));
+    result.points[static_cast<size_t>(next[hash & (blocks - 1)]++)] = {
+        static_cast<std::uint32_t>(hash >> 32), static_cast<std::uint32_t>(k)};
+  }
+  return result;
+}
+
+// For every point the first one at its place, by a small table with open addressing for each block
+// of hashes. [Knuth 1998, 6.4, algorithm L]
 std::vector<Eigen::Index> FirstAtPlace(const Eigen::Matrix3Xd& p) {
-  constexpr Eigen::Index kAhead = 16;
-  struct Slot {
-    std::uint32_t hash = 0, point_plus_one = 0;
-  };
-  const Eigen::Index m = p.cols();
-  const std::uint64_t size = std::bit_ceil(static_cast<std::uint64_t>(2 * m + 2));
-  std::vector<Slot> table(size);
-  std::vector<Eigen::Index> first(static_cast<size_t>(m));
-  std::array<std::uint64_t, kAhead> hashes{};
-  for (Eigen::Index k = 0; k < m + kAhead; ++k) {
-    const Eigen::Index now = k - kAhead;
-    const std::uint64_t hash = hashes[static_cast<size_t>(k % kAhead)];
-    if (k < m) {
-      const std::uint64_t next = HashOf(p.col(k));
-      hashes[static_cast<size_t>(k % kAhead)] = next;
-      __builtin_prefetch(&table[next & (size - 1)]);
+  constexpr std::uint32_t kFree = ~std::uint32_t{0};
+  const HashBlocks blocks = BlocksOf(p);
+  std::vector<Eigen::Index> first(static_cast<size_t>(p.cols()));
+  std::vector<HashedPoint> table;
+  for (size_t block = 0; block + 1 < blocks.begins.size(); ++block) {
+    const Eigen::Index begin = blocks.begins[block], end = blocks.begins[block + 1];
+    const std::uint64_t size = std::bit_ceil(static_cast<std::uint64_t>(2 * (end - begin) + 2));
+    table.assign(size, {0, kFree});
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const HashedPoint& own = blocks.points[static_cast<size_t>(i)];
+      // Of few digits both halves of a hash end alike: its upper bits choose the place.
+      std::uint64_t at = own.hash * size >> 32;
+      const auto other = [&](const HashedPoint& held) {
+        return held.hash != own.hash || p.col(held.point) != p.col(own.point);
+      };
+      while (table[at].point != kFree && other(table[at])) at = (at + 1) & (size - 1);
+      if (table[at].point == kFree) table[at] = own;
+      first[own.point] = table[at].point;
     }
-    if (now < 0) continue;
-    const auto tag = static_cast<std::uint32_t>(hash >> 32);
-    std::uint64_t at = hash & (size - 1);
-    const auto other = [&](const Slot& slot) {
-      return slot.hash != tag || p.col(slot.point_plus_one - 1) != p.col(now);
-    };
-    while (table[at].point_plus_one != 0 && other(table[at])) at = (at + 1) & (size - 1);
-    if (table[at].point_plus_one == 0) table[at] = {tag, static_cast<std::uint32_t>(now + 1)};
-    first[static_cast<size_t>(now)] = table[at].point_plus_one - 1;
   }
   return first;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace batten {
@@ -28,11 +29,11 @@ class PointCloud {
   // input holds. Works in place.
   static PointCloud FromWorld(Eigen::Matrix3Xd points, int dimension = 3);
 
-  Eigen::Index size() const { return points_.cols(); }
+  Eigen::Index size() const { return points_->cols(); }
   int dimension() const { return dimension_; }
-  const Eigen::Matrix3Xd& points() const { return points_; }
+  const Eigen::Matrix3Xd& points() const { return *points_; }
   const Eigen::Vector3d& origin() const { return origin_; }
-  Eigen::Vector3d World(Eigen::Index k) const { return origin_ + points_.col(k); }
+  Eigen::Vector3d World(Eigen::Index k) const { return origin_ + points_->col(k); }
 
   // Empty, or one a point.
   const Eigen::Matrix3Xd& normals() const { return normals_; }
@@ -53,7 +54,8 @@ class PointCloud {
   PointCloud Picked(const std::vector<Eigen::Index>& indices) const;
 
  private:
-  Eigen::Matrix3Xd points_ = Eigen::Matrix3Xd(3, 0);
+  // Copies of a cloud share its points; one that was moved from has none and may only be assigned.
+  std::shared_ptr<const Eigen::Matrix3Xd> points_ = std::make_shared<Eigen::Matrix3Xd>(3, 0);
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   int dimension_ = 3;
   Eigen::Matrix3Xd normals_ = Eigen::Matrix3Xd(3, 0);

@@ -1,44 +1,43 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/pole_rows.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCore>
+#include <Eigen/Core>
 #include <vector>
 
 #include "batten/fitting/coefficient_order.h"
 
 namespace batten {
 
-Eigen::MatrixXd PoleConditionsOnRows(const SplineBasis& basis_u,
-                                     const SplineBasis& basis_v,
-                                     const Poles& poles,
-                                     bool u_outside) {
-  if (!poles.any()) return Eigen::MatrixXd(0, 0);
-  const Eigen::MatrixXd on_net = PoleConditions(basis_u, basis_v, poles);
+NetTies PoleTies(const SplineBasis& basis_u,
+                 const SplineBasis& basis_v,
+                 const Poles& poles,
+                 bool u_outside) {
+  NetTies ties;
+  if (!poles.any()) return ties;
+  const PoleFreedom freedom = FreedomOf(basis_u, basis_v, poles);
   const SplineBasis& outer = u_outside ? basis_u : basis_v;
   const std::vector<int> outer_rows = CoefficientOrder(outer).Rows(outer);
-  const int size_v = DistinctCount(basis_v);
-  const int inner = DistinctCount(u_outside ? basis_v : basis_u);
-  Eigen::MatrixXd on_rows(on_net.rows(), on_net.cols());
-  for (Eigen::Index k = 0; k < on_net.cols(); ++k) {
-    const Eigen::Index i = k / size_v, j = k % size_v;
-    const int row = outer_rows[static_cast<size_t>(u_outside ? i : j)];
-    on_rows.col(Eigen::Index{row} * inner + (u_outside ? j : i)) = on_net.col(k);
+  const int m = DistinctCount(basis_u), size_v = DistinctCount(basis_v);
+  int begin = 0, end = size_v;  // of the rows v that are free
+  ties.forms = Eigen::MatrixXd::Zero(std::ssize(freedom.rows) * m, freedom.unknowns);
+  for (const TiedRow& row : freedom.rows) {
+    if (row.j == begin) {
+      ++begin;
+    } else {
+      --end;
+    }
+    for (int i = 0; i < m; ++i) {
+      const auto at = [&](int k) { return outer_rows[static_cast<size_t>(k)]; };
+      ties.forms.block(std::ssize(ties.tied), row.first, 1, row.form.cols()) = row.form.row(i);
+      ties.tied.push_back(u_outside ? Eigen::Index{at(i)} * size_v + row.j
+                                    : Eigen::Index{at(row.j)} * m + i);
+    }
   }
-  return on_rows;
-}
-
-void MeetConditions(const BlockBandedMatrix& factor,
-                    const Eigen::MatrixXd& conditions,
-                    Eigen::MatrixXd& rows) {
-  if (conditions.rows() == 0) return;
-  Eigen::MatrixXd reach = conditions.transpose();
-  factor.Solve(reach);
-  // A condition is on one or two rows of the net.
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> sparse = conditions.sparseView();
-  const Eigen::LDLT<Eigen::MatrixXd> middle(sparse * reach);
-  // Twice for the sake of rounding.
-  for (int pass = 0; pass < 2; ++pass) rows -= reach * middle.solve(sparse * rows);
+  ties.first_block = u_outside ? 0 : begin;
+  ties.blocks = u_outside ? m : end - begin;
+  ties.first_row = u_outside ? begin : 0;
+  ties.rows = u_outside ? end - begin : m;
+  return ties;
 }
 
 }  // namespace batten

@@ -123,6 +123,38 @@ int PoleConditionCount(const SplineBasis& basis_u, const SplineBasis& basis_v, c
   return count;
 }
 
+PoleFreedom FreedomOf(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles) {
+  PoleFreedom freedom;
+  if (!poles.any()) return freedom;
+  const int m = DistinctCount(basis_u);
+  const Eigen::MatrixXd first = Harmonics(basis_u, poles.turn, 1);
+  const Eigen::MatrixXd in_first = SplitBy(first).inside,
+                        in_second = SplitBy(Harmonics(basis_u, poles.turn, 2)).inside;
+  const Eigen::VectorXd middle = in_first.transpose() * MiddleForm(first);
+  const auto add = [&](int j, Eigen::Index from, const Eigen::MatrixXd& form) {
+    freedom.rows.push_back({j, from, form});
+    freedom.unknowns = std::max(freedom.unknowns, from + form.cols());
+  };
+  for (const PoleRows& end : RowsAt(basis_v, poles)) {
+    const Eigen::Index pole = freedom.unknowns;
+    Eigen::VectorXd edge = Eigen::VectorXd::Ones(m);
+    Eigen::MatrixXd next = in_first;
+    if (end.next >= 0 && end.kind == PoleKind::kSmooth) {
+      // The middle of the next row is the pole: both move with one unknown.
+      const Eigen::VectorXd with_pole = in_first * middle / middle.squaredNorm();
+      const double length = std::sqrt(m + with_pole.squaredNorm());
+      edge /= length;
+      next << with_pole / length, in_first * SplitBy(middle).outside;
+    } else {
+      edge.normalize();
+    }
+    add(end.edge, pole, edge);
+    if (end.next >= 0) add(end.next, end.kind == PoleKind::kSmooth ? pole : pole + 1, next);
+    if (end.third >= 0) add(end.third, freedom.unknowns, in_second);
+  }
+  return freedom;
+}
+
 Eigen::MatrixXd WithPolesClosed(Eigen::MatrixXd coefficients,
                                 const SplineBasis& basis_u,
                                 const SplineBasis& basis_v,

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <numbers>
+#include <vector>
 
 #include "batten/geometry/spline_basis.h"
 
@@ -35,6 +36,19 @@ Eigen::MatrixXd PoleConditions(const SplineBasis& basis_u,
 
 // How many they are.
 int PoleConditionCount(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles);
+
+// What the conditions leave free of the rows they are on: c_ij = Σ_k form(i, k) t_(first + k), all
+// such rows j together with orthonormal columns.
+struct TiedRow {
+  int j;
+  Eigen::Index first;
+  Eigen::MatrixXd form;
+};
+struct PoleFreedom {
+  std::vector<TiedRow> rows;  // from the start inwards, then from the end inwards
+  Eigen::Index unknowns = 0;  // t: eight at a smooth pole of degree 3
+};
+PoleFreedom FreedomOf(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles);
 
 // The nearest coefficients, row by row, that meet the conditions exactly: d × (n_u · n_v), v
 // fastest, repeated ones too. Rounding of what a solver found under the conditions is taken away,

@@ -14,6 +14,7 @@ namespace batten {
 namespace {
 
 constexpr Eigen::Index kPlaces = 400;
+constexpr Eigen::Index kMostForLayers = 100000;
 constexpr Eigen::Index kFewest = 24, kMost = 240;  // points around a place
 
 Eigen::Matrix3Xd InPlane(const Eigen::Matrix2Xd& parameters) {
@@ -30,7 +31,7 @@ double StructuredShare(const SurfaceResiduals& given, int control_points, Thread
   const auto around =
       static_cast<int>(std::clamp(m / (2 * std::max(control_points, 1)), kFewest, kMost));
   const Eigen::Matrix3Xd plan = InPlane(given.parameters);
-  const NeighbourIndex index(plan);
+  const NeighbourIndex index(plan, pool);
   const std::vector<Eigen::Index> places = SampleIndices(m, kPlaces, given.seed);
   std::vector<double> left(places.size()), all(places.size());
   pool.For(static_cast<std::ptrdiff_t>(places.size()), 16, [&](auto begin, auto end) {
@@ -55,9 +56,12 @@ double StructuredShare(const SurfaceResiduals& given, int control_points, Thread
 }
 
 double LayeredShareOf(const SurfaceResiduals& given, ThreadPool& pool) {
-  Eigen::Matrix3Xd raised = InPlane(given.parameters);
-  const NeighbourIndex index(raised);
-  raised.row(2) = given.residuals.transpose();
+  // Of very many points, two sheets show in a part of them.
+  const std::vector<Eigen::Index> some =
+      SampleIndices(given.residuals.size(), kMostForLayers, given.seed);
+  Eigen::Matrix3Xd raised = InPlane(given.parameters(Eigen::all, some));
+  const NeighbourIndex index(raised, pool);
+  raised.row(2) = given.residuals(some).transpose();
   return LayeredShare(
       raised, index, {.seed = given.seed, .heights = Eigen::Vector3d(0, 0, 1)}, pool);
 }

@@ -30,6 +30,8 @@ constexpr double kGoodInNoise = 0.7;  // nodes so near on the whole ask for no o
 constexpr double kGoodInSizes = 2e-3;
 constexpr int kSweeps = 30;
 constexpr int kRefinements = 6;
+constexpr double kFarBehind = 1.5;
+constexpr double kHardlyMoves = 0.9;
 constexpr double kCauchy = 4;
 
 // Lengths along the profile, as far as the graph tells.
@@ -178,11 +180,14 @@ class RevolutionSearch {
   bool closed() const { return shape_.closed_along; }
   const AxisFrame& frame() const { return shape_.frame; }
 
-  void Refine() {
+  // `best` is what others left: who stays far behind it need not go on.
+  void Refine(double best) {
     for (int round = 0; round < kRefinements && found(); ++round) {
+      const double before = rms_;
       MoveAxis();
       FitProfile(shape_.profile->range());
       Project();
+      if (rms_ > kFarBehind * best && rms_ > kHardlyMoves * before) return;
     }
   }
 
@@ -340,23 +345,30 @@ RevolutionShape FindRevolution(const RoundNodes& round,
   std::optional<RevolutionSearch> best;
   for (const AxisFrame& axis : axes) {
     RevolutionSearch search(round, axis, pool);
-    search.Refine();
+    search.Refine(best ? best->rms() : HUGE_VAL);
     if (!best || search.rms() < best->rms()) best.emplace(std::move(search));
     if (best->rms() < good) break;
   }
   {  // the profile integrated about a better axis
     RevolutionSearch search(round, best->frame(), pool);
-    search.Refine();
+    search.Refine(HUGE_VAL);
     if (search.rms() < best->rms() || (search.closed() && !best->closed())) {
       best.emplace(std::move(search));
     }
   }
-  if (preferred) {
-    RevolutionSearch search(round, *preferred, pool);
-    if (search.found() && search.rms() <= kAsGood * best->rms() + kSame * round.size)
-      best.emplace(std::move(search));
-  }
-  return std::move(*best).Take();
+  return WithPreferredAxis(std::move(*best).Take(), round, preferred, pool);
+}
+
+RevolutionShape WithPreferredAxis(RevolutionShape found,
+                                  const RoundNodes& round,
+                                  const std::optional<AxisFrame>& preferred,
+                                  ThreadPool& pool) {
+  if (!preferred) return found;
+  RevolutionSearch search(round, *preferred, pool);
+  const double rms = found.misfit * found.seen.mean_radius;
+  if (search.found() && search.rms() <= kAsGood * rms + kSame * round.size)
+    return std::move(search).Take();
+  return found;
 }
 
 }  // namespace batten

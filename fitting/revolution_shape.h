@@ -32,4 +32,10 @@ RevolutionShape FindRevolution(const RoundNodes& round,
                                const std::optional<AxisFrame>& preferred,
                                ThreadPool& pool);
 
+// What was found about no preferred axis, or the shape about that axis where it is as good.
+RevolutionShape WithPreferredAxis(RevolutionShape found,
+                                  const RoundNodes& round,
+                                  const std::optional<AxisFrame>& preferred,
+                                  ThreadPool& pool);
+
 }  // namespace batten

@@ -187,7 +187,10 @@ RoundBase RevolutionBaseOf(const RoundCloud& cloud,
                            ThreadPool& pool) {
   constexpr const char* kName = "revolution";
   if (!cloud.round.serves()) return Refused(cloud, kName, cloud.round.refusal);
-  const RevolutionShape shape = FindRevolution(cloud.round, SphereAxis(cloud.round), pool);
+  const std::optional<AxisFrame> preferred = SphereAxis(cloud.round);
+  const RevolutionShape shape = cloud.shape
+                                    ? WithPreferredAxis(*cloud.shape, cloud.round, preferred, pool)
+                                    : FindRevolution(cloud.round, preferred, pool);
   if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
     RoundBase base = Refused(cloud, kName, NoAxis(std::min(shape.misfit, 1.0)));
     base.misfit = std::min(shape.misfit, 1.0);
@@ -247,7 +250,8 @@ RoundBase TorusBaseOf(const RoundCloud& cloud, const RoundBaseOptions& options, 
   constexpr const char* kName = "torus";
   constexpr double kLeastOfTube = std::numbers::pi;
   if (!cloud.round.serves()) return Refused(cloud, kName, cloud.round.refusal);
-  const RevolutionShape shape = FindRevolution(cloud.round, std::nullopt, pool);
+  const RevolutionShape shape =
+      cloud.shape ? *cloud.shape : FindRevolution(cloud.round, std::nullopt, pool);
   const auto refused = [&](const std::string& reason, double misfit) {
     RoundBase base = Refused(cloud, kName, reason + "; choose another base");
     base.misfit = misfit;

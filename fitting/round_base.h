@@ -12,6 +12,8 @@
 
 namespace batten {
 
+struct RevolutionShape;
+
 struct RoundBase {
   std::string name;  // "revolution", "sphere", "torus"
   // 2 × m: u the angle round the axis times the mean radius, v the length along the profile, in
@@ -78,6 +80,7 @@ struct RoundCloud {
   const Eigen::Matrix3Xd& points;
   const RoundNodes& round;
   double spacing, noise, margin;
+  const RevolutionShape* shape = nullptr;  // found about no preferred axis, if it is known
 };
 RoundBase RevolutionBaseOf(const RoundCloud& cloud,
                            const RoundBaseOptions& options,

@@ -65,7 +65,10 @@ RoundNodes ChooseRoundNodes(const Eigen::Matrix3Xd& points,
                             ThreadPool& pool) {
   SheetNodeOptions node_options;
   node_options.most = options.nodes;
-  const SheetNodes nodes = ChooseSheetNodes(points, index, noise, node_options, pool);
+  return RoundNodesOf(ChooseSheetNodes(points, index, noise, node_options, pool), noise, options);
+}
+
+RoundNodes RoundNodesOf(const SheetNodes& nodes, double noise, const RoundNodesOptions& options) {
   RoundNodes round;
   round.noise = noise;
   round.graph = ConnectSheet(nodes, {});

@@ -39,4 +39,7 @@ RoundNodes ChooseRoundNodes(const Eigen::Matrix3Xd& points,
                             const RoundNodesOptions& options,
                             ThreadPool& pool);
 
+// The same of nodes chosen before, as many as the options ask for.
+RoundNodes RoundNodesOf(const SheetNodes& nodes, double noise, const RoundNodesOptions& options);
+
 }  // namespace batten

@@ -99,4 +99,16 @@ FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count) {
   return problem.WithData(std::move(data));
 }
 
+FittingProblem EveryFewData(const FittingProblem& problem, Eigen::Index count) {
+  const FittingData& all = problem.data();
+  if (problem.size() <= count) return problem;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < count; ++k) kept.push_back(k * problem.size() / count);
+  auto data = std::make_shared<FittingData>();
+  data->parameters = all.parameters(Eigen::all, kept);
+  data->values = all.values(Eigen::all, kept);
+  if (all.weights.size() > 0) data->weights = all.weights(kept);
+  return problem.WithData(std::move(data));
+}
+
 }  // namespace batten

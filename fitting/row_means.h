@@ -24,4 +24,7 @@ double LengthPerParameter(const Eigen::Matrix3Xd& points, const Eigen::VectorXd&
 // about equally many; fewer where there are fewer data.
 FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count);
 
+// The problem with `count` of its data, at even steps of their order; all where there are fewer.
+FittingProblem EveryFewData(const FittingProblem& problem, Eigen::Index count);
+
 }  // namespace batten

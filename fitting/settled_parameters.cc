@@ -49,15 +49,15 @@ SurfaceBase AtFeet(const SurfaceBase& base,
 
 }  // namespace
 
-bool SettleParameters(SurfaceBase& base,
-                      const PointCloud& points,
-                      const PointMask& mask,
-                      const BaseScore& score,
-                      ThreadPool& pool) {
+Settled SettleParameters(SurfaceBase& base,
+                         const PointCloud& points,
+                         const PointMask& mask,
+                         const BaseScore& score,
+                         const BaseScore::Value& before,
+                         ThreadPool& pool) {
   const PointMask some = score.sample() && mask;
-  const BaseScore::Value before = score.Of(base, some);
   SurfaceBase current = base;
-  BaseScore::Value best = before;
+  Settled settled{false, before};
   std::optional<NurbsSurface> chosen;
   for (const auto& [share_u, share_v] : kShares) {
     const FittingProblem one_cell = current.ProblemOf(points, some, kDegree, kDegree, kSmoothing);
@@ -67,16 +67,25 @@ bool SettleParameters(SurfaceBase& base,
     NurbsSurface surface =
         base.Surface(problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool).coefficients);
     SurfaceBase moved = AtFeet(current, surface, points, some, pool);
-    const BaseScore::Value now = score.Of(moved, some);
-    const bool fewer = now.control_points < kClearlyFewer * best.control_points;
-    if (now.score >= (fewer ? kAsGood : kClearlyBetter) * best.score) continue;
-    best = now;
+    const BaseScore::Value now = score.Near(moved, some, settled.value);
+    const bool fewer = now.control_points < kClearlyFewer * settled.value.control_points;
+    if (now.score >= (fewer ? kAsGood : kClearlyBetter) * settled.value.score) continue;
+    settled.value = now;
     current = std::move(moved);
     chosen = std::move(surface);
   }
-  if (!chosen) return false;
-  base = AtFeet(base, *chosen, points, mask, pool);
-  return true;
+  settled.any = chosen.has_value();
+  if (chosen) base = AtFeet(base, *chosen, points, mask, pool);
+  return settled;
+}
+
+bool SettleParameters(SurfaceBase& base,
+                      const PointCloud& points,
+                      const PointMask& mask,
+                      const BaseScore& score,
+                      ThreadPool& pool) {
+  const BaseScore::Value before = score.Of(base, score.sample() && mask);
+  return SettleParameters(base, points, mask, score, before, pool).any;
 }
 
 }  // namespace batten

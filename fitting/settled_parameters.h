@@ -13,6 +13,17 @@ namespace batten {
 // not follow them: wherever left-out points are predicted clearly better from the feet of the
 // points on such a surface, or as well with clearly fewer control points, those become the
 // parameters. Returns whether any did. Only points under the mask are moved.
+// `before` is the score of the parameters there are.
+struct Settled {
+  bool any = false;
+  BaseScore::Value value;  // over the parameters there are now
+};
+Settled SettleParameters(SurfaceBase& base,
+                         const PointCloud& points,
+                         const PointMask& mask,
+                         const BaseScore& score,
+                         const BaseScore::Value& before,
+                         ThreadPool& pool);
 bool SettleParameters(SurfaceBase& base,
                       const PointCloud& points,
                       const PointMask& mask,

@@ -26,23 +26,23 @@ constexpr double kTornApart = 4;   // reaches in the plane between ends of a con
 constexpr int kLeastTorn = 5;      // … of which a few are slips
 constexpr double kThin = 0.05;     // breadth over length of neighbourhoods on a line
 
-// One way to look at the cloud, and what came of it.
-struct Attempt {
+// One way to look at the cloud.
+struct Look {
   SheetNodeOptions nodes;
   SheetGraphOptions graph;
 };
 
-std::vector<Attempt> Attempts(Eigen::Index nodes) {
-  Attempt first;
+std::vector<Look> Looks(Eigen::Index nodes) {
+  Look first;
   first.nodes.most = nodes;
-  Attempt strict;
+  Look strict;
   strict.nodes.most = 4 * nodes;
   strict.nodes.most_neighbours = 24;
   strict.nodes.own_neighbours = true;
   strict.graph.longest = 2.2;
   strict.graph.steepest = 0.35;
   strict.graph.least_cosine = 0.7;
-  Attempt close = strict;
+  Look close = strict;
   close.nodes.most = 16 * nodes;
   close.nodes.most_neighbours = 16;
   close.graph.steepest = 0.25;
@@ -261,6 +261,66 @@ Flattened LayOut(const SheetNodes& nodes,
 
 }  // namespace
 
+SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
+                         const NeighbourIndex& index,
+                         double spacing,
+                         double noise,
+                         double margin,
+                         const SheetBaseOptions& options,
+                         ThreadPool& pool,
+                         const Progress& progress)
+    : points_(points),
+      index_(index),
+      spacing_(spacing),
+      noise_(noise),
+      margin_(margin),
+      options_(options),
+      pool_(pool),
+      progress_(progress) {
+  Check(points, index, spacing, noise, margin);
+  Attempt();
+}
+
+void SheetLayout::LookCloser() {
+  while (!best_.serves() && !given_up_) Attempt();
+}
+
+void SheetLayout::Attempt() {
+  const std::vector<Look> looks = Looks(options_.nodes);
+  const Look& look = looks[static_cast<size_t>(attempts_)];
+  Report(progress_, "parameterize", 0.1);
+  SheetNodes nodes = ChooseSheetNodes(points_, index_, noise_, look.nodes, pool_);
+  const bool first = attempts_ == 0;
+  given_up_ = ++attempts_ == std::ssize(looks);
+  if (std::string refusal = RefusalOfNodes(nodes); !refusal.empty()) {
+    if (best_.nodes == 0) best_.refusal = std::move(refusal);
+    given_up_ = true;
+  } else {
+    Report(progress_, "parameterize", 0.3);
+    SheetBase base;
+    Flattened flattened = LayOut(nodes, look.graph, options_, base);
+    if (first || base.serves() || Badness(base, options_) < Badness(best_, options_)) {
+      best_ = std::move(base);
+      graph_ = std::move(flattened.graph);
+      unfolding_ = std::move(flattened.unfolding);
+    }
+  }
+  if (first) nodes_ = std::move(nodes);
+}
+
+SheetBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
+  Report(progress_, "parameterize", 0.6);
+  SheetBase base = best_;
+  if (graph_.edges.empty()) {
+    PutAnywhere(some.cols(), spacing_, margin_, base);
+  } else {
+    PutIntoRectangle(
+        SpreadOverPoints(graph_, unfolding_, some, noise_, pool_), some, margin_, pool_, base);
+  }
+  Report(progress_, "parameterize", 1);
+  return base;
+}
+
 SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
                        const NeighbourIndex& index,
                        double spacing,
@@ -269,37 +329,9 @@ SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
                        const SheetBaseOptions& options,
                        ThreadPool& pool,
                        const Progress& progress) {
-  Check(points, index, spacing, noise, margin);
-  SheetBase best;
-  Flattened kept;
-  for (const Attempt& attempt : Attempts(options.nodes)) {
-    Report(progress, "parameterize", 0.1);
-    const SheetNodes nodes = ChooseSheetNodes(points, index, noise, attempt.nodes, pool);
-    if (std::string refusal = RefusalOfNodes(nodes); !refusal.empty()) {
-      if (best.nodes == 0) best.refusal = std::move(refusal);
-      break;
-    }
-    Report(progress, "parameterize", 0.3);
-    SheetBase base;
-    Flattened flattened = LayOut(nodes, attempt.graph, options, base);
-    if (best.nodes == 0 || base.serves() || Badness(base, options) < Badness(best, options)) {
-      best = std::move(base);
-      kept = std::move(flattened);
-    }
-    if (best.serves()) break;
-  }
-  Report(progress, "parameterize", 0.6);
-  if (kept.graph.edges.empty()) {
-    PutAnywhere(points.cols(), spacing, margin, best);
-  } else {
-    PutIntoRectangle(SpreadOverPoints(kept.graph, kept.unfolding, points, noise, pool),
-                     points,
-                     margin,
-                     pool,
-                     best);
-  }
-  Report(progress, "parameterize", 1);
-  return best;
+  SheetLayout layout(points, index, spacing, noise, margin, options, pool, progress);
+  layout.LookCloser();
+  return layout.Over(points);
 }
 
 }  // namespace batten

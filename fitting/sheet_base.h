@@ -8,6 +8,8 @@
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/progress.h"
+#include "batten/fitting/sheet_graph.h"
+#include "batten/fitting/sheet_unfolding.h"
 #include "batten/geometry/thread_pool.h"
 
 namespace batten {
@@ -54,5 +56,45 @@ SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
                        const SheetBaseOptions& options,
                        ThreadPool& pool,
                        const Progress& progress = {});
+
+// The same in steps: laid out by its nodes, which are few, a sheet tells whether it serves before
+// any point has a place. Points and index are referred to.
+class SheetLayout {
+ public:
+  // The first attempt. Throws as FlattenSheet.
+  SheetLayout(const Eigen::Matrix3Xd& points,
+              const NeighbourIndex& index,
+              double spacing,
+              double noise,
+              double margin,
+              const SheetBaseOptions& options,
+              ThreadPool& pool,
+              const Progress& progress = {});
+
+  // The attempts that look closer, while none serves.
+  void LookCloser();
+
+  const SheetNodes& nodes() const { return nodes_; }  // of the first attempt
+  const SheetBase& found() const { return best_; }    // the best attempt: no parameters yet
+
+  // With parameters of some of the points (3 × m), in the rectangle of those.
+  SheetBase Over(const Eigen::Matrix3Xd& some) const;
+
+ private:
+  void Attempt();
+
+  const Eigen::Matrix3Xd& points_;
+  const NeighbourIndex& index_;
+  double spacing_, noise_, margin_;
+  SheetBaseOptions options_;
+  ThreadPool& pool_;
+  Progress progress_;
+  int attempts_ = 0;  // made
+  bool given_up_ = false;
+  SheetNodes nodes_;
+  SheetBase best_;
+  SheetGraph graph_;  // of the best
+  Unfolding unfolding_;
+};
 
 }  // namespace batten

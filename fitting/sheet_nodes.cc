@@ -12,6 +12,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace batten {
@@ -40,32 +41,46 @@ std::uint64_t Mixed(std::uint64_t x) {  // [Steele et al. 2014, SplitMix64]
 
 // The first `count` indices in an order that looks random and depends on the coordinates only.
 std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen::Index count) {
-  std::vector<std::pair<std::uint64_t, Eigen::Index>> keys(static_cast<size_t>(points.cols()));
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    std::uint64_t key = 0;
-    for (const double x : points.col(k)) key = Mixed(key ^ std::bit_cast<std::uint64_t>(x + 0.0));
-    keys[k] = {key, k};
-  }
-  count = std::min(count, points.cols());
+  using Key = std::pair<std::uint64_t, Eigen::Index>;
+  const Eigen::Index m = points.cols();
+  count = std::min(count, m);
+  // Keys are spread evenly: of those below a bound there are hardly ever too few.
+  const auto keys_below = [&](double share) {
+    constexpr double kKeys = 18446744073709551616.0;  // 2^64
+    const std::uint64_t bound = share < 1 ? static_cast<std::uint64_t>(share * kKeys) : UINT64_MAX;
+    std::vector<Key> keys;
+    for (Eigen::Index k = 0; k < m; ++k) {
+      std::uint64_t key = 0;
+      for (int d = 0; d < 3; ++d)
+        key = Mixed(key ^ std::bit_cast<std::uint64_t>(points(d, k) + 0.0));
+      if (key <= bound) keys.emplace_back(key, k);
+    }
+    return keys;
+  };
+  std::vector<Key> keys = keys_below(1.2 * static_cast<double>(count) / static_cast<double>(m));
+  if (std::ssize(keys) < count) keys = keys_below(1);
   std::partial_sort(keys.begin(), keys.begin() + count, keys.end());
   std::vector<Eigen::Index> order(static_cast<size_t>(count));
   for (Eigen::Index i = 0; i < count; ++i) order[i] = keys[i].second;
   return order;
 }
 
-// The side of the square that one point has to itself, from the radius that holds 16.
+// The side of the square that one point has to itself, from the radius that holds 16. Asked place
+// after place in `order`, in which they are near each other.
 Eigen::VectorXd LocalSpacings(const Eigen::Matrix3Xd& points,
                               const NeighbourIndex& index,
                               const Eigen::Matrix3Xd& places,
+                              std::span<const int> order,
                               ThreadPool& pool) {
   const int k = static_cast<int>(std::min<Eigen::Index>(kCounted + 1, index.size()));
   Eigen::VectorXd spacings(places.cols());
   pool.For(places.cols(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    const std::vector<int> near = index.Nearest(places.middleCols(begin, end - begin), k);
-    for (auto i = begin; i < end; ++i) {
-      const int last = near[(i - begin) * k + k - 1];
-      spacings[i] = (points.col(last) - places.col(i)).norm() *
-                    std::sqrt(std::numbers::pi / std::max(1, k - 1));
+    const auto some = order.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
+    const std::vector<int> near = index.Nearest(places(Eigen::all, some), k);
+    for (size_t i = 0; i < some.size(); ++i) {
+      const int last = near[(i + 1) * static_cast<size_t>(k) - 1];
+      spacings[some[i]] = (points.col(last) - places.col(some[i])).norm() *
+                          std::sqrt(std::numbers::pi / std::max(1, k - 1));
     }
   });
   return spacings;
@@ -219,9 +234,9 @@ SheetNodes ChooseSheetNodes(const Eigen::Matrix3Xd& points,
   const Eigen::Index m = points.cols();
   const std::vector<Eigen::Index> order = ShuffledByPlace(points, kCandidatesANode * options.most);
   const Eigen::Matrix3Xd candidates = points(Eigen::all, order);
-  const NeighbourIndex among(candidates);
+  const NeighbourIndex among(candidates, pool);
   const double share = static_cast<double>(candidates.cols()) / static_cast<double>(m);
-  const Eigen::VectorXd dense = LocalSpacings(points, index, candidates, pool);
+  const Eigen::VectorXd dense = LocalSpacings(points, index, candidates, among.order(), pool);
   const Eigen::VectorXd spacings = dense / std::sqrt(share);
   const Eigen::Index most =
       std::min(options.most, std::max(std::min(m, kFewPoints), m / kPointsANode));

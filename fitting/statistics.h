@@ -2,6 +2,7 @@
 // Order statistics that the fitting stages share.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 namespace batten {
@@ -14,5 +15,9 @@ inline constexpr double kMadToSigma = 1.482602218505602;
 double Quantile(std::vector<double> values, double fraction);
 double QuantileInPlace(std::vector<double>& values, double fraction);  // reorders them
 inline double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
+
+// The least value that, with those below it, holds half of all weight, of pairs of a value and its
+// weight (positive); NaN of none. O(n log n).
+double WeightedMedian(std::vector<std::pair<double, double>> weighted);
 
 }  // namespace batten

@@ -76,7 +76,7 @@ PointMask CloseEnough(const Eigen::Matrix2Xd& places,
   PointMask close = PointMask::Constant(distances.size(), true);
   if (doubtful.empty()) return close;
   const Eigen::Matrix3Xd plan = InPlane(places);
-  const NeighbourIndex index(plan);
+  const NeighbourIndex index(plan, pool);
   pool.For(static_cast<std::ptrdiff_t>(doubtful.size()),
            64,
            [&](std::ptrdiff_t begin, std::ptrdiff_t end) {

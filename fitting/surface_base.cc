@@ -1,17 +1,41 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/surface_base.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "batten/fitting/height_field.h"
+#include "batten/geometry/evaluation_kernels.h"
 #include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/surface_evaluator.h"
 
 namespace batten {
+namespace {
+
+// From the first derivatives of a jet; where these hardly span a plane, the limit.
+std::optional<Eigen::Vector3d> NormalOf(const SurfaceEvaluator& surface,
+                                        const double* jet,
+                                        const double* uv) {
+  constexpr double kTrusted = 0x1p-40;  // the square of a sine, and of lengths against the extent
+  const Eigen::Map<const Eigen::Vector3d> du(jet + 3), dv(jet + 6);
+  const SurfaceTable& table = surface.table();
+  const double in_u = table.u.upper - table.u.lower, in_v = table.v.upper - table.v.lower;
+  const double uu = du.squaredNorm(), vv = dv.squaredNorm();
+  const double least = std::min(uu * in_u * in_u, vv * in_v * in_v);
+  const Eigen::Vector3d normal = du.cross(dv);
+  const double squares = normal.squaredNorm();
+  const bool good = squares > kTrusted * uu * vv && least > kTrusted * table.extent * table.extent;
+  if (good) return normal / std::sqrt(squares);
+  return surface.NormalAt(uv[0], uv[1]);
+}
+
+}  // namespace
 
 NurbsSurface SurfaceBase::Surface(const SplineBasis& basis_u,
                                   const SplineBasis& basis_v,
@@ -63,10 +87,17 @@ Eigen::VectorXd SurfaceBase::Residuals(const FittingProblem& problem,
   if (exact) return off.colwise().norm().transpose();
   const SurfaceEvaluator surface(Surface(problem.basis_u(), problem.basis_v(), coefficients));
   Eigen::VectorXd residuals(problem.size());
-  pool.For(problem.size(), 1024, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(problem.size(), 4096, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    constexpr std::ptrdiff_t kTogether = 256;
+    double jets[18 * kTogether];
     for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const auto normal =
-          surface.NormalAt(problem.data().parameters(0, k), problem.data().parameters(1, k));
+      const std::ptrdiff_t place = (k - begin) % kTogether;
+      const double* uv = problem.data().parameters.data() + 2 * k;
+      if (place == 0) {
+        const auto count = static_cast<std::size_t>(std::min(kTogether, end - k));
+        EvaluateJets(surface.table(), uv, count, jets);
+      }
+      const auto normal = NormalOf(surface, jets + 18 * place, uv);
       if (plane) {
         residuals[k] = off(0, k) * (normal ? normal->dot(plane->axes.col(2)) : 1.0);
       } else {

@@ -34,7 +34,8 @@ constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting
 constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
-constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
+constexpr double kHardlyAny = 1e-3;  // of the points and of their squares: no grid asks for them
+constexpr int kLargeGrid = 1500;     // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
 constexpr double kMisses = 3;            // residuals against the noise
@@ -50,7 +51,8 @@ class SurfaceFitter {
                 FitReport report,
                 ThreadPool& pool)
       : prepared_(prepared),
-        base_(prepared.base),
+        own_base_(prepared.reached.all() ? SurfaceBase{} : prepared.base),
+        base_(prepared.reached.all() ? prepared.base : own_base_),
         points_(prepared.merged.cloud),
         options_(options),
         pool_(pool),
@@ -79,6 +81,7 @@ class SurfaceFitter {
                        base_.poles,
                        robust_,
                        noise_is_shared_};
+    ReleaseData();
     if (prepared_.conditions.any()) {
       report_.optimize.why = "the surface meets conditions, which free points would leave";
     } else {
@@ -92,6 +95,13 @@ class SurfaceFitter {
   }
 
  private:
+  // What only the stages before the draft need, of very many points not little.
+  void ReleaseData() {
+    problem_.reset();
+    solution_.reset();
+    distances_.resize(0);
+  }
+
   FittingProblem ProblemOf(const PointMask& mask) const {
     return base_.ProblemOf(points_,
                            mask,
@@ -169,12 +179,15 @@ class SurfaceFitter {
                                   static_cast<double>(prepared_.statistics.outlier_count) >
                                       kOutlierShareForLoss * static_cast<double>(points_.size());
     used_ = WithoutStrays(used_);
-    bool settled = false;  // so few points changed sides that the grid can't be far off
+    bool settled = false;     // so few points changed sides that the grid can't be far off
+    bool hardly_any = false;  // so few, and so near to the surface, that it is the same
     for (int pass = 1; pass <= kOutlierPasses; ++pass) {
       used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
       const bool search_near =
           settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
-      Take(WithChosenBases(ProblemOf(used_), search_near ? &*problem_ : nullptr));
+      FittingProblem problem = ProblemOf(used_);
+      Take(hardly_any ? problem.WithBases(problem_->basis_u(), problem_->basis_v())
+                      : WithChosenBases(problem, search_near ? &*problem_ : nullptr));
       if (pass == 1) RefuseTwoSheets();
       if (robust_) ReweightWhereItHelps();
       if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
@@ -192,6 +205,7 @@ class SurfaceFitter {
       const Eigen::Index changed = (now != used_).count();
       if (changed == 0) break;
       settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
+      hardly_any = !robust_ && HardlyAny(now != used_);
       used_ = now;
     }
     if (options_.tolerance && robust_ && !options_.loss) {
@@ -205,7 +219,7 @@ class SurfaceFitter {
   // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
   PointMask WithoutStrays(PointMask mask) const {
     if (!robust_ || base_.exact || options_.keep_outliers) return mask;
-    return HaveCompany(points_.points(), mask);
+    return HaveCompany(points_.points(), mask, pool_);
   }
 
   // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
@@ -278,7 +292,7 @@ class SurfaceFitter {
     for (Eigen::Index k = 0; k < prepared_.reached.size(); ++k)
       if (!prepared_.reached[k]) rest.push_back(k);
     const Eigen::Matrix3Xd points = points_.points()(Eigen::all, rest);
-    base_.parameters(Eigen::all, rest) = DistancesTo(surface, points, pool_).parameters;
+    own_base_.parameters(Eigen::all, rest) = DistancesTo(surface, points, pool_).parameters;
   }
 
   // Whether a point's place is not on the domain's border.
@@ -299,12 +313,19 @@ class SurfaceFitter {
                      options_.tolerance.value_or(0)});
   }
 
+  // Whether points are few, and hold a small part of the squares of the last distances.
+  bool HardlyAny(const PointMask& points) const {
+    const Eigen::ArrayXd squares = distances_.array().square();
+    return static_cast<double>(points.count()) < kHardlyAny * static_cast<double>(points.size()) &&
+           points.select(squares, 0).sum() < kHardlyAny * used_.select(squares, 0).sum();
+  }
+
   // The points the present solution speaks for, of all.
   PointMask SpokenFor() {
     const NurbsSurface surface = Surface();
     PlaceTheRest(surface);
-    const Eigen::VectorXd distances =
-        DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
+    distances_ = DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
+    const Eigen::VectorXd& distances = distances_;
     Eigen::VectorXd of_used(used_cloud_.size());
     Eigen::Index count = 0;
     for (Eigen::Index k = 0; k < distances.size(); ++k) {
@@ -325,7 +346,7 @@ class SurfaceFitter {
   // tolerance; else the chosen one.
   FittingProblem CoarsestWithin() const {
     for (const RoundSummary& round : report_.iterations) {
-      if (round.stage != "cross-validation" || round.rms > *options_.tolerance) continue;
+      if (!round.stage.starts_with("cross-validation") || round.rms > *options_.tolerance) continue;
       if (round.control_points_u * round.control_points_v >= problem_->unknowns()) continue;
       const FittingProblem coarse = WithCells(*problem_,
                                               round.control_points_u - options_.degree_u,
@@ -432,7 +453,8 @@ class SurfaceFitter {
   }
 
   const PreparedCloud& prepared_;
-  SurfaceBase base_;
+  SurfaceBase own_base_;  // with places for points that the given one does not reach
+  const SurfaceBase& base_;
   const PointCloud& points_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;
@@ -445,6 +467,7 @@ class SurfaceFitter {
   bool noise_is_shared_ = false;            // by neighbours, as blocks of left-out points tell
   std::optional<FittingProblem> problem_;   // of the used points, with chosen bases
   std::optional<LinearSolution> solution_;  // of that, once asked for
+  Eigen::VectorXd distances_;               // of all points, when last asked who counts
   std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
   Eigen::Matrix2Xd parameters_;             // of the used points
   double empty_share_ = 0;                  // of the domain

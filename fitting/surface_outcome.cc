@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -132,6 +133,17 @@ double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
   return share < kFewPoints ? kFirmFairness : kFaintFairness;
 }
 
+// The places of the used points as columns of all, NaN for the others.
+Eigen::Matrix2Xd PlacesOf(const PointMask& used, const Eigen::Matrix2Xd& of_used) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Matrix2Xd places = Eigen::Matrix2Xd::Constant(2, used.size(), kNone);
+  Eigen::Index next = 0;
+  for (Eigen::Index k = 0; k < used.size() && next < of_used.cols(); ++k) {
+    if (used[k]) places.col(k) = of_used.col(next++);
+  }
+  return places;
+}
+
 // The rows that hold poles: free control points would open them, or break their tangent planes.
 std::vector<int> PolePoints(const SurfaceDraft& draft) {
   std::vector<int> held;
@@ -247,13 +259,19 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const std::string& shape,
                       ThreadPool& pool,
                       FitReport report,
-                      const Eigen::Matrix2Xd* start) {
+                      const Eigen::Matrix2Xd* start,
+                      const Eigen::Matrix2Xd* near) {
   const Eigen::Vector3d move = cloud.origin() - options.shift;
   NurbsSurface written = move.isZero(0) ? surface : surface.Translated(move);
   const NurbsSurface measured = move.isZero(0) ? surface : written.Translated(-move);
   const Eigen::Matrix3Xd& points = merged.cloud.points();
-  const PointDistances found =
-      start ? DistancesFrom(measured, points, *start, pool) : DistancesTo(measured, points, pool);
+  const auto measure = [&]() -> PointDistances {
+    if (start) return DistancesFrom(measured, points, *start, pool);
+    if (!near) return DistancesTo(measured, points, pool);
+    if (near->cols() == points.cols()) return DistancesTo(measured, points, *near, pool);
+    return DistancesTo(measured, points, PlacesOf(used, *near), pool);
+  };
+  const PointDistances found = measure();
   SurfaceFit fit{std::move(written),
                  Eigen::Matrix2Xd(2, cloud.size()),
                  Eigen::VectorXd(cloud.size()),
@@ -265,8 +283,9 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
     fit.residuals[k] = found.distances[place];
     fit.outliers[k] = !used[place];
   }
-  report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
   report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.error = fit.outliers.any() ? Summarise(fit.residuals, options.tolerance, !fit.outliers)
+                                    : report.error_all;
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
   report.geometry.kind = "surface";

@@ -43,7 +43,8 @@ InputSummary SummariseInput(const PointCloud& cloud,
 // the cloud's different points, `used` those of them that count, `shape` what the data would have
 // to be for a warning that they are not, as in "a smooth surface". With `start`, parameters of the
 // merged points that are near their feet, the feet are the local ones reached from there: never
-// nearer than the nearest.
+// nearer than the nearest. With `near`, parameters of the used points in their order, the nearest
+// feet of all are looked for from there: the same, sooner.
 SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const PointCloud& cloud,
                       const MergedCloud& merged,
@@ -52,6 +53,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const std::string& shape,
                       ThreadPool& pool,
                       FitReport report,
-                      const Eigen::Matrix2Xd* start = nullptr);
+                      const Eigen::Matrix2Xd* start = nullptr,
+                      const Eigen::Matrix2Xd* near = nullptr);
 
 }  // namespace batten

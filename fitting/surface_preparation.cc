@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,6 +16,31 @@
 
 namespace batten {
 
+namespace {
+
+// Indices in the order of their keys, of equal ones the lesser index first. O(n) where the keys are
+// below a few times their number, O(n log n) else.
+std::vector<Eigen::Index> OrderOf(const std::vector<std::int64_t>& keys, std::int64_t key_end) {
+  constexpr std::int64_t kCountersPerKey = 2;
+  const auto size = std::ssize(keys);
+  std::vector<Eigen::Index> order(keys.size());
+  if (key_end > kCountersPerKey * size) {
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return keys[static_cast<size_t>(a)] < keys[static_cast<size_t>(b)];
+    });
+    return order;
+  }
+  std::vector<Eigen::Index> next(static_cast<size_t>(key_end) + 1);
+  for (const std::int64_t key : keys) ++next[static_cast<size_t>(key) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (Eigen::Index k = 0; k < size; ++k)
+    order[static_cast<size_t>(next[static_cast<size_t>(keys[static_cast<size_t>(k)])]++)] = k;
+  return order;
+}
+
+}  // namespace
+
 void SortByPlace(PreparedCloud& prepared) {
   const PointCloud& cloud = prepared.merged.cloud;
   const SurfaceBase& base = prepared.base;
@@ -22,23 +49,21 @@ void SortByPlace(PreparedCloud& prepared) {
   const double side = std::sqrt(base.length_u) * std::sqrt(base.length_v) *
                       std::sqrt(kPointsPerPlace / static_cast<double>(cloud.size()));
   const auto place = [&](double length) {
-    return static_cast<Eigen::Index>(std::clamp(length / side, 0.0, kMostPlaces));
+    return static_cast<std::int64_t>(std::clamp(length / side, 0.0, kMostPlaces));
   };
-  const Eigen::Index columns = place(base.length_v) + 1;
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> keys(static_cast<size_t>(cloud.size()));
+  const std::int64_t columns = place(base.length_v) + 1;
+  std::vector<std::int64_t> keys(static_cast<size_t>(cloud.size()));
+  std::int64_t rows = 0;
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const Eigen::Index row = place(base.parameters(0, k));
-    const Eigen::Index column = std::min(columns - 1, place(base.parameters(1, k)));
-    keys[static_cast<size_t>(k)] = {row * columns + (row % 2 == 0 ? column : columns - 1 - column),
-                                    k};
+    const std::int64_t row = place(base.parameters(0, k));
+    const std::int64_t column = std::min(columns - 1, place(base.parameters(1, k)));
+    rows = std::max(rows, row + 1);
+    keys[static_cast<size_t>(k)] = row * columns + (row % 2 == 0 ? column : columns - 1 - column);
   }
-  std::sort(keys.begin(), keys.end());
-  std::vector<Eigen::Index> order, rank(keys.size());
-  order.reserve(keys.size());
-  for (const auto& [key, k] : keys) {
-    rank[static_cast<size_t>(k)] = static_cast<Eigen::Index>(order.size());
-    order.push_back(k);
-  }
+  const std::vector<Eigen::Index> order = OrderOf(keys, rows * columns);
+  std::vector<std::int64_t>& rank = keys;  // no longer needed
+  for (size_t i = 0; i < order.size(); ++i)
+    rank[static_cast<size_t>(order[i])] = static_cast<std::int64_t>(i);
   prepared.merged.cloud = cloud.Picked(order);
   for (Eigen::Index& at : prepared.merged.place) at = rank[static_cast<size_t>(at)];
   prepared.base.parameters = base.parameters(Eigen::all, order).eval();
@@ -83,12 +108,12 @@ void TakeBase(PreparedCloud& prepared,
 
 // Where there are outliers, those beside the shape's edges look like its continuation: they are
 // told by standing alone.
-void FlagStrays(const PointCloud& points, CloudStatistics& statistics) {
+void FlagStrays(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
   if (static_cast<double>(statistics.outlier_count) <=
       kOutlierShareForLoss * static_cast<double>(points.size())) {
     return;
   }
-  statistics.outliers = !HaveCompany(points.points(), !statistics.outliers);
+  statistics.outliers = !HaveCompany(points.points(), !statistics.outliers, pool);
   statistics.outlier_count = statistics.outliers.count();
 }
 
@@ -119,7 +144,7 @@ bool TakeSmallerBase(PreparedCloud& prepared,
   again.statistics.outliers = again.statistics.outliers || (prepared.used && !used);
   again.statistics.outlier_count = again.statistics.outliers.count();
   try {
-    TakeBase(again, NeighbourIndex(again.merged.cloud.points()), options, pool);
+    TakeBase(again, NeighbourIndex(again.merged.cloud.points(), pool), options, pool);
   } catch (const std::invalid_argument&) {
     return false;  // by themselves the points left carry no base
   }
@@ -141,11 +166,11 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
     throw std::invalid_argument("a surface needs at least 4 different points; there are " +
                                 std::to_string(points.size()));
   }
-  const NeighbourIndex index(points.points());
+  const NeighbourIndex index(points.points(), pool);
   CloudStatisticsOptions statistics;
   statistics.seed = options.seed;
   prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
-  if (!options.keep_outliers) FlagStrays(points, prepared.statistics);
+  if (!options.keep_outliers) FlagStrays(points, prepared.statistics, pool);
   Report(options.progress, "parameterize", 0);
   TakeBase(prepared, index, options, pool);
   return prepared;

@@ -62,6 +62,12 @@ std::vector<double*> TermCost::Blocks(JointCells& cells) const {
   return blocks;
 }
 
+bool TermCost::SeesFree(const std::vector<bool>& fixed) const {
+  const auto is_free = [&](int block) { return !fixed[static_cast<size_t>(block)]; };
+  return knots_[0] || knots_[1] || std::ranges::any_of(point_blocks_, is_free) ||
+         std::ranges::any_of(weight_blocks_, is_free);
+}
+
 std::vector<double> TermCost::Values() const {
   const TensorShape& shape = cells_.shape();
   std::vector<double> values;

@@ -28,6 +28,10 @@ class TermCost : public ceres::CostFunction {
   // The unknowns it depends on, in the order of Evaluate's parameters.
   std::vector<double*> Blocks(JointCells& cells) const;
 
+  // Whether some of them is free, of control points and weights those that are not `fixed`, block
+  // by block. Of what is not, no step takes notice.
+  bool SeesFree(const std::vector<bool>& fixed) const;
+
   bool Evaluate(const double* const*, double* residuals, double** jacobians) const override;
 
  private:

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/trim_to_points.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -65,7 +68,46 @@ double ShareOutside(const NurbsSurface& surface, const Eigen::Matrix2Xd& feet) {
   return static_cast<double>(outside) / static_cast<double>(feet.cols());
 }
 
+bool HasValidTrims(const NurbsSurface& surface) {
+  try {
+    CheckTrims(surface);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
+}
+
+// Of a loop's control points, which it does not leave.
+Eigen::AlignedBox2d BoxOf(const NurbsCurve<2>& loop) {
+  return {loop.control_points().rowwise().minCoeff(), loop.control_points().rowwise().maxCoeff()};
+}
+
 }  // namespace
+
+CompatibleLoops LoopsThatGoTogether(const NurbsSurface& trimmed) {
+  const std::vector<NurbsCurve<2>>& all = trimmed.trims();
+  if (all.empty() || HasValidTrims(trimmed)) return {all, 0};
+  const auto count = static_cast<int>(all.size());
+  if (!HasValidTrims(trimmed.WithTrims({all.front()}))) return {{}, count};
+  std::vector<NurbsCurve<2>> holes(all.begin() + 1, all.end());
+  std::stable_sort(holes.begin(), holes.end(), [](const auto& a, const auto& b) {
+    return std::abs(SignedArea(a)) > std::abs(SignedArea(b));
+  });
+  CompatibleLoops result{{all.front()}, 0};
+  for (const NurbsCurve<2>& hole : holes) {
+    const Eigen::AlignedBox2d box = BoxOf(hole);
+    std::vector<NurbsCurve<2>> near = {all.front()};
+    for (size_t k = 1; k < result.loops.size(); ++k)
+      if (BoxOf(result.loops[k]).intersects(box)) near.push_back(result.loops[k]);
+    near.push_back(hole);
+    if (HasValidTrims(trimmed.WithTrims(std::move(near)))) {
+      result.loops.push_back(hole);
+    } else {
+      ++result.left_out;
+    }
+  }
+  return result;
+}
 
 std::vector<NurbsCurve<2>> MovedLoops(const std::vector<NurbsCurve<2>>& loops,
                                       const Eigen::Vector2d& scale,
@@ -114,6 +156,16 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
                        " parts: a surface has one outline, so it was not cut back to any; fit one "
                        "part at a time (--box, --where)"};
     return result;
+  }
+  CompatibleLoops together = LoopsThatGoTogether(trimmed);
+  if (together.left_out > 0) {
+    result.warnings.push_back(
+        together.loops.empty()
+            ? "the outline of the points crosses itself: the surface was not cut back to it"
+            : "holes among the points whose outlines cross themselves or others were left "
+              "closed: " +
+                  std::to_string(together.left_out));
+    trimmed = surface.WithTrims(std::move(together.loops));
   }
   result.surface = std::move(trimmed);
   return result;

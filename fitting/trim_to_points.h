@@ -28,6 +28,15 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
                        double noise,
                        ThreadPool& pool);
 
+// The outer loop of a surface's trims and, from the largest on, the holes that cross neither
+// themselves nor what was taken before them; none of it where the outer loop crosses itself.
+// `left_out` counts the others. Loops are turned as TurnedLoops turns them. [CheckTrims]
+struct CompatibleLoops {
+  std::vector<NurbsCurve<2>> loops;
+  int left_out = 0;
+};
+CompatibleLoops LoopsThatGoTogether(const NurbsSurface& trimmed);
+
 // Loops of a domain moved and stretched with it: (u,v) → scale·(u,v) + shift, scale > 0.
 std::vector<NurbsCurve<2>> MovedLoops(const std::vector<NurbsCurve<2>>& loops,
                                       const Eigen::Vector2d& scale,

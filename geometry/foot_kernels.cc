@@ -216,6 +216,14 @@ void EvaluatePosition(const FootPiece& piece, double x, double y, double* positi
 }
 
 BATTEN_CLONES
+FootPlace LookAtPlace(const FootPiece& piece, const double* point, double x, double y) {
+  const Quad q{point[0], point[1], point[2], 1};
+  FootJet jet;
+  Jet(piece, q, x, y, jet);
+  return {x, y, jet.squared, 0, jet.gu, jet.gv};
+}
+
+BATTEN_CLONES
 FootPlace DescendInPiece(const FootPiece& piece,
                          const double* point,
                          double x,
@@ -250,7 +258,7 @@ FootPlace DescendInPiece(const FootPiece& piece,
     }
     if (!moved || last) break;
   }
-  return {x, y, jet.squared, OpenSides(jet, x, y, box) & open};
+  return {x, y, jet.squared, OpenSides(jet, x, y, box) & open, jet.gu, jet.gv};
 }
 
 BATTEN_CLONES

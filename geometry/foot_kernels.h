@@ -20,6 +20,7 @@ struct FootPlace {
   double x, y;
   double squared;   // |S − q|²
   unsigned leaves;  // sides across which descent would go on
+  double gu, gv;    // of |S − q|²/2
 };
 
 // Sides of a box of local parameters.
@@ -27,6 +28,9 @@ inline constexpr unsigned kBelowX = 1, kAboveX = 2, kBelowY = 4, kAboveY = 8;
 
 // The position relative to the centre.
 void EvaluatePosition(const FootPiece& piece, double x, double y, double* position);
+
+// What a descent would see at a place.
+FootPlace LookAtPlace(const FootPiece& piece, const double* q, double x, double y);
 
 // Newton steps for |S − q|², q relative to the centre, that never leave the box and never go
 // uphill, until they are negligible or meet one of the `open` sides across which descent would go

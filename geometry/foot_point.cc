@@ -83,6 +83,30 @@ SurfaceFoot SurfaceFootPoints::Nearest(const Eigen::Vector3d& q) const {
   return search_->Answer(q, search_->Nearest(q));
 }
 
+SurfaceFoot SurfaceFootPoints::NearestFrom(const Eigen::Vector3d& q, double u, double v) const {
+  CheckQuery("SurfaceFootPoints::NearestFrom", q);
+  const FootTable& table = search_->search.table();
+  u = search_->surface.basis_u().Clamp(u);
+  v = search_->surface.basis_v().Clamp(v);
+  const int i = table.u.Find(u), j = table.v.Find(v);
+  FootWorkspace& workspace = ThreadWorkspace();
+  const FoundFoot found = search_->search.NearestFrom(
+      q, i * table.v.cells() + j, table.u.Local(i, u), table.v.Local(j, v), workspace);
+  const bool counts = search_->trimmed == nullptr || search_->trimmed->Counts(found);
+  return search_->Answer(q, counts ? found : search_->trimmed->Nearest(q, found, workspace));
+}
+
+bool SurfaceFootPoints::SurelyNearest(const Eigen::Vector3d& q, double u, double v) const {
+  CheckQuery("SurfaceFootPoints::SurelyNearest", q);
+  const FootTable& table = search_->search.table();
+  u = search_->surface.basis_u().Clamp(u);
+  v = search_->surface.basis_v().Clamp(v);
+  const int i = table.u.Find(u), j = table.v.Find(v);
+  const FoundFoot found =
+      search_->search.Look(q, i * table.v.cells() + j, table.u.Local(i, u), table.v.Local(j, v));
+  return found.lower_bound > 0 && (search_->trimmed == nullptr || search_->trimmed->Counts(found));
+}
+
 SurfaceFoot SurfaceFootPoints::Near(const Eigen::Vector3d& q, double u, double v) const {
   CheckQuery("SurfaceFootPoints::Near", q);
   const FootTable& table = search_->search.table();

@@ -43,16 +43,16 @@ SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
                            double v);
 
 // Nearest points over the whole surface or, where it is trimmed, over the part inside its loops,
-// which belong to it. Certified: the distance is within 1e-11 of the surface's size of the least, or
-// to rounding where the point is far away, and `lower_bound` says within what. Nearest places that
-// are equally near are all as good. Building is O(pieces); a query near the surface looks at a few
-// of them. What the surface's bases call periodic is searched across the seam; degenerate edges and corners are ordinary. Points must be finite, or std::invalid_argument
-// is thrown. Safe to ask from several threads.
-// Trims cost a query some ten nanoseconds where the whole surface's nearest point is inside them,
-// and elsewhere some microseconds; the distance is then within 1e-10 of the surface's size of the
-// least. Building measures the loops: 1 to 100 ms.
-// The bound is of the squared distance in Bernstein form, after the idea of [Chen, Yong, Paul & Sun
-// 2008, "Computing the minimum distance between a point and a NURBS curve"].
+// which belong to it. Certified: the distance is within 1e-11 of the surface's size of the least,
+// or to rounding where the point is far away, and `lower_bound` says within what. Nearest places
+// that are equally near are all as good. Building is O(pieces); a query near the surface looks at a
+// few of them. What the surface's bases call periodic is searched across the seam; degenerate edges
+// and corners are ordinary. Points must be finite, or std::invalid_argument is thrown. Safe to ask
+// from several threads. Trims cost a query some ten nanoseconds where the whole surface's nearest
+// point is inside them, and elsewhere some microseconds; the distance is then within 1e-10 of the
+// surface's size of the least. Building measures the loops: 1 to 100 ms. The bound is of the
+// squared distance in Bernstein form, after the idea of [Chen, Yong, Paul & Sun 2008, "Computing
+// the minimum distance between a point and a NURBS curve"].
 class SurfaceFootPoints {
  public:
   explicit SurfaceFootPoints(NurbsSurface surface);
@@ -62,6 +62,14 @@ class SurfaceFootPoints {
 
   const NurbsSurface& surface() const;
   SurfaceFoot Nearest(const Eigen::Vector3d& q) const;
+
+  // The same, certified alike, and faster where a place near the foot point is known.
+  SurfaceFoot NearestFrom(const Eigen::Vector3d& q, double u, double v) const;
+
+  // Whether a glance tells that nothing is nearer than the place (u, v), certified alike: so it is
+  // for most points near a surface at their local foot points, right to rounding. False says
+  // nothing: what needs a search, as at poles and creases, and rational surfaces.
+  bool SurelyNearest(const Eigen::Vector3d& q, double u, double v) const;
 
   // One foot point for each column. Independent of the number of threads.
   std::vector<SurfaceFoot> Nearest(const Eigen::Matrix3Xd& points, ThreadPool& pool) const;

@@ -23,6 +23,11 @@ constexpr int kMostCells = 200000;  // for one point, before the bound is given 
 
 }  // namespace
 
+double AcceptableFootMiss(const FootTable& table, double squared) {
+  const double epsilon = kMiss * table.size;
+  return epsilon * (2 * std::sqrt(squared) + epsilon) + kFarRounding * squared;
+}
+
 FootProof::FootProof(const FootTable& table,
                      const Eigen::Vector3d& q,
                      const FoundFoot& start,
@@ -48,7 +53,7 @@ FoundFoot FootProof::result() const {
 // Twice as much with a region: nothing on its loops, which are certified to once as much, may look
 // nearer.
 double FootProof::AcceptableMiss() const {
-  const double miss = epsilon_ * (2 * std::sqrt(squared_) + epsilon_) + kFarRounding * squared_;
+  const double miss = AcceptableFootMiss(table_, squared_);
   return region_ == nullptr ? miss : 2 * miss;
 }
 
@@ -154,7 +159,7 @@ FootPlace FootProof::DescendInRegion(const LocalBox& box, double x, double y) co
   if (Counts(place.x, place.y)) return place;
   Eigen::Vector3d position;
   EvaluatePosition(form_, x, y, position.data());
-  return {x, y, (position - local_q_).squaredNorm(), 0};
+  return {x, y, (position - local_q_).squaredNorm(), 0, 0, 0};
 }
 
 // Follows the surface downhill from a place of the cell.

@@ -15,6 +15,9 @@ namespace batten {
 
 struct FoundFoot;
 
+// What the square of a least distance may be missed by, with rounding.
+double AcceptableFootMiss(const FootTable& table, double squared);
+
 // With a region, only places in it count, and on its loops nothing may be nearer than the start. A
 // nearer place of the region is then still found: where |S − q| falls towards one side of a cell,
 // whoever follows it from a place inside comes to that side or to a loop first; and the nearer

@@ -21,7 +21,8 @@ constexpr double kLookupRadius = 1.5;
 
 }  // namespace
 
-FootSearch::FootSearch(FootTable table) : table_(std::move(table)), boxes_(table_.boxes) {
+FootSearch::FootSearch(FootTable table)
+    : table_(std::move(table)), boxes_(table_.boxes), reach_(table_) {
   const int in_v = table_.degree_v() == 0 ? 1 : kSamples;
   Eigen::Matrix3Xd samples(3, Eigen::Index{table_.pieces()} * kSamples * in_v);
   Eigen::Index column = 0;
@@ -77,7 +78,36 @@ FoundFoot FootSearch::Descend(const Eigen::Vector3d& q, int piece, double x, dou
       entered |= below ? kAboveY : kBelowY;
     }
   }
-  return {i * cells_v + j, place.x, place.y, std::sqrt(place.squared), 0};
+  FoundFoot found{i * cells_v + j, place.x, place.y, std::sqrt(place.squared), 0};
+  Pull(place, found);
+  return found;
+}
+
+void FootSearch::Pull(const FootPlace& place, FoundFoot& found) const {
+  const auto counts = [](const FootAxis& axis, int cell, double at, double g) {
+    if (axis.periodic()) return true;
+    return !(cell == 0 && at <= -1 && g > 0) && !(cell + 1 == axis.cells() && at >= 1 && g < 0);
+  };
+  const int i = found.piece / table_.v.cells(), j = found.piece % table_.v.cells();
+  found.gx = counts(table_.u, i, place.x, place.gu) ? place.gu : 0;
+  found.gy = counts(table_.v, j, place.y, place.gv) ? place.gv : 0;
+}
+
+FoundFoot FootSearch::Look(const Eigen::Vector3d& q, int piece, double x, double y) const {
+  const Eigen::Vector3d local = q - table_.centres[piece];
+  const FootPlace place = LookAtPlace(Piece(piece), local.data(), x, y);
+  FoundFoot found{piece, x, y, std::sqrt(place.squared), 0};
+  Pull(place, found);
+  found.lower_bound = BoundByReach(found);
+  return found;
+}
+
+double FootSearch::BoundByReach(const FoundFoot& found) const {
+  const double miss =
+      reach_.Miss(found.piece, found.x, found.y, found.distance, found.gx, found.gy);
+  const double squared = found.distance * found.distance;
+  if (!(miss <= AcceptableFootMiss(table_, squared))) return 0;
+  return std::sqrt(std::max(0.0, squared - miss));
 }
 
 Eigen::Vector3d FootSearch::Position(int piece, double x, double y) const {
@@ -98,10 +128,25 @@ FoundFoot FootSearch::Nearest(const Eigen::Vector3d& q, FootWorkspace& workspace
   const int sample = samples_.Nearest(lookup.data());
   const int in_v = table_.degree_v() == 0 ? 1 : kSamples, each = kSamples * in_v;
   const int at = sample % each;
-  FoundFoot best =
-      Descend(q, sample / each, SampleAt(at / in_v), in_v == 1 ? 0 : SampleAt(at % in_v));
+  return Prove(q,
+               Descend(q, sample / each, SampleAt(at / in_v), in_v == 1 ? 0 : SampleAt(at % in_v)),
+               workspace);
+}
 
-  FootProof proof(table_, q, best, workspace.arena);
+FoundFoot FootSearch::NearestFrom(
+    const Eigen::Vector3d& q, int piece, double x, double y, FootWorkspace& workspace) const {
+  return Prove(q, Descend(q, piece, x, y), workspace);
+}
+
+FoundFoot FootSearch::Prove(const Eigen::Vector3d& q,
+                            const FoundFoot& start,
+                            FootWorkspace& workspace) const {
+  if (const double bound = BoundByReach(start); bound > 0) {
+    FoundFoot found = start;
+    found.lower_bound = bound;
+    return found;
+  }
+  FootProof proof(table_, q, start, workspace.arena);
   workspace.near.clear();
   boxes_.Within(q.data(), proof.squared(), workspace.near);
   for (const BoxTree::Near& near : workspace.near) {

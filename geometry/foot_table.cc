@@ -57,6 +57,12 @@ FootAxis::FootAxis(const SplineBasis& basis, int cuts)
     }
   }
   breaks_.push_back(basis.upper());
+  // Between spans there are as many knots as their numbers differ by.
+  for (int cell = 0; cell < cells(); ++cell) {
+    const bool last = cell + 1 == cells();
+    const int next = last ? spans_.front() + basis.size() - degree_ : spans_[cell + 1];
+    smooth_after_.push_back((!last || periodic_) && next - spans_[cell] < degree_ ? 1 : 0);
+  }
   Finish();
 }
 
@@ -82,6 +88,7 @@ FootAxis FootAxis::Row(int cells, int degree) {
 
 void FootAxis::Finish() {
   const int count = cells();
+  smooth_after_.resize(count, 0);
   for (int k = 0; k < count; ++k) {
     half_.push_back((breaks_[k + 1] - breaks_[k]) / 2);
   }

@@ -30,6 +30,10 @@ class FootAxis {
   bool periodic() const { return periodic_; }
   int cuts() const { return cuts_; }
 
+  // Whether a cell and the next, past the last one the first, are joined by continuous first
+  // derivatives.
+  bool SmoothAfter(int cell) const { return smooth_after_[cell] != 0; }
+
   // The cell of a parameter of the domain.
   int Find(double u) const;
 
@@ -38,7 +42,9 @@ class FootAxis {
     const double u = low(cell) + half_[cell] * (x + 1);
     return u < low(cell) ? low(cell) : u > high(cell) ? high(cell) : u;
   }
-  double Local(int cell, double u) const { return (u - low(cell)) / half_[cell] - 1; }
+  double Local(int cell, double u) const {
+    return u == high(cell) ? 1 : (u - low(cell)) / half_[cell] - 1;
+  }
 
  private:
   void Finish();
@@ -47,6 +53,7 @@ class FootAxis {
   bool periodic_ = false;
   std::vector<double> breaks_, half_;
   std::vector<int> spans_, lookup_;
+  std::vector<char> smooth_after_;
   double lookup_scale_ = 0;
 };
 

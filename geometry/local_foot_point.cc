@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "batten/geometry/foot_point.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "batten/geometry/foot_point.h"
+#include "batten/geometry/local_foot_points.h"
 
 namespace batten {
 namespace {
@@ -79,13 +80,17 @@ Eigen::Vector2d FootStep(const SurfaceJet& jet,
   return {step[0] * su, step[1] * sv};
 }
 
-}  // namespace
+ParameterBox DomainOf(const NurbsSurface& surface) {
+  return {surface.basis_u().lower(),
+          surface.basis_u().upper(),
+          surface.basis_v().lower(),
+          surface.basis_v().upper()};
+}
 
-SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
-                           const Eigen::Vector3d& q,
-                           double u,
-                           double v,
-                           const ParameterBox& box) {
+// `surface` has JetAt.
+template <typename Surface>
+SurfaceFoot Descend(
+    const Surface& surface, const Eigen::Vector3d& q, double u, double v, const ParameterBox& box) {
   u = std::clamp(u, box.u0, box.u1);
   v = std::clamp(v, box.v0, box.v1);
   SurfaceJet jet = surface.JetAt(u, v);
@@ -98,6 +103,7 @@ SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
     if (!free_u && !free_v) break;
     const Moves moves{box.u0 - u, box.u1 - u, box.v0 - v, box.v1 - v};
     Eigen::Vector2d step = FootStep(jet, difference, free_u, free_v, gradient, moves);
+    if (!step.allFinite()) break;  // tangents that are no more than rounding
     bool moved = false;
     for (int halving = 0; halving < kMaxHalvings; ++halving, step *= 0.5) {
       const double nu = std::clamp(u + step[0], box.u0, box.u1);
@@ -122,18 +128,28 @@ SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
   return {u, v, jet.point, std::sqrt(value), 0};
 }
 
+}  // namespace
+
+SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
+                           const Eigen::Vector3d& q,
+                           double u,
+                           double v,
+                           const ParameterBox& box) {
+  return Descend(surface, q, u, v, box);
+}
+
 SurfaceFoot LocalFootPoint(const NurbsSurface& surface,
                            const Eigen::Vector3d& q,
                            double u,
                            double v) {
-  return LocalFootPoint(surface,
-                        q,
-                        u,
-                        v,
-                        {surface.basis_u().lower(),
-                         surface.basis_u().upper(),
-                         surface.basis_v().lower(),
-                         surface.basis_v().upper()});
+  return Descend(surface, q, u, v, DomainOf(surface));
+}
+
+SurfaceFoot LocalFootPoint(const SurfaceEvaluator& surface,
+                           const Eigen::Vector3d& q,
+                           double u,
+                           double v) {
+  return Descend(surface, q, u, v, DomainOf(surface.surface()));
 }
 
 }  // namespace batten

@@ -73,11 +73,15 @@ void ThreadPool::For(std::ptrdiff_t count,
                      std::ptrdiff_t block,
                      const std::function<void(std::ptrdiff_t, std::ptrdiff_t)>& body) {
   block = std::max<std::ptrdiff_t>(1, block);
-  if (state_->workers.empty() || count <= block) {
+  const auto alone = [&] {
     for (std::ptrdiff_t i = 0; i < count; i += block) body(i, std::min(count, i + block));
-    return;
-  }
+  };
+  if (state_->workers.empty() || count <= block) return alone();
   std::unique_lock lock(state_->mutex);
+  if (state_->body != nullptr) {
+    lock.unlock();
+    return alone();
+  }
   state_->body = &body;
   state_->count = count;
   state_->block = block;

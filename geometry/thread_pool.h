@@ -21,8 +21,8 @@ class ThreadPool {
   int threads() const;
 
   // Calls body(begin, end) for consecutive blocks of at most `block` indices that cover [0, count).
-  // Returns when all are done; the first exception thrown by a block is thrown again here. Not to
-  // be called from inside a body.
+  // Returns when all are done; the first exception thrown by a block is thrown again here. While
+  // the pool is at work, as for a call from inside a body, the caller does all blocks by itself.
   void For(std::ptrdiff_t count,
            std::ptrdiff_t block,
            const std::function<void(std::ptrdiff_t, std::ptrdiff_t)>& body);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -111,6 +112,50 @@ TEST(BaseScoreTest, IsASquareOfALengthAndDoesNotDependOnThreads) {
     EXPECT_EQ(scaled.cells_v, value.cells_v);
   }
   EXPECT_EQ(ScoreOf(cloud.points, base, 1).score, ScoreOf(cloud.points, base, 3).score);
+}
+
+TEST(BaseScoreTest, IsTheSameNearWhatItFound) {
+  for (const BentSheet& sheet : {ArcSheet(150), ArcSheet(220), SBend()}) {
+    SCOPED_TRACE(sheet.name);
+    const SheetPoints cloud = PointsOn(sheet, {.count = 3000, .sigma = kSigma});
+    const SurfaceBase base = FlatBase(sheet, cloud);
+    ThreadPool pool(2);
+    const PointCloud points(cloud.points);
+    const SurfaceFitOptions options;
+    const BaseScore score(points, AllOf(cloud.points), options, pool);
+    const PointMask all = PointMask::Constant(points.size(), true);
+    const BaseScore::Value value = score.Of(base, all), again = score.Near(base, all, value);
+    EXPECT_EQ(again.score, value.score);
+    EXPECT_EQ(again.cells_u, value.cells_u);
+    EXPECT_EQ(again.cells_v, value.cells_v);
+    // From a few cells off the same grid is found, or one as good.
+    const BaseScore::Value off =
+        score.Near(base, all, {0, value.cells_u + 2, std::max(1, value.cells_v - 1), 0});
+    EXPECT_NEAR(off.score, value.score, 0.01 * value.score);
+  }
+}
+
+TEST(BaseScoreTest, IsHardlyLessThanAFewGridsTell) {
+  for (const BentSheet& sheet : {FlatSheet(2, 1), ArcSheet(220), SBend()}) {
+    for (const int cells : {2, 8, 20}) {
+      SCOPED_TRACE(sheet.name + ", " + std::to_string(cells));
+      const SheetPoints cloud = PointsOn(sheet, {.count = 4000, .sigma = kSigma});
+      const SurfaceBase base = FlatBase(sheet, cloud);
+      ThreadPool pool(2);
+      const PointCloud points(cloud.points);
+      const SurfaceFitOptions options;
+      const BaseScore score(points, AllOf(cloud.points), options, pool);
+      const PointMask all = PointMask::Constant(points.size(), true);
+      const BaseScore::Value value = score.Of(base, all),
+                             bound = score.AtMost(base, all, {0, cells, cells, 0}, HUGE_VAL);
+      EXPECT_GT(bound.score, 0.99 * value.score);
+      // Few control points where no more are allowed.
+      constexpr int kMost = 60;
+      const BaseScore::Value few = score.AtMost(base, all, {0, 3, 3, 0}, kMost);
+      EXPECT_LE(few.control_points, kMost);
+      EXPECT_GT(few.score, 0.99 * value.score);
+    }
+  }
 }
 
 TEST(BaseScoreTest, IsNotSpoiltByAFewOutliers) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -57,6 +60,135 @@ void ForRandomMatrices(const std::function<void(BlockBandedMatrix, RandomSplines
                  std::to_string(size) + ", bandwidth " + std::to_string(bandwidth));
     law(RandomPositive(random, blocks, size, bandwidth), random);
     if (testing::Test::HasFailure()) return;
+  }
+}
+
+// L·D·Lᵀ with a unit lower triangle of which inside a block row the last block is banded like that
+// of splines. Block sizes fit no register, steps end anywhere.
+BlockBandedMatrix Product(
+    RandomSplines& random, int blocks, int block_size, int bandwidth, const Eigen::VectorXd& d) {
+  const int n = blocks * block_size;
+  const int reach = bandwidth * block_size + random.Integer(0, block_size - 1);
+  Eigen::MatrixXd l = Eigen::MatrixXd::Identity(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = std::max({0, i - reach, (i / block_size - bandwidth) * block_size}); j < i; ++j)
+      l(i, j) = random.Real(-1, 1) / std::sqrt(1.0 + reach);
+  }
+  const Eigen::MatrixXd dense = l * d.asDiagonal() * l.transpose();
+  BlockBandedMatrix matrix(blocks, block_size, bandwidth);
+  for (int row = 0; row < blocks; ++row) {
+    for (int below = 0; below <= std::min(row, bandwidth); ++below) {
+      matrix.at(row, below) =
+          dense.block(row * block_size, (row - below) * block_size, block_size, block_size);
+    }
+  }
+  return matrix;
+}
+
+// Calls law(random, blocks, size, bandwidth) for shapes from curves to small nets.
+void ForShapes(const std::function<void(RandomSplines&, int, int, int)>& law) {
+  for (unsigned seed = 0; seed < 80; ++seed) {
+    RandomSplines random(seed);
+    const int size = random.Integer(1, 40), bandwidth = random.Integer(0, 5);
+    const int blocks = random.Integer(1, std::max(1, 240 / size));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + std::to_string(blocks) + " blocks of " +
+                 std::to_string(size) + ", bandwidth " + std::to_string(bandwidth));
+    law(random, blocks, size, bandwidth);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+Eigen::VectorXd RandomDiagonal(RandomSplines& random, int n) {
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return random.Real(0.5, 2); });
+}
+
+TEST(BlockBandedMatrixTest, OfEveryShapeIsFactoredAndSolvedLikeADenseMatrix) {
+  ForShapes([](RandomSplines& random, int blocks, int size, int bandwidth) {
+    BlockBandedMatrix matrix =
+        Product(random, blocks, size, bandwidth, RandomDiagonal(random, blocks * size));
+    const Eigen::LLT<Eigen::MatrixXd> dense(Dense(matrix));
+    ASSERT_TRUE(matrix.Factor());
+    const Eigen::MatrixXd l = dense.matrixL(), own = Dense(matrix).triangularView<Eigen::Lower>();
+    EXPECT_LE((own - l).cwiseAbs().maxCoeff(), kIterated * l.cwiseAbs().maxCoeff());
+    const Eigen::MatrixXd rhs = RandomMatrix(random, matrix.size(), random.Integer(1, 19)),
+                          expected = dense.solve(rhs);
+    Eigen::MatrixXd solution = rhs;
+    matrix.Solve(solution);
+    EXPECT_LE((solution - expected).cwiseAbs().maxCoeff(),
+              kIterated * expected.cwiseAbs().maxCoeff());
+  });
+}
+
+// Backward stable: L·Lᵀ is the matrix up to rounding, however near to singular that is.
+TEST(BlockBandedMatrixTest, IsItsFactorsProductWhereItIsNearlySingular) {
+  ForShapes([](RandomSplines& random, int blocks, int size, int bandwidth) {
+    Eigen::VectorXd d = RandomDiagonal(random, blocks * size);
+    const int weak = random.Integer(0, blocks * size - 1);
+    d[weak] = 1e-9;
+    BlockBandedMatrix matrix = Product(random, blocks, size, bandwidth, d);
+    const Eigen::MatrixXd dense = Dense(matrix);
+    ASSERT_TRUE(matrix.Factor());
+    const Eigen::MatrixXd l = Dense(matrix).triangularView<Eigen::Lower>();
+    EXPECT_LE((l * l.transpose() - dense).cwiseAbs().maxCoeff(),
+              kRounding * dense.cwiseAbs().maxCoeff());
+    EXPECT_NEAR(matrix.SmallestPivot(), 1e-9, 1e-9 * 1e-2);
+  });
+}
+
+TEST(BlockBandedMatrixTest, OfOneNegativePivotIsRefusedWhereverThatIs) {
+  ForShapes([](RandomSplines& random, int blocks, int size, int bandwidth) {
+    Eigen::VectorXd d = RandomDiagonal(random, blocks * size);
+    d[random.Integer(0, blocks * size - 1)] = -1e-6;
+    EXPECT_FALSE(Product(random, blocks, size, bandwidth, d).Factor());
+  });
+  BlockBandedMatrix undefined(2, 20, 1);
+  undefined.AddToDiagonal(1);
+  undefined.at(1, 0)(3, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(undefined.Factor());
+}
+
+TEST(BlockBandedMatrixTest, HasNoBlocksOutsideOfTheBandsLowerHalf) {
+  BlockBandedMatrix matrix(5, 3, 2);
+  for (int row = -1; row < 6; ++row) {
+    for (int below = -1; below < 4; ++below) {
+      SCOPED_TRACE(testing::Message() << "row " << row << ", below " << below);
+      if (row >= 0 && row < 5 && below >= 0 && below <= std::min(row, 2)) {
+        EXPECT_NO_THROW(matrix.at(row, below).setOnes());
+      } else {
+        EXPECT_THROW(matrix.at(row, below), std::invalid_argument);
+      }
+    }
+  }
+  // Each is there once: the diagonal's five, and four and three below.
+  EXPECT_EQ(matrix.Trace(), 15);
+  EXPECT_EQ(matrix.Times(Eigen::MatrixXd::Ones(15, 1)).sum(), 9 * (5 + 2 * (4 + 3)));
+}
+
+TEST(BlockBandedMatrixTest, IsTheSameBitByBitOnAnyNumberOfThreads) {
+  RandomSplines random(7);
+  const BlockBandedMatrix matrix = Product(random, 5, 101, 3, RandomDiagonal(random, 5 * 101));
+  BlockBandedMatrix alone = matrix;
+  ASSERT_TRUE(alone.Factor());
+  for (const int threads : {1, 2, 3}) {
+    ThreadPool pool(threads);
+    BlockBandedMatrix shared = matrix;
+    ASSERT_TRUE(shared.Factor(&pool));
+    EXPECT_EQ(Dense(shared).triangularView<Eigen::Lower>().toDenseMatrix(),
+              Dense(alone).triangularView<Eigen::Lower>().toDenseMatrix());
+  }
+}
+
+TEST(BlockBandedMatrixTest, SolvesEachColumnAsIfItWereAlone) {
+  RandomSplines random(8);
+  BlockBandedMatrix matrix = Product(random, 9, 11, 3, RandomDiagonal(random, 99));
+  ASSERT_TRUE(matrix.Factor());
+  const Eigen::MatrixXd rhs = RandomMatrix(random, 99, 13);
+  Eigen::MatrixXd all = rhs;
+  matrix.Solve(all);
+  for (Eigen::Index k = 0; k < rhs.cols(); ++k) {
+    Eigen::MatrixXd one = rhs.col(k);
+    matrix.Solve(one);
+    EXPECT_EQ(one, all.col(k));
   }
 }
 

@@ -164,6 +164,26 @@ TEST(EffectiveFreedomTest, OfASurfaceIsTheTraceOfTheSmoother) {
   }
 }
 
+TEST(EffectiveFreedomTest, CountsWhatPolesTieTogetherOnce) {
+  ThreadPool pool(2);
+  std::mt19937_64 engine(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  auto data = std::make_shared<FittingData>();
+  data->parameters.resize(2, 300);
+  for (double& x : data->parameters.reshaped()) x = unit(engine);
+  data->values = Eigen::MatrixXd::Zero(1, 300);
+  const FittingProblem problem =
+      FittingProblem(
+          SplineBasis::Uniform(3, 8, 0, 1), SplineBasis::Uniform(3, 7, 0, 1), std::move(data), 1e-6)
+          .WithPoles({PoleKind::kSmooth, PoleKind::kApex});
+  for (const double smoothing : {1e-8, 1e-4}) {
+    SCOPED_TRACE(smoothing);
+    const FittingProblem smooth = problem.WithSmoothing(smoothing);
+    EXPECT_NEAR(EffectiveFreedom(smooth, pool), TraceByColumns(smooth, pool), kHalfDigits * 56);
+    EXPECT_LE(EffectiveFreedom(smooth, pool), problem.unknowns() + kHalfDigits);
+  }
+}
+
 TEST(EffectiveFreedomTest, FallsToWhatTheEnergyDoesNotSee) {
   ThreadPool pool(1);
   const FittingProblem problem = Bump(600, 10, 12, 0.1, 8).WithSmoothing(1e9);

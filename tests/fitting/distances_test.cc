@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 #include <string>
 
+#include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/trim_region.h"
@@ -47,6 +50,33 @@ TEST(DistancesTest, AreNoLongerThanThoseOfBruteForce) {
       EXPECT_LE(std::abs(found.distances[k]),
                 dense.Distance(points.col(k), 4) + kIterated * ExtentOf(sheet))
           << "point " << k;
+    }
+  }
+}
+
+// Known places make the search faster and change nothing, right or wrong or not there.
+TEST(DistancesTest, NearKnownPlacesAreTheSame) {
+  ThreadPool pool(2);
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface sheet = random.Sheet(random.Integer(1, 4), random.Integer(1, 4), 0.5);
+    const Eigen::Matrix3Xd points = PointsAbout(random, sheet, 600);
+    const PointDistances expected = DistancesTo(sheet, points, pool);
+    Eigen::Matrix2Xd near = expected.parameters;
+    for (Eigen::Index k = 0; k < near.cols(); ++k) {
+      if (k % 3 == 0) near.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+      if (k % 3 == 1) {
+        near.col(k) << random.Parameter(sheet.basis_u()), random.Parameter(sheet.basis_v());
+      }
+    }
+    const PointDistances found = DistancesTo(sheet, points, near, pool);
+    EXPECT_LE((found.distances.cwiseAbs() - expected.distances.cwiseAbs()).cwiseAbs().maxCoeff(),
+              kIterated * ExtentOf(sheet));
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double there =
+          (sheet.At(found.parameters(0, k), found.parameters(1, k)) - points.col(k)).norm();
+      EXPECT_NEAR(there, std::abs(found.distances[k]), kRounding * ExtentOf(sheet));
     }
   }
 }
@@ -138,6 +168,57 @@ TEST(DistancesTest, ToATrimmedSurfaceAreThoseToThePartInsideItsLoops) {
     EXPECT_NEAR(found.distances[k], std::copysign(std::hypot(beside, height), height), kIterated);
     EXPECT_TRUE(region.Contains(found.parameters(0, k), found.parameters(1, k)));
   }
+}
+
+// Places that are right, wrong, missing, or on another turn of a roll.
+TEST(DistancesTest, ToPlacesKnownOrWrongAreTheSame) {
+  RandomSplines random(31);
+  for (int trial = 0; trial < 6; ++trial) {
+    SCOPED_TRACE(trial);
+    // A roll whose turns lie `apart` from each other.
+    const double apart = 0.05 * (trial + 1);
+    const SplineBasis in_u = QuasiUniformKnots(3, 40, 0, 1);
+    const SplineBasis in_v = QuasiUniformKnots(2, 5, 0, 1);
+    Eigen::Matrix3Xd net(3, 200);
+    for (int i = 0; i < 40; ++i) {
+      for (int j = 0; j < 5; ++j) {
+        const double turn = 0.5 * i, radius = 0.3 + apart * turn / 6.283;
+        net.col(5 * i + j) << radius * std::cos(turn), 0.3 * j, radius * std::sin(turn);
+      }
+    }
+    const NurbsSurface surface(in_u, in_v, net);
+    constexpr int kPoints = 400;
+    Eigen::Matrix3Xd points(3, kPoints);
+    Eigen::Matrix2Xd right(2, kPoints), wrong(2, kPoints), some(2, kPoints);
+    for (int k = 0; k < kPoints; ++k) {
+      right.col(k) << random.Parameter(in_u), random.Parameter(in_v);
+      wrong.col(k) << random.Parameter(in_u), random.Parameter(in_v);
+      some.col(k) = right.col(k);
+      if (k % 3 == 0) some(k % 2, k) = std::numeric_limits<double>::quiet_NaN();
+      // Up to farther than half way to the next turn.
+      points.col(k) = surface.At(right(0, k), right(1, k)) + random.Vector(0.4 * apart);
+    }
+    ThreadPool pool(2);
+    const PointDistances plain = DistancesTo(surface, points, pool);
+    // Both are certified to 1e-11 of the size, which is less than the extent.
+    const double near = 2e-11 * ExtentOf(surface);
+    for (const Eigen::Matrix2Xd& places : {right, wrong, some}) {
+      const PointDistances known = DistancesTo(surface, points, places, pool);
+      for (int k = 0; k < kPoints; ++k) {
+        EXPECT_NEAR(std::abs(known.distances[k]), std::abs(plain.distances[k]), near) << k;
+        const Eigen::Vector3d foot = surface.At(known.parameters(0, k), known.parameters(1, k));
+        EXPECT_NEAR((foot - points.col(k)).norm(), std::abs(known.distances[k]), near) << k;
+      }
+    }
+  }
+}
+
+TEST(DistancesTest, OfPlacesThatDoNotFitAreRefused) {
+  const NurbsSurface surface = RandomSplines(3).Sheet(3, 3, 0.5);
+  ThreadPool pool(1);
+  EXPECT_THROW(
+      DistancesTo(surface, Eigen::Matrix3Xd::Zero(3, 2), Eigen::Matrix2Xd::Zero(2, 3), pool),
+      std::invalid_argument);
 }
 
 TEST(DistancesTest, FromAStartAreNeverLongerThanThere) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "batten/fitting/fitting_bases.h"
 #include "batten/fitting/grid_selection.h"
+#include "batten/fitting/fitting_bases.h"
 
 #include <gtest/gtest.h>
 
@@ -219,6 +219,31 @@ TEST(ChooseGridTest, SearchesTheSurroundingsOfAKnownGridOnly) {
   EXPECT_EQ(near.cells_u, whole.cells_u);
   EXPECT_EQ(near.cells_v, whole.cells_v);
   EXPECT_LT(near.rounds.size(), whole.rounds.size());
+}
+
+// Of many points a part says where the ladder begins; what is below it is not scored again.
+TEST(ChooseGridTest, EndsAsWellAsTheWholeLadderWhereAPartBeginsIt) {
+  constexpr int kPoints = 160000;
+  ThreadPool pool(2);
+  const FittingProblem problem = Measured(Bump, kPoints, 0.05, 8);
+  const GridChoice choice = Choose(problem, {}, 2);
+  double best = std::numeric_limits<double>::infinity();
+  for (int cells = 1; cells <= 20; ++cells) {
+    const double freedom = kPoints - 1.2 * (cells + 3) * (cells + 3);
+    const double squares = SolveLinear(WithGrid(problem, 3, cells, cells), pool).residual_squares;
+    best = std::min(best, kPoints * squares / (freedom * freedom));
+  }
+  // A point of 160 000 more or less changes the score by a part in 10^5.
+  EXPECT_LE(choice.score, (1 + 1e-5) * best);
+  const auto of_all = std::count_if(choice.rounds.begin(), choice.rounds.end(), [](const auto& r) {
+    return r.stage == "cross-validation";
+  });
+  const auto of_a_part =
+      std::count_if(choice.rounds.begin(), choice.rounds.end(), [](const auto& r) {
+        return r.stage == "cross-validation of a part";
+      });
+  EXPECT_GT(of_a_part, 3);
+  EXPECT_LT(of_all, 30);
 }
 
 TEST(ChooseGridTest, EndsHoweverFlatTheScoresAre) {

@@ -126,6 +126,64 @@ TEST(NeighbourIndexTest, TakesDuplicates) {
   ExpectNearest(same, same.leftCols(3), 20);
 }
 
+TEST(NeighbourIndexTest, PutsLesserIndicesFirstAmongTheEquallyFar) {
+  // A lattice of whole numbers, whose squares floats hold exactly.
+  constexpr int kSide = 12;
+  Eigen::Matrix3Xd points(3, kSide * kSide * kSide);
+  for (int k = 0; k < points.cols(); ++k)
+    points.col(k) << k % kSide, k / kSide % kSide, k / kSide / kSide;
+  const NeighbourIndex index(points);
+  for (const int k : {1, 7, 27, 200}) {
+    for (const int query : {0, 5, 700, 1000, 1727}) {
+      const std::vector<int> found = index.Nearest(points.col(query), k);
+      for (size_t j = 1; j < found.size(); ++j) {
+        const double before = (points.col(found[j - 1]) - points.col(query)).squaredNorm();
+        const double after = (points.col(found[j]) - points.col(query)).squaredNorm();
+        EXPECT_TRUE(before < after || (before == after && found[j - 1] < found[j]))
+            << "query " << query << ", neighbour " << j;
+      }
+    }
+  }
+}
+
+TEST(NeighbourIndexTest, FindsThemAmongManyDuplicatesAndClustersOfAllSizes) {
+  RandomSplines random(11);
+  Eigen::Matrix3Xd points(3, 6000);
+  for (Eigen::Index k = 0; k < points.cols(); ++k)
+    points.col(k) = std::exp2(-static_cast<double>(k % 30)) * random.Vector(1);
+  points.leftCols(500).colwise() = Eigen::Vector3d(0.5, 0.25, 0.125);
+  for (const int k : {1, 25, 480}) ExpectNearest(points, points.leftCols(520).rightCols(40), k);
+}
+
+TEST(NeighbourIndexTest, OrdersPointsByBoxesOnAnyNumberOfThreads) {
+  RandomSplines random(12);
+  for (const Eigen::Index count : {1, 31, 33, 1000, 70000}) {
+    SCOPED_TRACE(count);
+    const Eigen::Matrix3Xd points = RandomPoints(random, count);
+    ThreadPool three(3);
+    const NeighbourIndex index(points, three), alone(points);
+    const std::vector<int> order(index.order().begin(), index.order().end());
+    EXPECT_EQ(std::set<int>(order.begin(), order.end()).size(), static_cast<size_t>(count));
+    EXPECT_TRUE(std::equal(order.begin(), order.end(), alone.order().begin()));
+    // The two halves of a block are on two sides of a plane across some axis, but for rounding.
+    for (size_t block = 64; block <= order.size(); block *= 2) {
+      for (size_t start = 0; start + block <= order.size(); start += block) {
+        Eigen::Vector3d low, high;
+        for (int d = 0; d < 3; ++d) {
+          low[d] = -2;
+          high[d] = 2;
+          for (size_t i = 0; i < block; ++i) {
+            const double x = points(d, order[start + i]);
+            if (i < block / 2) low[d] = std::max(low[d], x);
+            if (i >= block / 2) high[d] = std::min(high[d], x);
+          }
+        }
+        EXPECT_LE((low - high).minCoeff(), kFloatDistance) << "block " << block << " at " << start;
+      }
+    }
+  }
+}
+
 TEST(NeighbourIndexTest, AnswersSeveralThreadsAtOnce) {
   RandomSplines random(7);
   const Eigen::Matrix3Xd points = RandomPoints(random, 2000);

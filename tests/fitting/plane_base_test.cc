@@ -276,6 +276,30 @@ TEST(FindPlaneBaseTest, FindsOverlapInAClosedSphere) {
   EXPECT_GE(Find(points, 0.04).overlap, 0.5);
 }
 
+TEST(FindPlaneBaseTest, IsTheSameOnAnyNumberOfThreads) {
+  RandomSplines random(21);
+  for (const double steep : {0.3, 3.0}) {
+    // The second one is folded over too.
+    Eigen::Matrix3Xd points = Sheet(
+        random, 6000, 2, 1, [&](double x, double y) { return steep * std::sin(3 * x + y) / 3; });
+    if (steep > 1) points.row(0) += 0.8 * points.row(2);
+    points = (RandomTurn(random) * points).eval();
+    const NeighbourIndex index(points);
+    const PlaneBase one = FindPlaneBase(points, index, 0.02, 0.01);
+    for (const int threads : {1, 2, 5}) {
+      SCOPED_TRACE(testing::Message() << steep << " on " << threads);
+      ThreadPool pool(threads);
+      const PlaneBase base = FindPlaneBase(points, index, 0.02, 0.01, {}, pool);
+      EXPECT_EQ(base.axes, one.axes);
+      EXPECT_EQ(base.origin, one.origin);
+      EXPECT_EQ(base.length_u, one.length_u);
+      EXPECT_EQ(base.length_v, one.length_v);
+      EXPECT_EQ(base.steepness, one.steepness);
+      EXPECT_EQ(base.overlap, one.overlap);
+    }
+  }
+}
+
 TEST(FindPlaneBaseTest, RefusesFewerThanThreePoints) {
   EXPECT_THAT(Refusal(Eigen::Matrix3Xd::Zero(3, 1)), HasSubstr("at least 3"));
   EXPECT_THAT(Refusal(Eigen::Matrix3Xd{{0, 1}, {0, 0}, {0, 0}}), HasSubstr("at least 3"));

@@ -98,6 +98,30 @@ TEST(PolesTest, ClosedPolesMeetTheConditionsAndStayAsTheyAre) {
   }
 }
 
+// The forms are as many as conditions leave, and meet them.
+TEST(PolesTest, WhatIsFreeMeetsTheConditions) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 120; ++trial) {
+    SCOPED_TRACE(trial);
+    Case c = RandomCase(random);
+    const bool narrow = trial % 4 == 0;
+    if (narrow) c.poles.turn = 1e-3;
+    const PoleFreedom freedom = FreedomOf(c.u, c.v, c.poles);
+    const Eigen::MatrixXd conditions = PoleConditions(c.u, c.v, c.poles);
+    const Eigen::Index m = DistinctCount(c.u), size_v = c.v.size();
+    EXPECT_EQ(std::ssize(freedom.rows) * m - freedom.unknowns, conditions.rows());
+    Eigen::MatrixXd forms = Eigen::MatrixXd::Zero(m * size_v, freedom.unknowns);
+    for (const TiedRow& row : freedom.rows)
+      forms(Eigen::seqN(row.j, m, size_v), Eigen::seqN(row.first, row.form.cols())) = row.form;
+    const Eigen::MatrixXd products = forms.transpose() * forms;
+    EXPECT_LT((products - Eigen::MatrixXd::Identity(products.rows(), products.cols())).norm(),
+              1e-12);
+    for (Eigen::Index k = 0; k < conditions.rows(); ++k)
+      EXPECT_LT((conditions.row(k) * forms).norm(),
+                1e-13 * std::max(1.0, conditions.row(k).norm()));
+  }
+}
+
 // Over so little of a turn the harmonics are the same to rounding.
 TEST(PolesTest, NarrowSlicesKeepTheirConditionsApart) {
   std::mt19937_64 random(5);

@@ -373,5 +373,34 @@ TEST(FlattenSheetTest, ChecksItsArguments) {
       Cancelled);
 }
 
+TEST(SheetLayoutTest, GivesSomePointsThePlacesThatAllGiveThem) {
+  ThreadPool pool(2);
+  for (const BentSheet& sheet : {ArcSheet(300), SBend(), ShellSheet()}) {
+    SCOPED_TRACE(sheet.name);
+    const Eigen::Matrix3Xd points = PointsOn(sheet, {.count = 6000, .sigma = 1e-3}).points;
+    const NeighbourIndex index(points);
+    const Scale scale = ScaleOf(points, index, pool);
+    SheetLayout layout(points, index, scale.spacing, scale.noise, scale.Margin(), {}, pool);
+    layout.LookCloser();
+    const SheetBase all = layout.Over(points);
+    EXPECT_EQ(all.parameters, Flatten(points).parameters);
+    std::vector<Eigen::Index> some(2000);
+    for (Eigen::Index k = 0; k < 2000; ++k) some[static_cast<size_t>(k)] = 3 * k;
+    const SheetBase part = layout.Over(points(Eigen::all, some));
+    EXPECT_EQ(part.refusal, all.refusal);
+    EXPECT_EQ(part.distortion, all.distortion);
+    EXPECT_TRUE((part.reached == all.reached(some)).all());
+    ExpectInside(part);
+    // Their rectangle is another one; places that were drawn into it are a guess.
+    std::vector<Eigen::Index> laid;
+    for (Eigen::Index k = 0; k < 2000; ++k)
+      if (part.reached[k]) laid.push_back(k);
+    EXPECT_GT(laid.size(), 1900);
+    const Eigen::Matrix2Xd of_all = all.parameters(Eigen::all, some);
+    EXPECT_LE(RmsAfterMotion(part.parameters(Eigen::all, laid), of_all(Eigen::all, laid)),
+              kIterated * LongestSide(all));
+  }
+}
+
 }  // namespace
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "random_splines.h"
@@ -81,6 +82,23 @@ TEST(QuantileTest, OfNothingIsNotANumber) {
 TEST(MedianTest, IsTheMiddleValueOrTheMeanOfTheTwoMiddleOnes) {
   EXPECT_EQ(Median({3, 1, 2}), 2);
   EXPECT_EQ(Median({4, 1, 2, 3}), 2.5);
+}
+
+TEST(WeightedMedianTest, IsTheLowerMiddleOfValuesRepeatedAsOftenAsTheyWeigh) {
+  RandomSplines random(11);
+  for (int round = 0; round < 100; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<std::pair<double, double>> weighted;
+    std::vector<double> repeated;
+    for (const double value : RandomSample(random, 1 + round % 20)) {
+      const int times = random.Integer(1, 5);
+      weighted.emplace_back(value, times);
+      repeated.insert(repeated.end(), times, value);
+    }
+    std::sort(repeated.begin(), repeated.end());
+    EXPECT_EQ(WeightedMedian(weighted), repeated[(repeated.size() - 1) / 2]);
+  }
+  EXPECT_TRUE(std::isnan(WeightedMedian({})));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dense_samples.h"
@@ -131,6 +132,35 @@ class Comparison {
  private:
   double size_, extent_, worst_ = -1, loosest_ = 0;
 };
+
+// Wherever the search begins, right or wrong or outside of the domain.
+TEST(SurfaceFootPointTest, FromAPlaceThoughtNearIsAsNearAsWithout) {
+  for (unsigned seed = 0; seed < 5 * kNastyKinds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsSurface surface = NastySurface(static_cast<int>(seed) % kNastyKinds, random);
+    const SurfaceFootPoints finder(surface);
+    const SplineBasis &bu = surface.basis_u(), &bv = surface.basis_v();
+    const double size = SizeOf(surface), extent = ExtentOf(surface);
+    const double beyond = 0.5 * (bu.upper() - bu.lower());
+    Comparison comparison(size, extent);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Eigen::Vector3d q = Query(surface, random);
+      const SurfaceFoot foot = finder.Nearest(q);
+      for (const auto& [u, v] :
+           {std::pair(foot.u, foot.v),
+            std::pair(random.Parameter(bu), random.Parameter(bv)),
+            std::pair(random.Real(bu.lower() - beyond, bu.upper() + beyond), bv.upper())}) {
+        const SurfaceFoot found = finder.NearestFrom(q, u, v);
+        comparison.Expect(found, foot.distance);
+        comparison.Expect(foot, found.distance);
+        EXPECT_NEAR((surface.At(found.u, found.v) - q).norm(),
+                    found.distance,
+                    kRounding * (extent + found.distance));
+      }
+    }
+  }
+}
 
 TEST(SurfaceFootPointTest, IsNeverWorseThanADenseSampling) {
   for (unsigned seed = 0; seed < 20 * kNastyKinds; ++seed) {

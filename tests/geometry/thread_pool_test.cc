@@ -150,6 +150,23 @@ TEST(ThreadPoolTest, APoolInsideABodyOfAnotherPoolWorks) {
   for (const auto& visit : visits) ASSERT_EQ(visit, 1);
 }
 
+TEST(ThreadPoolTest, InsideItsOwnBodyEveryCallerDoesItsBlocksByItself) {
+  ThreadPool pool(3);
+  std::vector<std::atomic<int>> visits(6 * 50);
+  for (int round = 1; round <= 200; ++round) {
+    pool.For(6, 1, [&](std::ptrdiff_t row, std::ptrdiff_t) {
+      pool.For(50, 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+        for (std::ptrdiff_t k = begin; k < end; ++k) ++visits[50 * row + k];
+      });
+    });
+    for (const auto& visit : visits) ASSERT_EQ(visit, round);
+  }
+  const auto thrower = [&](std::ptrdiff_t, std::ptrdiff_t) {
+    pool.For(50, 4, [](std::ptrdiff_t, std::ptrdiff_t) { throw std::runtime_error("inside"); });
+  };
+  EXPECT_THROW(pool.For(6, 1, thrower), std::runtime_error);
+}
+
 TEST(ThreadPoolTest, ReturnsOnlyWhenAllIsWritten) {
   ThreadPool pool(4);
   for (int round = 0; round < 200; ++round) {
