@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+document.documentElement.dataset.battenReady = "0";
