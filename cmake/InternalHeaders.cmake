@@ -60,5 +60,5 @@ set(BATTEN_INTERNAL_HEADERS
   io/cloud_filter.h io/face_loops.h io/file_loops.h io/iges_text.h io/json_document.h
   io/json_field.h io/json_splines.h io/json_trims.h io/occt_convert.h io/occt_exact.h io/occt_face.h
   io/occt_session.h io/occt_shapes.h io/parameter_map.h io/parameter_rectangle.h io/pcd_reader.h
-  io/ply_reader.h io/row_batch.h io/space_curve.h io/step_model.h io/step_syntax.h io/step_units.h
+  io/ply_reader.h io/report_assets.h io/row_batch.h io/space_curve.h io/step_model.h io/step_syntax.h io/step_units.h
   io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h io/trimmed_face.h io/whole_file.h)
