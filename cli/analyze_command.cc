@@ -15,6 +15,7 @@
 #include "batten/cli/geometry_summary.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/closure.h"
 #include "batten/geometry/joins.h"
@@ -144,7 +145,10 @@ Json Analysis(const Arguments& a) {
 }
 
 int Run(const Arguments& a) {
+  BeginReading(a.second.empty() ? std::vector{a.first} : std::vector{a.first, a.second},
+               a.flags.quiet);
   const Json analysis = Analysis(a);
+  ClearProgress();
   if (a.flags.json) {
     fmt::print("{}\n", JsonText(analysis, 2));
   } else if (!a.flags.quiet) {

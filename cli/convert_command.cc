@@ -73,12 +73,14 @@ int Run(const Arguments& a) {
   if (IsCloudFormat(from)) {
     CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
     read.format = in_format;
+    BeginReading({a.in}, a.flags.quiet);
     const CloudFile file = ReadCloud({a.in}, read);
     WriteCloud(file.cloud, a.out, out_format);
     entry["kind"] = "cloud";
     entry["points"] = file.cloud.size();
     entry["non_finite"] = file.non_finite;
   } else {
+    BeginReading({a.in}, a.flags.quiet);
     const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
     if (from != FileFormat::kJson && to != FileFormat::kJson && !a.unit_given && !a.flags.quiet) {
       PrintWarning(a.out + " declares " + a.unit + " for the numbers of " + a.in +

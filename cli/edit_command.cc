@@ -106,6 +106,7 @@ int Run(const Arguments& a) {
   CheckWritable(pieces && a.out != "-" ? Numbered(a.out, 1) : a.out);
 
   const Progress progress = MakeProgress(a.flags.quiet);
+  BeginReading({a.geometry}, a.flags.quiet);
   Edited edited = EditAll(operations, ReadGeometry(a.geometry, {a.format}), progress);
   const std::vector<GeometryFile> files = Outputs(a.out, pieces, std::move(edited.shapes));
   MakeRoom(files.size());

@@ -226,6 +226,7 @@ void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>&
 // Results are printed as they are computed: a million of them take no memory.
 int Run(const Arguments& a) {
   const std::vector<Request> requests = Requests(a);
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
   CheckAll(geometry, requests);
   const Progress progress = MakeProgress(a.flags.quiet);
@@ -241,6 +242,7 @@ int Run(const Arguments& a) {
           },
           geometry[g]);
       if (geometry.size() > 1) result["index"] = g;
+      ClearProgress();
       if (a.flags.json) {
         fmt::print("{}\n  {}", std::exchange(first, false) ? "" : ",", result.dump());
       } else if (!a.flags.quiet) {

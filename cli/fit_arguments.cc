@@ -182,6 +182,7 @@ const PointCloud& FitFiles::Read(bool parameters) {
   CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
   if (word_is_geometry_) read.format.clear();
   read.parameters = parameters;
+  BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
   read_seconds_ = Seconds();
   return file_.cloud;

@@ -114,7 +114,8 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   if (target.flags.json) {
     std::fputs(ToReportJson(report, context).c_str(), stdout);
   } else if (!target.flags.quiet && !target.result_line.empty()) {
-    fmt::print("{}\n", target.result_line);
+    const std::optional<bool> reached = report.tolerance_reached();
+    fmt::print("{}\n", reached ? WithVerdict(target.result_line, *reached) : target.result_line);
   }
 }
 

@@ -235,7 +235,9 @@ int RunProgram(int argc, char** argv) {
   try {
     if (Parse(app, argc, argv) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    return Flushed(action());  // what is done when Ctrl-C comes too late is done
+    const int code = action();  // what is done when Ctrl-C comes too late is done
+    ClearProgress();
+    return Flushed(code);
   } catch (const UsageError& error) {
     PrintError(error.what());
     return kBadUsage;

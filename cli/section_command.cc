@@ -13,6 +13,7 @@
 #include "batten/cli/fit_output.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/geometry/plane_section.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -59,6 +60,7 @@ int Run(const Arguments& a) {
   const std::string& out_format = a.out_format.empty() && a.out == "-" ? a.format : a.out_format;
   CheckGeometryFormat(a.out, out_format);
   CheckWritable(a.out);
+  BeginReading({a.geometry}, a.flags.quiet);
   std::vector<Geometry> curves;
   for (const Geometry& shape : ReadGeometry(a.geometry, {a.format})) {
     const auto* surface = std::get_if<NurbsSurface>(&shape);
@@ -72,6 +74,7 @@ int Run(const Arguments& a) {
   }
   const GeometryFile file{a.out, std::move(curves)};
   WriteGeometryFiles({file}, {out_format, a.unit});
+  ClearProgress();
   if (a.flags.json) {
     PrintFiles(FileEntry(file));
   } else if (!a.flags.quiet && a.out != "-") {
