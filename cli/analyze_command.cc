@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/geometry_summary.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
@@ -216,11 +217,8 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
                      "A second one: C0 … C2 and G0 … G2 where they meet; the same one again: where "
                      "it closes");
   AddTolerances(command, a);
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of '-' or of a file whose name does not tell: json step iges")
-      ->type_name("FORMAT");
+  AddGeometryFormatFlag(
+      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Degree, knots, continuity, length or area, range of curvature, and what shape it is: line,\n"

@@ -9,6 +9,7 @@
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/mesh_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -125,9 +126,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
                   a->out_format,
                   "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddUnitFlag(command, a->unit);
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -277,11 +278,8 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
           "Derivatives up to this order; from 2 on curvature and torsion too")
       ->default_str("0")
       ->type_name("K");
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of '-' or of a file whose name does not tell: json step iges")
-      ->type_name("FORMAT");
+  AddGeometryFormatFlag(
+      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"

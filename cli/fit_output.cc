@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/atomic_file.h"
@@ -40,9 +41,7 @@ void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
       .add_option(
           "--residuals", arguments.residuals, "Write every point's distance: R.ply or R.csv")
       ->type_name("FILE");
-  command.add_option("--unit", arguments.unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddUnitFlag(command, arguments.unit);
 }
 
 void CheckOutputArguments(const OutputArguments& arguments) {
@@ -78,10 +77,13 @@ void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
   }
 }
 
-void CheckUnit(const std::string& unit) {
-  CheckChoice(
-      "--unit", unit, {"mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"});
+const std::vector<std::string>& Units() {
+  static const std::vector<std::string> units = {
+      "mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"};
+  return units;
 }
+
+void CheckUnit(const std::string& unit) { CheckChoice("--unit", unit, Units()); }
 
 void PrintFiles(const nlohmann::ordered_json& entry) {
   const nlohmann::ordered_json list{{"files", nlohmann::ordered_json::array({entry})}};
