@@ -12,9 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/geometry_summary.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/closure.h"
 #include "batten/geometry/joins.h"
@@ -144,7 +146,10 @@ Json Analysis(const Arguments& a) {
 }
 
 int Run(const Arguments& a) {
+  BeginReading(a.second.empty() ? std::vector{a.first} : std::vector{a.first, a.second},
+               a.flags.quiet);
   const Json analysis = Analysis(a);
+  ClearProgress();
   if (a.flags.json) {
     fmt::print("{}\n", JsonText(analysis, 2));
   } else if (!a.flags.quiet) {
@@ -212,11 +217,8 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
                      "A second one: C0 … C2 and G0 … G2 where they meet; the same one again: where "
                      "it closes");
   AddTolerances(command, a);
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of '-' or of a file whose name does not tell: json step iges")
-      ->type_name("FORMAT");
+  AddGeometryFormatFlag(
+      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Degree, knots, continuity, length or area, range of curvature, and what shape it is: line,\n"

@@ -78,10 +78,12 @@ int Run(const Arguments& a) {
   CheckWritable(a.output.residuals);
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry =
       ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
+  BeginReading({a.cloud_path}, a.flags.quiet);
   const CloudFile file = ReadCloud({a.cloud_path}, read);
   const PointCloud& cloud = file.cloud;
 

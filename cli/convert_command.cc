@@ -9,6 +9,7 @@
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/mesh_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -73,12 +74,14 @@ int Run(const Arguments& a) {
   if (IsCloudFormat(from)) {
     CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
     read.format = in_format;
+    BeginReading({a.in}, a.flags.quiet);
     const CloudFile file = ReadCloud({a.in}, read);
     WriteCloud(file.cloud, a.out, out_format);
     entry["kind"] = "cloud";
     entry["points"] = file.cloud.size();
     entry["non_finite"] = file.non_finite;
   } else {
+    BeginReading({a.in}, a.flags.quiet);
     const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
     if (from != FileFormat::kJson && to != FileFormat::kJson && !a.unit_given && !a.flags.quiet) {
       PrintWarning(a.out + " declares " + a.unit + " for the numbers of " + a.in +
@@ -123,9 +126,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
                   a->out_format,
                   "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddUnitFlag(command, a->unit);
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(

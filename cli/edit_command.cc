@@ -16,6 +16,8 @@
 #include "batten/cli/edit_syntax.h"
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_flags.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/geometry_file.h"
@@ -106,6 +108,7 @@ int Run(const Arguments& a) {
   CheckWritable(pieces && a.out != "-" ? Numbered(a.out, 1) : a.out);
 
   const Progress progress = MakeProgress(a.flags.quiet);
+  BeginReading({a.geometry}, a.flags.quiet);
   Edited edited = EditAll(operations, ReadGeometry(a.geometry, {a.format}), progress);
   const std::vector<GeometryFile> files = Outputs(a.out, pieces, std::move(edited.shapes));
   MakeRoom(files.size());
@@ -133,23 +136,18 @@ void AddEditCommand(CLI::App& app, Action& action) {
   CLI::App& command = *app.add_subcommand(
       "edit", "Change curves and surfaces: knots, degree, pieces, place, shape, extent");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
-  command.add_option("OP", a->operations, "Operations, applied in order (below)")->required();
+  CLI::Option& operations =
+      *command.add_option("OP", a->operations, "Operations, applied in order (below)")->required();
+  SuggestFor(operations, CompleteEditOperation);
   command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
       ->required()
       ->type_name("OUT");
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of GEOMETRY where its name does not tell, or of '-': json step iges")
-      ->type_name("FORMAT");
-  command
-      .add_option("--output-format",
-                  a->out_format,
-                  "Format of OUT where its name does not tell: json step iges")
-      ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddGeometryFormatFlag(
+      command,
+      a->format,
+      "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
+  AddOutputFormatFlag(command, a->out_format);
+  AddUnitFlag(command, a->unit);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"

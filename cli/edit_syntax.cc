@@ -312,6 +312,39 @@ EditOperation ParseEditOperation(const std::string& text) {
   return operation;
 }
 
+std::vector<std::string> CompleteEditOperation(const std::string& typed) {
+  std::vector<std::string> words;
+  const size_t colon = typed.find(':');
+  if (colon == std::string::npos) {
+    for (const Operation& one : Operations())
+      words.push_back(one.name + (one.form.empty() && one.dir == Dir::kNone ? "" : ":"));
+    return words;
+  }
+  const auto known = std::find_if(
+      Operations().begin(), Operations().end(), [name = typed.substr(0, colon)](const auto& one) {
+        return one.name == name;
+      });
+  if (known == Operations().end()) return words;
+  const size_t begin = typed.find_last_of(":,") + 1;
+  const std::string before = typed.substr(0, begin), last = typed.substr(begin);
+  const auto given = [&](const std::string& key) {
+    return before.find(':' + key + '=') != std::string::npos ||
+           before.find(',' + key + '=') != std::string::npos;
+  };
+  const auto offer = [&](const std::string& key, const std::vector<std::string>& values) {
+    if (key.empty() || given(key)) return;
+    const std::string start = before + key + '=';
+    if (last.find('=') == std::string::npos) words.push_back(start);
+    for (const std::string& value : values) {
+      if (last.rfind(key + '=', 0) == 0) words.push_back(start + value);
+    }
+  };
+  if (known->dir == Dir::kMeant) offer("dir", {"u", "v"});
+  for (const Key& key : known->keys) offer(key.name, {});
+  for (const WordKey& key : known->words) offer(key.name, key.words);
+  return words;
+}
+
 std::string EditOperationsHelp() {
   std::string help;
   for (const Operation& one : Operations()) {

@@ -35,6 +35,9 @@ struct EditOperation {
 // operation, the value and the rule, and the nearest name for one that is not known.
 EditOperation ParseEditOperation(const std::string& text);
 
+// What an operation could go on as where so much of it is typed: its name, a key, a word of a key.
+std::vector<std::string> CompleteEditOperation(const std::string& typed);
+
 // Every operation in a line of its own, for help.
 std::string EditOperationsHelp();
 

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -226,6 +227,7 @@ void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>&
 // Results are printed as they are computed: a million of them take no memory.
 int Run(const Arguments& a) {
   const std::vector<Request> requests = Requests(a);
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
   CheckAll(geometry, requests);
   const Progress progress = MakeProgress(a.flags.quiet);
@@ -241,6 +243,7 @@ int Run(const Arguments& a) {
           },
           geometry[g]);
       if (geometry.size() > 1) result["index"] = g;
+      ClearProgress();
       if (a.flags.json) {
         fmt::print("{}\n  {}", std::exchange(first, false) ? "" : ",", result.dump());
       } else if (!a.flags.quiet) {
@@ -275,11 +278,8 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
           "Derivatives up to this order; from 2 on curvature and torsion too")
       ->default_str("0")
       ->type_name("K");
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of '-' or of a file whose name does not tell: json step iges")
-      ->type_name("FORMAT");
+  AddGeometryFormatFlag(
+      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"

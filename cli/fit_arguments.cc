@@ -4,6 +4,8 @@
 #include <map>
 #include <memory>
 
+#include "batten/cli/geometry_flags.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/progress.h"
@@ -28,12 +30,12 @@ double FarAway(const std::string& unit) {
   return 500 * (found == kPerMetre.end() ? 1000 : found->second);
 }
 
-void AddText(CLI::App& command,
-             const std::string& flag,
-             std::string& value,
-             const std::string& help,
-             const std::string& type) {
-  command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+CLI::Option& AddText(CLI::App& command,
+                     const std::string& flag,
+                     std::string& value,
+                     const std::string& help,
+                     const std::string& type) {
+  return *command.add_option(flag, value, help)->capture_default_str()->type_name(type);
 }
 
 }  // namespace
@@ -41,7 +43,6 @@ void AddText(CLI::App& command,
 void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
 
 std::optional<Loss> ToLoss(const std::string& word) {
-  CheckChoice("--loss", word, {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
   if (word == "auto") return std::nullopt;
   if (word == "none") return Loss::kNone;
   if (word == "huber") return Loss::kHuber;
@@ -113,24 +114,25 @@ void AddEveryFitsArguments(CLI::App& command,
           [&a](const std::string& text) {
             a.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
           },
-          "Distance every point must keep; free shapes refine where it is missed [none]")
+          "Distance every point must keep, in the data's unit; free shapes refine where it is "
+          "missed [none]")
       ->type_name("T");
-  AddText(command, "--loss", a.loss, loss, "LOSS");
-  AddText(command,
-          "--loss-scale",
-          a.loss_scale,
-          "Standard deviation of good points: auto or a number",
-          "S");
-  AddText(command,
-          "--origin",
-          a.origin,
-          "Subtracted from what is written: keep (nothing), local, or x,y,z",
-          "ORIGIN");
-  command
-      .add_option("--output-format",
-                  a.out_format,
-                  "Format of OUT where its name does not tell: json step iges")
-      ->type_name("FORMAT");
+  Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
+        {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
+  Suggest(AddText(command,
+                  "--loss-scale",
+                  a.loss_scale,
+                  "Standard deviation of good points, in the data's unit: auto (estimated) or a "
+                  "number",
+                  "S"),
+          {"auto"});
+  Suggest(AddText(command,
+                  "--origin",
+                  a.origin,
+                  "Subtracted from what is written: keep (nothing), local, or x,y,z",
+                  "ORIGIN"),
+          {"keep", "local"});
+  AddOutputFormatFlag(command, a.out_format);
   AddCloudArguments(command, a.cloud);
   AddOutputArguments(command, a.output);
   AddWorkFlags(command, a.work);
@@ -139,28 +141,35 @@ void AddEveryFitsArguments(CLI::App& command,
 
 void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) {
   AddEveryFitsArguments(command, a, words.points, words.loss);
-  AddText(command,
-          "--control-points",
-          a.control_points,
-          std::string(words.control_points) + " control points, or chosen by the data",
-          words.control_points);
+  Suggest(AddText(command,
+                  "--control-points",
+                  a.control_points,
+                  std::string(words.control_points) + " control points, or chosen by the data",
+                  words.control_points),
+          {"chosen"});
   AddText(command,
           "--max-control-points",
           a.max_control_points,
           "Never more control points than this",
           "K");
-  AddText(command,
-          "--smoothing",
-          a.smoothing,
-          std::string("Fairness relative to the data: auto (") + words.smoothing + ") or a number",
-          "L");
-  AddText(command, "--parameterization", a.parameterization, words.parameterizations, "FROM");
-  AddText(command,
+  Suggest(AddText(command,
+                  "--smoothing",
+                  a.smoothing,
+                  std::string("Fairness relative to the data: auto (") + words.smoothing +
+                      ") or a number",
+                  "L"),
+          {"auto"});
+  Allow(AddText(command, "--parameterization", a.parameterization, words.parameterization, "FROM"),
+        words.parameterizations);
+  Suggest(
+      AddText(
+          command,
           "--optimize",
           a.optimize,
           "Joint stage by Ceres: auto (where residuals exceed the noise and the points carry it), "
           "none, or what is free besides the control points, any of params,weights,knots",
-          "MODE");
+          "MODE"),
+      {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
 }
 
 FitFiles::FitFiles(const FitArguments& arguments)
@@ -182,6 +191,7 @@ const PointCloud& FitFiles::Read(bool parameters) {
   CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
   if (word_is_geometry_) read.format.clear();
   read.parameters = parameters;
+  BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
   read_seconds_ = Seconds();
   return file_.cloud;

@@ -36,11 +36,12 @@ struct FitArguments {
 
 // The options of a fit with control points, with the words that differ.
 struct FitWords {
-  const char* points;             // name of the positional argument
-  const char* control_points;     // of its value
-  const char* smoothing;          // the default, in numbers
-  const char* loss;               // help
-  const char* parameterizations;  // the choices
+  const char* points;                               // name of the positional argument
+  const char* control_points;                       // of its value
+  const char* smoothing;                            // the default, in numbers
+  const char* loss;                                 // help
+  const char* parameterization;                     // help
+  std::vector<std::string> parameterizations = {};  // the choices
 };
 void AddFitArguments(CLI::App& command, FitArguments& arguments, const FitWords& words);
 
@@ -52,7 +53,8 @@ void AddEveryFitsArguments(CLI::App& command,
 
 [[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
 
-// Values of the shared flags. Each throws UsageError naming flag, value and rule.
+// Values of the shared flags. Each throws UsageError naming flag, value and rule. A loss is one of
+// the words that the flag allows.
 std::optional<Loss> ToLoss(const std::string& word);  // none for auto
 std::optional<double> ToSmoothing(const std::string& text);
 std::optional<double> ToLossScale(const std::string& text);

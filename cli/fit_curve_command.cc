@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/cli/fit_arguments.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/curve_closure.h"
@@ -27,16 +28,6 @@ struct Arguments : FitArguments {
               distance = "auto", corners = "auto", start_tangent, end_tangent;
   bool interpolate = false;
 };
-
-void CheckChoices(const Arguments& a) {
-  CheckChoice("--order", a.order, {"auto", "given", "unordered"});
-  CheckChoice("--closed", a.closed, {"auto", "yes", "no"});
-  CheckChoice("--parameterization",
-              a.parameterization,
-              {"chord", "centripetal", "uniform", "foley", "universal", "given"});
-  CheckChoice("--distance", a.distance, {"auto", "point", "tangent", "squared", "parameter"});
-  CheckChoice("--corners", a.corners, {"auto", "none"});
-}
 
 // Flags that say two things at once.
 void CheckTogether(const Arguments& a) {
@@ -228,7 +219,6 @@ int Interpolate(const FitFiles& files, const PointCloud& cloud, const Arguments&
 }
 
 int Run(const Arguments& a) {
-  CheckChoices(a);
   CheckTogether(a);
   CurveFitOptions options = ToOptions(a);
   const Component component = ToComponent(a.component);
@@ -253,7 +243,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *fit.add_subcommand("curve", "Fit a NURBS curve to points along it");
   const auto add = [&](const char* flag, std::string& value, const char* help, const char* type) {
-    command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+    return command.add_option(flag, value, help)->capture_default_str()->type_name(type);
   };
   AddFitArguments(
       command,
@@ -265,7 +255,8 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
        "and is "
        "tukey where there are many",
        "Where parameters come from: chord centripetal uniform foley universal given; given is a "
-       "column u"});
+       "column u",
+       {"chord", "centripetal", "uniform", "foley", "universal", "given"}});
   add("--degree", a->degree, "Degree of the curve", "P");
   command.add_flag("--interpolate", a->interpolate, "Go through every point, in their order");
   const auto direction = [&](const char* flag, std::string& value, const char* help) {
@@ -273,22 +264,31 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
   };
   direction("--start-tangent", a->start_tangent, "Direction of an interpolating curve's start");
   direction("--end-tangent", a->end_tangent, "Direction of its end");
-  add("--order",
-      a->order,
-      "Order of the points: auto (the file's if it follows a curve), given (the file's), unordered "
-      "(found from where they lie)",
-      "ORDER");
-  add("--closed", a->closed, "auto (found), yes (any gap is bridged), no (open)", "CLOSED");
-  add("--component",
-      a->component,
-      "Which of several separate curves: a number, 1 the longest, or all (one OUT for them all)",
-      "K");
-  add("--distance",
-      a->distance,
-      "What is fitted: point (the nearest), tangent or squared (the same, by steps that converge "
-      "faster), parameter (at the point's own); auto is point, or parameter with parameters given",
-      "KIND");
-  add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS");
+  Allow(*add("--order",
+             a->order,
+             "Order of the points: auto (the file's if it follows a curve), given (the file's), "
+             "unordered "
+             "(found from where they lie)",
+             "ORDER"),
+        {"auto", "given", "unordered"});
+  Allow(*add("--closed", a->closed, "auto (found), yes (any gap is bridged), no (open)", "CLOSED"),
+        {"auto", "yes", "no"});
+  Suggest(*add("--component",
+               a->component,
+               "Which of several separate curves: a number, 1 the longest, or all (one OUT for "
+               "them all)",
+               "K"),
+          {"all"});
+  Allow(*add("--distance",
+             a->distance,
+             "What is fitted: point (the nearest), tangent or squared (the same, by steps that "
+             "converge "
+             "faster), parameter (at the point's own); auto is point, or parameter with parameters "
+             "given",
+             "KIND"),
+        {"auto", "point", "tangent", "squared", "parameter"});
+  Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
+        {"auto", "none"});
   command.footer(
       "Examples:\n"
       "  batten fit curve section.xyz -o section.step\n"

@@ -46,7 +46,6 @@ GridFitOptions ToGridOptions(const std::string& grid,
                              const std::string& method,
                              const SurfaceFitOptions& options) {
   constexpr int kMost = 1000000;
-  CheckChoice("--grid-method", method, {"auto", "interpolate", "local", "least-squares"});
   static const std::map<std::string, GridMethod> kMethods = {
       {"auto", GridMethod::kAuto},
       {"interpolate", GridMethod::kInterpolate},

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/atomic_file.h"
@@ -60,9 +61,7 @@ void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
                   arguments.residuals,
                   "Write every point with its distance: R.ply, coloured by it, or R.csv")
       ->type_name("FILE");
-  command.add_option("--unit", arguments.unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddUnitFlag(command, arguments.unit);
 }
 
 void CheckOutputArguments(const OutputArguments& arguments) {
@@ -97,10 +96,13 @@ void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
   }
 }
 
-void CheckUnit(const std::string& unit) {
-  CheckChoice(
-      "--unit", unit, {"mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"});
+const std::vector<std::string>& Units() {
+  static const std::vector<std::string> units = {
+      "mm", "cm", "m", "km", "um", "in", "inch", "ft", "mi", "mil", "uin"};
+  return units;
 }
+
+void CheckUnit(const std::string& unit) { CheckChoice("--unit", unit, Units()); }
 
 void PrintFiles(const nlohmann::ordered_json& entry) {
   const nlohmann::ordered_json list{{"files", nlohmann::ordered_json::array({entry})}};
@@ -164,7 +166,8 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   if (target.flags.json) {
     std::fputs(ToReportJson(report, context).c_str(), stdout);
   } else if (!target.flags.quiet && !target.result_line.empty()) {
-    fmt::print("{}\n", target.result_line);
+    const std::optional<bool> reached = report.tolerance_reached();
+    fmt::print("{}\n", reached ? WithVerdict(target.result_line, *reached) : target.result_line);
   }
 }
 

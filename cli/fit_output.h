@@ -39,7 +39,10 @@ void CheckWritable(const std::string& path);
 // Refuses a file name given for two outputs, or standard output wanted by two. Throws UsageError.
 void CheckDistinct(const std::vector<std::string>& outputs, bool json);
 
-// Refuses what no STEP file can declare. Throws UsageError.
+// The words of --unit: what a STEP file can declare.
+const std::vector<std::string>& Units();
+
+// Refuses any other. Throws UsageError.
 void CheckUnit(const std::string& unit);
 
 // {"files": [entry]}

@@ -26,8 +26,6 @@ PrimitiveKind ToKind(const std::string& word) {
                                       PrimitiveKind::kCylinder,
                                       PrimitiveKind::kCone,
                                       PrimitiveKind::kTorus};
-  CheckChoice(
-      "--kind", word, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
   for (const PrimitiveKind kind : kKinds) {
     if (word == Name(kind)) return kind;
   }
@@ -66,14 +64,16 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
       "CLOUD",
       "auto none huber cauchy tukey truncated; none takes all points; auto does so for lines and "
       "circles, and for surfaces leaves out what stands farther off than noise explains");
-  command
-      .add_option(
-          "--kind",
-          a->kind,
-          "auto line circle plane sphere cylinder cone torus; auto is the simplest that the points "
-          "do not reject")
-      ->required()
-      ->type_name("KIND");
+  CLI::Option& kind =
+      *command
+           .add_option(
+               "--kind",
+               a->kind,
+               "auto line circle plane sphere cylinder cone torus; auto is the simplest that the "
+               "points do not reject")
+           ->required()
+           ->type_name("KIND");
+  Allow(kind, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
   command.footer(
       "Examples:\n"
       "  batten fit primitive part.xyz -o part.step --kind cylinder\n"

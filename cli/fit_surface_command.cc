@@ -8,6 +8,7 @@
 
 #include "batten/cli/fit_arguments.h"
 #include "batten/cli/fit_grid.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/surface_conditions.h"
 #include "batten/cli/terminal.h"
@@ -28,13 +29,8 @@ struct Arguments : FitArguments {
   std::string grid, grid_method = "auto";
 };
 
-// Words of the contract that a later version will understand are told apart from mistakes.
-void CheckChoices(const Arguments& a) {
-  CheckChoice("--base", a.base, {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
-  CheckChoice("--closed", a.closed, {"auto", "none", "u", "v", "uv"});
-  CheckChoice("--parameterization", a.parameterization, {"auto", "given"});
-  CheckChoice("--trim", a.trim, {"auto", "none"});
-  CheckChoice("--normals", a.normals, {"auto", "file", "none"});
+// Flags that do not go together.
+void CheckTogether(const Arguments& a) {
   if (a.parameterization == "given" && a.base != "auto") {
     throw UsageError("--base " + a.base + ": given parameters need no base");
   }
@@ -115,7 +111,7 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
 }
 
 int Run(const Arguments& a) {
-  CheckChoices(a);
+  CheckTogether(a);
   SurfaceFitOptions options = ToOptions(a);
   FitFiles files(a);
   if (!a.grid.empty())
@@ -141,7 +137,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *fit.add_subcommand("surface", "Fit a NURBS surface to scattered points");
   const auto add = [&](const char* flag, std::string& value, const char* help, const char* type) {
-    command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+    return command.add_option(flag, value, help)->capture_default_str()->type_name(type);
   };
   AddFitArguments(command,
                   *a,
@@ -149,23 +145,31 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
                    "N,M",
                    "1e-4",
                    "auto none huber cauchy tukey truncated; auto is robust when outliers are found",
-                   "Where parameters come from: auto (the base), given (columns u and v)"});
+                   "Where parameters come from: auto (the base), given (columns u and v)",
+                   {"auto", "given"}});
   add("--degree", a->degree, "Degree in u and v: P or P,Q", "P[,Q]");
-  add("--base",
-      a->base,
-      "Shape the parameters come from: auto plane sheet (bent, or a tube, laid out flat) "
-      "revolution "
-      "sphere torus",
-      "BASE");
-  add("--closed", a->closed, "Directions that close without a seam: auto none u v uv", "CLOSED");
-  add("--trim",
-      a->trim,
-      "auto: cut back to the outline and the holes of the points; none: the whole rectangle",
-      "TRIM");
-  add("--normals",
-      a->normals,
-      "file: the surface's normal looks to the side the points' normals do; auto none",
-      "FROM");
+  Allow(*add("--base",
+             a->base,
+             "Shape the parameters come from: auto plane sheet (bent, or a tube, laid out flat) "
+             "revolution "
+             "sphere torus",
+             "BASE"),
+        {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
+  Allow(*add("--closed",
+             a->closed,
+             "Directions that close without a seam: auto none u v uv",
+             "CLOSED"),
+        {"auto", "none", "u", "v", "uv"});
+  Allow(*add("--trim",
+             a->trim,
+             "auto: cut back to the outline and the holes of the points; none: the whole rectangle",
+             "TRIM"),
+        {"auto", "none"});
+  Allow(*add("--normals",
+             a->normals,
+             "file: the surface's normal looks to the side the points' normals do; auto none",
+             "FROM"),
+        {"auto", "file", "none"});
   AddConditionArguments(command, a->conditions);
   command
       .add_option("--grid",
@@ -173,7 +177,8 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
                   "The points are N rows of M, one row after the other: interpolated, or, with "
                   "--tolerance or --control-points, approximated. Points nan are missing cells")
       ->type_name("N,M");
-  add("--grid-method", a->grid_method, "auto interpolate local least-squares", "METHOD");
+  Allow(*add("--grid-method", a->grid_method, "auto interpolate local least-squares", "METHOD"),
+        {"auto", "interpolate", "local", "least-squares"});
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
   command.add_flag(
       "--snap",

@@ -29,6 +29,7 @@ struct Arguments {
 Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); }
 
 Json CloudInfo(const Arguments& a) {
+  BeginReading({a.path}, a.flags.quiet);
   const CloudFile file = ReadCloud({a.path}, ToReadOptions(a.cloud, a.flags.quiet));
   const PointCloud& cloud = file.cloud;
   const MergedCloud merged = MergeDuplicates(cloud);
@@ -59,6 +60,7 @@ Json CloudInfo(const Arguments& a) {
 int Run(const Arguments& a) {
   Json info;
   if (IsGeometryFormat(FormatOf(a.path, a.cloud.format))) {
+    BeginReading({a.path}, a.flags.quiet);
     info = SummaryOf(ReadGeometry(a.path, {a.cloud.format}), ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);

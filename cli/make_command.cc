@@ -11,6 +11,7 @@
 
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/make_shapes.h"
 #include "batten/cli/program.h"
 #include "batten/io/geometry_file.h"
@@ -66,14 +67,8 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
   command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
       ->required()
       ->type_name("OUT");
-  command
-      .add_option("--output-format",
-                  a->out_format,
-                  "Format of OUT where its name does not tell: json step iges")
-      ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the numbers, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddOutputFormatFlag(command, a->out_format);
+  AddUnitFlag(command, a->unit, "Unit of the numbers, declared in STEP and IGES");
   AddCommonFlags(command, a->flags);
   command.footer(std::string("Example:\n  batten make ") + kind.examples);
   command.callback([a, &kind, &action] { action = [a, &kind] { return Run(kind, *a); }; });

@@ -21,6 +21,7 @@ namespace {
 
 // The surfaces of the file; curves have no mesh.
 std::vector<NurbsSurface> Surfaces(const MeshRequest& a) {
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.geometry_format});
   std::vector<NurbsSurface> surfaces;
   for (const Geometry& one : geometry) {

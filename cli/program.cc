@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "batten/cli/completion.h"
 #include "batten/cli/nearest_name.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/shell_words.h"
@@ -230,13 +231,21 @@ int RunProgram(int argc, char** argv) {
   AddInfoCommand(app, action);
   AddSampleCommand(app, action);
   AddTessellateCommand(app, action);
+  AddCompletionCommand(app, action);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     command->fallthrough(false);
+  }
+  // Not a command of its own: only the script that completes words asks.
+  if (argc > 1 && std::strcmp(argv[1], "__complete") == 0) {
+    PrintCompletion(app, {argv + 2, argv + argc});
+    return Flushed(kDone);
   }
   try {
     if (Parse(app, argc, argv) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    return Flushed(action());  // what is done when Ctrl-C comes too late is done
+    const int code = action();  // what is done when Ctrl-C comes too late is done
+    ClearProgress();
+    return Flushed(code);
   } catch (const UsageError& error) {
     PrintError(error.what());
     return kBadUsage;

@@ -193,10 +193,12 @@ int Run(const Arguments& a) {
   if (a.geometry == "-" && a.points == "-") {
     throw UsageError("GEOMETRY and POINTS can't both be standard input");
   }
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry =
       ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
+  BeginReading({a.points}, a.flags.quiet);
   const CloudFile file = ReadCloud({a.points}, read);
   const PointCloud& cloud = file.cloud;
   const int dimension = Dimension(a, geometry, cloud);
@@ -215,6 +217,7 @@ int Run(const Arguments& a) {
   const Table table(dimension, surfaces ? 2 : 1, indexed);
   const bool printed = a.flags.json || !a.flags.quiet;
   const Progress progress = MakeProgress(a.flags.quiet);
+  TellAmount("project", static_cast<double>(cloud.size()), "points", a.flags.quiet);
   Text text;
   if (a.flags.json) {
     fmt::format_to(std::back_inserter(text), "{{\"results\": [");

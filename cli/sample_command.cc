@@ -8,6 +8,7 @@
 #include "batten/cli/fit_output.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/fitting/sample_geometry.h"
 #include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
@@ -30,6 +31,7 @@ int Run(const Arguments& a) {
     throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
   if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
   CheckWritable(a.out);
+  BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry =
       ReadGeometry(a.geometry, {word_is_geometry ? a.format : ""});
   if (geometry.size() != 1) {
@@ -39,6 +41,7 @@ int Run(const Arguments& a) {
   const PointCloud cloud = std::visit(
       [&](const auto& shape) { return SampleGeometry(shape, a.sample); }, geometry.front());
   WriteCloud(cloud, a.out, out_format);
+  ClearProgress();
   if (a.flags.json) {
     const nlohmann::ordered_json file{{"path", a.out}, {"kind", "cloud"}, {"points", cloud.size()}};
     PrintFiles(file);

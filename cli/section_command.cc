@@ -11,8 +11,10 @@
 
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_flags.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
+#include "batten/cli/terminal.h"
 #include "batten/geometry/plane_section.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -59,6 +61,7 @@ int Run(const Arguments& a) {
   const std::string& out_format = a.out_format.empty() && a.out == "-" ? a.format : a.out_format;
   CheckGeometryFormat(a.out, out_format);
   CheckWritable(a.out);
+  BeginReading({a.geometry}, a.flags.quiet);
   std::vector<Geometry> curves;
   for (const Geometry& shape : ReadGeometry(a.geometry, {a.format})) {
     const auto* surface = std::get_if<NurbsSurface>(&shape);
@@ -72,6 +75,7 @@ int Run(const Arguments& a) {
   }
   const GeometryFile file{a.out, std::move(curves)};
   WriteGeometryFiles({file}, {out_format, a.unit});
+  ClearProgress();
   if (a.flags.json) {
     PrintFiles(FileEntry(file));
   } else if (!a.flags.quiet && a.out != "-") {
@@ -108,19 +112,12 @@ void AddSectionCommand(CLI::App& app, Action& action) {
           },
           "How far the curves may be from the surface [1e-9 of its size]")
       ->type_name("T");
-  command
-      .add_option("--format",
-                  a->format,
-                  "Format of GEOMETRY where its name does not tell, or of '-': json step iges")
-      ->type_name("FORMAT");
-  command
-      .add_option("--output-format",
-                  a->out_format,
-                  "Format of OUT where its name does not tell: json step iges")
-      ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddGeometryFormatFlag(
+      command,
+      a->format,
+      "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
+  AddOutputFormatFlag(command, a->out_format);
+  AddUnitFlag(command, a->unit);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Every curve is written once, in space, closed where it is. On trimmed surfaces it ends at\n"

@@ -4,22 +4,35 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 
 #include "batten/cli/program.h"
+#include "batten/cli/progress_bar.h"
 #include "batten/io/atomic_file.h"
 
 namespace batten {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
-bool bar_drawn = false;
 
 extern "C" void NoteInterrupt(int) { interrupted = 1; }
+
+bool Draws(bool quiet) { return !quiet && BarPossible(); }
+
+bool TakesColour(Stream stream) {
+  const char* const none = std::getenv("NO_COLOR");
+  if (none != nullptr && *none != '\0') return false;
+  const char* const terminal = std::getenv("TERM");
+  if (terminal == nullptr || std::strcmp(terminal, "dumb") == 0) return false;
+  return ::isatty(stream == Stream::kOutput ? STDOUT_FILENO : STDERR_FILENO) != 0;
+}
 
 }  // namespace
 
@@ -35,7 +48,6 @@ void WatchForInterrupt() {
     while (!interrupted) std::this_thread::sleep_for(kLook);
     std::this_thread::sleep_for(kPatience);
     AtomicFile::RemoveTemporaries();
-    ClearProgress();
     PrintError("interrupted; nothing was written");
     _exit(kInterrupted);
   }).detach();
@@ -44,46 +56,66 @@ void WatchForInterrupt() {
 bool Interrupted() { return interrupted != 0; }
 
 Progress MakeProgress(bool quiet) {
-  const bool draw = !quiet && isatty(STDERR_FILENO) != 0;
-  const auto start = std::chrono::steady_clock::now();
-  return [draw, start, last = start](const char* stage, double fraction) mutable {
-    const auto now = std::chrono::steady_clock::now();
-    constexpr auto kQuietTime = std::chrono::seconds(1);
-    constexpr auto kRedraw = std::chrono::milliseconds(100);
-    if (draw && now - start > kQuietTime && now - last > kRedraw) {
-      last = now;
-      constexpr int kWidth = 30;
-      const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
-      const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-      std::fprintf(stderr,
-                   "\r%-14s [%s] %3.0f %%",
-                   stage,
-                   bar.c_str(),
-                   100 * std::clamp(fraction, 0.0, 1.0));
-      std::fflush(stderr);
-      bar_drawn = true;
-    }
-    return !Interrupted();
+  return [draw = Draws(quiet)](const char* stage, double fraction) {
+    if (Interrupted()) return false;
+    if (draw) NoteProgress(stage, fraction);
+    return true;
   };
 }
 
-void ClearProgress() {
-  if (!bar_drawn) return;
-  std::fprintf(stderr, "\r%60s\r", "");
-  std::fflush(stderr);
-  bar_drawn = false;
+void BeginReading(const std::vector<std::string>& paths, bool quiet) {
+  if (!Draws(quiet)) return;
+  double bytes = 0;
+  for (const std::string& path : paths) {
+    std::error_code unknown;  // of a pipe, or of no file at all: reading says what is wrong
+    const auto size = std::filesystem::file_size(path, unknown);
+    if (!unknown) bytes += static_cast<double>(size);
+  }
+  SetProgressAmount("read", bytes, "B");
+  NoteProgress("read", 0);
 }
+
+void TellAmount(const char* stage, double total, const char* unit, bool quiet) {
+  if (Draws(quiet)) SetProgressAmount(stage, total, unit);
+}
+
+void ClearProgress() { HideBar(); }
 
 void PrintWarning(const std::string& text) {
   ClearProgress();
-  std::fprintf(stderr, "batten: warning: %s\n", text.c_str());
+  WriteToErrors("batten: " + Toned("warning:", Tone::kWarning, Stream::kErrors) + ' ' + text +
+                '\n');
 }
 
 void PrintError(const std::string& text) {
   ClearProgress();
   std::string line = text;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fprintf(stderr, "batten: %s\n", line.c_str());
+  WriteToErrors(Toned("batten:", Tone::kError, Stream::kErrors) + ' ' + line + '\n');
+}
+
+void WriteToErrors(const std::string& text) {
+  for (size_t at = 0; at < text.size();) {
+    const ssize_t written = ::write(STDERR_FILENO, text.data() + at, text.size() - at);
+    if (written <= 0 && errno != EINTR) return;
+    if (written > 0) at += static_cast<size_t>(written);
+  }
+}
+
+std::string Toned(const std::string& text, Tone tone, Stream stream) {
+  if (!TakesColour(stream)) return text;
+  const char* const colour = tone == Tone::kError  ? "\033[1;31m"
+                             : tone == Tone::kGood ? "\033[32m"
+                                                   : "\033[33m";
+  return colour + text + "\033[0m";
+}
+
+std::string WithVerdict(const std::string& line, bool reached) {
+  const size_t sign = line.rfind("; ");
+  const size_t begin = sign == std::string::npos ? line.size() : sign + 2;
+  if (begin == line.size()) return line;
+  return line.substr(0, begin) +
+         Toned(line.substr(begin), reached ? Tone::kGood : Tone::kShort, Stream::kOutput);
 }
 
 }  // namespace batten

@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 install(TARGETS batten_geometry batten_fitting batten_io EXPORT battenTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES cli/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten)
 include(cmake/InternalHeaders.cmake)
 foreach(folder geometry fitting io)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${folder}/*.h)
