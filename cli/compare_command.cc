@@ -26,6 +26,7 @@ struct Arguments {
   CommonFlags flags;
   WorkFlags work;
   std::optional<double> tolerance;
+  bool unit_given = false;
 };
 
 // The same shape with its control points moved.
@@ -77,14 +78,18 @@ int Run(const Arguments& a) {
   CheckWritable(a.output.residuals);
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
-  const std::vector<Geometry> geometry =
-      ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
+  const GeometryContents contents = ReadGeometryContents(
+      a.geometry, {word_is_geometry ? a.cloud.format : "", a.unit_given ? a.output.unit : ""});
+  const std::vector<Geometry>& geometry = contents.geometry;
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   const CloudFile file = ReadCloud({a.cloud_path}, read);
   const PointCloud& cloud = file.cloud;
 
   FitReport report;
+  for (const std::string& remark : contents.remarks) {
+    report.warnings.push_back(a.geometry + ": " + remark);
+  }
   ThreadPool pool(a.work.threads);
   report.threads = pool.threads();
   report.seconds.read =
@@ -156,7 +161,9 @@ int Run(const Arguments& a) {
   const auto end = std::chrono::steady_clock::now();
   report.seconds.write = std::chrono::duration<double>(end - write_start).count();
   report.seconds.total = std::chrono::duration<double>(end - start).count();
-  WriteReports(report, {a.output, a.flags, a.geometry, ResultLine(a, report.error)});
+  OutputArguments output = a.output;
+  if (!contents.unit.empty()) output.unit = contents.unit;
+  WriteReports(report, {output, a.flags, a.geometry, ResultLine(a, report.error)});
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
@@ -186,7 +193,10 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply");
-  command.callback([a, &action] { action = [a] { return Run(*a); }; });
+  command.callback([a, &command, &action] {
+    a->unit_given = command.count("--unit") > 0;
+    action = [a] { return Run(*a); };
+  });
 }
 
 }  // namespace batten

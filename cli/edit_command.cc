@@ -16,6 +16,7 @@
 #include "batten/cli/edit_syntax.h"
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/geometry_file.h"
@@ -27,23 +28,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string geometry, out, format, out_format, unit = "mm";
+  std::string geometry, out, format, out_format;
   std::vector<std::string> operations;
+  GeometryOutput output;
   CommonFlags flags;
 };
 
 struct Edited {
   std::vector<Geometry> shapes;
+  std::vector<std::string> names;  // pieces keep that of what they are cut from
   std::vector<std::string> shortfalls;
 };
 
 // Every operation on every shape there is by then.
 Edited EditAll(const std::vector<EditOperation>& operations,
                std::vector<Geometry> shapes,
+               std::vector<std::string> names,
                const Progress& progress) {
-  Edited edited{std::move(shapes), {}};
+  Edited edited{std::move(shapes), std::move(names), {}};
   for (size_t k = 0; k < operations.size(); ++k) {
     std::vector<Geometry> next;
+    std::vector<std::string> next_names;
     for (size_t i = 0; i < edited.shapes.size(); ++i) {
       Report(progress, "edit", static_cast<double>(k) / static_cast<double>(operations.size()));
       const std::string which =
@@ -51,12 +56,14 @@ Edited EditAll(const std::vector<EditOperation>& operations,
       try {
         EditOutcome outcome = ApplyEdit(operations[k], edited.shapes[i]);
         std::move(outcome.pieces.begin(), outcome.pieces.end(), std::back_inserter(next));
+        next_names.resize(next.size(), edited.names[i]);
         if (!outcome.shortfall.empty()) edited.shortfalls.push_back(outcome.shortfall + which);
       } catch (const UsageError& error) {
         throw UsageError(error.what() + which);
       }
     }
     edited.shapes = std::move(next);
+    edited.names = std::move(next_names);
   }
   return edited;
 }
@@ -72,11 +79,12 @@ std::string Numbered(const std::string& path, size_t number) {
 // The files to write: OUT, or one for each piece where an operation cuts.
 std::vector<GeometryFile> Outputs(const std::string& out,
                                   bool pieces,
-                                  std::vector<Geometry> shapes) {
-  if (!pieces || out == "-") return {{out, std::move(shapes)}};
+                                  std::vector<Geometry> shapes,
+                                  std::vector<std::string> names) {
+  if (!pieces || out == "-") return {{out, std::move(shapes), std::move(names)}};
   std::vector<GeometryFile> files;
-  for (Geometry& shape : shapes) {
-    files.push_back({Numbered(out, files.size() + 1), {std::move(shape)}});
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    files.push_back({Numbered(out, i + 1), {std::move(shapes[i])}, {std::move(names[i])}});
   }
   return files;
 }
@@ -96,7 +104,6 @@ void MakeRoom(size_t files) {
 }
 
 int Run(const Arguments& a) {
-  CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
   std::vector<EditOperation> operations;
   for (const std::string& text : a.operations) operations.push_back(ParseEditOperation(text));
@@ -106,11 +113,13 @@ int Run(const Arguments& a) {
   CheckWritable(pieces && a.out != "-" ? Numbered(a.out, 1) : a.out);
 
   const Progress progress = MakeProgress(a.flags.quiet);
-  Edited edited = EditAll(operations, ReadGeometry(a.geometry, {a.format}), progress);
-  const std::vector<GeometryFile> files = Outputs(a.out, pieces, std::move(edited.shapes));
+  GeometryContents read = ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet);
+  Edited edited = EditAll(operations, std::move(read.geometry), std::move(read.names), progress);
+  const std::vector<GeometryFile> files =
+      Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names));
   MakeRoom(files.size());
   Report(progress, "write", 1);
-  WriteGeometryFiles(files, {out_format, a.unit});
+  WriteGeometryFiles(files, WriteOptions(out_format, a.output, read));
   ClearProgress();
 
   Json list = Json::array();
@@ -147,9 +156,7 @@ void AddEditCommand(CLI::App& app, Action& action) {
                   a->out_format,
                   "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
-      ->capture_default_str()
-      ->type_name("UNIT");
+  AddGeometryOutput(command, a->output);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"

@@ -59,7 +59,7 @@ Json CloudInfo(const Arguments& a) {
 int Run(const Arguments& a) {
   Json info;
   if (IsGeometryFormat(FormatOf(a.path, a.cloud.format))) {
-    info = SummaryOf(ReadGeometry(a.path, {a.cloud.format}), ClassifyOptions().tolerance);
+    info = SummaryOf(ReadGeometryContents(a.path, {a.cloud.format}), ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);
   }

@@ -11,6 +11,7 @@
 
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/make_shapes.h"
 #include "batten/cli/program.h"
 #include "batten/io/geometry_file.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct Arguments {
   MakeArguments shape;
-  std::string out, out_format, unit = "mm";
+  std::string out, out_format, unit = "mm", step_schema = GeometryWriteOptions().step_schema;
   CommonFlags flags;
 };
 
@@ -49,7 +50,7 @@ int Run(const MakeKind& kind, const Arguments& a) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
-  WriteGeometryFiles({file}, {a.out_format, a.unit});
+  WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
   const auto entry = FileEntry(file);
   if (a.flags.json) {
     PrintFiles(entry);
@@ -71,9 +72,10 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
                   a->out_format,
                   "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the numbers, declared in STEP")
+  command.add_option("--unit", a->unit, "Unit of the numbers, declared in STEP and IGES")
       ->capture_default_str()
       ->type_name("UNIT");
+  AddStepSchemaFlag(command, a->step_schema);
   AddCommonFlags(command, a->flags);
   command.footer(std::string("Example:\n  batten make ") + kind.examples);
   command.callback([a, &kind, &action] { action = [a, &kind] { return Run(kind, *a); }; });
