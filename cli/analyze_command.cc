@@ -134,7 +134,7 @@ Json Analysis(const Arguments& a) {
       throw UsageError(
           "the tolerances of joins need a second geometry: analyze GEOMETRY GEOMETRY2");
     }
-    return SummaryOf(ReadGeometry(a.first, {a.format}),
+    return SummaryOf(ReadGeometryContents(a.first, {a.format}),
                      a.tolerance.value_or(ClassifyOptions().tolerance));
   }
   if (a.tolerance)

@@ -28,6 +28,7 @@ struct Arguments {
   CommonFlags flags;
   WorkFlags work;
   std::optional<double> tolerance;
+  bool unit_given = false;
 };
 
 // The same shape with its control points moved.
@@ -80,8 +81,9 @@ int Run(const Arguments& a) {
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
   BeginReading({a.geometry}, a.flags.quiet);
-  const std::vector<Geometry> geometry =
-      ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
+  const GeometryContents contents = ReadGeometryContents(
+      a.geometry, {word_is_geometry ? a.cloud.format : "", a.unit_given ? a.output.unit : ""});
+  const std::vector<Geometry>& geometry = contents.geometry;
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   BeginReading(a.clouds, a.flags.quiet);
@@ -89,6 +91,9 @@ int Run(const Arguments& a) {
   const PointCloud& cloud = file.cloud;
 
   FitReport report;
+  for (const std::string& remark : contents.remarks) {
+    report.warnings.push_back(a.geometry + ": " + remark);
+  }
   ThreadPool pool(a.work.threads);
   report.threads = pool.threads();
   report.seconds.read =
@@ -161,7 +166,9 @@ int Run(const Arguments& a) {
                               .owners = std::move(owners),
                               .spacing = measured.spacing,
                               .noise = measured.noise};
-  ReportTarget target{a.output, a.flags, a.geometry, ResultLine(a, report.error)};
+  OutputArguments output = a.output;
+  if (!contents.unit.empty()) output.unit = contents.unit;
+  ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
   target.scene = SceneFor(a.output, geometry, points, {a.tolerance}, a.work.threads, a.flags.quiet);
   const auto residuals = ResidualsFor(a.output, points, a.tolerance);
   if (residuals) residuals->Commit();
@@ -202,7 +209,10 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply\n"
       "  batten compare part.step scan.ply --report part.html");
-  command.callback([a, &action] { action = [a] { return Run(*a); }; });
+  command.callback([a, &command, &action] {
+    a->unit_given = command.count("--unit") > 0;
+    action = [a] { return Run(*a); };
+  });
 }
 
 }  // namespace batten

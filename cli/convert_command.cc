@@ -10,6 +10,7 @@
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
 #include "batten/cli/geometry_flags.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/mesh_output.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -23,10 +24,10 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> sources;
-  std::string in, out, out_format, unit = "mm";
+  std::string in, out, out_format;
+  GeometryOutput output;
   CloudArguments cloud;
   CommonFlags flags;
-  bool unit_given = false;
 };
 
 // Whether a file's own name says what format it has.
@@ -47,8 +48,14 @@ std::pair<std::string, std::string> FormatWords(const Arguments& a) {
   return {NameTells(a.in) ? "" : word, word};
 }
 
+// ", 3 geometries in mm"
+std::string GeometryWords(const nlohmann::ordered_json& entry) {
+  const auto count = entry["count"].get<size_t>();
+  const std::string many = count > 1 ? fmt::format(", {} geometries", count) : "";
+  return many + " in " + entry["unit"].get<std::string>();
+}
+
 int Run(const Arguments& a) {
-  CheckUnit(a.unit);
   if (a.flags.json && a.out == "-")
     throw UsageError("OUT of - and --json both want standard output");
   const auto [in_format, out_format] = FormatWords(a);
@@ -89,18 +96,23 @@ int Run(const Arguments& a) {
     entry["non_finite"] = file.non_finite;
   } else {
     BeginReading({a.in}, a.flags.quiet);
-    const std::vector<Geometry> geometry = ReadGeometry(a.in, {in_format});
-    if (from != FileFormat::kJson && to != FileFormat::kJson && !a.unit_given && !a.flags.quiet) {
-      PrintWarning(a.out + " declares " + a.unit + " for the numbers of " + a.in +
-                   ", whatever unit that declared: say --unit");
+    GeometryContents contents = ReadInUnit(a.in, in_format, a.output, a.flags.quiet);
+    const GeometryWriteOptions options = WriteOptions(out_format, a.output, contents);
+    if (contents.unit.empty() && from != FileFormat::kJson && to != FileFormat::kJson &&
+        !a.flags.quiet) {
+      PrintWarning(a.out + " declares " + options.unit + ": " + a.in +
+                   " does not say its unit; say --unit");
     }
-    WriteGeometry(geometry, a.out, {out_format, a.unit});
+    const GeometryFile file{a.out, std::move(contents.geometry), std::move(contents.names)};
+    WriteGeometry(file, options);
+    const std::vector<Geometry>& geometry = file.geometry;
     const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
       return std::holds_alternative<NurbsSurface>(one);
     });
     const bool all = surfaces == static_cast<std::ptrdiff_t>(geometry.size());
     entry["kind"] = all ? "surface" : surfaces == 0 ? "curve" : "mixed";
     entry["count"] = geometry.size();
+    entry["unit"] = options.unit;
   }
   ClearProgress();
   if (a.flags.json) {
@@ -111,7 +123,7 @@ int Run(const Arguments& a) {
                entry["kind"].get<std::string>(),
                entry.contains("points")
                    ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>())
-                   : "");
+                   : GeometryWords(entry));
   }
   return kDone;
 }
@@ -141,7 +153,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
                   a->out_format,
                   "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
-  AddUnitFlag(command, a->unit);
+  AddGeometryOutput(command, a->output);
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(
@@ -149,16 +161,14 @@ void AddConvertCommand(CLI::App& app, Action& action) {
       "clamped\n"
       "knots; JSON keeps both as they are, bit by bit.\n"
       "Examples:\n"
-      "  batten convert part.json part.step --unit mm\n"
+      "  batten convert part.json part.step --unit mm --step-schema ap242\n"
+      "  batten convert part-in-metres.iges part.step --unit mm\n"
       "  batten convert part.step part.stl\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
       "  batten convert part.step - --format json\n"
       "  batten convert tile_1.las tile_2.las ground.ply --las-class 2\n"
       "  batten convert ground.txt ground.csv --columns x=2,y=3,z=4 --where label=1");
-  command.callback([a, &command, &action] {
-    a->unit_given = command.count("--unit") > 0;
-    action = [a] { return Run(*a); };
-  });
+  command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 
 }  // namespace batten

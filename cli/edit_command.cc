@@ -17,6 +17,7 @@
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
 #include "batten/cli/geometry_flags.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/offered_words.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -29,23 +30,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string geometry, out, format, out_format, unit = "mm";
+  std::string geometry, out, format, out_format;
   std::vector<std::string> operations;
+  GeometryOutput output;
   CommonFlags flags;
 };
 
 struct Edited {
   std::vector<Geometry> shapes;
+  std::vector<std::string> names;  // pieces keep that of what they are cut from
   std::vector<std::string> shortfalls;
 };
 
 // Every operation on every shape there is by then.
 Edited EditAll(const std::vector<EditOperation>& operations,
                std::vector<Geometry> shapes,
+               std::vector<std::string> names,
                const Progress& progress) {
-  Edited edited{std::move(shapes), {}};
+  Edited edited{std::move(shapes), std::move(names), {}};
   for (size_t k = 0; k < operations.size(); ++k) {
     std::vector<Geometry> next;
+    std::vector<std::string> next_names;
     for (size_t i = 0; i < edited.shapes.size(); ++i) {
       Report(progress, "edit", static_cast<double>(k) / static_cast<double>(operations.size()));
       const std::string which =
@@ -53,12 +58,14 @@ Edited EditAll(const std::vector<EditOperation>& operations,
       try {
         EditOutcome outcome = ApplyEdit(operations[k], edited.shapes[i]);
         std::move(outcome.pieces.begin(), outcome.pieces.end(), std::back_inserter(next));
+        next_names.resize(next.size(), edited.names[i]);
         if (!outcome.shortfall.empty()) edited.shortfalls.push_back(outcome.shortfall + which);
       } catch (const UsageError& error) {
         throw UsageError(error.what() + which);
       }
     }
     edited.shapes = std::move(next);
+    edited.names = std::move(next_names);
   }
   return edited;
 }
@@ -74,11 +81,12 @@ std::string Numbered(const std::string& path, size_t number) {
 // The files to write: OUT, or one for each piece where an operation cuts.
 std::vector<GeometryFile> Outputs(const std::string& out,
                                   bool pieces,
-                                  std::vector<Geometry> shapes) {
-  if (!pieces || out == "-") return {{out, std::move(shapes)}};
+                                  std::vector<Geometry> shapes,
+                                  std::vector<std::string> names) {
+  if (!pieces || out == "-") return {{out, std::move(shapes), std::move(names)}};
   std::vector<GeometryFile> files;
-  for (Geometry& shape : shapes) {
-    files.push_back({Numbered(out, files.size() + 1), {std::move(shape)}});
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    files.push_back({Numbered(out, i + 1), {std::move(shapes[i])}, {std::move(names[i])}});
   }
   return files;
 }
@@ -98,7 +106,6 @@ void MakeRoom(size_t files) {
 }
 
 int Run(const Arguments& a) {
-  CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
   std::vector<EditOperation> operations;
   for (const std::string& text : a.operations) operations.push_back(ParseEditOperation(text));
@@ -109,11 +116,13 @@ int Run(const Arguments& a) {
 
   const Progress progress = MakeProgress(a.flags.quiet);
   BeginReading({a.geometry}, a.flags.quiet);
-  Edited edited = EditAll(operations, ReadGeometry(a.geometry, {a.format}), progress);
-  const std::vector<GeometryFile> files = Outputs(a.out, pieces, std::move(edited.shapes));
+  GeometryContents read = ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet);
+  Edited edited = EditAll(operations, std::move(read.geometry), std::move(read.names), progress);
+  const std::vector<GeometryFile> files =
+      Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names));
   MakeRoom(files.size());
   Report(progress, "write", 1);
-  WriteGeometryFiles(files, {out_format, a.unit});
+  WriteGeometryFiles(files, WriteOptions(out_format, a.output, read));
   ClearProgress();
 
   Json list = Json::array();
@@ -147,7 +156,7 @@ void AddEditCommand(CLI::App& app, Action& action) {
       a->format,
       "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
   AddOutputFormatFlag(command, a->out_format);
-  AddUnitFlag(command, a->unit);
+  AddGeometryOutput(command, a->output);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"

@@ -185,12 +185,30 @@ Json SummaryOf(const Geometry& geometry, double tolerance) {
   return std::visit([&](const auto& shape) { return Summary(shape, tolerance); }, geometry);
 }
 
-Json SummaryOf(const std::vector<Geometry>& geometry, double tolerance) {
-  if (geometry.size() == 1) return SummaryOf(geometry.front(), tolerance);
+Json SummaryOf(const GeometryContents& contents, double tolerance) {
   Json all;
+  if (!contents.unit.empty()) all["unit"] = contents.unit;
+  if (!contents.remarks.empty()) all["remarks"] = contents.remarks;
+  const std::vector<Geometry>& geometry = contents.geometry;
+  const auto named = [&](size_t k) {
+    Json one;
+    if (k < contents.names.size() && !contents.names[k].empty()) one["name"] = contents.names[k];
+    one.update(SummaryOf(geometry[k], tolerance));
+    return one;
+  };
+  if (geometry.size() == 1) {
+    Json one = named(0);
+    one.update(all);
+    return one;
+  }
+  const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
+    return std::holds_alternative<NurbsSurface>(one);
+  });
+  all["surfaces"] = surfaces;
+  all["curves"] = static_cast<std::ptrdiff_t>(geometry.size()) - surfaces;
   for (size_t k = 0; k < geometry.size(); ++k) {
     Json one{{"index", k}};
-    one.update(SummaryOf(geometry[k], tolerance));
+    one.update(named(k));
     all["results"].push_back(std::move(one));
   }
   return all;
@@ -198,7 +216,10 @@ Json SummaryOf(const std::vector<Geometry>& geometry, double tolerance) {
 
 void PrintAligned(const Json& summary) {
   if (!summary.contains("results")) return Print(summary, "");
-  bool first = true;
+  Json head = summary;
+  head.erase("results");
+  Print(head, "");
+  bool first = head.empty();
   for (const Json& one : summary["results"]) {
     if (!first) fmt::print("\n");
     first = false;

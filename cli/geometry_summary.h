@@ -22,10 +22,11 @@ namespace batten {
 //  shape: NameOf(ClassifyShape(…, {tolerance})); its parameters in the data's units and radians.
 nlohmann::ordered_json SummaryOf(const Geometry& geometry, double tolerance);
 
-// The summary of the only one, or {"results": […]} with "index".
-nlohmann::ordered_json SummaryOf(const std::vector<Geometry>& geometry, double tolerance);
+// The summary of the only one with "name", "unit" and "remarks" where there are any; or {"unit",
+// "remarks", "surfaces", "curves", "results": […]} with "index" and "name".
+nlohmann::ordered_json SummaryOf(const GeometryContents& contents, double tolerance);
 
-// An object, or each of its "results", a line for a key; objects inside are indented.
+// An object a line for a key, then each of its "results"; objects inside are indented.
 void PrintAligned(const nlohmann::ordered_json& summary);
 
 // One line of JSON, or many with an indent. Names in files need not be UTF-8: what is not becomes

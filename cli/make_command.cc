@@ -12,6 +12,7 @@
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
 #include "batten/cli/geometry_flags.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/make_shapes.h"
 #include "batten/cli/program.h"
 #include "batten/io/geometry_file.h"
@@ -22,7 +23,7 @@ namespace {
 
 struct Arguments {
   MakeArguments shape;
-  std::string out, out_format, unit = "mm";
+  std::string out, out_format, unit = "mm", step_schema = GeometryWriteOptions().step_schema;
   CommonFlags flags;
 };
 
@@ -50,7 +51,7 @@ int Run(const MakeKind& kind, const Arguments& a) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
-  WriteGeometryFiles({file}, {a.out_format, a.unit});
+  WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
   const auto entry = FileEntry(file);
   if (a.flags.json) {
     PrintFiles(entry);
@@ -69,6 +70,7 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
       ->type_name("OUT");
   AddOutputFormatFlag(command, a->out_format);
   AddUnitFlag(command, a->unit, "Unit of the numbers, declared in STEP and IGES");
+  AddStepSchemaFlag(command, a->step_schema);
   AddCommonFlags(command, a->flags);
   command.footer(std::string("Example:\n  batten make ") + kind.examples);
   command.callback([a, &kind, &action] { action = [a, &kind] { return Run(kind, *a); }; });

@@ -12,6 +12,7 @@
 #include "batten/cli/file_entry.h"
 #include "batten/cli/fit_output.h"
 #include "batten/cli/geometry_flags.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -25,9 +26,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string geometry, out, format, out_format, unit = "mm", plane_text;
+  std::string geometry, out, format, out_format, plane_text;
   Plane plane;
   SectionOptions section;
+  GeometryOutput output;
   CommonFlags flags;
 };
 
@@ -56,25 +58,28 @@ std::vector<NurbsCurve<3>> CurvesOf(const NurbsSurface& surface, const Arguments
 }
 
 int Run(const Arguments& a) {
-  CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
   const std::string& out_format = a.out_format.empty() && a.out == "-" ? a.format : a.out_format;
   CheckGeometryFormat(a.out, out_format);
   CheckWritable(a.out);
   BeginReading({a.geometry}, a.flags.quiet);
   std::vector<Geometry> curves;
-  for (const Geometry& shape : ReadGeometry(a.geometry, {a.format})) {
+  std::vector<std::string> names;
+  const GeometryContents contents = ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet);
+  for (size_t i = 0; i < contents.geometry.size(); ++i) {
+    const Geometry& shape = contents.geometry[i];
     const auto* surface = std::get_if<NurbsSurface>(&shape);
     if (!surface) throw ReadError(a.geometry, "holds a curve; only surfaces have sections");
     std::vector<NurbsCurve<3>> some = CurvesOf(*surface, a);
     curves.insert(
         curves.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
+    names.resize(curves.size(), contents.names[i]);
   }
   if (curves.empty()) {
     throw ReadError(a.geometry, "the plane " + a.plane_text + " does not cut it");
   }
-  const GeometryFile file{a.out, std::move(curves)};
-  WriteGeometryFiles({file}, {out_format, a.unit});
+  const GeometryFile file{a.out, std::move(curves), std::move(names)};
+  WriteGeometryFiles({file}, WriteOptions(out_format, a.output, contents));
   ClearProgress();
   if (a.flags.json) {
     PrintFiles(FileEntry(file));
@@ -117,7 +122,7 @@ void AddSectionCommand(CLI::App& app, Action& action) {
       a->format,
       "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
   AddOutputFormatFlag(command, a->out_format);
-  AddUnitFlag(command, a->unit);
+  AddGeometryOutput(command, a->output);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Every curve is written once, in space, closed where it is. On trimmed surfaces it ends at\n"

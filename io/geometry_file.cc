@@ -5,11 +5,14 @@
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/geometry_json.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/iges_writer.h"
+#include "batten/io/length_unit.h"
 #include "batten/io/read_error.h"
 #include "batten/io/step_reader.h"
 #include "batten/io/step_writer.h"
@@ -40,18 +43,57 @@ Format FormatOf(const std::string& path, const std::string& word) {
   throw UsageError(path + ": " + what + " is not one of geometry; use .json, .step or .iges");
 }
 
-}  // namespace
-
-std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options) {
-  switch (FormatOf(path, options.format)) {
+GeometryContents ReadAny(const std::string& path, Format format) {
+  switch (format) {
     case Format::kJson:
-      return ParseGeometryJson(ReadWholeFile(path), path == "-" ? "standard input" : path);
+      return ParseJsonContents(ReadWholeFile(path), path == "-" ? "standard input" : path);
     case Format::kStep:
-      return ReadStep(path);
+      return ReadStepContents(path);
     case Format::kIges:
-      return ReadIges(path);
+      return ReadIgesContents(path);
   }
   return {};
+}
+
+Geometry Scaled(const NurbsSurface& surface, double times, double over) {
+  return NurbsSurface(surface.basis_u(),
+                      surface.basis_v(),
+                      surface.control_points() * times / over,
+                      surface.weights())
+      .WithTrims(surface.trims());
+}
+template <int Dim>
+Geometry Scaled(const NurbsCurve<Dim>& curve, double times, double over) {
+  return NurbsCurve<Dim>(curve.basis(), curve.control_points() * times / over, curve.weights());
+}
+
+// Either factor is 1, so that a coordinate is rounded once, and not at all from m to mm.
+void ChangeUnit(GeometryContents& contents, const std::string& unit) {
+  if (contents.unit.empty()) {
+    contents.unit = unit;
+    return;
+  }
+  const double from = LengthUnitOf(contents.unit).millimetres;
+  const double to = LengthUnitOf(unit).millimetres;
+  contents.unit = unit;
+  if (from == to) return;
+  const double times = from > to ? from / to : 1, over = from > to ? 1 : to / from;
+  for (Geometry& one : contents.geometry) {
+    one = std::visit([&](const auto& shape) { return Scaled(shape, times, over); }, one);
+  }
+}
+
+}  // namespace
+
+GeometryContents ReadGeometryContents(const std::string& path, const GeometryReadOptions& options) {
+  if (!options.unit.empty()) LengthUnitOf(options.unit);
+  GeometryContents contents = ReadAny(path, FormatOf(path, options.format));
+  if (!options.unit.empty()) ChangeUnit(contents, options.unit);
+  return contents;
+}
+
+std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options) {
+  return ReadGeometryContents(path, options).geometry;
 }
 
 void CheckGeometryFormat(const std::string& path, const std::string& format) {
@@ -61,24 +103,32 @@ void CheckGeometryFormat(const std::string& path, const std::string& format) {
 void WriteGeometry(const std::vector<Geometry>& geometry,
                    const std::string& path,
                    const GeometryWriteOptions& options) {
-  switch (FormatOf(path, options.format)) {
+  WriteGeometry(GeometryFile{path, geometry}, options);
+}
+
+void WriteGeometry(const GeometryFile& file, const GeometryWriteOptions& options) {
+  LengthUnitOf(options.unit);
+  if (!file.names.empty() && file.names.size() != file.geometry.size()) {
+    throw std::invalid_argument("WriteGeometry: there must be a name for every geometry, or none");
+  }
+  switch (FormatOf(file.path, options.format)) {
     case Format::kJson: {
-      const std::string text = ToGeometryJson(geometry);
-      AtomicFile file(path);
-      file.Write(text);
-      file.Commit();
+      const std::string text = ToGeometryJson(file, options.unit);
+      AtomicFile target(file.path);
+      target.Write(text);
+      target.Commit();
       return;
     }
     case Format::kStep:
-      return WriteStep(geometry, path, options.unit);
+      return WriteStep(file, options);
     case Format::kIges:
-      return WriteIges(geometry, path, options.unit);
+      return WriteIges(file, options);
   }
 }
 
 void WriteGeometryFiles(const std::vector<GeometryFile>& files,
                         const GeometryWriteOptions& options) {
-  if (files.size() == 1) return WriteGeometry(files[0].geometry, files[0].path, options);
+  if (files.size() == 1) return WriteGeometry(files[0], options);
   // Each is written whole under its temporary name; what is left for the end are renames.
   std::vector<std::unique_ptr<AtomicFile>> targets;
   for (const GeometryFile& file : files) {
@@ -86,7 +136,7 @@ void WriteGeometryFiles(const std::vector<GeometryFile>& files,
     const std::string& temporary = target.temporary_path();
     if (temporary.empty()) throw WriteError(file.path, "is not a file that can be replaced");
     try {
-      WriteGeometry(file.geometry, temporary, options);
+      WriteGeometry(GeometryFile{temporary, file.geometry, file.names}, options);
     } catch (const WriteError& error) {
       const std::string what = error.what(), prefix = temporary + ": ";
       throw WriteError(file.path, what.substr(what.find(prefix) == 0 ? prefix.size() : 0));

@@ -15,18 +15,33 @@ namespace batten {
 using Geometry = std::variant<NurbsCurve<2>, NurbsCurve<3>, NurbsSurface>;
 
 struct GeometryReadOptions {
-  std::string format;  // "json", "step" or "iges"; empty: by the path's extension
+  std::string format = {};  // "json", "step" or "iges"; empty: by the path's extension
+  std::string unit = {};    // what coordinates are turned into, of length_unit.h; empty: the file's
 };
 
-// Every curve and surface of a file, in its order and its own unit; at least one. The path "-" is
-// standard input and needs a format. Throws ReadError for a file that can't be used, UsageError for
-// an unknown format or extension.
+// Everything a geometry file says.
+struct GeometryContents {
+  std::vector<Geometry> geometry;  // in the file's order; at least one
+  std::vector<std::string> names;  // of each, UTF-8 on one line; empty where the file gives none
+  std::string unit;                // of the coordinates; empty: the file does not say
+  std::vector<std::string> remarks = {};  // what was not quite as it should be, a sentence each
+};
+
+// Reads a file. STEP and IGES declare a unit, JSON of batten may: coordinates stay in it, or are
+// turned into options.unit; those of a file that says none stay as they are. A unit that is none of
+// length_unit.h becomes mm. The path "-" is standard input and needs a format. Throws ReadError for
+// a file that can't be used, UsageError for an unknown format, extension or unit.
+GeometryContents ReadGeometryContents(const std::string& path,
+                                      const GeometryReadOptions& options = {});
+
+// Its curves and surfaces alone.
 std::vector<Geometry> ReadGeometry(const std::string& path,
                                    const GeometryReadOptions& options = {});
 
 struct GeometryWriteOptions {
-  std::string format;       // "json", "step" or "iges"; empty: by the path's extension
-  std::string unit = "mm";  // of the coordinates: declared in STEP and IGES, never scaled
+  std::string format = {};            // "json", "step" or "iges"; empty: by the path's extension
+  std::string unit = "mm";            // of the coordinates: declared, never scaled
+  std::string step_schema = "ap214";  // or "ap242": the application protocol of STEP
 };
 
 // Refuses a path no geometry can be written to for its format. Throws UsageError.
@@ -41,7 +56,12 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
 struct GeometryFile {
   std::string path;
   std::vector<Geometry> geometry;
+  std::vector<std::string> names = {};  // of each, where there are any; empty: no name of its own
 };
+
+// The same with names, which every format keeps: JSON as "name", STEP as the name of the product
+// and of its face or curve, IGES as a name property and, cut to eight characters, as a label.
+void WriteGeometry(const GeometryFile& file, const GeometryWriteOptions& options = {});
 
 // Writes every file, or none: nothing appears before all are written. Throws as WriteGeometry.
 void WriteGeometryFiles(const std::vector<GeometryFile>& files,

@@ -10,10 +10,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "batten/io/geometry_names.h"
 #include "batten/io/json_document.h"
 #include "batten/io/json_field.h"
 #include "batten/io/json_splines.h"
 #include "batten/io/json_trims.h"
+#include "batten/io/length_unit.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
@@ -21,25 +23,12 @@ namespace {
 
 using Kind = JsonValue::Kind;
 
-const std::vector<std::string_view> kKnownNames = {"shape",
-                                                   "type",
-                                                   "count",
-                                                   "data",
-                                                   "dimension",
-                                                   "degree",
-                                                   "degree_u",
-                                                   "degree_v",
-                                                   "knotvector",
-                                                   "knotvector_u",
-                                                   "knotvector_v",
-                                                   "size",
-                                                   "size_u",
-                                                   "size_v",
-                                                   "control_points",
-                                                   "points",
-                                                   "weights",
-                                                   "trims",
-                                                   "periodic"};
+const std::vector<std::string_view> kKnownNames = {
+    "shape",        "type",     "count",    "data",       "dimension",
+    "degree",       "degree_u", "degree_v", "knotvector", "knotvector_u",
+    "knotvector_v", "size",     "size_u",   "size_v",     "control_points",
+    "points",       "weights",  "trims",    "periodic",   "name",
+    "unit"};
 
 Geometry ReadEntry(const JsonField& entry, const std::string& shape) {
   entry.Expect(Kind::kObject);
@@ -57,6 +46,26 @@ Geometry ReadEntry(const JsonField& entry, const std::string& shape) {
     return ReadJsonCurve<3>(entry);
   } catch (const std::invalid_argument& error) {
     entry.Fail(error.what());
+  }
+}
+
+// What users call the entry.
+std::string NameOf(const JsonField& entry) {
+  if (!entry.Has("name") || entry.Member("name").value().kind == Kind::kNull) return "";
+  const JsonField name = entry.Member("name");
+  name.Expect(Kind::kText);
+  return CleanName(name.value().text);
+}
+
+// Of the coordinates; empty where the file does not say.
+std::string UnitOf(const JsonField& shape) {
+  if (!shape.Has("unit")) return "";
+  const JsonField unit = shape.Member("unit");
+  unit.Expect(Kind::kText);
+  try {
+    return LengthUnitOf(unit.value().text).name;
+  } catch (const UsageError& error) {
+    unit.Fail(error.what());
   }
 }
 
@@ -146,7 +155,7 @@ void AppendEntry(std::string& text, const NurbsSurface& surface) {
 
 }  // namespace
 
-std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path) {
+GeometryContents ParseJsonContents(std::string_view text, const std::string& path) {
   const JsonValue document = ParseJson(text, kKnownNames, path);
   const JsonField shape = JsonField(document, "", path).Member("shape");
   const JsonField type = shape.Member("type");
@@ -157,15 +166,21 @@ std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string
   }
 
   const JsonField data = shape.Member("data");
-  std::vector<Geometry> result;
+  GeometryContents contents;
+  contents.unit = UnitOf(shape);
+  std::vector<Geometry>& result = contents.geometry;
+  const auto add = [&](const JsonField& entry) {
+    result.push_back(ReadEntry(entry, kind));
+    contents.names.push_back(NameOf(entry));
+  };
   if (data.value().kind == Kind::kObject) {
-    result.push_back(ReadEntry(data, kind));
+    add(data);
   } else {
     if (data.value().kind != Kind::kNumbers || !data.value().numbers.empty()) {
       data.Expect(Kind::kList);
     }
     for (size_t i = 0; i < data.value().items.size(); ++i) {
-      result.push_back(ReadEntry(data.Item(i), kind));
+      add(data.Item(i));
     }
   }
   if (result.empty()) data.Fail("holds no geometry");
@@ -175,10 +190,19 @@ std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string
       count.Fail("is not the number of entries in data, " + std::to_string(result.size()));
     }
   }
-  return result;
+  return contents;
+}
+
+std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path) {
+  return ParseJsonContents(text, path).geometry;
 }
 
 std::string ToGeometryJson(const std::vector<Geometry>& geometry) {
+  return ToGeometryJson(GeometryFile{"", geometry});
+}
+
+std::string ToGeometryJson(const GeometryFile& file, const std::string& unit) {
+  const std::vector<Geometry>& geometry = file.geometry;
   if (geometry.empty()) throw std::invalid_argument("ToGeometryJson: there is no geometry");
   const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
     return std::holds_alternative<NurbsSurface>(one);
@@ -186,10 +210,15 @@ std::string ToGeometryJson(const std::vector<Geometry>& geometry) {
   const bool all = surfaces == static_cast<std::ptrdiff_t>(geometry.size());
   std::string text = R"({"shape": {"type": ")";
   text += all ? "surface" : surfaces == 0 ? "curve" : "mixed";
-  text += "\", \"count\": " + std::to_string(geometry.size()) + ", \"data\": [\n ";
+  text += "\", \"count\": " + std::to_string(geometry.size());
+  if (unit != "mm") text += ", \"unit\": " + ToJsonText(unit);
+  text += ", \"data\": [\n ";
   for (size_t i = 0; i < geometry.size(); ++i) {
     if (i > 0) text += ",\n ";
+    const size_t begin = text.size();
     std::visit([&](const auto& one) { AppendEntry(text, one); }, geometry[i]);
+    const std::string name = i < file.names.size() ? CleanName(file.names[i]) : "";
+    if (!name.empty()) text.insert(begin + 1, "\"name\": " + ToJsonText(name) + ", ");
   }
   text += "]}}\n";
   return text;

@@ -20,11 +20,15 @@ namespace batten {
 // together, and the loops are turned as NurbsSurface::trims says. Throws ReadError naming `path`
 // and the field, as in `shape.data[0].knotvector_u`, or the line; coordinates above 1e150 in
 // magnitude are refused.
+// An entry's `name` and the shape's `unit`, both of batten, are kept in the contents.
+GeometryContents ParseJsonContents(std::string_view text, const std::string& path);
 std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path);
 
 // The same form; numbers in the shortest decimal form that reads back bit by bit, `periodic` only
 // where a direction is. The shape's type is "mixed" when curves and surfaces stand together, which
-// NURBS-Python does not read. Throws std::invalid_argument without geometry.
+// NURBS-Python does not read. Names are written where there are any, the unit where it is not mm.
+// Throws std::invalid_argument without geometry.
+std::string ToGeometryJson(const GeometryFile& file, const std::string& unit = "mm");
 std::string ToGeometryJson(const std::vector<Geometry>& geometry);
 
 }  // namespace batten

@@ -1,17 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "batten/io/iges_reader.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "batten/geometry/split.h"
+#include "batten/geometry/clamp.h"
+#include "batten/geometry/frame.h"
+#include "batten/geometry/join.h"
+#include "batten/geometry/make_surface.h"
+#include "batten/geometry/number_text.h"
+#include "batten/geometry/reparameterize.h"
+#include "batten/geometry/reverse.h"
 #include "batten/io/file_loops.h"
+#include "batten/io/geometry_names.h"
+#include "batten/io/iges_shapes.h"
 #include "batten/io/iges_text.h"
+#include "batten/io/length_unit.h"
+#include "batten/io/only_lines.h"
+#include "batten/io/parameter_map.h"
 #include "batten/io/read_error.h"
 #include "batten/io/trim_pieces.h"
 #include "batten/io/whole_file.h"
@@ -19,123 +32,12 @@
 namespace batten {
 namespace {
 
-constexpr double kLargestCoordinate = 1e150;
+using Numbers = IgesNumbers;
 
-// Entity types of the specification.
-enum Type { kComposite = 102, kLine = 110, kMatrix = 124, kCurve = 126, kSurface = 128 };
-enum TrimType { kCurveOnSurface = 142, kTrimmedSurface = 144 };
-
-// The parameters of an entity, in order.
-class Numbers {
- public:
-  explicit Numbers(const std::vector<double>& numbers) : numbers_(numbers) {}
-
-  double Real() { return next_ < numbers_.size() ? numbers_[next_++] : 0; }
-
-  // A count or degree; the numbers it promises must be there, so it is below their number.
-  int Integer() {
-    const double value = Real();
-    if (!(value >= 0 && value <= static_cast<double>(numbers_.size()))) {
-      throw std::invalid_argument("promises more numbers than it has");
-    }
-    return static_cast<int>(value);
-  }
-
-  int Entity() { return IgesIndex(Real()); }
-
-  std::vector<double> Reals(size_t count) {
-    if (count > numbers_.size() - std::min(next_, numbers_.size())) {
-      throw std::invalid_argument("promises more numbers than it has");
-    }
-    const auto begin = numbers_.begin() + static_cast<std::ptrdiff_t>(next_);
-    next_ += count;
-    return {begin, begin + static_cast<std::ptrdiff_t>(count)};
-  }
-
- private:
-  const std::vector<double>& numbers_;
-  size_t next_ = 0;
-};
-
-Eigen::Matrix3Xd Points(const std::vector<double>& numbers) {
-  for (const double number : numbers) {
-    if (!(std::abs(number) <= kLargestCoordinate)) {
-      throw std::invalid_argument("has a coordinate above 1e150 in magnitude");
-    }
-  }
-  return Eigen::Map<const Eigen::Matrix3Xd>(
-      numbers.data(), 3, static_cast<Eigen::Index>(numbers.size() / 3));
-}
-
-Eigen::VectorXd Weights(const std::vector<double>& numbers) {
-  return Eigen::Map<const Eigen::VectorXd>(numbers.data(),
-                                           static_cast<Eigen::Index>(numbers.size()));
-}
-
-// The range of parameters that counts, within the domain; all of it where none is given.
-std::array<double, 2> Range(const SplineBasis& basis, double from, double to) {
-  constexpr double kSame = 1e-12;
-  const double slack = kSame * (basis.upper() - basis.lower());
-  std::array<double, 2> range = {basis.lower(), basis.upper()};
-  if (!(from < to)) return range;
-  if (from > range[0] + slack && from < range[1]) range[0] = from;
-  if (to < range[1] - slack && to > range[0]) range[1] = to;
-  return range;
-}
-
-NurbsCurve<3> ReadCurve(const std::vector<double>& parameters) {
-  Numbers in(parameters);
-  const int size = in.Integer() + 1, degree = in.Integer();
-  for (int i = 0; i < 4; ++i) in.Real();
-  const auto count = static_cast<size_t>(size);
-  std::vector<double> knots = in.Reals(count + static_cast<size_t>(degree) + 1);
-  Eigen::VectorXd weights = Weights(in.Reals(count));
-  Eigen::Matrix3Xd points = Points(in.Reals(3 * count));
-  NurbsCurve<3> curve(SplineBasis(degree, std::move(knots)), std::move(points), std::move(weights));
-  const double from = in.Real(), to = in.Real();
-  const auto range = Range(curve.basis(), from, to);
-  if (range[0] == curve.basis().lower() && range[1] == curve.basis().upper()) return curve;
-  return Segment(curve, range[0], range[1]);
-}
-
-// The file's points run through u first.
-NurbsSurface ReadSurface(const std::vector<double>& parameters) {
-  Numbers in(parameters);
-  const int size_u = in.Integer() + 1, size_v = in.Integer() + 1;
-  const int degree_u = in.Integer(), degree_v = in.Integer();
-  for (int i = 0; i < 5; ++i) in.Real();
-  const auto nu = static_cast<size_t>(size_u), nv = static_cast<size_t>(size_v);
-  std::vector<double> knots_u = in.Reals(nu + static_cast<size_t>(degree_u) + 1);
-  std::vector<double> knots_v = in.Reals(nv + static_cast<size_t>(degree_v) + 1);
-  const std::vector<double> weights = in.Reals(nu * nv);
-  const Eigen::Matrix3Xd points = Points(in.Reals(3 * nu * nv));
-  Eigen::Matrix3Xd net(3, points.cols());
-  Eigen::VectorXd net_weights(points.cols());
-  for (int i = 0; i < size_u; ++i) {
-    for (int j = 0; j < size_v; ++j) {
-      const Eigen::Index to = Eigen::Index{i} * size_v + j, from = Eigen::Index{j} * size_u + i;
-      net.col(to) = points.col(from);
-      net_weights[to] = weights[static_cast<size_t>(from)];
-    }
-  }
-  NurbsSurface surface(SplineBasis(degree_u, std::move(knots_u)),
-                       SplineBasis(degree_v, std::move(knots_v)),
-                       std::move(net),
-                       std::move(net_weights));
-  const double u0 = in.Real(), u1 = in.Real(), v0 = in.Real(), v1 = in.Real();
-  const auto u = Range(surface.basis_u(), u0, u1), v = Range(surface.basis_v(), v0, v1);
-  if (u[0] == surface.basis_u().lower() && u[1] == surface.basis_u().upper() &&
-      v[0] == surface.basis_v().lower() && v[1] == surface.basis_v().upper()) {
-    return surface;
-  }
-  return Segment(surface, u[0], u[1], v[0], v[1]);
-}
-
-NurbsCurve<3> ReadLine(const std::vector<double>& parameters) {
-  Numbers in(parameters);
-  const Eigen::Matrix3Xd ends = Points(in.Reals(6));
-  return NurbsCurve<3>(SplineBasis(1, {0, 0, 1, 1}), ends);
-}
+// Entity types of the specification. Those of single curves are in iges_shapes.h.
+enum Type { kComposite = 102, kPoint = 116, kMatrix = 124, kSurface = 128 };
+enum SweptType { kRuled = 118, kRevolution = 120, kTabulated = 122 };
+enum TrimType { kBoundary = 141, kCurveOnSurface = 142, kBounded = 143, kTrimmedSurface = 144 };
 
 NurbsCurve<2> InPlane(const NurbsCurve<3>& curve) {
   return NurbsCurve<2>(curve.basis(), curve.control_points().topRows<2>(), curve.weights());
@@ -149,6 +51,71 @@ bool RunsRoundDomain(const NurbsSurface& surface, const NurbsCurve<2>& loop) {
   });
 }
 
+// How many parameters an entity has by its type; all of them where that is not known.
+size_t OwnParameters(const IgesEntity& entity) {
+  const std::vector<double>& p = entity.parameters;
+  const auto count = [&](size_t index) {
+    const double value = index < p.size() ? p[index] : 0;
+    return value >= 0 && value <= static_cast<double>(p.size()) ? static_cast<size_t>(value)
+                                                                : p.size();
+  };
+  switch (entity.type) {
+    case kComposite:
+      return 1 + count(0);
+    case kIgesLine:
+      return 6;
+    case kIgesArc:
+      return 7;
+    case kIgesConic:
+      return 11;
+    case kIgesCurve:
+      return 6 + (count(0) + count(1) + 2) + 4 * (count(0) + 1) + 5;
+    case kRuled:
+    case kRevolution:
+    case kTabulated:
+      return 4;
+    case kSurface:
+      return 9 + (count(0) + count(2) + 2) + (count(1) + count(3) + 2) +
+             4 * (count(0) + 1) * (count(1) + 1) + 4;
+    case kCurveOnSurface:
+      return 5;
+    case kTrimmedSurface:
+      return 4 + count(2);
+    case kBounded:
+      return 3 + count(2);
+    default:
+      return p.size();
+  }
+}
+
+// The unit of the global section, and what is odd about it.
+void ReadUnit(const IgesGlobal& global, GeometryContents& contents) {
+  constexpr int kByName = 3;
+  std::string name = global.unit_name;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return static_cast<char>(std::toupper(c));
+  });
+  if (name == "INCH") name = "IN";
+  std::string by_flag, by_name;
+  for (const LengthUnit& unit : LengthUnits()) {
+    if (unit.iges_flag == global.unit_flag && by_flag.empty()) by_flag = unit.name;
+    if (name == unit.iges && by_name.empty()) by_name = unit.name;
+  }
+  contents.unit = global.unit_flag == kByName ? by_name : by_flag;
+  auto& remarks = contents.remarks;
+  if (contents.unit.empty()) {
+    contents.unit = "inch";
+    remarks.push_back("it declares no unit of length that is known: inches, which IGES means then");
+  } else if (!by_flag.empty() && !by_name.empty() && by_flag != by_name) {
+    remarks.push_back("its unit is " + by_flag + " by its flag and " + by_name +
+                      " by its name: the flag counts");
+  }
+  if (global.scale > 0 && global.scale != 1) {
+    remarks.push_back("its model space is scaled by " + NumberText(global.scale) +
+                      ": coordinates are those of the model");
+  }
+}
+
 class Reader {
  public:
   Reader(const std::vector<IgesEntity>& entities, const std::string& path)
@@ -158,19 +125,33 @@ class Reader {
     }
   }
 
-  std::vector<Geometry> All() {
+  // The curves and surfaces with their names.
+  GeometryContents All() {
     for (size_t i = 0; i < entities_.size(); ++i) {
       const IgesEntity& entity = entities_[i];
       if (entity.dependent || !entity.geometry) continue;
       const int index = static_cast<int>(i);
       try {
+        const size_t before = result_.size();
         Add(index);
+        names_.resize(result_.size(), result_.size() > before ? NameOf(entity) : "");
       } catch (const std::invalid_argument& error) {
         throw ReadError(path_, IgesName(entities_, index) + ": " + error.what());
       }
     }
-    if (result_.empty()) throw ReadError(path_, "holds no curves or surfaces that can be read");
-    return std::move(result_);
+    if (result_.empty()) {
+      throw ReadError(path_,
+                      "holds no curves or surfaces that can be read" +
+                          (points_ > 0 ? ", " + std::to_string(points_) + " points only" : ""));
+    }
+    GeometryContents contents{std::move(result_), std::move(names_), "", {}};
+    if (points_ > 0) {
+      contents.remarks.push_back("its " + std::to_string(points_) + " points are left out");
+    }
+    if (OnlyLines(contents.geometry)) {
+      contents.remarks.push_back("it holds only lines: they are curves of degree 1");
+    }
+    return contents;
   }
 
  private:
@@ -181,32 +162,70 @@ class Reader {
     throw std::invalid_argument(std::string("names no ") + what + " of the file");
   }
 
+  // By its name property, its label, or those of the surface it trims.
+  std::string NameOf(const IgesEntity& entity) const {
+    constexpr int kProperty = 406, kName = 15;
+    const std::vector<double>& parameters = entity.parameters;
+    size_t next = OwnParameters(entity);
+    // Pointers to associativities, then to properties; each list begins with its length.
+    for (int list = 0; list < 2 && next < parameters.size(); ++list) {
+      const double count = parameters[next++];
+      if (!(count >= 0 && count <= static_cast<double>(parameters.size() - next))) break;
+      const size_t end = next + static_cast<size_t>(count);
+      for (; next < end; ++next) {
+        const int index = IgesIndex(parameters[next]);
+        if (index < 0 || index >= static_cast<int>(entities_.size())) continue;
+        const IgesEntity& property = entities_[static_cast<size_t>(index)];
+        if (property.type != kProperty || property.form != kName) continue;
+        if (std::string name = CleanName(property.text); !name.empty()) return name;
+      }
+    }
+    if (std::string label = CleanName(entity.label); !label.empty()) return label;
+    if (entity.type != kTrimmedSurface || parameters.empty()) return "";
+    const int base = IgesIndex(parameters[0]);
+    if (base < 0 || base >= static_cast<int>(entities_.size())) return "";
+    const IgesEntity& surface = entities_[static_cast<size_t>(base)];
+    return surface.type == kSurface ? NameOf(surface) : "";
+  }
+
   void Add(int index) {
     const IgesEntity& entity = entities_[static_cast<size_t>(index)];
-    constexpr int kFirstShape = 100, kLastShape = 198, kPoint = 116;
+    constexpr int kFirstShape = 100, kLastShape = 198, kPointSet = 3, kInstance = 408;
     switch (entity.type) {
       case kSurface:
-        result_.emplace_back(Placed(entity, ReadSurface(entity.parameters)));
+      case kRuled:
+      case kRevolution:
+      case kTabulated:
+        result_.emplace_back(SurfaceOf(entity).surface);
         return;
       case kTrimmedSurface:
         result_.emplace_back(Trimmed(entity));
         return;
-      case kCurve:
-      case kLine:
-      case kComposite:
-        for (NurbsCurve<3>& curve : Curves(entity)) {
-          result_.emplace_back(std::move(curve));
-        }
+      case kBounded:
+        result_.emplace_back(Bounded(entity));
+        return;
+      case kPoint:
+        ++points_;
         return;
       case kMatrix:
-      case kPoint:
+      case kBoundary:
       case kCurveOnSurface:
         return;
-      default:
-        if (entity.type < kFirstShape || entity.type > kLastShape) return;
+      case kInstance:
         throw std::invalid_argument(
-            "is of a type that is not in this version; B-spline surfaces (128, 144) and curves "
-            "(126, 110, 102) are");
+            "places a subfigure, which is not in this version: have it exploded on export");
+      default:
+        if (entity.type == kIgesPolyline && entity.form >= 1 && entity.form <= kPointSet) {
+          ++points_;
+          return;
+        }
+        if (entity.type != kComposite && !IsIgesCurve(entity)) {
+          if (entity.type < kFirstShape || entity.type > kLastShape) return;
+          throw std::invalid_argument(
+              "is of a type that is not in this version; surfaces 118, 120, 122, 128, 143, 144 and "
+              "curves 100, 102, 104, 106, 110, 112, 126 are");
+        }
+        for (NurbsCurve<3>& curve : Curves(entity)) result_.emplace_back(std::move(curve));
     }
   }
 
@@ -223,10 +242,8 @@ class Reader {
   std::vector<NurbsCurve<3>> Curves(const IgesEntity& entity, bool composite = true) {
     std::vector<NurbsCurve<3>> curves;
     CountWork(entity);
-    if (entity.type == kCurve) {
-      curves.push_back(ReadCurve(entity.parameters));
-    } else if (entity.type == kLine) {
-      curves.push_back(ReadLine(entity.parameters));
+    if (IsIgesCurve(entity)) {
+      curves.push_back(ReadIgesCurve(entity));
     } else if (entity.type == kComposite && composite) {
       Numbers in(entity.parameters);
       for (int count = in.Integer(); count > 0; --count) {
@@ -269,44 +286,150 @@ class Reader {
     return points;
   }
 
+  // A surface with the maps of the file's parameters to its own.
+  struct Base {
+    NurbsSurface surface;
+    std::optional<ParameterMap> u, v;  // none: they are the same
+    bool swapped = false;              // the file's first parameter is v
+  };
+
+  // The only part of a curve that spans a surface.
+  NurbsCurve<3> Rail(int index) {
+    std::vector<NurbsCurve<3>> parts = Curves(At(index, "curve"));
+    NurbsCurve<3> rail = Clamped(parts.at(0));
+    for (size_t i = 1; i < parts.size(); ++i) {
+      const double size = (parts[i].control_points().colwise() - rail.control_points().col(0))
+                              .colwise()
+                              .norm()
+                              .maxCoeff();
+      rail = Join(rail, parts[i], kCadGap * size);
+    }
+    return rail;
+  }
+
+  Base SurfaceOf(const IgesEntity& entity) {
+    CountWork(entity);
+    Numbers in(entity.parameters);
+    switch (entity.type) {
+      case kSurface:
+        return {Placed(entity, ReadIgesSurface(entity)), {}, {}};
+      case kRuled: {
+        const NurbsCurve<3> first = Rail(in.Entity());
+        NurbsCurve<3> second = Rail(in.Entity());
+        if (in.Real() != 0) second = Reversed(second);
+        return {Placed(entity, Ruled(first, second)), {}, {}};
+      }
+      case kTabulated: {
+        const NurbsCurve<3> rail = Reparameterized(Rail(in.Entity()), 0, 1);
+        const Eigen::Vector3d end(in.Real(), in.Real(), in.Real());
+        const Eigen::Vector3d by = end - rail.At(0);
+        return {
+            Placed(entity,
+                   Ruled(rail,
+                         NurbsCurve<3>(
+                             rail.basis(), rail.control_points().colwise() + by, rail.weights()))),
+            {},
+            {}};
+      }
+      case kRevolution: {
+        const NurbsCurve<3> axis = Rail(in.Entity());
+        const NurbsCurve<3> profile = Rail(in.Entity());
+        const double from = in.Real(), to = in.Real();
+        const Eigen::Vector3d origin = axis.At(axis.basis().lower());
+        const Frame frame(origin, axis.At(axis.basis().upper()) - origin);
+        const NurbsSurface surface = Revolve(profile, frame, {from, FullTurn(to - from)});
+        const ParameterMap u(from, to, surface.basis_u(), true);
+        const SplineBasis& v = surface.basis_v();
+        return {Placed(entity, surface), u, ParameterMap(v.lower(), v.upper(), v, false), true};
+      }
+      default:
+        throw std::invalid_argument("trims a surface of type " + std::to_string(entity.type) +
+                                    ", which is not in this version");
+    }
+  }
+
+  // A turn that is whole but for the digits of the file.
+  static double FullTurn(double angle) {
+    constexpr double kWhole = 2 * std::numbers::pi, kDigits = 1e-9;
+    return std::abs(angle - kWhole) <= kDigits ? kWhole : angle;
+  }
+
   NurbsSurface Trimmed(const IgesEntity& entity) {
     Numbers in(entity.parameters);
-    const IgesEntity& base = At(in.Entity(), "surface");
-    if (base.type != kSurface) {
-      throw std::invalid_argument("trims a surface of type " + std::to_string(base.type) +
-                                  ", which is not in this version");
-    }
-    CountWork(base);
-    NurbsSurface surface = Placed(base, ReadSurface(base.parameters));
+    const Base base = SurfaceOf(At(in.Entity(), "surface"));
     const bool outer = in.Integer() != 0;
     const int holes = in.Integer(), boundary = in.Entity();
     std::vector<NurbsCurve<2>> loops;
     if (outer) {
-      loops.push_back(Loop(At(boundary, "boundary"), surface));
+      loops.push_back(Loop(At(boundary, "boundary"), base));
     } else if (holes > 0) {
-      loops.push_back(DomainBoundary(surface));
+      loops.push_back(DomainBoundary(base.surface));
     }
-    for (int i = 0; i < holes; ++i) loops.push_back(Loop(At(in.Entity(), "boundary"), surface));
-    if (loops.size() == 1 && RunsRoundDomain(surface, loops[0])) loops.clear();
+    for (int i = 0; i < holes; ++i) loops.push_back(Loop(At(in.Entity(), "boundary"), base));
+    return WithLoops(entity, base, std::move(loops));
+  }
+
+  // Its boundaries are the loops, the outer one among them.
+  NurbsSurface Bounded(const IgesEntity& entity) {
+    Numbers in(entity.parameters);
+    const bool in_parameters = in.Integer() != 0;
+    if (!in_parameters) {
+      throw std::invalid_argument("is bounded by curves in space alone, not in parameters");
+    }
+    const Base base = SurfaceOf(At(in.Entity(), "surface"));
+    std::vector<NurbsCurve<2>> loops;
+    for (int count = in.Integer(); count > 0; --count) {
+      const IgesEntity& boundary = At(in.Entity(), "boundary");
+      if (boundary.type != kBoundary) throw std::invalid_argument("has no boundary for a loop");
+      Numbers of(boundary.parameters);
+      for (int i = 0; i < 3; ++i) of.Real();
+      std::vector<NurbsCurve<2>> pieces;
+      for (int curves = of.Integer(); curves > 0; --curves) {
+        of.Real();
+        of.Real();
+        for (int parts = of.Integer(); parts > 0; --parts) AddPieces(of.Entity(), base, pieces);
+      }
+      loops.push_back(InOne(std::move(pieces), base));
+    }
+    return WithLoops(entity, base, std::move(loops));
+  }
+
+  NurbsSurface WithLoops(const IgesEntity& entity,
+                         const Base& base,
+                         std::vector<NurbsCurve<2>> loops) {
+    if (loops.size() == 1 && RunsRoundDomain(base.surface, loops[0])) loops.clear();
     try {
-      return Placed(entity, WithTurnedLoops(surface, std::move(loops), kCadGap));
+      return Placed(entity, WithTurnedLoops(base.surface, std::move(loops), kCadGap));
     } catch (const LoopError& error) {
       throw std::invalid_argument("loop " + std::to_string(error.loop() + 1) + " " + error.what());
     }
   }
 
-  NurbsCurve<2> Loop(const IgesEntity& entity, const NurbsSurface& surface) {
+  NurbsCurve<2> Loop(const IgesEntity& entity, const Base& base) {
     if (entity.type != kCurveOnSurface) throw std::invalid_argument("has no curve for a boundary");
     Numbers in(entity.parameters);
     in.Real();
     in.Real();
-    const int in_parameters = in.Entity();
-    const Eigen::Array2d sides = DomainSides(surface);
     std::vector<NurbsCurve<2>> pieces;
-    for (const NurbsCurve<3>& piece :
-         Curves(At(in_parameters, "curve in the surface's parameters"))) {
-      pieces.push_back(InPlane(piece));
+    AddPieces(in.Entity(), base, pieces);
+    return InOne(std::move(pieces), base);
+  }
+
+  void AddPieces(int index, const Base& base, std::vector<NurbsCurve<2>>& pieces) {
+    constexpr double kMapping = 1e-8;  // of the domain
+    for (const NurbsCurve<3>& part : Curves(At(index, "curve in the surface's parameters"))) {
+      NurbsCurve<2> piece = InPlane(part);
+      if (base.swapped) {
+        piece = NurbsCurve<2>(
+            piece.basis(), piece.control_points().colwise().reverse(), piece.weights());
+      }
+      if (base.u) piece = Mapped(piece, *base.u, *base.v, DomainSides(base.surface), kMapping);
+      pieces.push_back(std::move(piece));
     }
+  }
+
+  static NurbsCurve<2> InOne(std::vector<NurbsCurve<2>> pieces, const Base& base) {
+    const Eigen::Array2d sides = DomainSides(base.surface);
     return Shut(Chained(std::move(pieces), sides, kCadGap, true), sides, kCadGap);
   }
 
@@ -315,16 +438,22 @@ class Reader {
   const std::vector<IgesEntity>& entities_;
   const std::string& path_;
   std::vector<Geometry> result_;
+  std::vector<std::string> names_;
+  int points_ = 0;
   std::int64_t numbers_ = 0, work_ = 0;
 };
 
 }  // namespace
 
-std::vector<Geometry> ReadIges(const std::string& path) {
+GeometryContents ReadIgesContents(const std::string& path) {
   const std::string name = path == "-" ? "standard input" : path;
   const std::string text = ReadWholeFile(path);
   const std::vector<IgesEntity> entities = ParseIges(text, name);
-  return Reader(entities, name).All();
+  GeometryContents contents = Reader(entities, name).All();
+  ReadUnit(ParseIgesGlobal(text, name), contents);
+  return contents;
 }
+
+std::vector<Geometry> ReadIges(const std::string& path) { return ReadIgesContents(path).geometry; }
 
 }  // namespace batten

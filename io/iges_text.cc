@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "batten/io/read_error.h"
 
@@ -108,12 +109,16 @@ double Number(std::string_view token) {
   return error == std::errc() && stop == end && std::isfinite(value) ? value : 0;
 }
 
-// The parameters of one record.
-std::vector<double> ReadParameters(const std::string& text,
-                                   const Delimiters& delimiters,
-                                   const Line& first,
-                                   const std::string& path) {
-  std::vector<double> numbers;
+// The characters of a text, nH…; empty for what is none.
+std::string_view Characters(std::string_view token) {
+  const size_t letter = token.find('H');
+  return letter == token.npos ? std::string_view() : token.substr(letter + 1);
+}
+
+// The parameters of one record as they stand; none where it does not end.
+std::optional<std::vector<std::string_view>> Tokens(const std::string& text,
+                                                    const Delimiters& delimiters) {
+  std::vector<std::string_view> tokens;
   for (size_t begin = 0; begin < text.size();) {
     size_t end = begin;
     // A text of n characters is nH…, whatever they are.
@@ -126,11 +131,11 @@ std::vector<double> ReadParameters(const std::string& text,
     end = std::min(
         {text.find(delimiters.parameter, end), text.find(delimiters.record, end), text.size()});
     if (end == text.size()) break;
-    numbers.push_back(Number(std::string_view(text).substr(begin, end - begin)));
-    if (text[end] == delimiters.record) return numbers;
+    tokens.push_back(std::string_view(text).substr(begin, end - begin));
+    if (text[end] == delimiters.record) return tokens;
     begin = end + 1;
   }
-  throw ReadError::AtLine(path, first.number, "the parameters of the entity do not end");
+  return std::nullopt;
 }
 
 class Parser {
@@ -159,6 +164,7 @@ class Parser {
     IgesEntity entity;
     entity.type = Integer(first, 0, path_);
     entity.form = Integer(second, 4, path_);
+    entity.label = Label(second);
     entity.transform = IgesIndex(Integer(first, 6, path_));
     const std::string status = std::string(8, '0') + std::string(Status(first));
     const std::string_view digits = std::string_view(status).substr(status.size() - 8);
@@ -181,7 +187,15 @@ class Parser {
       text += line;
     }
     const Line& start = sections_.parameters[static_cast<size_t>(begin - 1)];
-    entity.parameters = ReadParameters(text, delimiters_, start, path_);
+    constexpr int kProperty = 406;
+    const auto tokens = Tokens(text, delimiters_);
+    if (!tokens) {
+      throw ReadError::AtLine(path_, start.number, "the parameters of the entity do not end");
+    }
+    for (const std::string_view token : *tokens) {
+      entity.parameters.push_back(Number(token));
+      if (entity.type == kProperty && entity.text.empty()) entity.text = Characters(token);
+    }
     if (entity.parameters.empty() || entity.parameters[0] != entity.type) {
       throw ReadError::AtLine(path_, start.number, "the parameters are those of another entity");
     }
@@ -194,6 +208,12 @@ class Parser {
     return line.text.size() > kBegin ? Trimmed(line.text.substr(kBegin)) : std::string_view();
   }
 
+  static std::string Label(const Line& line) {
+    constexpr size_t kBegin = 56;
+    return line.text.size() > kBegin ? std::string(Trimmed(line.text.substr(kBegin, kFieldColumns)))
+                                     : std::string();
+  }
+
   const std::string& path_;
   Sections sections_;
   Delimiters delimiters_;
@@ -204,6 +224,29 @@ class Parser {
 
 std::vector<IgesEntity> ParseIges(std::string_view text, const std::string& path) {
   return Parser(text, path).Entities();
+}
+
+IgesGlobal ParseIgesGlobal(std::string_view text, const std::string& path) {
+  const Sections sections = SplitSections(text, path);
+  IgesGlobal global;
+  if (sections.global.empty()) return global;
+  const Delimiters delimiters = ReadDelimiters(sections);
+  std::string all;
+  for (const Line& line : sections.global) {
+    all += line.text;
+    all.resize(all.size() + kDataColumns - line.text.size(), ' ');
+  }
+  constexpr size_t kScale = 12, kUnitFlag = 13, kUnitName = 14;
+  const auto found = Tokens(all, delimiters);
+  if (!found) return global;
+  const std::vector<std::string_view>& tokens = *found;
+  if (tokens.size() > kScale) global.scale = Number(tokens[kScale]);
+  if (tokens.size() > kUnitFlag) {
+    const double flag = Number(tokens[kUnitFlag]);
+    global.unit_flag = flag >= 0 && flag < 1000 ? static_cast<int>(flag) : -1;
+  }
+  if (tokens.size() > kUnitName) global.unit_name = Trimmed(Characters(tokens[kUnitName]));
+  return global;
 }
 
 std::string IgesName(const std::vector<IgesEntity>& entities, int index) {

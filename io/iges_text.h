@@ -15,6 +15,8 @@ struct IgesEntity {
   int form = 0;
   int transform = 0;               // index of the entity of type 124 that places it, −1: none
   bool dependent = false;          // a part of another entity
+  std::string label;               // at most 8 characters
+  std::string text;                // the first text among the parameters, of properties (406) only
   bool geometry = false;           // not annotation, a definition, or a curve in parameters
   std::vector<double> parameters;  // after the type
 };
@@ -23,6 +25,14 @@ struct IgesEntity {
 // pointers, and that the parameter lines of entities do not overlap in sum; memory stays within a
 // few times the text. Throws ReadError naming `path` and the line.
 std::vector<IgesEntity> ParseIges(std::string_view text, const std::string& path);
+
+// What the global section says of lengths; what it leaves out is 0 or empty.
+struct IgesGlobal {
+  double scale = 0;  // of the model's space to the real one
+  int unit_flag = 0;
+  std::string unit_name;
+};
+IgesGlobal ParseIgesGlobal(std::string_view text, const std::string& path);
 
 // The index of the entity with the odd sequence number that pointers use; −1 for 0.
 inline int IgesIndex(double pointer) {

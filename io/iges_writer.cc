@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/io/iges_writer.h"
 
+#include <IGESBasic_Name.hxx>
 #include <IGESControl_Controller.hxx>
 #include <IGESData_BasicEditor.hxx>
 #include <IGESData_GlobalSection.hxx>
@@ -33,6 +34,8 @@
 #include "batten/geometry/join.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/closed_form.h"
+#include "batten/io/geometry_names.h"
+#include "batten/io/length_unit.h"
 #include "batten/io/occt_convert.h"
 #include "batten/io/occt_session.h"
 #include "batten/io/read_error.h"
@@ -42,33 +45,6 @@
 
 namespace batten {
 namespace {
-
-// The flag and name by which IGES knows a unit.
-struct Unit {
-  const char* name;
-  int flag;
-  const char* word;
-};
-
-Unit UnitOf(const std::string& unit) {
-  static constexpr Unit kUnits[] = {{"mm", 2, "MM"},
-                                    {"cm", 10, "CM"},
-                                    {"m", 6, "M"},
-                                    {"km", 7, "KM"},
-                                    {"um", 9, "UM"},
-                                    {"in", 1, "IN"},
-                                    {"inch", 1, "IN"},
-                                    {"ft", 4, "FT"},
-                                    {"mi", 5, "MI"},
-                                    {"mil", 8, "MIL"},
-                                    {"uin", 11, "UIN"}};
-  const auto* found = std::find_if(
-      std::begin(kUnits), std::end(kUnits), [&](const Unit& known) { return unit == known.name; });
-  if (found != std::end(kUnits)) return *found;
-  std::string names;
-  for (const Unit& known : kUnits) names += (names.empty() ? "" : ", ") + std::string(known.name);
-  throw UsageError("unit \"" + unit + "\" is not one of " + names);
-}
 
 Handle(TCollection_HAsciiString) Text(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
@@ -147,6 +123,18 @@ Handle(IGESGeom_BSplineSurface) ToIges(const NurbsSurface& surface) {
   return entity;
 }
 
+// The first characters, others than ASCII as question marks.
+std::string AsciiPart(const std::string& name, size_t length) {
+  std::string part;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0) == 0x80) continue;  // a character goes on
+    if (part.size() == length) break;
+    part += byte < 0x80 ? c : '?';
+  }
+  return part;
+}
+
 bool Collapsed(const CollapsedEdgeSet& edges, Side side) {
   return (side == Side::kULower && edges.u_lower) || (side == Side::kUUpper && edges.u_upper) ||
          (side == Side::kVLower && edges.v_lower) || (side == Side::kVUpper && edges.v_upper);
@@ -157,13 +145,15 @@ class ModelBuilder {
  public:
   ModelBuilder(IGESData_BasicEditor& editor) : model_(editor.Model()) {}
 
-  void Add(const NurbsCurve<2>& curve) {
-    model_->AddWithRefs(ToIges(InSpace(curve), true), Protocol());
+  void Add(const NurbsCurve<2>& curve, const std::string& name) {
+    AddNamed(ToIges(InSpace(curve), true), name);
   }
-  void Add(const NurbsCurve<3>& curve) { model_->AddWithRefs(ToIges(curve, false), Protocol()); }
-  void Add(const NurbsSurface& surface) {
+  void Add(const NurbsCurve<3>& curve, const std::string& name) {
+    AddNamed(ToIges(curve, false), name);
+  }
+  void Add(const NurbsSurface& surface, const std::string& name) {
     const Handle(IGESGeom_BSplineSurface) base = ToIges(surface);
-    if (!surface.trimmed()) return model_->AddWithRefs(base, Protocol());
+    if (!surface.trimmed()) return AddNamed(base, name);
     base->InitStatus(0, 1, 0, 0);
     const auto& loops = surface.trims();
     Handle(IGESGeom_HArray1OfCurveOnSurface) holes;
@@ -175,12 +165,25 @@ class ModelBuilder {
     }
     Handle(IGESGeom_TrimmedSurface) trimmed = new IGESGeom_TrimmedSurface;
     trimmed->Init(base, 1, Boundary(surface, loops[0], base), holes);
-    model_->AddWithRefs(trimmed, Protocol());
+    AddNamed(trimmed, name);
   }
 
   static Handle(IGESData_Protocol) Protocol() { return IGESSelect_WorkLibrary::DefineProtocol(); }
 
  private:
+  void AddNamed(const Handle(IGESData_IGESEntity) & entity, const std::string& name) {
+    if (!name.empty()) {
+      constexpr size_t kLabel = 8;
+      constexpr int kDefinition = 2;
+      entity->SetLabel(Text(AsciiPart(name, kLabel)));
+      Handle(IGESBasic_Name) property = new IGESBasic_Name;
+      property->Init(1, Text(name));
+      property->InitStatus(0, 1, kDefinition, 0);
+      entity->AddProperty(property);
+    }
+    model_->AddWithRefs(entity, Protocol());
+  }
+
   // The loop as it is, and in space.
   static Handle(IGESGeom_CurveOnSurface) Boundary(const NurbsSurface& surface,
                                                   const NurbsCurve<2>& loop,
@@ -219,7 +222,7 @@ class ModelBuilder {
 
 void SetHeader(const Handle(IGESData_IGESModel) & model,
                const std::vector<Geometry>& geometry,
-               const Unit& unit) {
+               const LengthUnit& unit) {
   constexpr int kVersion53 = 11, kIntegerBits = 32, kPower = 308, kDigits = 17;
   const std::string time = TimeStamp("%Y%m%d.%H%M%S");
   double largest = 0;
@@ -243,8 +246,8 @@ void SetHeader(const Handle(IGESData_IGESModel) & model,
   header.SetMaxPower10Double(kPower);
   header.SetMaxDigitsDouble(kDigits);
   header.SetScale(1);
-  header.SetUnitFlag(unit.flag);
-  header.SetUnitName(Text(unit.word));
+  header.SetUnitFlag(unit.iges_flag);
+  header.SetUnitName(Text(unit.iges));
   header.SetLineWeightGrad(1);
   header.SetMaxLineWeight(0.01);
   header.SetDate(Text(time));
@@ -258,15 +261,16 @@ void SetHeader(const Handle(IGESData_IGESModel) & model,
   model->SetGlobalSection(header);
 }
 
-std::string ToIgesText(const std::vector<Geometry>& geometry, const Unit& unit) {
+std::string ToIgesText(const GeometryFile& file, const LengthUnit& unit) {
   IGESControl_Controller::Init();
   const Handle(IGESData_Protocol) protocol = ModelBuilder::Protocol();
   IGESData_BasicEditor editor(protocol);
   ModelBuilder builder(editor);
-  for (const Geometry& one : geometry) {
-    std::visit([&](const auto& shape) { builder.Add(shape); }, ClosedForm(one));
+  for (size_t i = 0; i < file.geometry.size(); ++i) {
+    const std::string name = i < file.names.size() ? CleanName(file.names[i]) : "";
+    std::visit([&](const auto& shape) { builder.Add(shape, name); }, ClosedForm(file.geometry[i]));
   }
-  SetHeader(editor.Model(), geometry, unit);
+  SetHeader(editor.Model(), file.geometry, unit);
   IGESData_IGESWriter writer(editor.Model());
   writer.FloatWriter().SetFormat("%.17E");
   writer.FloatWriter().SetZeroSuppress(false);
@@ -282,16 +286,20 @@ std::string ToIgesText(const std::vector<Geometry>& geometry, const Unit& unit) 
 void WriteIges(const std::vector<Geometry>& geometry,
                const std::string& path,
                const std::string& unit) {
-  if (geometry.empty()) throw std::invalid_argument("WriteIges: there is no geometry");
-  const Unit known = UnitOf(unit);
-  AtomicFile file(path);
+  WriteIges(GeometryFile{path, geometry}, {.unit = unit});
+}
+
+void WriteIges(const GeometryFile& file, const GeometryWriteOptions& options) {
+  if (file.geometry.empty()) throw std::invalid_argument("WriteIges: there is no geometry");
+  const LengthUnit& unit = LengthUnitOf(options.unit);
+  AtomicFile target(file.path);
   try {
     const OcctSession session;
-    file.Write(ToIgesText(geometry, known));
+    target.Write(ToIgesText(file, unit));
   } catch (const Standard_Failure& failure) {
-    throw WriteError(path, std::string("can't become IGES: ") + failure.GetMessageString());
+    throw WriteError(file.path, std::string("can't become IGES: ") + failure.GetMessageString());
   }
-  file.Commit();
+  target.Commit();
 }
 
 }  // namespace batten

@@ -21,4 +21,7 @@ void WriteIges(const std::vector<Geometry>& geometry,
                const std::string& path,
                const std::string& unit = "mm");
 
+// The same with names: properties (406, form 15), and labels of their first eight characters.
+void WriteIges(const GeometryFile& file, const GeometryWriteOptions& options);
+
 }  // namespace batten

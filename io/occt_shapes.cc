@@ -76,7 +76,7 @@ void ShapeCollector::Add(const TopoDS_Shape& root) {
 void ShapeCollector::AddFace(const TopoDS_Face& face) {
   const std::string name = "face " + std::to_string(++faces_);
   if (BRep_Tool::Surface(face).IsNull()) throw ReadError(path_, name + " has no surface");
-  Keep(name, [&] { return FaceToNurbs(face); });
+  Keep(name, face, [&] { return FaceToNurbs(face); });
 }
 
 void ShapeCollector::AddEdge(const TopoDS_Edge& edge) {
@@ -84,19 +84,20 @@ void ShapeCollector::AddEdge(const TopoDS_Edge& edge) {
   if (BRep_Tool::Degenerated(edge)) return;
   const std::string name = "edge " + std::to_string(++edges_);
   if (BRep_Tool::Curve(edge, first, last).IsNull()) throw ReadError(path_, name + " has no curve");
-  Keep(name, [&] { return ToNurbs(edge); });
+  Keep(name, edge, [&] { return ToNurbs(edge); });
 }
 
 template <typename Convert>
-void ShapeCollector::Keep(const std::string& name, Convert convert) {
+void ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert) {
   try {
-    result_.emplace_back(convert());
+    contents_.geometry.emplace_back(convert());
+    contents_.names.push_back(names_.Of(shape));
   } catch (const std::invalid_argument& error) {
     throw ReadError(path_, name + ": " + error.what());
   } catch (const Standard_Failure& failure) {
     throw ReadError(path_, name + " can't be turned into NURBS: " + failure.GetMessageString());
   }
-  CheckRange(result_.back(), name, path_);
+  CheckRange(contents_.geometry.back(), name, path_);
 }
 
 }  // namespace batten

@@ -9,16 +9,18 @@
 #include <vector>
 
 #include "batten/io/geometry_file.h"
+#include "batten/io/step_names.h"
 
 namespace batten {
 
-// Adds to `result` every face of the roots of a file, then every edge outside faces. Throws
+// Adds to `contents` every face of the roots of a file, then every edge outside faces, with their
+// names. Throws
 // ReadError naming `path` and the face or edge that can't be turned into NURBS or holds coordinates
 // above 1e150.
 class ShapeCollector {
  public:
-  ShapeCollector(std::vector<Geometry>& result, const std::string& path)
-      : result_(result), path_(path) {}
+  ShapeCollector(GeometryContents& contents, const StepNames& names, const std::string& path)
+      : contents_(contents), names_(names), path_(path) {}
 
   void Add(const TopoDS_Shape& root);
 
@@ -26,9 +28,10 @@ class ShapeCollector {
   void AddFace(const TopoDS_Face& face);
   void AddEdge(const TopoDS_Edge& edge);
   template <typename Convert>
-  void Keep(const std::string& name, Convert convert);
+  void Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert);
 
-  std::vector<Geometry>& result_;
+  GeometryContents& contents_;
+  const StepNames& names_;
   const std::string& path_;
   int faces_ = 0, edges_ = 0;
 };

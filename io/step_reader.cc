@@ -4,13 +4,19 @@
 #include <STEPControl_Controller.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepData_UndefinedEntity.hxx>
+#include <StepGeom_CartesianPoint.hxx>
 #include <istream>
 #include <streambuf>
+#include <string_view>
 
 #include "batten/io/occt_session.h"
 #include "batten/io/occt_shapes.h"
+#include "batten/io/only_lines.h"
 #include "batten/io/read_error.h"
 #include "batten/io/step_model.h"
+#include "batten/io/step_names.h"
 #include "batten/io/step_syntax.h"
 #include "batten/io/step_units.h"
 #include "batten/io/whole_file.h"
@@ -26,7 +32,30 @@ class TextBuffer : public std::streambuf {
   }
 };
 
-std::vector<Geometry> Translate(std::string& text, const std::string& path) {
+// What a file without curves and surfaces holds instead.
+std::string WhyEmpty(const Handle(StepData_StepModel) & model) {
+  int products = 0, points = 0, meshes = 0;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(Standard_Transient) entity = model->Value(i);
+    const std::string_view type = entity->DynamicType()->Name();
+    products += !Handle(StepBasic_Product)::DownCast(entity).IsNull();
+    points += !Handle(StepGeom_CartesianPoint)::DownCast(entity).IsNull();
+    const Handle(StepData_UndefinedEntity) unknown =
+        Handle(StepData_UndefinedEntity)::DownCast(entity);
+    const std::string_view name = unknown.IsNull() ? type : unknown->StepType();
+    meshes += name.find("TESSELLATED") != name.npos || name.find("TRIANGULATED") != name.npos ||
+              name.find("Tessellated") != name.npos || name.find("Triangulated") != name.npos;
+  }
+  const std::string none = "holds no curves or surfaces that can be read";
+  if (meshes > 0) {
+    return none + ", but a mesh: have the CAD program export exact geometry (B-rep)";
+  }
+  if (points > 0) return none + ", " + std::to_string(points) + " points only";
+  if (products > 0) return none + ", only products without a shape";
+  return none;
+}
+
+GeometryContents Translate(std::string& text, const std::string& path) {
   STEPControl_Controller::Init();
   STEPControl_Reader reader;
   TextBuffer buffer(text);
@@ -35,18 +64,24 @@ std::vector<Geometry> Translate(std::string& text, const std::string& path) {
     throw ReadError(path, "is damaged: it can't be parsed as STEP");
   }
   CheckStepModel(reader.StepModel(), path);
-  KeepNumbersOf(reader);
+  const StepUnits units = KeepNumbersOf(reader);
   reader.TransferRoots();
-  std::vector<Geometry> result;
-  ShapeCollector collector(result, path);
+  const StepNames names(reader);
+  GeometryContents contents;
+  contents.unit = units.name;
+  contents.remarks = units.remarks;
+  ShapeCollector collector(contents, names, path);
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
-  if (result.empty()) throw ReadError(path, "holds no curves or surfaces that can be read");
-  return result;
+  if (contents.geometry.empty()) throw ReadError(path, WhyEmpty(reader.StepModel()));
+  if (OnlyLines(contents.geometry)) {
+    contents.remarks.push_back("it holds only lines: they are curves of degree 1");
+  }
+  return contents;
 }
 
 }  // namespace
 
-std::vector<Geometry> ReadStep(const std::string& path) {
+GeometryContents ReadStepContents(const std::string& path) {
   const std::string name = path == "-" ? "standard input" : path;
   std::string text = ReadWholeFile(path);
   CheckStepSyntax(text, name);
@@ -57,5 +92,7 @@ std::vector<Geometry> ReadStep(const std::string& path) {
     throw ReadError(name, std::string("is damaged: ") + failure.GetMessageString());
   }
 }
+
+std::vector<Geometry> ReadStep(const std::string& path) { return ReadStepContents(path).geometry; }
 
 }  // namespace batten

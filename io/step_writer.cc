@@ -7,6 +7,7 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <Interface_Static.hxx>
 #include <Precision.hxx>
+#include <STEPConstruct.hxx>
 #include <STEPControl_Controller.hxx>
 #include <STEPControl_Writer.hxx>
 #include <ShapeFix_ShapeTolerance.hxx>
@@ -15,8 +16,11 @@
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
+#include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopoDS_Shape.hxx>
+#include <Transfer_FinderProcess.hxx>
+#include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <charconv>
@@ -33,6 +37,8 @@
 #include "batten/geometry/exact_shape.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/closed_form.h"
+#include "batten/io/geometry_names.h"
+#include "batten/io/length_unit.h"
 #include "batten/io/occt_convert.h"
 #include "batten/io/occt_exact.h"
 #include "batten/io/occt_session.h"
@@ -43,27 +49,11 @@
 namespace batten {
 namespace {
 
-// The word OpenCASCADE knows a unit by.
-const char* OcctUnit(const std::string& unit) {
-  static constexpr struct {
-    const char *name, *word;
-  } kUnits[] = {{"mm", "MM"},
-                {"cm", "CM"},
-                {"m", "M"},
-                {"km", "KM"},
-                {"um", "UM"},
-                {"in", "INCH"},
-                {"inch", "INCH"},
-                {"ft", "FT"},
-                {"mi", "MI"},
-                {"mil", "MIL"},
-                {"uin", "UIN"}};
-  const auto* found = std::find_if(
-      std::begin(kUnits), std::end(kUnits), [&](const auto& known) { return unit == known.name; });
-  if (found != std::end(kUnits)) return found->word;
-  std::string names;
-  for (const auto& known : kUnits) names += (names.empty() ? "" : ", ") + std::string(known.name);
-  throw UsageError("unit \"" + unit + "\" is not one of " + names);
+// The word OpenCASCADE knows an application protocol by.
+const char* OcctSchema(const std::string& schema) {
+  if (schema == "ap214") return "AP214IS";
+  if (schema == "ap242") return "AP242DIS";
+  throw UsageError("STEP schema \"" + schema + "\" is not one of ap214, ap242");
 }
 
 // The diagonal of the control points' bounding box.
@@ -139,16 +129,32 @@ void SetHeader(const Handle(StepData_StepModel) & model) {
   header.SetDescriptionValue(1, Text("NURBS fitted by batten"));
 }
 
-// "batten-1", "batten-2", …: OpenCASCADE's own names count the products of the whole process.
-void NameProducts(const Handle(StepData_StepModel) & model) {
-  int count = 0;
+std::string NameOf(const GeometryFile& file, size_t index) {
+  return index < file.names.size() ? CleanName(file.names[index]) : "";
+}
+
+// "batten-1", "batten-2", … where there is no name: OpenCASCADE's own count the products of the
+// whole process.
+void NameProducts(const Handle(StepData_StepModel) & model, const GeometryFile& file) {
+  size_t count = 0;
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const auto product = Handle(StepBasic_Product)::DownCast(model->Value(i));
     if (product.IsNull()) continue;
-    const auto name = Text("batten-" + std::to_string(++count));
-    product->SetId(name);
-    product->SetName(name);
+    std::string name = NameOf(file, count++);
+    if (name.empty()) name = "batten-" + std::to_string(count);
+    product->SetId(Text(name));
+    product->SetName(Text(name));
   }
+}
+
+// Gives the name to the entity of a shape, which of an edge is that of its curve.
+void NameItem(const STEPControl_Writer& writer,
+              const TopoDS_Shape& shape,
+              const std::string& name) {
+  if (name.empty()) return;
+  const auto process = writer.WS()->TransferWriter()->FinderProcess();
+  const auto item = STEPConstruct::FindEntity(process, shape);
+  if (!item.IsNull()) item->SetName(Text(name));
 }
 
 // A real number as STEP wants it, with a decimal point, in the shortest form that reads back
@@ -163,7 +169,7 @@ std::string ShortestReal(double value) {
 }
 
 // The text with every real number, which OpenCASCADE wrote with 17 digits and an exponent, in its
-// shortest form. Strings stay as they are.
+// shortest form. Strings keep to ASCII and, as OpenCASCADE breaks long ones, to one line.
 std::string WithShortestReals(const std::string& text) {
   std::string result;
   result.reserve(text.size());
@@ -171,6 +177,14 @@ std::string WithShortestReals(const std::string& text) {
   for (size_t i = 0; i < text.size();) {
     const char c = text[i];
     if (c == '\'') quoted = !quoted;
+    if (quoted && c != '\'') {
+      const size_t end = std::min(text.find('\'', i), text.size());
+      std::string inside = text.substr(i, end - i);
+      inside.erase(std::remove(inside.begin(), inside.end(), '\n'), inside.end());
+      result += ToStepText(inside);
+      i = end;
+      continue;
+    }
     const bool starts = !quoted && (c == '-' || (c >= '0' && c <= '9'));
     const size_t end =
         starts ? std::min(text.find_first_not_of("0123456789.E+-", i), text.size()) : i + 1;
@@ -185,22 +199,23 @@ std::string WithShortestReals(const std::string& text) {
   return result;
 }
 
-std::string ToStep(const std::vector<Geometry>& geometry, const char* unit) {
+std::string ToStep(const GeometryFile& file, const char* unit, const char* schema) {
   STEPControl_Controller::Init();
-  Interface_Static::SetCVal("write.step.schema", "AP214IS");
+  Interface_Static::SetCVal("write.step.schema", schema);
   Interface_Static::SetCVal("write.step.unit", unit);
   Interface_Static::SetCVal("xstep.cascade.unit", unit);
   Interface_Static::SetCVal("write.step.product.name", "batten");
   STEPControl_Writer writer;
-  for (const Geometry& one : geometry) {
-    const Geometry closed = ClosedForm(one);
-    if (writer.Transfer(ValidShape(closed), STEPControl_AsIs) != IFSelect_RetDone) {
+  for (size_t i = 0; i < file.geometry.size(); ++i) {
+    const TopoDS_Shape shape = ValidShape(ClosedForm(file.geometry[i]));
+    if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) {
       throw Standard_Failure("OpenCASCADE does not translate the shape to STEP");
     }
+    NameItem(writer, shape, NameOf(file, i));
   }
   const Handle(StepData_StepModel) model = writer.Model();
   SetHeader(model);
-  NameProducts(model);
+  NameProducts(model, file);
   StepData_StepWriter text(model);
   text.FloatWriter().SetFormat("%.16E");
   text.FloatWriter().SetZeroSuppress(false);
@@ -216,16 +231,21 @@ std::string ToStep(const std::vector<Geometry>& geometry, const char* unit) {
 void WriteStep(const std::vector<Geometry>& geometry,
                const std::string& path,
                const std::string& unit) {
-  if (geometry.empty()) throw std::invalid_argument("WriteStep: there is no geometry");
-  const char* word = OcctUnit(unit);
-  AtomicFile file(path);
+  WriteStep(GeometryFile{path, geometry}, {.unit = unit});
+}
+
+void WriteStep(const GeometryFile& file, const GeometryWriteOptions& options) {
+  if (file.geometry.empty()) throw std::invalid_argument("WriteStep: there is no geometry");
+  const char* unit = LengthUnitOf(options.unit).step;
+  const char* schema = OcctSchema(options.step_schema);
+  AtomicFile target(file.path);
   try {
     const OcctSession session;
-    file.Write(ToStep(geometry, word));
+    target.Write(ToStep(file, unit, schema));
   } catch (const Standard_Failure& failure) {
-    throw WriteError(path, std::string("can't become STEP: ") + failure.GetMessageString());
+    throw WriteError(file.path, std::string("can't become STEP: ") + failure.GetMessageString());
   }
-  file.Commit();
+  target.Commit();
 }
 
 }  // namespace batten
