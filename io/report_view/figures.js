@@ -17,7 +17,7 @@ function lengthScale(data) {
 }
 
 function isComparison(data) {
-  return /^\S*batten\S*\s+compare\b/.test(data.report.command || "") || !(data.report.geometry || {}).base;
+  return /^\S+\s+compare\b/.test(data.report.command || "");
 }
 
 // The errors that the tolerance is held against.
@@ -110,7 +110,7 @@ function header(data) {
       html("ul", "", warnings.map((w) => html("li", "", w)))));
   }
   element.append(html("dl", "key", keyFigures(data).map(([label, value, unit]) =>
-    html("div", "", html("dt", "", label), html("dd", "", value, unit ? html("span", "unit", " " + unit) : null)))));
+    html("div", "", html("dt", "", label), html("dd", "", value, unit ? " " : null, unit ? html("span", "unit", unit) : null)))));
   return element;
 }
 
@@ -128,7 +128,7 @@ function table(title, rows, heads = null) {
     element.append(html("thead", "", head));
   }
   element.append(body);
-  return html("section", "card", html("h2", "", title), element);
+  return html("section", heads ? "card" : "card facts-card", html("h2", "", title), element);
 }
 
 function deviationTable(data) {
@@ -141,10 +141,10 @@ function deviationTable(data) {
   const length = (label, field) => row(label + unit, (e) => scale.number(e[field]));
   const signed = (label, field) => row(label + unit, (e) => scale.signed(e[field]));
   return table("Deviations", [
-    length("rms", "rms"), length("mean of sizes", "mean"), length("median", "p50"), length("95 % within", "p95"),
+    length("rms", "rms"), length("mean distance", "mean"), length("median", "p50"), length("95 % within", "p95"),
     length("99 % within", "p99"), length("largest", "max"),
-    data.signed ? signed("5 % below", "signed_p5") : null,
-    data.signed ? signed("95 % below", "signed_p95") : null,
+    data.signed ? signed("signed, 5 % below", "signed_p5") : null,
+    data.signed ? signed("signed, 95 % below", "signed_p95") : null,
     data.tolerance === null ? null : row("in tolerance", (e) => e.tolerance === null ? kNone : percent(e.within_tolerance)),
     data.tolerance === null ? null : row("out of tolerance", (e) => e.tolerance === null ? kNone : count(e.out_of_tolerance)),
     row("points", (e) => count(e.points)),
@@ -177,7 +177,7 @@ function inputTable(data) {
     input.non_finite > 0 ? ["not finite, dropped", count(input.non_finite)] : null,
     ["spacing", length(input.spacing)],
     ["noise, estimated", length(input.noise)],
-    extent ? ["extent", extent.map((v) => significant(v, 5)).join("\u2009\u00d7\u2009") + kNarrowSpace + data.unit] : null,
+    extent ? ["extent", extent.map(world).join("\u2009\u00d7\u2009") + kNarrowSpace + data.unit] : null,
     extent ? ["lowest corner", vector(box[0], world)] : null,
     extent ? ["highest corner", vector(box[1], world)] : null,
     shifted ? ["subtracted in the file", vector(input.shift, world)] : null,

@@ -119,7 +119,7 @@ function surfaceMaterial(table, limit) {
     polygonOffsetUnits: 2,
     uniforms: {
       mode: { value: 1 }, table: { value: table }, limit: { value: limit },
-      stripes: { value: 16 }, dot_size: { value: 1 },
+      stripes: { value: 24 }, dot_size: { value: 1 },
     },
   });
 }

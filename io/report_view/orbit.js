@@ -11,6 +11,8 @@ class Camera {
     this.target = new THREE.Vector3();
     this.half = 1;
     this.aspect = 1;
+    this.kept = 0;  // part of the width, on the right, that is kept free for the legend
+    this.up = new THREE.Vector3(0, 0, 1);
     this.corners = [];
     for (let i = 0; i < 8; ++i) {
       this.corners.push(new THREE.Vector3(...[0, 1, 2].map((k) => ((i >> k) & 1 ? box.high : box.low)[k])));
@@ -23,6 +25,7 @@ class Camera {
 
   // Looks from `direction` (towards the eye) with `up` upwards, all of the box in view.
   look(direction, up) {
+    this.up.copy(up).normalize();
     const z = direction.clone().normalize();
     const x = new THREE.Vector3().crossVectors(up, z).normalize();
     const y = new THREE.Vector3().crossVectors(z, x);
@@ -42,9 +45,8 @@ class Camera {
     this.target.copy(this.middle);
     this.target.addScaledVector(right, (x0 + x1) / 2 - this.middle.dot(right));
     this.target.addScaledVector(up, (y0 + y1) / 2 - this.middle.dot(up));
-    // Room for the legend on the right.
-    this.half = Math.max((y1 - y0) / 2 * 1.12, (x1 - x0) / 2 * 1.24 / this.aspect, this.radius * 1e-3);
-    this.target.addScaledVector(right, this.half * this.aspect * 0.05);
+    this.half = Math.max((y1 - y0) / 2 * 1.14, (x1 - x0) / 2 * 1.04 / (this.aspect * (1 - this.kept)), this.radius * 1e-3);
+    this.target.addScaledVector(right, this.half * this.aspect * this.kept);
   }
 
   // What three.js draws with.
@@ -64,10 +66,12 @@ class Camera {
     return c;
   }
 
-  // Turns by angles about the screen's axes.
+  // Turns about what was upwards at first, so that upright parts stay upright, and about the screen's
+  // horizontal. Upside down, the hand still pulls the side that it sees.
   rotate(aboutUp, aboutRight) {
     const q = new THREE.Quaternion();
-    this.turn.multiply(q.setFromAxisAngle(new THREE.Vector3(0, 1, 0), aboutUp));
+    const sign = this.axis(1).dot(this.up) < 0 ? -1 : 1;
+    this.turn.premultiply(q.setFromAxisAngle(this.up, sign * aboutUp));
     this.turn.multiply(q.setFromAxisAngle(new THREE.Vector3(1, 0, 0), aboutRight)).normalize();
   }
 
@@ -109,7 +113,6 @@ function listenToHands(element, hands) {
     } catch (gone) {
       // A pointer that has already left needs no capture.
     }
-    element.focus({ preventScroll: true });
     hands.leave();
   });
   element.addEventListener("pointermove", (event) => {

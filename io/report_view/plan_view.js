@@ -136,7 +136,7 @@ class PlanView {
     paper.height = height;
     const scale = this.map.scale * Math.min(width / 2 / this.width, height / 2 / this.height);
     this.paint(paper.getContext("2d"), 2, width / 2, height / 2, { ...this.map, scale });
-    return paper.toDataURL("image/png");
+    return { url: paper.toDataURL("image/png"), over: null };
   }
 
   pixels() {

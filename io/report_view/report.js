@@ -36,7 +36,7 @@ function buildReport() {
     side.append(card);
     charts.push({ svg, draw: (w) => drawHistogram(svg, data, limit, w) });
   }
-  side.append(...[deviationTable(data)].filter(Boolean));
+  side.append(...[deviationTable(data), inputTable(data)].filter(Boolean));
 
   if (data.curves.length > 0 && data.surfaces.length === 0 && data.cloud) {
     const lengths = data.curves.map((c) => arcLengths(c.points));
@@ -58,10 +58,10 @@ function buildReport() {
     wide.append(card);
     charts.push({ svg, draw: (w) => drawConvergence(svg, data, w) });
   }
-  const tables = html("div", "tables", [inputTable(data), geometryTable(data), runTable(data)]);
+  const tables = html("div", "tables", [geometryTable(data), runTable(data)]);
 
-  root.append(header(data), html("div", "main", stage.element, side));
-  if (wide.childNodes.length > 0) root.append(wide);
+  const left = html("div", "left", stage.element, wide.childNodes.length > 0 ? wide : null);
+  root.append(header(data), html("div", "main", left, side));
   root.append(tables);
   const command = commandCard(data);
   if (command) root.append(command);

@@ -35,6 +35,7 @@ class SpaceView {
     stage.append(canvas);
     this.renderer = new THREE.WebGLRenderer({ canvas, context: gl, antialias: true });
     this.renderer.setClearColor(0xffffff, 1);
+    this.camera = new Camera(data.box);
     this.scene = new THREE.Scene();
     this.scene.autoUpdate = false;
     this.tables = { deviation: textureOf(kDeviationMap), curvature: textureOf(kCurvatureMap) };
@@ -46,7 +47,6 @@ class SpaceView {
       mean: curvatureRange(data, "mean", 1e-3 / data.size),
       gaussian: curvatureRange(data, "gaussian", 1e-6 / (data.size * data.size)),
     };
-    this.camera = new Camera(data.box);
     this.overlay = new SpaceOverlay(stage, data);
     this.resize();
     this.reset();
@@ -177,12 +177,14 @@ class SpaceView {
         ++total;
       }
     }
-    const corner = new THREE.Vector3(-0.42, -0.78, 0.72).normalize();
+    const corner = new THREE.Vector3(-0.38, -0.84, 0.66).normalize();
     let direction = corner;
     if (total > 0 && mean.length() > 0.6 * total) {
       mean.normalize();
       if (mean.dot(corner) < 0) mean.negate();
-      direction = mean.clone().multiplyScalar(0.85).addScaledVector(corner, 0.75);
+      const aside = corner.clone().addScaledVector(mean, -corner.dot(mean));
+      direction = mean.clone();
+      if (aside.length() > 1e-3) direction.addScaledVector(aside.normalize(), 0.95);
     }
     this.look(direction);
   }
@@ -217,7 +219,8 @@ class SpaceView {
     Object.assign(this, { width, height, ratio });
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
-    this.camera && (this.camera.aspect = width / height);
+    this.camera.aspect = width / height;
+    this.camera.kept = Math.min(0.4, 118 / width);
     this.sizeMaterials();
   }
 
@@ -245,18 +248,19 @@ class SpaceView {
     this.overlay.update(this.camera, this.width, this.height);
   }
 
-  // The drawing as PNG, for paper.
+  // The drawing as PNG, and what lies over it, for paper: { url, over }.
   image(width, height) {
     const kept = { width: this.width, height: this.height, ratio: this.ratio, half: this.camera.half };
     this.camera.half *= Math.max(1, this.camera.aspect * height / width);
     this.setSize(width / 2, height / 2, 2);
     this.renderNow();
     const url = this.canvas.toDataURL("image/png");
+    const over = this.overlay.svg.cloneNode(true);
     this.camera.half = kept.half;
     this.setSize(kept.width, kept.height, kept.ratio);
     this.pending = true;
     requestAnimationFrame(() => { if (this.pending) this.renderNow(); });
-    return url;
+    return { url, over };
   }
 
   // { width, height, data } as RGBA.

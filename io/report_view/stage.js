@@ -22,7 +22,7 @@ class Stage {
     const curves = data.curves.length > 0 && data.surfaces.length === 0;
     if (curves) this.addView("plan", (box) => new PlanView(box, data));
     if (!curves || !data.signed) this.addView("space", (box) => SpaceView.make(box, data));
-    this.box.append(this.legend, this.paper);
+    this.box.append(this.paper, this.legend);
     if (this.views.size === 0) {
       this.box.classList.add("empty");
       this.box.append(html("div", "message", html("p", "", html("strong", "", "The view in space is not available.")),
@@ -90,7 +90,7 @@ class Stage {
     slider("limit", { label: "Colours up to " + (data.signed ? "\u00b1" : ""), unit: data.unit, decades: 1.5,
       read: () => view.range(), act: (v) => this.setLimit(v) });
     if (view.modes.some((m) => m.name === "zebra")) {
-      let stripes = 16;
+      let stripes = 24;
       slider("stripes", { label: "Stripes", unit: "", decades: 0.7, read: () => stripes, act: (v) => {
         stripes = Math.max(2, Math.min(200, v));
         view.setStripes(stripes);
@@ -161,6 +161,13 @@ class Stage {
 
   // Replaces the drawing by a picture while the page is printed.
   toPaper() {
-    if (this.view) this.paper.src = this.view.image(1800, 1080);
+    if (!this.view) return;
+    const { url, over } = this.view.image(1800, 1080);
+    this.paper.src = url;
+    this.box.querySelectorAll(".paper-overlay").forEach((old) => old.remove());
+    if (over) {
+      over.setAttribute("class", "paper-overlay");
+      this.box.append(over);
+    }
   }
 }
