@@ -58,7 +58,6 @@ NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
   points.topRows<2>() = curve.control_points();
   return {curve.basis(), std::move(points), curve.weights()};
 }
-const NurbsCurve<3>& InSpace(const NurbsCurve<3>& curve) { return curve; }
 
 NurbsCurve<3> Moved(const NurbsCurve<3>& curve, const Eigen::Vector3d& by) {
   return {curve.basis(), curve.control_points().colwise() + by, curve.weights()};
