@@ -36,7 +36,9 @@ void Append(std::string& bytes, const void* value, size_t size) {
 }  // namespace
 
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
-  command.add_option("--report", arguments.reports, "Write the report: R.json")->type_name("FILE");
+  command.add_option("--report", arguments.reports, "Write the report: R.json; may be given again")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   command
       .add_option(
           "--residuals", arguments.residuals, "Write every point's distance: R.ply or R.csv")
