@@ -37,8 +37,11 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       ->type_name("x=A,y=B,...");
   command
       .add_option(
-          "--where", arguments.where, "Keep only rows whose column has the value: label=1 or 4=1")
-      ->type_name("COLUMN=VALUE");
+          "--where",
+          arguments.where,
+          "Keep only rows whose column has the value: label=1 or 4=1; given again, all must hold")
+      ->type_name("COLUMN=VALUE")
+      ->allow_extra_args(false);
   command
       .add_option("--las-class",
                   arguments.las_class,

@@ -25,14 +25,7 @@ const std::vector<std::string> kLaterCommands = {};
 const std::vector<std::string> kLaterFits = {"scan"};
 const std::vector<std::string> kLaterKinds = {
     "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
-const std::vector<std::string> kLaterFlags = {"--thin",
-                                              "--interpolate",
-                                              "--component",
-                                              "--start-tangent",
-                                              "--end-tangent",
-                                              "--uncertainty",
-                                              "--certify",
-                                              "--stream"};
+const std::vector<std::string> kLaterFlags = {"--thin", "--uncertainty", "--certify", "--stream"};
 
 bool Contains(const std::vector<std::string>& list, const std::string& word) {
   return std::find(list.begin(), list.end(), word) != list.end();
@@ -77,10 +70,23 @@ std::string Listed(const std::vector<std::string>& names) {
   return list;
 }
 
+// The commands that have a flag: "'batten fit surface', 'batten compare'".
+std::string HavingFlag(const CLI::App& command, const std::string& path, const std::string& flag) {
+  std::string having = Contains(FlagNames(command), flag) ? "'" + path + "'" : "";
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::string below = HavingFlag(*sub, path + " " + sub->get_name(), flag);
+    having += (having.empty() || below.empty() ? "" : ", ") + below;
+  }
+  return having;
+}
+
 std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
-  if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
   std::vector<std::string> names = FlagNames(*Deepest(app));
   const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
+  const std::string having = HavingFlag(app, app.get_name(), flag);
+  if (!having.empty())
+    return text + having + (having.find(',') == std::string::npos ? " has" : " have") + " it";
+  if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
   // One letter is taken for the first of a name.
   if (flag.size() == 2) {
     const auto found = std::find_if(
@@ -202,11 +208,23 @@ int RunProgram(int argc, char** argv) {
   app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.footer(
-      "Start with:\n"
+      "From a scan to CAD:\n"
+      "  batten info scan.ply                              how many points, how dense, how noisy\n"
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
-      "  batten compare part.step scan.ply                 how well it fits, measured again\n"
+      "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.json\n"
+      "  batten compare part.step scan.ply --tolerance 0.05\n"
+      "                                                    how well it fits, measured again\n"
+      "  batten tessellate part.step -o part.stl           triangles for viewers and printers\n"
+      "Curves, exact shapes, changes:\n"
+      "  batten fit curve section.xyz -o section.step      one or several curves along points\n"
+      "  batten fit primitive bore.xyz -o bore.step --kind cylinder\n"
+      "  batten make cylinder -o pin.step --radius 3 --height 20\n"
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
-      "  batten COMMAND --help                             flags, defaults and examples\n"
+      "  batten analyze part.step                          degree, area, curvature, which shape\n"
+      "  batten COMMAND --help                             flags, defaults and more examples\n"
+      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; '-' "
+      "is\n"
+      "standard input or output, with --format. --json makes the result one JSON object.\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
       "130 interrupted. Results go to standard output, everything else to standard error.");

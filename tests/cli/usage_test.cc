@@ -3,11 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <sstream>
+
 #include "test_clouds.h"
 
 namespace batten {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -61,6 +65,28 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
                                              {"--report", "r.html"}}) {
     ExpectBadFlags(flags, {flags.front(), "not in this version"});
   }
+}
+
+TEST_F(UsageTest, AFlagOfAnotherCommandIsSaidToBeThere) {
+  ExpectBadFlags({"--interpolate"}, {"'--interpolate'", "'batten fit curve' has it"});
+  ExpectBadFlags({"--start-tangent", "1,0"}, {"'batten fit curve' has it"});
+  ExpectUsageError({"compare", "a.json", "b.xyz", "--kind", "plane"},
+                   {"'--kind' for 'batten compare'", "'batten fit primitive' has it"});
+  ExpectUsageError({"sample", "a.json", "--tolerance", "1"},
+                   {"'batten fit surface', 'batten fit curve'", "have it"});
+}
+
+// Flags that may come again take one value each: what follows it is an argument of its own.
+TEST_F(UsageTest, FlagsBeforeTheFileLeaveTheFileAlone) {
+  const std::string out = folder_.File("out.json");
+  for (const std::vector<std::string>& flags : std::vector<std::vector<std::string>>{
+           {"--report", folder_.File("report.json")}, {"--where", "3=0"}}) {
+    const ProgramRun run = Batten(
+        {"fit", "surface", flags[0], flags[1], cloud_, "-o", out, "--control-points", "4,4"});
+    EXPECT_EQ(run.code, flags[0] == "--report" ? 0 : 1) << run.err;
+    EXPECT_THAT(run.err, ::testing::Not(HasSubstr("required")));
+  }
+  EXPECT_THAT(folder_.Text("report.json"), StartsWith("{"));
 }
 
 TEST_F(UsageTest, NumbersOutOfRangeAreRefusedWithFlagAndValue) {
@@ -160,19 +186,75 @@ TEST_F(UsageTest, ImpossibleOperationsAreRefused) {
   ExpectBadFlags({"--columns", "x=9,y=1,z=2"}, {"'9'"});
 }
 
+// The lines of a text.
+std::vector<std::string> LinesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// Every command there is, as completion knows them; the program itself first.
+std::vector<std::vector<std::string>> AllCommands() {
+  std::vector<std::vector<std::string>> commands = {{}};
+  for (size_t k = 0; k < commands.size(); ++k) {
+    std::vector<std::string> question = commands[k];
+    question.insert(question.begin(), "__complete");
+    question.emplace_back();
+    const bool has_commands =
+        Batten(std::vector<std::string>(question.begin() + 1, question.end() - 1))
+            .err.find("usage") != std::string::npos;
+    if (!has_commands) continue;
+    std::vector<std::string> names = LinesOf(Batten(question).out);
+    names.erase(names.begin());
+    for (const std::string& name : names) {
+      commands.push_back(commands[k]);
+      commands.back().push_back(name);
+    }
+  }
+  return commands;
+}
+
+// The words of an example as a shell takes them: up to the remark beside it or what it is piped to.
+std::vector<std::string> WordsOfExample(std::string line) {
+  const size_t pipe = line.find("| batten ");
+  line.erase(0, pipe == std::string::npos ? line.find("batten ") : pipe + 2);
+  const size_t remark = line.find("   ");
+  std::istringstream stream(line.substr(0, remark));
+  std::vector<std::string> words;
+  std::string word;
+  for (stream >> word; stream >> word && word != ">";) {
+    word.erase(word.find_last_not_of(')') + 1);  // of <(batten ...)
+    words.push_back(word);
+  }
+  return words;
+}
+
+TEST_F(UsageTest, EveryExampleOfHelpIsACommandLineTheProgramTakes) {
+  int examples = 0;
+  for (const std::vector<std::string>& command : AllCommands()) {
+    std::vector<std::string> help = command;
+    help.emplace_back("--help");
+    for (const std::string& line : LinesOf(Batten(help).out)) {
+      if (line.rfind("  ", 0) != 0 || line.find("batten ") == std::string::npos) continue;
+      std::vector<std::string> words = WordsOfExample(line);
+      if (words.empty() || words[0] == "COMMAND") continue;
+      // Files it names are not there, and those it would write are not to be: a line that is in
+      // order ends at that, or at --help.
+      SCOPED_TRACE(line);
+      ++examples;
+      const std::filesystem::path here = std::filesystem::current_path();
+      std::filesystem::current_path(folder_.path());
+      const ProgramRun run = Batten(words);
+      std::filesystem::current_path(here);
+      EXPECT_NE(run.code, 2) << run.err;
+    }
+  }
+  EXPECT_GT(examples, 60);
+}
+
 TEST_F(UsageTest, HelpShowsExamplesAndDefaultsOfEveryCommand) {
-  for (const std::vector<std::string>& command :
-       std::vector<std::vector<std::string>>{{},
-                                             {"fit"},
-                                             {"fit", "surface"},
-                                             {"compare"},
-                                             {"evaluate"},
-                                             {"project"},
-                                             {"edit"},
-                                             {"analyze"},
-                                             {"convert"},
-                                             {"info"},
-                                             {"sample"}}) {
+  for (const std::vector<std::string>& command : AllCommands()) {
     std::vector<std::string> arguments = command;
     arguments.push_back("--help");
     const ProgramRun run = Batten(arguments);
@@ -181,7 +263,7 @@ TEST_F(UsageTest, HelpShowsExamplesAndDefaultsOfEveryCommand) {
     std::string typed = "batten";
     for (const std::string& word : command) typed += " " + word;
     EXPECT_THAT(run.out, HasSubstr("Usage: " + typed + " "));
-    EXPECT_THAT(run.out, HasSubstr("\n  " + typed));  // an example
+    EXPECT_THAT(run.out, AnyOf(HasSubstr("\n  " + typed), HasSubstr("<(" + typed)));  // an example
   }
   const std::string fit = Batten({"fit", "surface", "--help"}).out;
   for (const char* text : {"P[,Q]=3,3",

@@ -49,6 +49,27 @@ TEST(PlaceScreenTest, PointsOffTheSheetAreNot) {
   }
 }
 
+// Half a dozen deviations are no noise: such points are judged one by one.
+TEST(PlaceScreenTest, PointsSixToEightDeviationsOffAreNotPlainlyGood) {
+  for (const Eigen::Index off : {20, 400, 1000}) {
+    SCOPED_TRACE(off);
+    Eigen::Matrix3Xd points = Wave(20000, 11);
+    const Eigen::Matrix3Xd clean = points;
+    std::mt19937_64 engine(12);
+    std::uniform_real_distribution<double> deviations(6, 8);
+    for (Eigen::Index k = 0; k < off; ++k) {
+      // From the wave itself, not from a point that noise has moved.
+      const double x = points(0, k), y = points(1, k);
+      points(2, k) = 0.05 * std::sin(12 * x) * std::cos(9 * y) +
+                     (k % 2 == 0 ? 1 : -1) * deviations(engine) * kNoise;
+    }
+    const PointMask good = Screen(points);
+    EXPECT_LE(good.head(off).count(), off / 100);
+    // What stays on the wave is good as before, where it has no such point beside it.
+    EXPECT_GE(good.tail(20000 - off).count(), Screen(clean).tail(20000 - off).count() * 7 / 10);
+  }
+}
+
 TEST(PlaceScreenTest, ClumpsBesideTheSheetAreNot) {
   Eigen::Matrix3Xd points = Wave(20000, 7);
   std::mt19937_64 engine(8);
