@@ -426,6 +426,27 @@ TEST(ReportSceneTest, MoreCellsThanTrianglesAreStillDrawnWithinTheLimit) {
   EXPECT_LE(scene.surfaces[0].mesh.triangles.cols(), 2000);
 }
 
+// A tongue of the domain that the trims cut off must not decide how fine the rest is drawn.
+TEST(ReportSceneTest, WildPartsOutsideTheTrimsCostNothing) {
+  const NurbsSurface sheet = Waves();
+  Eigen::Matrix3Xd control = sheet.control_points();
+  control.col(80) *= 300;
+  control.col(0).z() = -4000;
+  const NurbsSurface wild(sheet.basis_u(), sheet.basis_v(), control);
+  Eigen::Matrix2Xd corners(2, 5);
+  corners << 0.4, 0.6, 0.6, 0.4, 0.4, 0.4, 0.4, 0.6, 0.6, 0.4;
+  const NurbsCurve<2> outer(SplineBasis::Clamped(1, std::vector<double>{0, 1, 2, 3, 4}), corners);
+  const NurbsSurface trimmed = wild.WithTrims({outer});
+  Eigen::Matrix3Xd points(3, 1);
+  points.col(0) = wild.At(0.5, 0.5);
+  const Measured measured = Measure(trimmed, points);
+  const ReportScene scene = SceneOf({trimmed}, measured.points());
+  ExpectWhole(scene);
+  EXPECT_LT(scene.size, 10);
+  EXPECT_GT(scene.surfaces[0].mesh.triangles.cols(), 5000);
+  EXPECT_LT(scene.surfaces[0].mesh.triangles.cols(), 150000);
+}
+
 TEST(ReportSceneTest, RefusesWhatDoesNotBelongTogether) {
   const NurbsSurface surface = Waves();
   Measured measured = Measure(surface, Beside(surface, 20, [](double, double) { return 0.0; }));
