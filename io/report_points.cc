@@ -149,12 +149,13 @@ double DeviationLimit(const Eigen::VectorXd& distances,
                       double noise,
                       double size) {
   if (tolerance) return *tolerance;
-  constexpr double kShare = 0.99, kSigmas = 3, kSmallest = 1e-9;
+  constexpr double kShare = 0.99, kSigmas = 3, kMost = 3, kSmallest = 1e-9;
   std::vector<double> sizes = Counting(distances, outliers);
   for (double& value : sizes) value = std::abs(value);
   double limit = sizes.empty() ? 0 : QuantileInPlace(sizes, kShare);
   if (!(limit > 0) && !sizes.empty()) limit = *std::max_element(sizes.begin(), sizes.end());
-  limit = std::max({limit, kSigmas * noise, kSmallest * size});
+  limit = std::max(std::min(kSigmas * noise, kMost * limit), limit);
+  limit = std::max(limit, kSmallest * size);
   return limit > 0 ? RoundedUp(limit) : 1;
 }
 

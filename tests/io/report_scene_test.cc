@@ -402,9 +402,11 @@ TEST(ReportSceneTest, LimitIsTheToleranceOrWhatThePointsKeepAndNeverZero) {
   EXPECT_EQ(DeviationLimit(zero, none, 0.037, 1, 1), 0.037);
   EXPECT_NEAR(DeviationLimit(zero, none, {}, 0, 5), 5e-9, 1e-20);
   EXPECT_EQ(DeviationLimit(zero, none, {}, 0, 0), 1);
-  EXPECT_EQ(DeviationLimit(zero, none, {}, 0.01, 1), 0.03);
+  EXPECT_NEAR(DeviationLimit(zero, none, {}, 0.01, 1), 1e-9, 1e-20);  // all is far below the noise
   Eigen::VectorXd spread = Eigen::VectorXd::LinSpaced(1001, -1, 1);
   EXPECT_EQ(DeviationLimit(spread, none, {}, 0, 1), 1);
+  EXPECT_EQ(DeviationLimit(spread, none, {}, 0.5, 1), 1.5);
+  EXPECT_EQ(DeviationLimit(spread, none, {}, 100, 1), 3);
   PointMask outer = spread.array().abs() > 0.14;
   EXPECT_EQ(DeviationLimit(spread, outer, {}, 0, 1), 0.15);
 }
