@@ -341,6 +341,26 @@ TEST(ReportSceneTest, EveryPointCountsInTheHistogramAndThinningKeepsOutliersAndT
   EXPECT_LT(histogram.high, 0.06);
 }
 
+TEST(ReportSceneTest, AFewFarPointsDoNotPressTheHistogramTogether) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> noise(0, 0.01);
+  Eigen::VectorXd deviations(10000);
+  for (double& deviation : deviations) deviation = noise(engine);
+  deviations.head(100).setLinSpaced(-40, 40);
+  const ReportHistogram histogram = HistogramOf(deviations, {}, {}, true);
+  EXPECT_GT(histogram.low, -0.08);
+  EXPECT_LT(histogram.high, 0.08);
+  EXPECT_NEAR(static_cast<double>(histogram.below + histogram.above), 100, 2);
+  EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), Eigen::Index{0}) +
+                histogram.below + histogram.above,
+            10000);
+  // Distances without a sign begin at zero; equal ones have a bin of their own.
+  EXPECT_EQ(HistogramOf(deviations.cwiseAbs(), {}, {}, false).low, 0);
+  const ReportHistogram same = HistogramOf(Eigen::VectorXd::Constant(7, 0.25), {}, {}, true);
+  EXPECT_LT(same.low, same.high);
+  EXPECT_EQ(same.below + same.above, 0);
+}
+
 TEST(ReportSceneTest, ThePointsShownAreEvenlySpreadAndTheSameEveryTime) {
   constexpr Eigen::Index kTotal = 1000003, kCount = 150000;
   const std::vector<Eigen::Index> spread = EvenlySpread(kTotal, kCount);
