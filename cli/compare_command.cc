@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 #include "batten/cli/cloud_arguments.h"
 #include "batten/cli/describe_geometry.h"
@@ -93,6 +94,7 @@ int Run(const Arguments& a) {
 
   // Several geometries: every point belongs to the nearest.
   PointDistances nearest;
+  std::vector<int> owners;
   for (size_t g = 0; g < geometry.size(); ++g) {
     Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
     PointDistances found = std::visit(
@@ -102,6 +104,7 @@ int Run(const Arguments& a) {
         geometry[g]);
     if (g == 0) {
       nearest = std::move(found);
+      owners.assign(static_cast<std::size_t>(cloud.size()), 0);
       continue;
     }
     if (found.parameters.rows() > nearest.parameters.rows()) {
@@ -111,6 +114,8 @@ int Run(const Arguments& a) {
     for (Eigen::Index k = 0; k < cloud.size(); ++k) {
       if (std::abs(found.distances[k]) >= std::abs(nearest.distances[k])) continue;
       nearest.distances[k] = found.distances[k];
+      owners[static_cast<std::size_t>(k)] = static_cast<int>(g);
+      nearest.parameters.col(k).setZero();
       nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
     }
   }
@@ -146,17 +151,21 @@ int Run(const Arguments& a) {
                            ? Termination::kToleranceReached
                            : Termination::kStalled;
   const auto write_start = std::chrono::steady_clock::now();
-  const auto residuals =
-      WriteResiduals(a.output.residuals,
-                     cloud,
-                     nearest.distances,
-                     nearest.parameters,
-                     Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(cloud.size(), false));
+  const MeasuredPoints points{.cloud = cloud,
+                              .distances = nearest.distances,
+                              .parameters = nearest.parameters,
+                              .outliers = PointMask::Constant(cloud.size(), false),
+                              .owners = std::move(owners),
+                              .spacing = measured.spacing,
+                              .noise = measured.noise};
+  ReportTarget target{a.output, a.flags, a.geometry, ResultLine(a, report.error)};
+  target.scene = SceneFor(a.output, geometry, points, {a.tolerance}, a.work.threads, a.flags.quiet);
+  const auto residuals = ResidualsFor(a.output, points, a.tolerance);
   if (residuals) residuals->Commit();
   const auto end = std::chrono::steady_clock::now();
   report.seconds.write = std::chrono::duration<double>(end - write_start).count();
   report.seconds.total = std::chrono::duration<double>(end - start).count();
-  WriteReports(report, {a.output, a.flags, a.geometry, ResultLine(a, report.error)});
+  WriteReports(report, target);
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
@@ -185,7 +194,8 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "counts.\n"
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
-      "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply");
+      "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply\n"
+      "  batten compare part.step scan.ply --report part.html");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }
 

@@ -202,7 +202,8 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
                     const Eigen::MatrixXd& parameters,
                     const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
-                    FitReport& report) const {
+                    FitReport& report,
+                    std::vector<int> owners) const {
   if (report.termination == Termination::kCancelled) throw Cancelled();
   report.input.files = a_.clouds;
   report.input.points = file_.points_in_file - file_.filtered;
@@ -214,15 +215,24 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
         "--origin local writes them near zero and reports the shift");
   }
   const double before = Seconds();
-  const auto written =
-      WriteResiduals(a_.output.residuals, file_.cloud, residuals, parameters, outliers);
+  const MeasuredPoints measured{.cloud = file_.cloud,
+                                .distances = residuals,
+                                .parameters = parameters,
+                                .outliers = outliers,
+                                .owners = std::move(owners),
+                                .spacing = report.input.spacing,
+                                .noise = report.input.noise};
+  ReportTarget target{a_.output, a_.flags, a_.out, "", shift()};
+  target.scene = SceneFor(
+      a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
+  const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
   WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit});
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
   report.seconds.write = Seconds() - before;
   report.seconds.total = Seconds();
-  const std::string line = a_.out == "-" ? "" : a_.out + ": " + report.OneLine();
-  WriteReports(report, {a_.output, a_.flags, a_.out, line, shift()});
+  if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
+  WriteReports(report, target);
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 

@@ -102,12 +102,14 @@ class FitFiles {
 
   Eigen::Vector3d shift() const;
 
-  // Writes everything and returns the exit code.
+  // Writes everything and returns the exit code. Of several geometries `owners` names that of each
+  // point's foot.
   int Write(const std::vector<Geometry>& geometry,
             const Eigen::VectorXd& residuals,
             const Eigen::MatrixXd& parameters,
             const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
-            FitReport& report) const;
+            FitReport& report,
+            std::vector<int> owners = {}) const;
 
  private:
   double Seconds() const;  // since construction

@@ -127,9 +127,16 @@ Component ToComponent(const std::string& text) {
 
 // What several fits of one cloud say together: every point has the distance from the nearest curve.
 template <int Dim>
-CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
+struct JointFit {
+  CurveFit<Dim> fit;
+  std::vector<int> owners;  // the number of that curve
+};
+
+template <int Dim>
+JointFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
   CurveFit<Dim> joint = fits.front();
-  if (fits.size() == 1) return joint;
+  std::vector<int> owners(static_cast<std::size_t>(joint.residuals.size()), 0);
+  if (fits.size() == 1) return {std::move(joint), std::move(owners)};
   FitReport& report = joint.report;
   for (size_t k = 1; k < fits.size(); ++k) {
     const CurveFit<Dim>& fit = fits[k];
@@ -137,6 +144,7 @@ CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
       if (fit.residuals[i] >= joint.residuals[i]) continue;
       joint.residuals[i] = fit.residuals[i];
       joint.parameters[i] = fit.parameters[i];
+      owners[static_cast<std::size_t>(i)] = static_cast<int>(k);
     }
     joint.outliers = joint.outliers || fit.outliers;
     report.Join(fit.report);
@@ -145,7 +153,7 @@ CurveFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
   report.error_all = Summarise(joint.residuals, tolerance);
   report.input.used = report.error.points;
   report.input.outliers = joint.outliers.count();
-  return joint;
+  return {std::move(joint), std::move(owners)};
 }
 
 CurveFitOptions ToOptions(const Arguments& a) {
@@ -184,11 +192,15 @@ int Fit(const FitFiles& files,
                                    : FitCurve<Dim>(cloud, options));
     return one;
   });
-  CurveFit<Dim> joint = Together(fits, options.tolerance);
+  auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;
   for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
-  return files.Write(
-      curves, joint.residuals, joint.parameters.transpose(), joint.outliers, joint.report);
+  return files.Write(curves,
+                     joint.residuals,
+                     joint.parameters.transpose(),
+                     joint.outliers,
+                     joint.report,
+                     std::move(owners));
 }
 
 template <int Dim>

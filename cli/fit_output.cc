@@ -5,8 +5,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -15,7 +18,9 @@
 #include "batten/cli/terminal.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
+#include "batten/io/report_html.h"
 #include "batten/io/report_json.h"
+#include "batten/io/write_residuals.h"
 
 namespace batten {
 namespace {
@@ -28,17 +33,32 @@ std::string Extension(const std::string& path) {
   return extension;
 }
 
-void Append(std::string& bytes, const void* value, size_t size) {
-  bytes.append(static_cast<const char*>(value), size);
+// The day and time in UTC: that of SOURCE_DATE_EPOCH where it holds seconds since 1970.
+std::string Today() {
+  std::time_t now = std::time(nullptr);
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+    const char* const end = epoch + std::strlen(epoch);
+    std::from_chars(epoch, end, now);
+  }
+  std::tm utc{};
+  char text[32] = "";
+  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+  return text;
 }
 
 }  // namespace
 
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
-  command.add_option("--report", arguments.reports, "Write the report: R.json")->type_name("FILE");
   command
-      .add_option(
-          "--residuals", arguments.residuals, "Write every point's distance: R.ply or R.csv")
+      .add_option("--report",
+                  arguments.reports,
+                  "Write the report: R.html, a page to look at, or R.json; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command
+      .add_option("--residuals",
+                  arguments.residuals,
+                  "Write every point with its distance: R.ply, coloured by it, or R.csv")
       ->type_name("FILE");
   command.add_option("--unit", arguments.unit, "Unit of the data, declared in STEP")
       ->capture_default_str()
@@ -49,17 +69,16 @@ void CheckOutputArguments(const OutputArguments& arguments) {
   CheckUnit(arguments.unit);
   for (const std::string& path : arguments.reports) {
     const std::string extension = Extension(path);
-    if (extension == ".html")
-      throw UsageError("--report " + path + ": HTML reports are not in this version; write .json");
-    if (extension != ".json") throw UsageError("--report " + path + ": a report is a .json file");
+    if (extension != ".json" && extension != ".html")
+      throw UsageError("--report " + path + ": a report is a .html or .json file");
   }
-  if (!arguments.residuals.empty()) {
-    const std::string extension = Extension(arguments.residuals);
-    if (extension != ".ply" && extension != ".csv") {
-      throw UsageError("--residuals " + arguments.residuals +
-                       ": residuals are a .ply or .csv file");
-    }
-  }
+  if (!arguments.residuals.empty()) CheckResidualsName(arguments.residuals);
+}
+
+bool WantsPage(const OutputArguments& arguments) {
+  return std::any_of(arguments.reports.begin(), arguments.reports.end(), [](const auto& path) {
+    return Extension(path) == ".html";
+  });
 }
 
 void CheckWritable(const std::string& path) {
@@ -94,6 +113,32 @@ std::int64_t PeakMemory() {
   return std::int64_t{usage.ru_maxrss} * 1024;
 }
 
+std::optional<ReportScene> SceneFor(const OutputArguments& arguments,
+                                    const std::vector<Geometry>& geometry,
+                                    const MeasuredPoints& points,
+                                    ReportSceneOptions options,
+                                    int threads,
+                                    bool quiet) {
+  if (!WantsPage(arguments)) return std::nullopt;
+  options.progress = MakeProgress(quiet);
+  ThreadPool pool(threads);
+  return MakeReportScene(geometry, points, options, pool);
+}
+
+std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
+                                         const MeasuredPoints& points,
+                                         std::optional<double> tolerance) {
+  if (arguments.residuals.empty()) return nullptr;
+  const Eigen::Matrix3Xd& places = points.cloud.points();
+  const double size =
+      places.cols() == 0 ? 0 : (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm();
+  const double range =
+      DeviationLimit(points.distances, points.outliers, tolerance, points.noise, size);
+  return WriteResiduals(
+      arguments.residuals,
+      {points.cloud, points.distances, points.parameters, points.outliers, range});
+}
+
 void WriteReports(const FitReport& report, const ReportTarget& target) {
   ReportContext context;
   context.command = CommandLine();
@@ -102,9 +147,14 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   context.shift = target.shift;
   context.peak_memory_bytes = PeakMemory();
   context.version = Version();
+  context.date = Today();
   for (const std::string& path : target.arguments.reports) {
     AtomicFile file(path);
-    file.Write(ToReportJson(report, context));
+    if (Extension(path) == ".html") {
+      file.Write(ToReportHtml(report, context, target.scene.value()));
+    } else {
+      file.Write(ToReportJson(report, context));
+    }
     file.Commit();
   }
   ClearProgress();
@@ -116,54 +166,6 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   } else if (!target.flags.quiet && !target.result_line.empty()) {
     fmt::print("{}\n", target.result_line);
   }
-}
-
-std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
-                                           const PointCloud& cloud,
-                                           const Eigen::VectorXd& distances,
-                                           const Eigen::MatrixXd& parameters,
-                                           const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers) {
-  if (path.empty()) return nullptr;
-  auto target = std::make_unique<AtomicFile>(path);
-  AtomicFile& file = *target;
-  const bool has_v = parameters.rows() > 1;
-  std::string row;
-  if (Extension(path) == ".csv") {
-    file.Write(has_v ? "x,y,z,distance,u,v,outlier\n" : "x,y,z,distance,u,outlier\n");
-    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-      const Eigen::Vector3d p = cloud.World(k);
-      row.clear();
-      fmt::format_to(std::back_inserter(row),
-                     "{},{},{},{},{}",
-                     p[0],
-                     p[1],
-                     p[2],
-                     distances[k],
-                     parameters(0, k));
-      if (has_v) fmt::format_to(std::back_inserter(row), ",{}", parameters(1, k));
-      fmt::format_to(std::back_inserter(row), ",{}\n", outliers[k] ? 1 : 0);
-      file.Write(row);
-    }
-  } else {
-    std::string header = fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty "
-        "double y\n"
-        "property double z\nproperty double distance\nproperty double u\n",
-        cloud.size());
-    if (has_v) header += "property double v\n";
-    file.Write(header + "property uchar outlier\nend_header\n");
-    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-      const Eigen::Vector3d p = cloud.World(k);
-      const double numbers[6] = {
-          p[0], p[1], p[2], distances[k], parameters(0, k), has_v ? parameters(1, k) : 0};
-      const unsigned char outlier = outliers[k] ? 1 : 0;
-      row.clear();
-      Append(row, numbers, (has_v ? 6 : 5) * sizeof(double));
-      Append(row, &outlier, 1);
-      file.Write(row);
-    }
-  }
-  return target;
 }
 
 }  // namespace batten

@@ -10,6 +10,7 @@
 
 #include "batten/cli/nearest_name.h"
 #include "batten/cli/parse_values.h"
+#include "batten/cli/shell_words.h"
 #include "batten/cli/terminal.h"
 #include "batten/io/read_error.h"
 
@@ -194,7 +195,7 @@ void AddSeedFlag(CLI::App& command, std::uint64_t& seed, const std::string& what
 }
 
 int RunProgram(int argc, char** argv) {
-  for (int k = 0; k < argc; ++k) command_line += (k > 0 ? " " : "") + std::string(argv[k]);
+  for (int k = 0; k < argc; ++k) command_line += (k > 0 ? " " : "") + ShellWord(argv[k]);
   Action action;
   CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
                "batten");

@@ -56,7 +56,7 @@ void AddSampleCommand(CLI::App& app, Action& action);
 void AddSectionCommand(CLI::App& app, Action& action);
 void AddTessellateCommand(CLI::App& app, Action& action);
 
-// The command line as it was typed, for reports.
+// The command line, quoted so that a shell takes it again, for reports.
 const std::string& CommandLine();
 
 // Parses and runs; everything an exception can mean becomes one line on standard error and a code.

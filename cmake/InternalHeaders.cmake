@@ -56,9 +56,12 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/section_fit.h geometry/section_trace.h geometry/spline_pieces.h
   geometry/steady_sections.h geometry/triangle_error.h geometry/trim_clip.h geometry/trim_maps.h
   geometry/trimmed_area.h geometry/trimmed_box.h geometry/trimmed_foot_search.h geometry/unit_arc.h
-  geometry/weighted_means.h io/binary_column.h io/byte_source.h io/closed_form.h io/cloud_columns.h
+  geometry/weighted_means.h io/base64.h io/binary_column.h io/byte_source.h io/closed_form.h
+  io/cloud_columns.h
   io/cloud_filter.h io/face_loops.h io/file_loops.h io/iges_text.h io/json_document.h
   io/json_field.h io/json_splines.h io/json_trims.h io/occt_convert.h io/occt_exact.h io/occt_face.h
   io/occt_session.h io/occt_shapes.h io/parameter_map.h io/parameter_rectangle.h io/pcd_reader.h
-  io/ply_reader.h io/report_assets.h io/row_batch.h io/space_curve.h io/step_model.h io/step_syntax.h io/step_units.h
-  io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h io/trimmed_face.h io/whole_file.h)
+  io/ply_reader.h io/polyline.h io/report_assets.h io/report_curve.h io/report_data.h
+  io/report_points.h io/report_surface.h io/row_batch.h io/space_curve.h io/step_model.h
+  io/step_syntax.h io/step_units.h io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h
+  io/trimmed_face.h io/whole_file.h)

@@ -17,7 +17,8 @@ struct ReportContext {
   std::string unit = "mm";                          // of the data
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates written
   std::int64_t peak_memory_bytes = 0;
-  std::string version;  // of the program
+  std::string version;    // of the program
+  std::string date = {};  // as the page shows it; empty: none
 };
 
 // The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the
