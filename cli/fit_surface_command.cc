@@ -182,7 +182,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   command.footer(
       "Examples:\n"
       "  batten fit surface scan.ply -o part.step\n"
-      "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.json\n"
+      "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.html\n"
       "  batten fit surface hull.ply -o hull.step --base sheet --residuals off.ply\n"
       "  batten fit surface bush.ply -o bush.step --snap --report bush.json\n"
       "  batten fit surface vase.ply -o vase.step --base revolution --closed u\n"

@@ -106,9 +106,18 @@ ReportHistogram HistogramOf(const Eigen::VectorXd& deviations,
   ReportHistogram histogram;
   std::vector<double> values = Counting(deviations, outliers);
   if (values.empty()) return histogram;
-  constexpr double kTail = 0.002, kMargin = 0.05, kFar = 3;
+  constexpr double kTail = 0.002, kMargin = 0.05, kFar = 3, kHalf = 0.5, kWide = 6;
   constexpr int kBins = 60;
   double low = QuantileInPlace(values, kTail), high = QuantileInPlace(values, 1 - kTail);
+  // A few far ones must not press all others into one bin.
+  const double middle = Median(values);
+  std::vector<double> offsets(values);
+  for (double& offset : offsets) offset = std::abs(offset - middle);
+  const double sigma = kMadToSigma * QuantileInPlace(offsets, kHalf);
+  if (sigma > 0) {
+    low = std::max(low, middle - kWide * sigma);
+    high = std::min(high, middle + kWide * sigma);
+  }
   const double spread = high - low;
   // Zero and the tolerance, where that leaves the values a good part of the width.
   const auto include = [&](double value) {
@@ -149,12 +158,13 @@ double DeviationLimit(const Eigen::VectorXd& distances,
                       double noise,
                       double size) {
   if (tolerance) return *tolerance;
-  constexpr double kShare = 0.99, kSigmas = 3, kSmallest = 1e-9;
+  constexpr double kShare = 0.99, kSigmas = 3, kMost = 3, kSmallest = 1e-9;
   std::vector<double> sizes = Counting(distances, outliers);
   for (double& value : sizes) value = std::abs(value);
   double limit = sizes.empty() ? 0 : QuantileInPlace(sizes, kShare);
   if (!(limit > 0) && !sizes.empty()) limit = *std::max_element(sizes.begin(), sizes.end());
-  limit = std::max({limit, kSigmas * noise, kSmallest * size});
+  limit = std::max(std::min(kSigmas * noise, kMost * limit), limit);
+  limit = std::max(limit, kSmallest * size);
   return limit > 0 ? RoundedUp(limit) : 1;
 }
 

@@ -19,8 +19,9 @@ std::vector<Eigen::Index> ShownPoints(const Eigen::VectorXd& deviations,
 // run's number: evenly spread, and in step with no pattern of the order.
 std::vector<Eigen::Index> EvenlySpread(Eigen::Index total, Eigen::Index count);
 
-// Some 60 bins over what all but 0.4 % keep; zero and the tolerance lie within them unless they are
-// far off. Without a sign they begin at 0.
+// 60 bins over what all but 0.4 % keep, but no farther than six robust standard deviations from the
+// median; zero and the tolerance lie within them unless they are far off. Without a sign they begin
+// at 0.
 ReportHistogram HistogramOf(const Eigen::VectorXd& deviations,
                             const PointMask& outliers,
                             std::optional<double> tolerance,

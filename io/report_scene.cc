@@ -227,7 +227,7 @@ void AddDeviations(ReportScene& scene,
 }
 
 std::string NameOf(const ReportSceneOptions& options, std::size_t g, const char* kind, int place) {
-  if (!options.names.empty()) return options.names[g];
+  if (!options.names.empty() && !options.names[g].empty()) return options.names[g];
   return std::string(kind) + " " + std::to_string(place + 1);
 }
 

@@ -86,7 +86,7 @@ struct ReportSceneOptions {
   std::optional<double> tolerance = std::nullopt;   // > 0
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // the geometry's coordinates are less by this
   Eigen::Index max_triangles = 150000, max_points = 150000;  // ≥ 1000
-  std::vector<std::string> names = {};                       // of the geometries; empty: none
+  std::vector<std::string> names = {};                       // of the geometries; empty ones: none
   Progress progress = nullptr;
 };
 
@@ -118,10 +118,10 @@ ReportScene MakeReportScene(const CurveFit<Dim>& fit,
                             ReportSceneOptions options,
                             ThreadPool& pool);
 
-// Half the width of a colour range for deviations: the tolerance; without one the greater of three
-// times the noise and what 99 % of the points that count keep, up to the next of 1, 1.5, 2, 2.5, 3,
-// 4, 5, 6, 8 times a power of ten. At least 1e-9 of `size`, below which all is rounding; 1 where
-// everything is 0.
+// Half the width of a colour range for deviations: the tolerance. Without one what 99 % of the
+// points that count keep, or three times the noise where that is more, but no more than three times
+// as much; up to the next of 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. At least 1e-9 of
+// `size`, below which all is rounding; 1 where everything is 0.
 double DeviationLimit(const Eigen::VectorXd& distances,
                       const PointMask& outliers,
                       std::optional<double> tolerance,

@@ -47,38 +47,48 @@ class Lattice {
     us_ = EvenIn(breaks_u_, pieces_u_);
     vs_ = EvenIn(breaks_v_, pieces_v_);
     SurfaceEvaluator(surface).Grid(us_, vs_, grid_);
-  }
-
-  double Area(const NurbsSurface& surface) const {
     const TrimRegion region(surface);
     constexpr double kHalf = 0.5;
-    double area = 0;
+    counts_.assign(us_.size() * vs_.size(), false);
     for (std::size_t i = 0; i + 1 < us_.size(); ++i) {
       for (std::size_t j = 0; j + 1 < vs_.size(); ++j) {
         if (!region.Contains(kHalf * (us_[i] + us_[i + 1]), kHalf * (vs_[j] + vs_[j + 1]))) {
           continue;
         }
+        counts_[i * vs_.size() + j] = true;
         const Eigen::Vector3d d = At(i + 1, j + 1) - At(i, j), e = At(i, j + 1) - At(i + 1, j);
-        area += kHalf * d.cross(e).norm();
+        area_ += kHalf * d.cross(e).norm();
       }
     }
-    return area;
   }
 
-  // Knots that make every span at most `side` long.
+  double area() const { return area_; }
+
+  // Pairs of spans there are then.
+  double Cells(double side) const {
+    const std::size_t u = breaks_u_.size() - 1 + Cuts(Direction::kU, side).size();
+    const std::size_t v = breaks_v_.size() - 1 + Cuts(Direction::kV, side).size();
+    return static_cast<double>(u) * static_cast<double>(v);
+  }
+  double spans() const {
+    return static_cast<double>((breaks_u_.size() - 1) * (breaks_v_.size() - 1));
+  }
+
+  // Knots that make every span at most `side` long where the surface counts.
   std::vector<double> Cuts(Direction direction, double side) const {
     const bool along_u = direction == Direction::kU;
     const std::vector<double>& breaks = along_u ? breaks_u_ : breaks_v_;
     const int pieces = along_u ? pieces_u_ : pieces_v_;
-    const std::size_t lines = along_u ? vs_.size() : us_.size();
+    const std::size_t lines = (along_u ? vs_.size() : us_.size()) - 1;
     std::vector<double> cuts;
     for (std::size_t k = 1; k < breaks.size(); ++k) {
       double longest = 0;
       for (std::size_t line = 0; line < lines; ++line) {
         double length = 0;
         for (std::size_t s = (k - 1) * pieces; s < k * pieces; ++s) {
-          length += along_u ? (At(s + 1, line) - At(s, line)).norm()
-                            : (At(line, s + 1) - At(line, s)).norm();
+          const std::size_t i = along_u ? s : line, j = along_u ? line : s;
+          if (!counts_[i * vs_.size() + j]) continue;
+          length += (along_u ? At(i + 1, j) - At(i, j) : At(i, j + 1) - At(i, j)).norm();
         }
         longest = std::max(longest, length);
       }
@@ -101,19 +111,32 @@ class Lattice {
   std::vector<double> breaks_u_, breaks_v_, us_, vs_;
   int pieces_u_, pieces_v_;
   SurfaceGrid grid_;
+  std::vector<bool> counts_;  // whether the middle of the cell after (i, j) is inside the trims
+  double area_ = 0;
 };
+
+double CellsOf(const std::vector<Lattice>& lattices, double side) {
+  double cells = 0;
+  for (const Lattice& lattice : lattices) cells += lattice.Cells(side);
+  return cells;
+}
 
 // The same surfaces with more knots, whose crossings are vertices of their meshes: all cells
 // together are about as many as asked for, and of the same size.
 std::vector<NurbsSurface> WithCells(const std::vector<NurbsSurface>& surfaces, double cells) {
   std::vector<Lattice> lattices;
-  double area = 0;
+  double area = 0, spans = 0;
   for (const NurbsSurface& surface : surfaces) {
     lattices.emplace_back(surface);
-    area += lattices.back().Area(surface);
+    area += lattices.back().area();
+    spans += lattices.back().spans();
   }
-  const double side = std::sqrt(area / cells);
+  double side = std::sqrt(area / cells);
   if (!(side > 0)) return surfaces;
+  // A span that is long somewhere is cut all along.
+  constexpr double kEnough = 2, kLarger = 1.25;
+  for (; CellsOf(lattices, side) > std::max(spans, kEnough * cells); side *= kLarger) {
+  }
   std::vector<NurbsSurface> result;
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const NurbsSurface finer =

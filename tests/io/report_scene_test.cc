@@ -341,6 +341,26 @@ TEST(ReportSceneTest, EveryPointCountsInTheHistogramAndThinningKeepsOutliersAndT
   EXPECT_LT(histogram.high, 0.06);
 }
 
+TEST(ReportSceneTest, AFewFarPointsDoNotPressTheHistogramTogether) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> noise(0, 0.01);
+  Eigen::VectorXd deviations(10000);
+  for (double& deviation : deviations) deviation = noise(engine);
+  deviations.head(100).setLinSpaced(-40, 40);
+  const ReportHistogram histogram = HistogramOf(deviations, {}, {}, true);
+  EXPECT_GT(histogram.low, -0.08);
+  EXPECT_LT(histogram.high, 0.08);
+  EXPECT_NEAR(static_cast<double>(histogram.below + histogram.above), 100, 2);
+  EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), Eigen::Index{0}) +
+                histogram.below + histogram.above,
+            10000);
+  // Distances without a sign begin at zero; equal ones have a bin of their own.
+  EXPECT_EQ(HistogramOf(deviations.cwiseAbs(), {}, {}, false).low, 0);
+  const ReportHistogram same = HistogramOf(Eigen::VectorXd::Constant(7, 0.25), {}, {}, true);
+  EXPECT_LT(same.low, same.high);
+  EXPECT_EQ(same.below + same.above, 0);
+}
+
 TEST(ReportSceneTest, ThePointsShownAreEvenlySpreadAndTheSameEveryTime) {
   constexpr Eigen::Index kTotal = 1000003, kCount = 150000;
   const std::vector<Eigen::Index> spread = EvenlySpread(kTotal, kCount);
@@ -402,9 +422,11 @@ TEST(ReportSceneTest, LimitIsTheToleranceOrWhatThePointsKeepAndNeverZero) {
   EXPECT_EQ(DeviationLimit(zero, none, 0.037, 1, 1), 0.037);
   EXPECT_NEAR(DeviationLimit(zero, none, {}, 0, 5), 5e-9, 1e-20);
   EXPECT_EQ(DeviationLimit(zero, none, {}, 0, 0), 1);
-  EXPECT_EQ(DeviationLimit(zero, none, {}, 0.01, 1), 0.03);
+  EXPECT_NEAR(DeviationLimit(zero, none, {}, 0.01, 1), 1e-9, 1e-20);  // all is far below the noise
   Eigen::VectorXd spread = Eigen::VectorXd::LinSpaced(1001, -1, 1);
   EXPECT_EQ(DeviationLimit(spread, none, {}, 0, 1), 1);
+  EXPECT_EQ(DeviationLimit(spread, none, {}, 0.5, 1), 1.5);
+  EXPECT_EQ(DeviationLimit(spread, none, {}, 100, 1), 3);
   PointMask outer = spread.array().abs() > 0.14;
   EXPECT_EQ(DeviationLimit(spread, outer, {}, 0, 1), 0.15);
 }
@@ -424,6 +446,27 @@ TEST(ReportSceneTest, MoreCellsThanTrianglesAreStillDrawnWithinTheLimit) {
   const ReportScene scene = SceneOf({rough}, measured.points(), options);
   ExpectWhole(scene);
   EXPECT_LE(scene.surfaces[0].mesh.triangles.cols(), 2000);
+}
+
+// A tongue of the domain that the trims cut off must not decide how fine the rest is drawn.
+TEST(ReportSceneTest, WildPartsOutsideTheTrimsCostNothing) {
+  const NurbsSurface sheet = Waves();
+  Eigen::Matrix3Xd control = sheet.control_points();
+  control.col(80) *= 300;
+  control.col(0).z() = -4000;
+  const NurbsSurface wild(sheet.basis_u(), sheet.basis_v(), control);
+  Eigen::Matrix2Xd corners(2, 5);
+  corners << 0.4, 0.6, 0.6, 0.4, 0.4, 0.4, 0.4, 0.6, 0.6, 0.4;
+  const NurbsCurve<2> outer(SplineBasis::Clamped(1, std::vector<double>{0, 1, 2, 3, 4}), corners);
+  const NurbsSurface trimmed = wild.WithTrims({outer});
+  Eigen::Matrix3Xd points(3, 1);
+  points.col(0) = wild.At(0.5, 0.5);
+  const Measured measured = Measure(trimmed, points);
+  const ReportScene scene = SceneOf({trimmed}, measured.points());
+  ExpectWhole(scene);
+  EXPECT_LT(scene.size, 10);
+  EXPECT_GT(scene.surfaces[0].mesh.triangles.cols(), 5000);
+  EXPECT_LT(scene.surfaces[0].mesh.triangles.cols(), 150000);
 }
 
 TEST(ReportSceneTest, RefusesWhatDoesNotBelongTogether) {
