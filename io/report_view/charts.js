@@ -44,10 +44,8 @@ function drawConvergence(svg, data, width) {
   }
   const every = Math.ceil(ticks.length / 9);
   chart.ticksY(ticks.filter((_, i) => i % every === 0), plain, "deviation" + (data.unit ? " [" + data.unit + "]" : ""));
-  const step = Math.max(1, Math.ceil(rounds.length / Math.max(4, width / 60)));
-  const numbers = [];
-  for (let i = 1; i <= rounds.length; i += step) numbers.push(i);
-  chart.ticksX(numbers, String, "round");
+  const numbers = niceTicks(0.5, rounds.length + 0.5, Math.min(rounds.length, Math.max(4, width / 60)));
+  chart.ticksX(numbers.filter((v) => Number.isInteger(v)), String, "round");
   if (T !== null && T >= low && T <= high) {
     add(svg, "line", { x1: chart.left, x2: chart.right, y1: chart.y(T), y2: chart.y(T), class: "tolerance-line" });
     add(svg, "text", { x: chart.right + 4, y: chart.y(T) + 4, class: "mark-text" }, "tol.");
@@ -152,10 +150,10 @@ function drawAlong(svg, data, k, places, lengths, limit, width) {
   });
   chart.linearX(0, length || 1);
   chart.linearY(data.signed ? -most : 0, most);
-  chart.ticksY(niceTicks(data.signed ? -most : 0, most, 6), (v) => (v > 0 && data.signed ? "+" : "") + plain(v),
-               "deviation" + (data.unit ? " [" + data.unit + "]" : ""));
-  chart.ticksX(niceTicks(0, length, Math.max(3, width / 90)), plain,
-               "arc length" + (data.unit ? " [" + data.unit + "]" : ""));
+  const heights = niceTicks(data.signed ? -most : 0, most, 6);
+  chart.ticksY(heights, tickText(heights, data.signed), "deviation" + (data.unit ? " [" + data.unit + "]" : ""));
+  const stations = niceTicks(0, length, Math.max(3, width / 90));
+  chart.ticksX(stations, tickText(stations), "arc length" + (data.unit ? " [" + data.unit + "]" : ""));
   if (data.signed) {
     add(svg, "line", { x1: chart.left, x2: chart.right, y1: chart.y(0), y2: chart.y(0), class: "zero-line" });
   }

@@ -74,10 +74,12 @@ function drawLegend(svg, { map, limit, unit, title, tolerance, signed, unknown, 
     marks.push(tolerance / limit);
     if (signed) marks.push(-tolerance / limit);
   }
-  for (const tick of niceTicks(from * limit, limit, signed ? 8 : 5)) {
+  const ticks = niceTicks(from * limit, limit, signed ? 8 : 5);
+  const write = tickText(ticks, signed);
+  for (const tick of ticks) {
     const t = tick / limit;
     if (marks.some((m) => Math.abs(y(m) - y(t)) < 13)) continue;
-    line(t, (signed && tick > 0 ? "+" : "") + plain(tick), "legend-number");
+    line(t, write(tick), "legend-number");
   }
   for (const mark of marks) {
     const sign = signed ? (mark > 0 ? "+" : kMinus) : "";

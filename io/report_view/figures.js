@@ -95,7 +95,7 @@ function header(data) {
   const what = isComparison(data) ? "Comparison of geometry and points" :
     data.kind === "curve" ? "Curve fitted to points" : "Surface fitted to points";
   const about = ["batten " + (r.version || "")];
-  if (data.date || r.date) about.unshift(data.date || r.date);
+  if (data.date) about.unshift(data.date);
   const element = html("header", "",
     html("div", "heading",
       html("div", "", html("p", "what", what), html("h1", "", data.title)),
@@ -252,7 +252,7 @@ function runTable(data) {
     project: "foot points", refine: "refining", optimize: "joint optimisation", write: "writing", total: "in all" };
   for (const [field, label] of Object.entries(names)) {
     const value = (r.seconds || {})[field];
-    if (value > 0) rows.push([label, seconds(value)]);
+    if (value >= 0.0005) rows.push([label, seconds(value)]);
   }
   if (r.threads > 0) rows.push(["threads", count(r.threads)]);
   if (r.peak_memory_bytes > 0) rows.push(["memory at most", significant(r.peak_memory_bytes / 1e6, 3) + kNarrowSpace + "MB"]);

@@ -58,8 +58,8 @@ function drawHistogram(svg, data, limit, width) {
     }
     add(svg, "path", { d: pathThrough(pairs), class: "normal-curve" });
   }
-  chart.ticksX(niceTicks(from, to, Math.max(3, width / 80)), (v) => (v > 0 && data.signed ? "+" : "") + plain(v),
-               "deviation" + (data.unit ? " [" + data.unit + "]" : ""));
+  const ticks = niceTicks(from, to, Math.max(4, width / 70));
+  chart.ticksX(ticks, tickText(ticks, data.signed), "deviation" + (data.unit ? " [" + data.unit + "]" : ""));
   const mark = (v, text, style) => {
     add(svg, "line", { x1: chart.x(v), x2: chart.x(v), y1: chart.top - 6, y2: chart.bottom, class: style });
     if (text) add(svg, "text", { x: chart.x(v), y: chart.top - 10, class: "mark-text middle" }, text);
@@ -85,8 +85,8 @@ function histogramNotes(data) {
                  scale.text(moments.deviation) + "; the dashed line is the normal curve of both.");
     }
   }
-  if (h.below > 0) notes.push(counted(h.below, "point") + " below " + plain(h.low) + " not drawn.");
-  if (h.above > 0) notes.push(counted(h.above, "point") + " above " + plain(h.high) + " not drawn.");
+  if (h.below > 0) notes.push(counted(h.below, "point") + " below " + significant(h.low) + " not drawn.");
+  if (h.above > 0) notes.push(counted(h.above, "point") + " above " + significant(h.high) + " not drawn.");
   if (data.tolerance !== null && data.tolerance >= 2.5 * Math.max(Math.abs(h.low), Math.abs(h.high))) {
     notes.push("The tolerance of " + plain(data.tolerance) + kNarrowSpace + data.unit + " lies outside the drawing.");
   }

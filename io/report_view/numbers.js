@@ -112,6 +112,18 @@ function niceTicks(low, high, wanted) {
   return ticks;
 }
 
+// Writes ticks alike: with the decimals of their step, or all as powers of ten.
+function tickText(ticks, signed = false) {
+  const step = ticks.length > 1 ? ticks[1] - ticks[0] : ticks[0] || 1;
+  const most = Math.max(...ticks.map(Math.abs), 0);
+  const decimals = Math.max(0, -Math.floor(Math.log10(Math.abs(step)) + 1e-9));
+  const powers = decimals > 6 || most >= 1e7;
+  return (v) => {
+    const sign = signed && v > 0 ? "+" : "";
+    return sign + (v === 0 ? "0" : powers ? plain(v) : fixed(v, decimals));
+  };
+}
+
 // The 1, 2 or 5 times a power of ten next below a positive number.
 function niceBelow(value) {
   const power = Math.pow(10, Math.floor(Math.log10(value)));

@@ -141,8 +141,13 @@ class PlanView {
 
   pixels() {
     this.renderNow();
+    // Reading from a copy leaves the drawing where the browser draws fastest.
     const { width, height } = this.canvas;
-    return { width, height, data: this.context.getImageData(0, 0, width, height).data };
+    const copy = document.createElement("canvas");
+    Object.assign(copy, { width, height });
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(this.canvas, 0, 0);
+    return { width, height, data: context.getImageData(0, 0, width, height).data };
   }
 
   listen() {

@@ -77,7 +77,7 @@ function combScale(data) {
   const sizes = data.curves.flatMap((c) => Array.from(c.curvature, Math.abs));
   const [high] = quantiles(sizes, [0.97]);
   const most = sizes.reduce((a, b) => Math.max(a, finiteOr(b, 0)), 0);
-  return high > 0 ? niceBelow(data.size * Math.min(0.12 / high, 0.3 / most)) : 0;
+  return high > 0 ? niceBelow(data.size * Math.min(0.12 / high, 0.2 / most)) : 0;
 }
 
 // { layers: [{ name, label, objects, on }], width(material) … }: all objects of the view. Widths and sizes

@@ -83,6 +83,7 @@ function readViewData(text) {
   const json = JSON.parse(text);
   const data = {
     title: json.title || "",
+    date: json.date || "",
     kind: json.kind,
     unit: json.unit || "",
     center: json.center || [0, 0, 0],

@@ -46,6 +46,7 @@ class Browser:
         finally:
             self.driver.terminate()
             self.driver.wait(10)
+            self.driver.stdout.close()
 
     def _port(self):
         for line in self.driver.stdout:
