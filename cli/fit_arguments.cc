@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/progress.h"
@@ -131,6 +132,7 @@ void AddEveryFitsArguments(CLI::App& command,
                   a.out_format,
                   "Format of OUT where its name does not tell: json step iges")
       ->type_name("FORMAT");
+  AddStepSchemaFlag(command, a.step_schema);
   AddCloudArguments(command, a.cloud);
   AddOutputArguments(command, a.output);
   AddWorkFlags(command, a.work);
@@ -216,7 +218,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   const double before = Seconds();
   const auto written =
       WriteResiduals(a_.output.residuals, file_.cloud, residuals, parameters, outliers);
-  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit});
+  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
   report.seconds.write = Seconds() - before;

@@ -130,7 +130,7 @@ void SetHeader(const Handle(StepData_StepModel) & model) {
 }
 
 std::string NameOf(const GeometryFile& file, size_t index) {
-  return index < file.names.size() ? CleanName(file.names[index]) : "";
+  return index < file.names.size() ? WithHiddenQuotes(CleanName(file.names[index])) : "";
 }
 
 // "batten-1", "batten-2", … where there is no name: OpenCASCADE's own count the products of the

@@ -102,7 +102,7 @@ class Shapes {
   NurbsSurface Trimmed(int k) {
     RandomTrims trims(kSeed + static_cast<unsigned>(k));
     return trims.Trimmed(random_.Surface(random_.Integer(1, 6), random_.Integer(1, 6), true, k % 2),
-                         1 + k % 5);
+                         1 + k % 4);
   }
 
  private:
@@ -129,6 +129,7 @@ class Shapes {
 double Worst(const std::vector<Geometry>& geometry, const std::string& extension) {
   const TemporaryFolder folder;
   const std::string path = folder.File("a" + extension);
+  if (getenv("DEBUG_RT")) for (size_t i = 0; i < geometry.size(); ++i) { try { WriteGeometry({geometry[i]}, path); } catch (const std::exception& e) { std::printf("case %zu: %s\n", i, e.what()); } }
   WriteGeometry(geometry, path);
   const std::vector<Geometry> back = ReadGeometry(path);
   EXPECT_EQ(back.size(), geometry.size());
