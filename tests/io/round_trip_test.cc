@@ -129,7 +129,6 @@ class Shapes {
 double Worst(const std::vector<Geometry>& geometry, const std::string& extension) {
   const TemporaryFolder folder;
   const std::string path = folder.File("a" + extension);
-  if (getenv("DEBUG_RT")) for (size_t i = 0; i < geometry.size(); ++i) { try { WriteGeometry({geometry[i]}, path); } catch (const std::exception& e) { std::printf("case %zu: %s\n", i, e.what()); } }
   WriteGeometry(geometry, path);
   const std::vector<Geometry> back = ReadGeometry(path);
   EXPECT_EQ(back.size(), geometry.size());
