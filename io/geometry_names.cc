@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/io/geometry_names.h"
 
-#include <cctype>
 #include <cstdint>
 #include <cstdio>
 
@@ -88,16 +87,6 @@ std::string ToStepText(std::string_view text) {
       result += "\\X0\\";
     }
     at += bytes;
-  }
-  return result;
-}
-
-std::string WithHiddenQuotes(std::string_view text) {
-  std::string result;
-  for (size_t at = 0; at < text.size(); ++at) {
-    const auto next = at + 1 < text.size() ? static_cast<unsigned char>(text[at + 1]) : 0;
-    const bool plain = text[at] != '\'' || (next < 0x80 && std::isalnum(next));
-    result += plain ? std::string(1, text[at]) : "\\X2\\0027\\X0\\";
   }
   return result;
 }

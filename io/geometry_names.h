@@ -15,10 +15,6 @@ std::string CleanName(std::string_view text);
 // quotes and backslashes untouched. Expects UTF-8.
 std::string ToStepText(std::string_view text);
 
-// The name with those quotes hidden, as \X2\0027\X0\, that OpenCASCADE's parser takes for the end
-// of the text even where they are doubled: all but those before a letter or digit.
-std::string WithHiddenQuotes(std::string_view text);
-
 // The name as a JSON string with its quotes. Expects UTF-8.
 std::string ToJsonText(std::string_view text);
 
