@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "batten/cli/geometry_flags.h"
+#include "batten/cli/geometry_output.h"
 #include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
@@ -133,6 +134,7 @@ void AddEveryFitsArguments(CLI::App& command,
                   "ORIGIN"),
           {"keep", "local"});
   AddOutputFormatFlag(command, a.out_format);
+  AddStepSchemaFlag(command, a.step_schema);
   AddCloudArguments(command, a.cloud);
   AddOutputArguments(command, a.output);
   AddWorkFlags(command, a.work);
@@ -236,7 +238,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   target.scene = SceneFor(
       a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
-  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit});
+  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
   report.seconds.write = Seconds() - before;

@@ -24,7 +24,7 @@ namespace batten {
 
 struct FitArguments {
   std::vector<std::string> clouds;
-  std::string out, out_format;
+  std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
   CloudArguments cloud;
   OutputArguments output;
   CommonFlags flags;

@@ -186,7 +186,7 @@ Json SummaryOf(const Geometry& geometry, double tolerance) {
 }
 
 Json SummaryOf(const GeometryContents& contents, double tolerance) {
-  Json all;
+  Json all = Json::object();
   if (!contents.unit.empty()) all["unit"] = contents.unit;
   if (!contents.remarks.empty()) all["remarks"] = contents.remarks;
   const std::vector<Geometry>& geometry = contents.geometry;

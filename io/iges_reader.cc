@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/io/iges_reader.h"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "batten/geometry/bounding_box.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/frame.h"
 #include "batten/geometry/join.h"
@@ -36,6 +37,7 @@ using Numbers = IgesNumbers;
 
 // Entity types of the specification. Those of single curves are in iges_shapes.h.
 enum Type { kComposite = 102, kPoint = 116, kMatrix = 124, kSurface = 128 };
+enum PlaneType { kPlane = 108 };
 enum SweptType { kRuled = 118, kRevolution = 120, kTabulated = 122 };
 enum TrimType { kBoundary = 141, kCurveOnSurface = 142, kBounded = 143, kTrimmedSurface = 144 };
 
@@ -201,6 +203,9 @@ class Reader {
       case kTrimmedSurface:
         result_.emplace_back(Trimmed(entity));
         return;
+      case kPlane:
+        if (entity.form == 1) result_.emplace_back(BoundedPlane(entity));
+        return;
       case kBounded:
         result_.emplace_back(Bounded(entity));
         return;
@@ -222,7 +227,9 @@ class Reader {
         if (entity.type != kComposite && !IsIgesCurve(entity)) {
           if (entity.type < kFirstShape || entity.type > kLastShape) return;
           throw std::invalid_argument(
-              "is of a type that is not in this version; surfaces 118, 120, 122, 128, 143, 144 and "
+              "is of a type that is not in this version; surfaces 108, 118, 120, 122, 128, 143, "
+              "144 "
+              "and "
               "curves 100, 102, 104, 106, 110, 112, 126 are");
         }
         for (NurbsCurve<3>& curve : Curves(entity)) result_.emplace_back(std::move(curve));
@@ -291,6 +298,7 @@ class Reader {
     NurbsSurface surface;
     std::optional<ParameterMap> u, v;  // none: they are the same
     bool swapped = false;              // the file's first parameter is v
+    bool skewed = false;               // v is another one, which no map brings back
   };
 
   // The only part of a curve that spans a surface.
@@ -317,12 +325,13 @@ class Reader {
         const NurbsCurve<3> first = Rail(in.Entity());
         NurbsCurve<3> second = Rail(in.Entity());
         if (in.Real() != 0) second = Reversed(second);
-        return {Placed(entity, Ruled(first, second)), {}, {}};
+        const NurbsSurface surface = Ruled(first, second);
+        return {Placed(entity, surface), {}, {}, false, !AlikeWeights(surface)};
       }
       case kTabulated: {
         const NurbsCurve<3> rail = Reparameterized(Rail(in.Entity()), 0, 1);
-        const Eigen::Vector3d end(in.Real(), in.Real(), in.Real());
-        const Eigen::Vector3d by = end - rail.At(0);
+        const std::vector<double> end = in.Reals(3);
+        const Eigen::Vector3d by = Eigen::Map<const Eigen::Vector3d>(end.data()) - rail.At(0);
         return {
             Placed(entity,
                    Ruled(rail,
@@ -356,6 +365,10 @@ class Reader {
 
   NurbsSurface Trimmed(const IgesEntity& entity) {
     Numbers in(entity.parameters);
+    if (!entity.parameters.empty()) {
+      const IgesEntity& surface = At(IgesIndex(entity.parameters[0]), "surface");
+      if (surface.type == kPlane) return TrimmedPlane(entity, surface);
+    }
     const Base base = SurfaceOf(At(in.Entity(), "surface"));
     const bool outer = in.Integer() != 0;
     const int holes = in.Integer(), boundary = in.Entity();
@@ -367,6 +380,78 @@ class Reader {
     }
     for (int i = 0; i < holes; ++i) loops.push_back(Loop(At(in.Entity(), "boundary"), base));
     return WithLoops(entity, base, std::move(loops));
+  }
+
+  // The frame of a plane, A x + B y + C z = D, where its matrix puts it.
+  Frame FrameOf(const IgesEntity& plane) const {
+    Numbers in(plane.parameters);
+    const std::vector<double> numbers = in.Reals(4);
+    const Eigen::Vector3d normal(numbers[0], numbers[1], numbers[2]);
+    if (!(normal.norm() > 0)) throw std::invalid_argument("is a plane without a normal");
+    const Frame frame(normal * (numbers[3] / normal.squaredNorm()), normal);
+    if (plane.transform < 0) return frame;
+    Eigen::Matrix3Xd points(3, 3);
+    points << frame.origin(), frame.At(1, 0, 0), frame.At(0, 1, 0);
+    points = Moved(plane, std::move(points));
+    const Eigen::Vector3d x = points.col(1) - points.col(0), y = points.col(2) - points.col(0);
+    return Frame(points.col(0), x.cross(y), x);
+  }
+
+  // The part of a plane inside loops that are curves in space: a plane has no parameters of its
+  // own.
+  NurbsSurface PlaneInside(const Frame& frame, const std::vector<int>& curves) {
+    std::vector<std::vector<NurbsCurve<2>>> loops;
+    Eigen::AlignedBox2d box;
+    for (const int curve : curves) {
+      std::vector<NurbsCurve<2>> pieces;
+      for (const NurbsCurve<3>& part : Curves(At(curve, "boundary in space"))) {
+        Eigen::Matrix2Xd flat(2, part.control_points().cols());
+        const Eigen::Matrix3Xd from = part.control_points().colwise() - frame.origin();
+        flat.row(0) = frame.x().transpose() * from;
+        flat.row(1) = frame.y().transpose() * from;
+        pieces.emplace_back(part.basis(), std::move(flat), part.weights());
+        box.extend(BoundingBox(pieces.back()));
+      }
+      loops.push_back(std::move(pieces));
+    }
+    const Eigen::Vector2d sides = box.sizes();
+    if (!(sides.minCoeff() > 0)) throw std::invalid_argument("encloses no part of its plane");
+    const Base base{
+        MakePlane(frame, {box.min().x(), box.max().x()}, {box.min().y(), box.max().y()}), {}, {}};
+    std::vector<NurbsCurve<2>> inside;
+    for (std::vector<NurbsCurve<2>>& pieces : loops) {
+      for (NurbsCurve<2>& piece : pieces) {
+        const Eigen::Matrix2Xd places =
+            (piece.control_points().colwise() - box.min()).array().colwise() / sides.array();
+        piece = NurbsCurve<2>(piece.basis(), places, piece.weights());
+      }
+      inside.push_back(InOne(std::move(pieces), base));
+    }
+    return WithLoops(IgesEntity(), base, std::move(inside));
+  }
+
+  NurbsSurface TrimmedPlane(const IgesEntity& entity, const IgesEntity& plane) {
+    constexpr size_t kSpaceCurve = 3;
+    const auto in_space = [&](int boundary) {
+      const IgesEntity& curve = At(boundary, "boundary");
+      if (curve.type != kCurveOnSurface || curve.parameters.size() <= kSpaceCurve) {
+        throw std::invalid_argument("has no curve for a boundary");
+      }
+      return IgesIndex(curve.parameters[kSpaceCurve]);
+    };
+    Numbers in(entity.parameters);
+    in.Entity();
+    if (in.Integer() == 0) throw std::invalid_argument("is a plane without an outer boundary");
+    const int holes = in.Integer();
+    std::vector<int> curves = {in_space(in.Entity())};
+    for (int i = 0; i < holes; ++i) curves.push_back(in_space(in.Entity()));
+    return Placed(entity, PlaneInside(FrameOf(plane), curves));
+  }
+
+  NurbsSurface BoundedPlane(const IgesEntity& entity) {
+    constexpr size_t kBoundingCurve = 4;
+    if (entity.parameters.size() <= kBoundingCurve) throw std::invalid_argument("has no boundary");
+    return PlaneInside(FrameOf(entity), {IgesIndex(entity.parameters[kBoundingCurve])});
   }
 
   // Its boundaries are the loops, the outer one among them.
@@ -394,9 +479,24 @@ class Reader {
     return WithLoops(entity, base, std::move(loops));
   }
 
+  // Whether the weights along v = 1 are those along v = 0, up to a factor.
+  static bool AlikeWeights(const NurbsSurface& ruled) {
+    constexpr double kSame = 1e-12;
+    const Eigen::VectorXd& w = ruled.weights();
+    for (Eigen::Index i = 0; i + 1 < w.size(); i += 2) {
+      if (std::abs(w[i] * w[1] - w[i + 1] * w[0]) > kSame * w[i] * w[1]) return false;
+    }
+    return true;
+  }
+
   NurbsSurface WithLoops(const IgesEntity& entity,
                          const Base& base,
                          std::vector<NurbsCurve<2>> loops) {
+    if (base.skewed) {
+      throw std::invalid_argument(
+          "trims a ruled surface between curves of different weights, whose parameters are not "
+          "those of a NURBS surface");
+    }
     if (loops.size() == 1 && RunsRoundDomain(base.surface, loops[0])) loops.clear();
     try {
       return Placed(entity, WithTurnedLoops(base.surface, std::move(loops), kCadGap));

@@ -34,8 +34,9 @@ Handle(StepRepr_GlobalUnitAssignedContext) UnitsOf(const Handle(Standard_Transie
 // Of every context that declares one, in millimetres, each once.
 std::vector<double> DeclaredFactors(const Handle(StepData_StepModel) & model) {
   constexpr double kSame = 1e-9;
+  constexpr size_t kMost = 16;  // more are not worth telling apart
   std::vector<double> factors;
-  for (int i = 1; i <= model->NbEntities(); ++i) {
+  for (int i = 1; i <= model->NbEntities() && factors.size() < kMost; ++i) {
     const auto declared = UnitsOf(model->Value(i));
     if (declared.IsNull()) continue;
     STEPConstruct_UnitContext units;

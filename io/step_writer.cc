@@ -23,6 +23,7 @@
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <iterator>
@@ -176,6 +177,18 @@ std::string WithShortestReals(const std::string& text) {
   bool quoted = false;
   for (size_t i = 0; i < text.size();) {
     const char c = text[i];
+    if (quoted && c == '\'') {
+      // OpenCASCADE's parser takes a doubled quote for the end unless a letter or digit follows.
+      const size_t second = std::min(text.find_first_not_of('\n', i + 1), text.size());
+      const size_t after = std::min(text.find_first_not_of('\n', second + 1), text.size());
+      if (second < text.size() && text[second] == '\'') {
+        const bool plain =
+            after < text.size() && std::isalnum(static_cast<unsigned char>(text[after]));
+        result += plain ? "\'\'" : "\\X2\\0027\\X0\\";
+        i = second + 1;
+        continue;
+      }
+    }
     if (c == '\'') quoted = !quoted;
     if (quoted && c != '\'') {
       const size_t end = std::min(text.find('\'', i), text.size());

@@ -137,9 +137,9 @@ TEST_F(ExchangeTest, OddFilesAreReadAndSaidToBeOdd) {
       {folder_.File("a.igs"),
        {NurbsCurve<3>(SplineBasis(1, {0, 0, 1, 1}), Eigen::Matrix<double, 3, 2>::Identity())}});
   std::string text = folder_.Text("a.igs");
-  const std::string unit = ",2,2HMM,";
+  const std::string unit = ",2,G0000001\n2HMM,";
   ASSERT_NE(text.find(unit), text.npos);
-  text.replace(text.find(unit), unit.size(), ",,     ,");
+  text.replace(text.find(unit), unit.size(), ", ,G0000001\n    ,");
   const std::string odd = folder_.With("odd.igs", text);
   const ProgramRun run = Batten({"convert", odd, folder_.File("out.step")});
   EXPECT_EQ(run.code, 0);

@@ -119,7 +119,7 @@ TEST_F(GeometryUnitsTest, StepWithoutAUnitSaysSo) {
   File(".step", "mm");
   std::string text = folder_.Text("part-mm.step");
   // The context names the three units; without the length the model has none.
-  const size_t begin = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT((");
+  const size_t begin = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT(");
   ASSERT_NE(begin, text.npos);
   const size_t first = text.find('#', begin), comma = text.find(',', first);
   text.erase(first, comma + 1 - first);
@@ -132,17 +132,20 @@ TEST_F(GeometryUnitsTest, StepWithoutAUnitSaysSo) {
 TEST_F(GeometryUnitsTest, IgesWithoutAUnitIsInInchesAndSaysSo) {
   File(".igs", "mm");
   const std::string good = folder_.Text("part-mm.igs");
-  const auto read = [&](const std::string& what, const std::string& by) {
-    return ReadGeometryContents(folder_.With("odd.igs", Replaced(good, what, by)));
+  // Its header ends a line between the flag and the name.
+  const auto read = [&](const std::string& flag, const std::string& name) {
+    return ReadGeometryContents(folder_.With(
+        "odd.igs",
+        Replaced(good, ",2,G0000001\n2HMM,", "," + flag + ",G0000001\n2H" + name + ",")));
   };
-  const GeometryContents none = read(",2,2HMM,", ",,     ,");
+  const GeometryContents none = read(" ", "??");
   EXPECT_EQ(none.unit, "inch");
   EXPECT_THAT(none.remarks, ElementsAre(HasSubstr("no unit of length that is known: inches")));
-  const GeometryContents torn = read(",2,2HMM,", ",2,2HIN,");
+  const GeometryContents torn = read("2", "IN");
   EXPECT_EQ(torn.unit, "mm");
   EXPECT_THAT(torn.remarks,
               ElementsAre("its unit is mm by its flag and inch by its name: the flag counts"));
-  const GeometryContents named = read(",2,2HMM,", ",3,2HFT,");
+  const GeometryContents named = read("3", "FT");
   EXPECT_EQ(named.unit, "ft");
   EXPECT_THAT(named.remarks, IsEmpty());
 }

@@ -102,7 +102,7 @@ class Shapes {
   NurbsSurface Trimmed(int k) {
     RandomTrims trims(kSeed + static_cast<unsigned>(k));
     return trims.Trimmed(random_.Surface(random_.Integer(1, 6), random_.Integer(1, 6), true, k % 2),
-                         1 + k % 5);
+                         1 + k % 4);
   }
 
  private:
