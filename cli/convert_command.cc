@@ -56,6 +56,7 @@ int Run(const Arguments& a) {
                         .geometry_format = in_format,
                         .out = a.out,
                         .out_format = out_format,
+                        .unit = a.unit,
                         .flags = a.flags});
   }
   const FileFormat to = FormatOf(a.out, out_format);
@@ -115,15 +116,18 @@ void AddConvertCommand(CLI::App& app, Action& action) {
   command.add_option("IN", a->in, "What to read: .json .step .iges, or .pcd .ply .xyz ...")
       ->required();
   command
-      .add_option(
-          "OUT", a->out, "What to write: .json .step .iges, .stl .obj .ply, or .ply .pcd .xyz .csv")
+      .add_option("OUT",
+                  a->out,
+                  "What to write: .json .step .iges, .stl .obj .ply .glb, or .ply .pcd .xyz .csv")
       ->required();
   command
       .add_option("--output-format",
                   a->out_format,
                   "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
-  command.add_option("--unit", a->unit, "Unit of the data, declared in STEP")
+  command
+      .add_option(
+          "--unit", a->unit, "Unit of the data, declared in STEP and IGES; .glb is in metres")
       ->capture_default_str()
       ->type_name("UNIT");
   AddCloudArguments(command, a->cloud);

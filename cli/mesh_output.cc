@@ -5,13 +5,17 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/cli/fit_output.h"
+#include "batten/cli/mesh_deviation.h"
 #include "batten/cli/terminal.h"
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/tessellate.h"
+#include "batten/io/deviation_colours.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/read_error.h"
@@ -42,6 +46,47 @@ double DefaultTolerance(const std::vector<NurbsSurface>& surfaces) {
   return kShare * box.diagonal().norm();
 }
 
+double MetresOf(const std::string& unit) {
+  constexpr struct {
+    const char* name;
+    double metres;
+  } kUnits[] = {{"mm", 1e-3},
+                {"cm", 1e-2},
+                {"m", 1},
+                {"km", 1e3},
+                {"um", 1e-6},
+                {"in", 0.0254},
+                {"inch", 0.0254},
+                {"ft", 0.3048},
+                {"mi", 1609.344},
+                {"mil", 2.54e-5},
+                {"uin", 2.54e-8}};
+  for (const auto& known : kUnits) {
+    if (unit == known.name) return known.metres;
+  }
+  throw UsageError("--unit: '" + unit + "' is not known");
+}
+
+Eigen::AlignedBox2d DomainOf(const NurbsSurface& surface) {
+  const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+  return {Eigen::Vector2d(u.lower(), v.lower()), Eigen::Vector2d(u.upper(), v.upper())};
+}
+
+double RangeOf(const std::vector<SurfaceMesh>& meshes) {
+  std::vector<double> all;
+  for (const SurfaceMesh& one : meshes)
+    all.insert(all.end(), one.deviations.begin(), one.deviations.end());
+  return DeviationRange(
+      Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size())));
+}
+
+Eigen::Index MeasuredVertices(const std::vector<SurfaceMesh>& meshes) {
+  Eigen::Index measured = 0;
+  for (const SurfaceMesh& one : meshes)
+    measured += one.deviations.size() - one.deviations.array().isNaN().count();
+  return measured;
+}
+
 }  // namespace
 
 bool NamesMesh(const std::string& path, const std::string& format) {
@@ -54,42 +99,75 @@ bool NamesMesh(const std::string& path, const std::string& format) {
 }
 
 int WriteMeshOf(const MeshRequest& a) {
-  MeshFormatOf(a.out, a.out_format);
+  const MeshFormat format = MeshFormatOf(a.out, a.out_format);
   if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
+  if (!a.cloud_path.empty() && format == MeshFormat::kStl) {
+    throw UsageError("--deviation: STL holds no colours: write .ply, .glb or .obj");
+  }
+  if (a.cloud_path.empty() && a.deviation_range > 0) {
+    throw UsageError("--deviation-range is of colours: it needs --deviation CLOUD");
+  }
+  CheckUnit(a.unit);
   CheckWritable(a.out);
   const std::vector<NurbsSurface> surfaces = Surfaces(a);
+  std::optional<PointCloud> cloud;
+  if (!a.cloud_path.empty()) {
+    cloud = ReadCloud({a.cloud_path}, ToReadOptions(a.cloud, a.flags.quiet)).cloud;
+  }
   const Progress progress = MakeProgress(a.flags.quiet);
   TessellateOptions options;
   options.chord_tolerance = a.chord_tolerance > 0 ? a.chord_tolerance : DefaultTolerance(surfaces);
-  std::vector<TriangleMesh> meshes;
+  std::vector<SurfaceMesh> meshes;
   const auto count = static_cast<double>(surfaces.size());
   options.progress = [&](double share) {
     Report(progress, "tessellate", (static_cast<double>(meshes.size()) + share) / count);
   };
+  Eigen::Index vertices = 0, triangles = 0;
   for (const NurbsSurface& surface : surfaces) {
     options.progress(0);
     TriangleMesh mesh = Tessellate(surface, options);
     options.max_triangles -= mesh.triangles.cols();
-    meshes.push_back(std::move(mesh));
+    vertices += mesh.vertices.cols();
+    triangles += mesh.triangles.cols();
+    meshes.push_back({.mesh = std::move(mesh), .domain = DomainOf(surface)});
   }
-  const TriangleMesh mesh = JoinedMeshes(meshes);
-  options.progress(0);
-  WriteMesh(mesh, a.out, a.out_format);
+  MeshWriteOptions write{.format = a.out_format, .metres = MetresOf(a.unit)};
+  if (cloud) {
+    ThreadPool pool(a.threads);
+    AddDeviations(surfaces, *cloud, meshes, pool, progress);
+    write.range = a.deviation_range > 0 ? a.deviation_range : RangeOf(meshes);
+  }
+  Report(progress, "write", 0);
+  WriteMeshes(meshes, a.out, write);
   ClearProgress();
   if (a.flags.json) {
-    PrintFiles({{"path", a.out},
-                {"kind", "mesh"},
-                {"surfaces", surfaces.size()},
-                {"vertices", mesh.vertices.cols()},
-                {"triangles", mesh.triangles.cols()},
-                {"chord_tolerance", options.chord_tolerance}});
+    nlohmann::ordered_json entry{{"path", a.out},
+                                 {"kind", "mesh"},
+                                 {"surfaces", surfaces.size()},
+                                 {"vertices", vertices},
+                                 {"triangles", triangles},
+                                 {"chord_tolerance", options.chord_tolerance}};
+    if (cloud) {
+      entry["deviation"] = {{"points", cloud->size()},
+                            {"range", write.range},
+                            {"vertices_measured", MeasuredVertices(meshes)}};
+    }
+    PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
     fmt::print("{}: {} triangles, {} vertices, within {:.3g} of {}\n",
                a.out,
-               mesh.triangles.cols(),
-               mesh.vertices.cols(),
+               triangles,
+               vertices,
                options.chord_tolerance,
                surfaces.size() == 1 ? "the surface" : fmt::format("{} surfaces", surfaces.size()));
+    if (cloud) {
+      fmt::print(
+          "coloured by {} points: blue is {:.3g} below the surface, red above; {} vertices "
+          "have none near and are grey\n",
+          cloud->size(),
+          write.range,
+          vertices - MeasuredVertices(meshes));
+    }
   }
   return kDone;
 }

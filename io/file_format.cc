@@ -49,7 +49,7 @@ constexpr std::array kUnsupported{
     UnsupportedWord{"obj", "not in this version; convert it to .ply"},
     UnsupportedWord{"stl", "not in this version; convert it to .ply"},
     UnsupportedWord{"off", "not in this version; convert it to .ply"},
-    UnsupportedWord{"glb", "not in this version; use .step or .json"},
+    UnsupportedWord{"glb", "a mesh, which 'batten tessellate' only writes; use .step or .json"},
 };
 
 std::string Lower(std::string text) {
