@@ -169,7 +169,12 @@ int Run(const Arguments& a) {
   OutputArguments output = a.output;
   if (!contents.unit.empty()) output.unit = contents.unit;
   ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
-  target.scene = SceneFor(a.output, geometry, points, {a.tolerance}, a.work.threads, a.flags.quiet);
+  target.scene = SceneFor(a.output,
+                          geometry,
+                          points,
+                          {.tolerance = a.tolerance, .names = contents.names},
+                          a.work.threads,
+                          a.flags.quiet);
   const auto residuals = ResidualsFor(a.output, points, a.tolerance);
   if (residuals) residuals->Commit();
   const auto end = std::chrono::steady_clock::now();

@@ -68,6 +68,7 @@ int Run(const Arguments& a) {
                         .geometry_format = in_format,
                         .out = a.out,
                         .out_format = out_format,
+                        .unit = a.output.unit,
                         .flags = a.flags});
   }
   const FileFormat to = FormatOf(a.out, out_format);
@@ -143,7 +144,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
             a->out = files.back();
           },
           std::string("What to read: .json .step .iges, or ") + kCloudFormats +
-              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply, "
+              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply .glb, "
               "or .ply .pcd .xyz .csv")
       ->required()
       ->expected(2, -1)

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of a file as one triangle mesh in another: what tessellate and convert share.
+// Surfaces of a file as triangle meshes in another: what tessellate and convert share.
 #pragma once
 
 #include <string>
 
+#include "batten/cli/cloud_arguments.h"
 #include "batten/cli/program.h"
 
 namespace batten {
 
 struct MeshRequest {
   std::string geometry, geometry_format, out, out_format;
-  double chord_tolerance = 0;  // 0: 1e-3 of the size of all surfaces
+  double chord_tolerance = 0;   // 0: 1e-3 of the size of all surfaces
+  std::string unit = {};        // wanted; empty: the geometry's own, mm where it says none
+  std::string cloud_path = {};  // whose deviations colour the mesh; none without
+  CloudArguments cloud = {};
+  double deviation_range = 0;  // 0: a round number that 95 % are within
+  int threads = 0;
   CommonFlags flags;
 };
 

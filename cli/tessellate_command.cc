@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
-// batten tessellate: surfaces as one triangle mesh.
+// batten tessellate: surfaces as triangle meshes.
 #include <memory>
 #include <string>
+#include <utility>
 
+#include "batten/cli/cloud_arguments.h"
+#include "batten/cli/fit_output.h"
 #include "batten/cli/mesh_output.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 
@@ -11,7 +15,6 @@ namespace batten {
 
 void AddTessellateCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<MeshRequest>();
-  auto word = std::make_shared<std::string>();
   CLI::App& command =
       *app.add_subcommand("tessellate", "Turn surfaces, inside their trims, into a triangle mesh");
   command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step .iges")->required();
@@ -26,20 +29,50 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
           },
           "How far triangles may be from the surface, in its unit [1e-3 of its size]")
       ->type_name("T");
-  command.add_option("--format", *word, "Format of files whose name does not tell, or of '-'")
-      ->type_name("FORMAT");
+  command
+      .add_option("--deviation",
+                  a->cloud_path,
+                  "Colour vertices by how far the points near them stand off the surface")
+      ->type_name("CLOUD");
+  command
+      .add_option_function<std::string>(
+          "--deviation-range",
+          [a](const std::string& text) {
+            a->deviation_range = ParseNumber("--deviation-range", text, Sign::kPositive);
+          },
+          "What is that far off is all blue or red, and beyond dark [chosen, a round number]")
+      ->type_name("R");
+  CLI::Option& unit =
+      *command
+           .add_option(
+               "--unit",
+               a->unit,
+               "Unit of the mesh: coordinates of a file in another are turned into it; .glb "
+               "is in metres\nalways [the file's own, mm where it says none]")
+           ->type_name("UNIT");
+  Suggest(unit, Units());
+  AddCloudArguments(command, a->cloud);
+  AddThreadsFlag(command, a->threads);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Each surface's mesh is closed along its seams and poles and has no cracks inside; meshes "
       "of\n"
-      "several surfaces stand side by side in one file. STL keeps single precision only.\n"
+      "several surfaces stand side by side in one file, in .obj and .glb as objects of their own.\n"
+      "STL keeps single precision only, and neither colours nor normals of the surface.\n"
+      "--columns, --where and --box are of the points of --deviation.\n"
       "Examples:\n"
       "  batten tessellate part.step -o part.stl\n"
       "  batten tessellate hull.json -o hull.obj --chord-tolerance 0.01\n"
+      "  batten tessellate part.step -o part.glb --deviation scan.ply --deviation-range 0.1\n"
       "  batten tessellate part.step -o - --format ply > part.ply");
-  command.callback([a, word, &action] {
-    const bool of_geometry = *word == "json" || *word == "step" || *word == "iges";
-    (of_geometry ? a->geometry_format : a->out_format) = *word;
+  command.callback([a, &action] {
+    // The word is of the mesh where it names one, of the geometry or else of the points.
+    std::string& word = a->cloud.format;
+    if (NamesMesh("", word)) {
+      a->out_format = std::exchange(word, "");
+    } else if (NamesGeometry(word)) {
+      a->geometry_format = std::exchange(word, "");
+    }
     action = [a] { return WriteMeshOf(*a); };
   });
 }

@@ -45,10 +45,10 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/bernstein_polynomial.h geometry/box_minimum.h geometry/box_tree.h
   geometry/checked_parameter.h geometry/composed_blossom.h geometry/conic_fit.h
   geometry/construction_checks.h geometry/control_rows.h geometry/evaluation_lanes.h
-  geometry/evaluation_table.h geometry/foot_kernels.h geometry/foot_proof.h geometry/foot_reach.h
-  geometry/foot_reach_kernel.h geometry/foot_search.h geometry/foot_table.h geometry/gauss_rule.h
-  geometry/homogeneous.h geometry/join_tolerances.h geometry/knot_groups.h
-  geometry/knot_refinement.h geometry/knot_removal.h geometry/lattice_mesh.h
+  geometry/evaluation_table.h geometry/flatness_bound.h geometry/foot_kernels.h
+  geometry/foot_proof.h geometry/foot_reach.h geometry/foot_reach_kernel.h geometry/foot_search.h
+  geometry/foot_table.h geometry/gauss_rule.h geometry/homogeneous.h geometry/join_tolerances.h
+  geometry/knot_groups.h geometry/knot_refinement.h geometry/knot_removal.h geometry/lattice_mesh.h
   geometry/limit_series.h geometry/local_feet_kernel.h geometry/local_points.h
   geometry/loop_curves.h geometry/loop_cut.h geometry/mesh_domain.h geometry/monotone_arcs.h
   geometry/number_text.h geometry/plane_curve_crossings.h geometry/polar_form.h
@@ -58,12 +58,12 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/trimmed_area.h geometry/trimmed_box.h geometry/trimmed_foot_search.h geometry/unit_arc.h
   geometry/weighted_means.h io/base64.h io/binary_column.h io/byte_source.h io/closed_form.h
   io/cloud_columns.h io/cloud_filter.h io/distinct_points.h io/face_loops.h io/file_loops.h
-  io/geometry_names.h io/iges_shapes.h io/iges_text.h io/json_document.h io/json_field.h
-  io/json_splines.h io/json_trims.h io/las_reader.h io/little_endian.h io/obj_reader.h
-  io/occt_convert.h io/occt_exact.h io/occt_face.h io/occt_session.h io/occt_shapes.h
-  io/off_reader.h io/only_lines.h io/parameter_map.h io/parameter_rectangle.h io/pcd_reader.h
-  io/plain_decimal.h io/ply_reader.h io/polyline.h io/report_assets.h io/report_curve.h
-  io/report_data.h io/report_points.h io/report_surface.h io/row_batch.h io/space_curve.h
-  io/step_model.h io/step_names.h io/step_syntax.h io/step_units.h io/stl_reader.h io/text_names.h
-  io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h io/trimmed_face.h
-  io/vertex_rows.h io/whole_file.h)
+  io/geometry_names.h io/glb_writer.h io/iges_shapes.h io/iges_text.h io/json_document.h
+  io/json_field.h io/json_splines.h io/json_trims.h io/las_reader.h io/little_endian.h
+  io/obj_reader.h io/occt_convert.h io/occt_exact.h io/occt_face.h io/occt_session.h
+  io/occt_shapes.h io/off_reader.h io/only_lines.h io/parameter_map.h io/parameter_rectangle.h
+  io/pcd_reader.h io/plain_decimal.h io/ply_reader.h io/polyline.h io/report_assets.h
+  io/report_curve.h io/report_data.h io/report_points.h io/report_surface.h io/row_batch.h
+  io/space_curve.h io/step_model.h io/step_names.h io/step_syntax.h io/step_units.h io/stl_reader.h
+  io/text_names.h io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h
+  io/trimmed_face.h io/vertex_rows.h io/whole_file.h)

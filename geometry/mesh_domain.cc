@@ -105,7 +105,7 @@ class LoopHalving {
     };
     if (far(basis_u, a[0], b[0]) || far(basis_v, a[1], b[1])) return false;
     const Eigen::Vector3d first = surface_.At(a[0], a[1]), last = surface_.At(b[0], b[1]);
-    for (const double share : {0.5, 0.25, 0.75}) {
+    for (const double share : {0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875}) {
       const Eigen::Vector2d on_loop = loop_.At(lower + share * (upper - lower));
       const Eigen::Vector2d on_line = a + share * (b - a);
       if (Distance(surface_.At(on_loop[0], on_loop[1]), first, last) > tolerance_ ||

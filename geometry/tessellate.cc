@@ -3,14 +3,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "batten/geometry/bounding_box.h"
+#include "batten/geometry/flatness_bound.h"
 #include "batten/geometry/lattice_mesh.h"
 #include "batten/geometry/mesh_domain.h"
 #include "batten/geometry/number_text.h"
@@ -35,6 +38,7 @@ class Tessellation {
         surface_(surface.Translated(-middle)),
         region_(surface_.surface()),
         domain_(surface_.surface()),
+        proof_(surface_.surface()),
         tolerance_(tolerance),
         options_(options) {}
 
@@ -209,13 +213,61 @@ class Tessellation {
       const int triangle = queue_.front();
       queue_.pop_front();
       queued_[triangle] = 0;
-      const TriangleError error =
-          ErrorOf(SurfaceTriangleOf(mesh_.triangles()[triangle]), surface_, tolerance_);
-      if (error.distance <= kShare * tolerance_) continue;
-      for (const int edge : error.worst) {
+      const SurfaceTriangle given = SurfaceTriangleOf(mesh_.triangles()[triangle]);
+      const TriangleError error = ErrorOf(given, surface_, tolerance_);
+      std::optional<std::array<int, 3>> worst = error.worst;
+      if (error.distance <= kShare * tolerance_) worst = Unproven(given);
+      if (!worst) continue;
+      for (const int edge : *worst) {
         if (Split({triangle, edge})) break;
       }
     }
+  }
+
+  // What four places did not see: none where the triangle is proven to lie within the tolerance,
+  // else its edges, those to be halved first in front. A triangle without a plane is as good as its
+  // edges.
+  std::optional<std::array<int, 3>> Unproven(const SurfaceTriangle& triangle) {
+    const auto& q = triangle.points;
+    constexpr double kFlat = 1e-12;
+    const Eigen::Vector3d cross = (q[1] - q[0]).cross(q[2] - q[0]);
+    double longest = 0;
+    for (int e = 0; e < 3; ++e) longest = std::max(longest, (q[(e + 1) % 3] - q[e]).norm());
+    const bool flat = cross.norm() > kFlat * longest * longest;
+    std::array<double, 3> bends{};
+    bool proven = true;
+    if (flat) {
+      const Eigen::Vector3d normal = cross.normalized();
+      const FlatnessBound::Result bound =
+          proof_.Over(triangle.parameters, normal, normal.dot(q[0]), tolerance_);
+      proven = bound.distance <= tolerance_;
+      if (!proven) bends = bound.bends;
+    }
+    for (int e = 0; e < 3; ++e) {
+      if (!triangle.lines[e]) continue;
+      const double aside = EdgeBound(triangle, e);
+      if (aside <= tolerance_) continue;
+      proven = false;
+      bends[e] = std::max(bends[e], aside);
+    }
+    if (proven) return std::nullopt;
+    std::array<int, 3> order{0, 1, 2};
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return bends[a] > bends[b]; });
+    return order;
+  }
+
+  // How far the surface is at most from an edge of a triangle that follows it as a line.
+  double EdgeBound(const SurfaceTriangle& triangle, int edge) {
+    const int from = (edge + 1) % 3, to = (edge + 2) % 3;
+    const Eigen::Vector3d& start = triangle.points[from];
+    const Eigen::Vector3d along = triangle.points[to] - start;
+    if (along.isZero()) return 0;
+    const Eigen::Vector3d across = along.unitOrthogonal(), other = along.cross(across).normalized();
+    const double enough = tolerance_ / 2;  // of either, for both together
+    const std::array<Eigen::Vector2d, 3> ends{
+        triangle.parameters[from], triangle.parameters[to], triangle.parameters[to]};
+    return std::hypot(proof_.Over(ends, across, across.dot(start), enough).distance,
+                      proof_.Over(ends, other, other.dot(start), enough).distance);
   }
 
   SurfaceTriangle SurfaceTriangleOf(const LatticeMesh::Triangle& triangle) const {
@@ -314,6 +366,7 @@ class Tessellation {
     std::vector<int> numbers(names.size(), -1);
     std::vector<int> used;
     std::vector<Eigen::Vector3i> triangles;
+    std::vector<std::array<int, 3>> own;  // their vertices as they were before they got names
     for (const LatticeMesh::Triangle& triangle : mesh_.triangles()) {
       if (!triangle.inside) continue;
       Eigen::Vector3i named;
@@ -327,6 +380,7 @@ class Tessellation {
         vertex = numbers[vertex];
       }
       triangles.push_back(named);
+      own.push_back(triangle.vertices);
     }
     TriangleMesh mesh;
     const auto count = static_cast<Eigen::Index>(used.size());
@@ -339,6 +393,7 @@ class Tessellation {
     }
     for (std::size_t k = 0; k < triangles.size(); ++k) mesh.triangles.col(k) = triangles[k];
     AddNormals(mesh, Ambiguous(names, numbers, count));
+    AddSides(mesh, own);
     mesh.vertices.colwise() += middle_;
     return mesh;
   }
@@ -379,10 +434,53 @@ class Tessellation {
     }
   }
 
+  // Whether the point lies where triangles around it may see it differently.
+  bool ManySided(const LatticePoint& point) const {
+    const auto on = [](const std::vector<std::int64_t>& lines, std::int64_t at) {
+      return std::binary_search(lines.begin(), lines.end(), at);
+    };
+    return domain_.OnBorder(point) || on(domain_.creases_u(), point.x) ||
+           on(domain_.creases_v(), point.y);
+  }
+
+  // Notes the corners whose parameters or normals are not those of their vertices.
+  void AddSides(TriangleMesh& mesh, const std::vector<std::array<int, 3>>& own) const {
+    constexpr double kAlike = 1 - 1e-6;     // the cosine
+    constexpr double kInwards = 1e-7;       // of the way to the triangle's middle: on its side
+    std::map<int, std::vector<int>> sides;  // of each vertex before it got its name
+    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+      const std::array<int, 3>& corners = own[static_cast<std::size_t>(t)];
+      const Eigen::Vector2d centre =
+          (parameters_[corners[0]] + parameters_[corners[1]] + parameters_[corners[2]]) / 3;
+      for (int e = 0; e < 3; ++e) {
+        const int corner = corners[e], vertex = mesh.triangles(e, t);
+        if (!ManySided(mesh_.points()[corner])) continue;
+        const Eigen::Vector2d& parameter = parameters_[corner];
+        const Eigen::Vector2d inside = parameter + kInwards * (centre - parameter);
+        const Eigen::Vector3d usual = mesh.normals.col(vertex);
+        const Eigen::Vector3d normal = surface_.NormalAt(inside[0], inside[1]).value_or(usual);
+        if (parameter == mesh.parameters.col(vertex) && normal.dot(usual) > kAlike) continue;
+        std::vector<int>& known = sides[corner];
+        const auto same = std::find_if(known.begin(), known.end(), [&](int side) {
+          return mesh.other_sides[side].normal.dot(normal) > kAlike;
+        });
+        int side = static_cast<int>(mesh.other_sides.size());
+        if (same != known.end()) {
+          side = *same;
+        } else {
+          known.push_back(side);
+          mesh.other_sides.push_back({vertex, parameter, normal});
+        }
+        mesh.side_corners.push_back({static_cast<int>(t), e, side});
+      }
+    }
+  }
+
   Eigen::Vector3d middle_;
   SurfaceEvaluator surface_;
   TrimRegion region_;
   MeshDomain domain_;
+  FlatnessBound proof_;
   double tolerance_;
   const TessellateOptions& options_;
   LatticeMesh mesh_;
@@ -432,6 +530,16 @@ TriangleMesh JoinedMeshes(const std::vector<TriangleMesh>& meshes) {
     all.normals.middleCols(vertex, mesh.vertices.cols()) = mesh.normals;
     all.triangles.middleCols(triangle, mesh.triangles.cols()) =
         mesh.triangles.array() + static_cast<int>(vertex);
+    const int side = static_cast<int>(all.other_sides.size());
+    for (OtherSide other : mesh.other_sides) {
+      other.vertex += static_cast<int>(vertex);
+      all.other_sides.push_back(other);
+    }
+    for (SideCorner corner : mesh.side_corners) {
+      corner.triangle += static_cast<int>(triangle);
+      corner.side += side;
+      all.side_corners.push_back(corner);
+    }
     vertex += mesh.vertices.cols();
     triangle += mesh.triangles.cols();
   }

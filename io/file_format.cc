@@ -44,7 +44,7 @@ constexpr std::array kUnsupported{
     UnsupportedWord{"3dm", "export it as .step from Rhino"},
     UnsupportedWord{"g2", "export it as .step from a program that reads GoTools files"},
     UnsupportedWord{"brep", "export it as .step from OpenCASCADE or FreeCAD"},
-    UnsupportedWord{"glb", "not in this version; use .step or .json"},
+    UnsupportedWord{"glb", "a mesh, which 'batten tessellate' only writes; use .step or .json"},
 };
 
 std::string Lower(std::string text) {
