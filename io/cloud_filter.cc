@@ -170,9 +170,9 @@ void CloudFilter::DropUnmatched(const RowBatch& batch) {
 void CloudFilter::DropNonFinite(const RowBatch& batch) {
   for (const int column : finite_) {
     const double* values = batch.column(column);
-    bool usual = true;
-    for (int r = 0; r < batch.rows; ++r) usual &= std::abs(values[r]) <= kLargestCoordinate;
-    if (usual) continue;
+    int unusual = 0;
+    for (int r = 0; r < batch.rows; ++r) unusual |= !(std::abs(values[r]) <= kLargestCoordinate);
+    if (unusual == 0) continue;
     for (int r = 0; r < batch.rows; ++r) {
       if (!keep_[r] || std::abs(values[r]) <= kLargestCoordinate) continue;
       if (std::isfinite(values[r])) {

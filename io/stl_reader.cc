@@ -101,11 +101,17 @@ CloudPart ReadBinary(ByteSource& source, const CloudReadOptions& options) {
   return PartOf(std::move(points), source.name(), options);
 }
 
+// A closed mesh has two facets a vertex, and a facet takes some 250 bytes.
+constexpr std::int64_t kTextBytesPerVertex = 500;
+
 // The words of ASCII STL, one line after the other.
 class AsciiStl {
  public:
   AsciiStl(ByteSource& source, const CloudReadOptions& options)
-      : lines_(source), file_(source.name()), options_(options) {}
+      : lines_(source),
+        file_(source.name()),
+        options_(options),
+        points_(source.remaining().value_or(0) / kTextBytesPerVertex) {}
 
   CloudPart Read() {
     std::string_view line;

@@ -191,6 +191,7 @@ TEST(DistinctPointsTest, KeepsFirstAppearancesWhateverItExpects) {
       if (seen.emplace(point, 0).second) order.push_back(point);
       points.Add(point);
     }
+    points.Close();
     ASSERT_EQ(points.size(), static_cast<std::int64_t>(order.size()));
     for (std::int64_t k = 0; k < points.size(); ++k) {
       ASSERT_EQ(points[k], order[static_cast<std::size_t>(k)]);
