@@ -57,17 +57,29 @@ class Numbers {
   size_t next_ = 0;
 };
 
-Eigen::Matrix3Xd Points(const std::vector<double>& numbers) {
+// Throws where a knot, weight or coordinate is not finite or too large to be calculated with.
+template <class Numbers>
+void RequireWithinLimits(const Numbers& numbers, const char* what) {
   for (const double number : numbers) {
     if (!(std::abs(number) <= kLargestCoordinate)) {
-      throw std::invalid_argument("has a coordinate above 1e150 in magnitude");
+      throw std::invalid_argument(std::string("has a ") + what + " above 1e150 in magnitude");
     }
   }
+}
+
+Eigen::Matrix3Xd Points(const std::vector<double>& numbers) {
+  RequireWithinLimits(numbers, "coordinate");
   return Eigen::Map<const Eigen::Matrix3Xd>(
       numbers.data(), 3, static_cast<Eigen::Index>(numbers.size() / 3));
 }
 
+std::vector<double> Knots(std::vector<double> numbers) {
+  RequireWithinLimits(numbers, "knot");
+  return numbers;
+}
+
 Eigen::VectorXd Weights(const std::vector<double>& numbers) {
+  RequireWithinLimits(numbers, "weight");
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(),
                                            static_cast<Eigen::Index>(numbers.size()));
 }
@@ -88,7 +100,7 @@ NurbsCurve<3> ReadCurve(const std::vector<double>& parameters) {
   const int size = in.Integer() + 1, degree = in.Integer();
   for (int i = 0; i < 4; ++i) in.Real();
   const auto count = static_cast<size_t>(size);
-  std::vector<double> knots = in.Reals(count + static_cast<size_t>(degree) + 1);
+  std::vector<double> knots = Knots(in.Reals(count + static_cast<size_t>(degree) + 1));
   Eigen::VectorXd weights = Weights(in.Reals(count));
   Eigen::Matrix3Xd points = Points(in.Reals(3 * count));
   NurbsCurve<3> curve(SplineBasis(degree, std::move(knots)), std::move(points), std::move(weights));
@@ -105,9 +117,9 @@ NurbsSurface ReadSurface(const std::vector<double>& parameters) {
   const int degree_u = in.Integer(), degree_v = in.Integer();
   for (int i = 0; i < 5; ++i) in.Real();
   const auto nu = static_cast<size_t>(size_u), nv = static_cast<size_t>(size_v);
-  std::vector<double> knots_u = in.Reals(nu + static_cast<size_t>(degree_u) + 1);
-  std::vector<double> knots_v = in.Reals(nv + static_cast<size_t>(degree_v) + 1);
-  const std::vector<double> weights = in.Reals(nu * nv);
+  std::vector<double> knots_u = Knots(in.Reals(nu + static_cast<size_t>(degree_u) + 1));
+  std::vector<double> knots_v = Knots(in.Reals(nv + static_cast<size_t>(degree_v) + 1));
+  const Eigen::VectorXd weights = Weights(in.Reals(nu * nv));
   const Eigen::Matrix3Xd points = Points(in.Reals(3 * nu * nv));
   Eigen::Matrix3Xd net(3, points.cols());
   Eigen::VectorXd net_weights(points.cols());
@@ -115,7 +127,7 @@ NurbsSurface ReadSurface(const std::vector<double>& parameters) {
     for (int j = 0; j < size_v; ++j) {
       const Eigen::Index to = Eigen::Index{i} * size_v + j, from = Eigen::Index{j} * size_u + i;
       net.col(to) = points.col(from);
-      net_weights[to] = weights[static_cast<size_t>(from)];
+      net_weights[to] = weights[from];
     }
   }
   NurbsSurface surface(SplineBasis(degree_u, std::move(knots_u)),
@@ -266,6 +278,7 @@ class Reader {
       points = ((m.leftCols<3>() * points).colwise() + m.col(3)).eval();
       index = matrix.transform;
     }
+    RequireWithinLimits(points.reshaped(), "coordinate");
     return points;
   }
 
