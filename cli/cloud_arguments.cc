@@ -29,24 +29,37 @@ std::pair<std::string, std::string> SplitAssignment(const std::string& flag,
 
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
   command
-      .add_option(
-          "--columns",
-          arguments.columns,
-          "Which column is what, by number or header name: x=2,y=3,z=4 (also u v nx ny nz w)")
+      .add_option("--columns",
+                  arguments.columns,
+                  "Which column is what, by number or header name: x=2,y=3,z=4 (also u v nx ny nz "
+                  "w red green "
+                  "blue)")
       ->type_name("x=A,y=B,...");
   command
       .add_option(
           "--where", arguments.where, "Keep only rows whose column has the value: label=1 or 4=1")
       ->type_name("COLUMN=VALUE");
   command
+      .add_option("--las-class",
+                  arguments.las_class,
+                  "Keep only points of these classes of a LAS file: 2 (ground) or 2,6")
+      ->type_name("N,...");
+  command
       .add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
       ->type_name("NUMBERS");
   command
-      .add_option(
-          "--format",
-          arguments.format,
-          "Format of files whose name does not tell, or of '-' (pcd ply text; json step iges)")
+      .add_option("--format",
+                  arguments.format,
+                  "Format of files whose name does not tell, or of '-' (pcd ply las obj stl off "
+                  "text; json step "
+                  "iges)")
       ->type_name("FORMAT");
+}
+
+std::string JoinedNames(const std::vector<std::string>& paths) {
+  if (paths.size() == 1) return paths.front();
+  return paths.front() + " and " +
+         (paths.size() == 2 ? "1 other" : std::to_string(paths.size() - 1) + " others");
 }
 
 bool NamesGeometry(const std::string& word) {
@@ -68,6 +81,12 @@ CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
   for (const std::string& text : arguments.where) {
     const auto [column, value] = SplitAssignment("--where", text);
     options.where.push_back({column, ParseNumber("--where " + column, value)});
+  }
+  std::stringstream classes(arguments.las_class);
+  for (std::string entry; std::getline(classes, entry, ',');) {
+    constexpr int kHighestClass = 255;
+    options.las_classes.push_back(
+        static_cast<int>(ParseWhole("--las-class", entry, 0, kHighestClass)));
   }
   if (!arguments.box.empty()) {
     const std::vector<double> numbers = ParseNumbers("--box", arguments.box);

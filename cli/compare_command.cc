@@ -20,7 +20,8 @@ namespace batten {
 namespace {
 
 struct Arguments {
-  std::string geometry, cloud_path;
+  std::string geometry;
+  std::vector<std::string> clouds;
   CloudArguments cloud;
   OutputArguments output;
   CommonFlags flags;
@@ -57,7 +58,7 @@ void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
 
 std::string ResultLine(const Arguments& a, const ErrorSummary& error) {
   std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points",
-                                 a.cloud_path,
+                                 JoinedNames(a.clouds),
                                  a.geometry,
                                  error.rms,
                                  error.mean,
@@ -81,7 +82,7 @@ int Run(const Arguments& a) {
       ReadGeometry(a.geometry, {word_is_geometry ? a.cloud.format : ""});
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
-  const CloudFile file = ReadCloud({a.cloud_path}, read);
+  const CloudFile file = ReadCloud(a.clouds, read);
   const PointCloud& cloud = file.cloud;
 
   FitReport report;
@@ -124,7 +125,7 @@ int Run(const Arguments& a) {
   statistics.seed = a.work.seed;
   const CloudStatistics measured = MeasureCloud(
       merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
-  report.input.files = {a.cloud_path};
+  report.input.files = a.clouds;
   report.input.points = file.points_in_file - file.filtered;
   report.input.used = cloud.size();
   report.input.non_finite = file.non_finite;
@@ -167,7 +168,10 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   CLI::App& command =
       *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
   command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
-  command.add_option("CLOUD", a->cloud_path, "Points: .pcd .ply .xyz ...")->required();
+  command
+      .add_option(
+          "CLOUD", a->clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")
+      ->required();
   command
       .add_option_function<std::string>(
           "--tolerance",

@@ -21,6 +21,7 @@ namespace batten {
 namespace {
 
 struct Arguments {
+  std::vector<std::string> sources;
   std::string in, out, out_format, unit = "mm";
   CloudArguments cloud;
   CommonFlags flags;
@@ -51,6 +52,9 @@ int Run(const Arguments& a) {
     throw UsageError("OUT of - and --json both want standard output");
   const auto [in_format, out_format] = FormatWords(a);
   const FileFormat from = FormatOf(a.in, in_format);
+  if (IsGeometryFormat(from) && a.sources.size() > 1) {
+    throw UsageError(a.in + " holds geometry: one such file at a time");
+  }
   if (IsGeometryFormat(from) && NamesMesh(a.out, out_format)) {
     return WriteMeshOf({.geometry = a.in,
                         .geometry_format = in_format,
@@ -67,13 +71,16 @@ int Run(const Arguments& a) {
     throw UsageError(a.in + " is geometry and " + a.out +
                      " a cloud: 'batten sample' makes points of it, 'batten tessellate' a mesh");
   }
-  if (!IsWritable(to)) throw UsageError(a.out + ": this format can't be written");
+  if (!IsWritable(to)) {
+    throw UsageError(a.out + ": points are written as .ply, .pcd, .xyz or .csv, not ." +
+                     FormatName(to));
+  }
   CheckWritable(a.out);
   nlohmann::ordered_json entry{{"path", a.out}};
   if (IsCloudFormat(from)) {
     CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
     read.format = in_format;
-    const CloudFile file = ReadCloud({a.in}, read);
+    const CloudFile file = ReadCloud(a.sources, read);
     WriteCloud(file.cloud, a.out, out_format);
     entry["kind"] = "cloud";
     entry["points"] = file.cloud.size();
@@ -112,12 +119,20 @@ void AddConvertCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand(
       "convert", "Turn geometry into geometry or a mesh, or a cloud into a cloud");
-  command.add_option("IN", a->in, "What to read: .json .step .iges, or .pcd .ply .xyz ...")
-      ->required();
   command
-      .add_option(
-          "OUT", a->out, "What to write: .json .step .iges, .stl .obj .ply, or .ply .pcd .xyz .csv")
-      ->required();
+      .add_option_function<std::vector<std::string>>(
+          "FILES",
+          [a](const std::vector<std::string>& files) {
+            a->sources = {files.begin(), files.end() - 1};
+            a->in = files.front();
+            a->out = files.back();
+          },
+          std::string("What to read: .json .step .iges, or ") + kCloudFormats +
+              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply, "
+              "or .ply .pcd .xyz .csv")
+      ->required()
+      ->expected(2, -1)
+      ->type_name("IN... OUT");
   command
       .add_option("--output-format",
                   a->out_format,
@@ -137,6 +152,7 @@ void AddConvertCommand(CLI::App& app, Action& action) {
       "  batten convert part.step part.stl\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
       "  batten convert part.step - --format json\n"
+      "  batten convert tile_1.las tile_2.las ground.ply --las-class 2\n"
       "  batten convert ground.txt ground.csv --columns x=2,y=3,z=4 --where label=1");
   command.callback([a, &command, &action] {
     a->unit_given = command.count("--unit") > 0;

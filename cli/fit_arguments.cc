@@ -102,7 +102,7 @@ void AddEveryFitsArguments(CLI::App& command,
                            const char* loss) {
   command
       .add_option(
-          points, a.clouds, "Point files: .pcd .ply .xyz .txt .csv ...; several are one cloud")
+          points, a.clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")
       ->required();
   command.add_option("-o,--output", a.out, "Where to write: .step .iges .json")
       ->required()

@@ -13,6 +13,7 @@
 #include "batten/geometry/classify_shape.h"
 #include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
 
 namespace batten {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string path;
+  std::vector<std::string> paths;
   CloudArguments cloud;
   CommonFlags flags;
   WorkFlags work;
@@ -29,7 +30,7 @@ struct Arguments {
 Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); }
 
 Json CloudInfo(const Arguments& a) {
-  const CloudFile file = ReadCloud({a.path}, ToReadOptions(a.cloud, a.flags.quiet));
+  const CloudFile file = ReadCloud(a.paths, ToReadOptions(a.cloud, a.flags.quiet));
   const PointCloud& cloud = file.cloud;
   const MergedCloud merged = MergeDuplicates(cloud);
   ThreadPool pool(a.work.threads);
@@ -46,6 +47,7 @@ Json CloudInfo(const Arguments& a) {
   info["non_finite"] = file.non_finite;
   info["duplicates"] = merged.duplicates;
   info["fields"] = file.fields;
+  if (!file.scale.isZero(0)) info["scale"] = ToJson(file.scale);
   info["bounding_box"] =
       Json::array({ToJson(cloud.origin() + cloud.points().rowwise().minCoeff()),
                    ToJson(cloud.origin() + cloud.points().rowwise().maxCoeff())});
@@ -58,8 +60,11 @@ Json CloudInfo(const Arguments& a) {
 
 int Run(const Arguments& a) {
   Json info;
-  if (IsGeometryFormat(FormatOf(a.path, a.cloud.format))) {
-    info = SummaryOf(ReadGeometry(a.path, {a.cloud.format}), ClassifyOptions().tolerance);
+  if (IsGeometryFormat(FormatOf(a.paths.front(), a.cloud.format))) {
+    if (a.paths.size() > 1) {
+      throw UsageError(a.paths.front() + " holds geometry: one such file at a time");
+    }
+    info = SummaryOf(ReadGeometry(a.paths.front(), {a.cloud.format}), ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);
   }
@@ -77,13 +82,18 @@ int Run(const Arguments& a) {
 void AddInfoCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("info", "Say what a cloud or geometry file holds");
-  command.add_option("FILE", a->path, "A cloud (.pcd .ply .xyz ...) or geometry (.json .step)")
+  command
+      .add_option("FILE",
+                  a->paths,
+                  std::string("Geometry (.json .step .iges), or a cloud (") + kCloudFormats +
+                      "); several are one cloud")
       ->required();
   AddCloudArguments(command, a->cloud);
   AddWorkFlags(command, a->work);
   AddCommonFlags(command, a->flags);
   command.footer(
-      "Examples:\n  batten info scan.pcd\n  batten info ground.xyz --where label=1 --json\n  "
+      "Examples:\n  batten info scan.pcd\n  batten info ground.xyzl --where label=1 --json\n  "
+      "batten info tile_1.las tile_2.las --las-class 2,6\n  "
       "batten info part.step");
   command.callback([a, &action] { action = [a] { return Run(*a); }; });
 }

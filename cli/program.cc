@@ -28,7 +28,6 @@ const std::vector<std::string> kLaterFlags = {"--thin",
                                               "--component",
                                               "--start-tangent",
                                               "--end-tangent",
-                                              "--las-class",
                                               "--uncertainty",
                                               "--certify",
                                               "--stream"};

@@ -255,7 +255,7 @@ void AddProjectCommand(CLI::App& app, Action& action) {
   command
       .add_option("POINTS",
                   a->points,
-                  "Points: .pcd .ply .xyz .csv ...; two columns for curves of the plane")
+                  std::string("Points: ") + kCloudFormats + "; two columns for curves of the plane")
       ->required();
   AddCloudArguments(command, a->cloud);
   AddThreadsFlag(command, a->threads);

@@ -26,7 +26,8 @@ struct Arguments {
 int Run(const Arguments& a) {
   const bool word_is_geometry = a.format == "json" || a.format == "step";
   const std::string out_format = word_is_geometry ? "" : a.format;
-  if (!IsCloudFormat(FormatOf(a.out, out_format)))
+  const FileFormat format = FormatOf(a.out, out_format);
+  if (!IsCloudFormat(format) || !IsWritable(format))
     throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
   if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
   CheckWritable(a.out);

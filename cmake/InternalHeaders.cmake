@@ -57,8 +57,9 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/steady_sections.h geometry/triangle_error.h geometry/trim_clip.h geometry/trim_maps.h
   geometry/trimmed_area.h geometry/trimmed_box.h geometry/trimmed_foot_search.h geometry/unit_arc.h
   geometry/weighted_means.h io/binary_column.h io/byte_source.h io/closed_form.h io/cloud_columns.h
-  io/cloud_filter.h io/face_loops.h io/file_loops.h io/iges_text.h io/json_document.h
-  io/json_field.h io/json_splines.h io/json_trims.h io/occt_convert.h io/occt_exact.h io/occt_face.h
-  io/occt_session.h io/occt_shapes.h io/parameter_map.h io/parameter_rectangle.h io/pcd_reader.h
-  io/ply_reader.h io/row_batch.h io/space_curve.h io/step_model.h io/step_syntax.h io/step_units.h
-  io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h io/trimmed_face.h io/whole_file.h)
+  io/cloud_filter.h io/distinct_points.h io/face_loops.h io/file_loops.h io/iges_text.h io/json_document.h
+  io/json_field.h io/json_splines.h io/json_trims.h io/las_reader.h io/little_endian.h io/occt_convert.h io/occt_exact.h io/occt_face.h
+  io/occt_session.h io/occt_shapes.h io/obj_reader.h io/off_reader.h io/parameter_map.h io/parameter_rectangle.h io/pcd_reader.h
+  io/plain_decimal.h io/ply_reader.h io/row_batch.h io/space_curve.h io/step_model.h io/step_syntax.h io/step_units.h
+  io/stl_reader.h io/text_names.h io/text_reader.h io/text_rows.h io/time_stamp.h io/trim_pieces.h io/trimmed_face.h io/vertex_rows.h
+  io/whole_file.h)

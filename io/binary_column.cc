@@ -52,6 +52,18 @@ void Decode(const char* first, std::size_t stride, int rows, bool swapped, doubl
           : Decode<T, false>(first, stride, rows, target);
 }
 
+// From what is stored to the number that is meant.
+void Unpack(const BinaryColumn& column, int rows, double* values) {
+  if (column.mask != 0) {
+    for (int r = 0; r < rows; ++r) {
+      values[r] = (static_cast<unsigned>(values[r]) >> column.shift) & column.mask;
+    }
+  }
+  if (column.scale != 1 || column.add != 0) {
+    for (int r = 0; r < rows; ++r) values[r] = values[r] * column.scale + column.add;
+  }
+}
+
 }  // namespace
 
 std::size_t SizeOf(ScalarType type) {
@@ -144,6 +156,7 @@ void ReadRecords(ByteSource& source,
                    columns[c].type,
                    swapped,
                    batch.column(c));
+      Unpack(columns[c], batch.rows, batch.column(c));
     }
     for (int r = 0; r < batch.rows; ++r) {
       batch.places[r] = source.position() + static_cast<std::int64_t>(stride) * r;

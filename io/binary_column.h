@@ -30,10 +30,14 @@ std::size_t SizeOf(ScalarType type);
 // to the end of their range.
 double ColourScale(ScalarType type);
 
-// Where a number stands in a record.
+// Where a number stands in a record, and how it is stored there.
 struct BinaryColumn {
   std::size_t offset;
   ScalarType type;
+  // Of an unsigned integer some bits: (stored >> shift) & mask; mask 0 takes all.
+  unsigned shift = 0, mask = 0;
+  // The number is stored · scale + add.
+  double scale = 1, add = 0;
 };
 
 // target[r] = the number at first + r·stride, for r = 0 … rows − 1. `swapped`: in the other byte

@@ -32,8 +32,8 @@ constexpr std::array kRoles{
     Role{"blue", {"blue", "b", "diffuse_blue"}},
     Role{"rgb", {"rgb", "rgba"}},
 };
-constexpr std::array<std::string_view, 9> kColumnRoles{
-    "x", "y", "z", "u", "v", "nx", "ny", "nz", "w"};
+constexpr std::array<std::string_view, 12> kColumnRoles{
+    "x", "y", "z", "u", "v", "nx", "ny", "nz", "w", "red", "green", "blue"};
 
 bool EqualIgnoringCase(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char s, unsigned char t) {
@@ -81,10 +81,14 @@ class ColumnChooser {
     ChooseColours(chosen);
     for (const RowFilter& filter : options_.where) {
       const int column = Column(filter.column);
-      chosen.where.push_back({column,
-                              fields_[column].single_precision
-                                  ? static_cast<double>(static_cast<float>(filter.value))
-                                  : filter.value});
+      chosen.where.push_back(
+          {column,
+           {fields_[column].single_precision ? static_cast<double>(static_cast<float>(filter.value))
+                                             : filter.value}});
+    }
+    if (!options_.las_classes.empty()) {
+      chosen.where.push_back(
+          {Column("classification"), {options_.las_classes.begin(), options_.las_classes.end()}});
     }
     Compress(chosen);
     return chosen;
@@ -96,7 +100,8 @@ class ColumnChooser {
   void CheckRoles() const {
     for (const auto& [role, column] : options_.columns) {
       if (std::find(kColumnRoles.begin(), kColumnRoles.end(), role) == kColumnRoles.end()) {
-        throw UsageError("columns: unknown role '" + role + "'; known are x y z u v nx ny nz w");
+        throw UsageError("columns: unknown role '" + role +
+                         "'; known are x y z u v nx ny nz w red green blue");
       }
     }
   }
@@ -159,7 +164,13 @@ class ColumnChooser {
   void ChooseColours(CloudColumns& chosen) const {
     chosen.colour = Triple({"red", "green", "blue"});
     if (chosen.colour[0] >= 0) {
-      chosen.colour_scale = fields_[chosen.colour[0]].colour_scale;
+      const CloudField& red = fields_[chosen.colour[0]];
+      chosen.colour_scale = red.colour_scale;
+      chosen.colour_limit = red.colour_limit;
+      chosen.wide_colour_scale = red.wide_colour_scale;
+    } else if (Asked("red") || Asked("green") || Asked("blue")) {
+      throw UsageError(file_ + ": colours need all of red, green and blue; columns are " +
+                       ListOf(fields_));
     } else if (naming_ == FieldNaming::kProperties) {
       chosen.packed_colour = Find("rgb");
       chosen.packed_in_float =

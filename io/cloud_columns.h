@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,10 @@ struct CloudField {
   std::string name;
   bool single_precision = false;  // stored as float32
   double colour_scale = 1;        // from a red, green or blue of this type to 0 … 255
-  bool packed_in_float = false;   // a packed colour comes as the float32 with its bits
+  // A value above the limit shows that all colours of the file count to a higher end.
+  double colour_limit = std::numeric_limits<double>::infinity();
+  double wide_colour_scale = 1;  // to 0 … 255 then
+  bool packed_in_float = false;  // a packed colour comes as the float32 with its bits
 };
 
 // Which conventions say what an unnamed or named column means.
@@ -35,11 +39,13 @@ struct CloudColumns {
   int packed_colour = -1;  // 0xRRGGBB
   bool packed_in_float = false;
   double colour_scale = 1;
+  double colour_limit = std::numeric_limits<double>::infinity();
+  double wide_colour_scale = 1;
   struct Match {
     int column;
-    double value;
+    std::vector<double> values;  // any of them
   };
-  std::vector<Match> where;
+  std::vector<Match> where;  // all of them
 
   int dimension() const { return point[2] < 0 ? 2 : 3; }
 };

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "batten/io/read_error.h"
@@ -110,8 +111,15 @@ CloudFilter::CloudFilter(std::string file,
 }
 
 void CloudFilter::Refuse(std::int64_t place, const std::string& reason) const {
-  throw place_ == RowPlace::kLine ? ReadError::AtLine(file_, place, reason)
-                                  : ReadError::AtByte(file_, place, reason);
+  switch (place_) {
+    case RowPlace::kLine:
+      throw ReadError::AtLine(file_, place, reason);
+    case RowPlace::kByte:
+      throw ReadError::AtByte(file_, place, reason);
+    case RowPlace::kVertex:
+      throw ReadError(file_, fmt::format("vertex {}: {}", place, reason));
+  }
+  throw ReadError(file_, reason);
 }
 
 // How many rows are dropped by now.
@@ -151,7 +159,11 @@ void CloudFilter::NoteMissing(const std::vector<char>& matched) {
 void CloudFilter::DropUnmatched(const RowBatch& batch) {
   for (const CloudColumns::Match& match : columns_.where) {
     const double* values = batch.column(match.column);
-    for (int r = 0; r < batch.rows; ++r) keep_[r] &= values[r] == match.value;
+    for (int r = 0; r < batch.rows; ++r) {
+      bool hit = false;
+      for (const double value : match.values) hit |= values[r] == value;
+      keep_[r] &= hit;
+    }
   }
 }
 
@@ -230,10 +242,35 @@ void CloudFilter::Append(const RowBatch& batch) {
     if (part_.has_weights) {
       CopyRows(batch, std::array{columns_.weight}, kept, chunk.size, chunk.weights);
     }
-    if (part_.has_colours) CopyColours(batch, kept, chunk);
+    if (part_.has_colours) {
+      WidenColours(batch, kept);
+      CopyColours(batch, kept, chunk);
+    }
     chunk.size += static_cast<Eigen::Index>(kept.size());
     left = left.subspan(kept.size());
   }
+}
+
+// At the first colour above the limit: what was taken so far is at most the limit, so that its
+// bytes still say which numbers the file has, and they are scaled anew.
+void CloudFilter::WidenColours(const RowBatch& batch, std::span<const int> kept) {
+  if (std::isinf(columns_.colour_limit)) return;
+  double highest = 0;
+  for (const int column : columns_.colour) {
+    const double* values = batch.column(column);
+    for (const int row : kept) highest = std::max(highest, values[row]);
+  }
+  if (!(highest > columns_.colour_limit)) return;
+  std::array<std::uint8_t, 256> widened;
+  for (std::size_t byte = 0; byte < widened.size(); ++byte) {
+    const double number = std::round(static_cast<double>(byte) / columns_.colour_scale);
+    widened[byte] = ColourByte(number * columns_.wide_colour_scale);
+  }
+  for (CloudChunk& chunk : part_.chunks) {
+    for (auto& byte : chunk.colours.leftCols(chunk.size).reshaped()) byte = widened[byte];
+  }
+  columns_.colour_scale = columns_.wide_colour_scale;
+  columns_.colour_limit = std::numeric_limits<double>::infinity();
 }
 
 void CloudFilter::CopyColours(const RowBatch& batch,

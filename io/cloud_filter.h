@@ -35,6 +35,7 @@ struct CloudChunk {
 struct CloudPart {
   std::vector<std::string> fields;
   int dimension = 3;
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();
   bool has_normals = false, has_parameters = false, has_weights = false, has_colours = false;
   Eigen::Index rows = 0, matched = 0, non_finite = 0, filtered = 0;
   std::vector<Eigen::Index> missing;  // places of those not finite among the rows that match
@@ -43,8 +44,8 @@ struct CloudPart {
   Eigen::Index kept() const { return rows - non_finite - filtered; }
 };
 
-// Whether places of a batch are lines or bytes.
-enum class RowPlace { kLine, kByte };
+// Whether places of a batch are lines, bytes, or numbers of vertices from 1.
+enum class RowPlace { kLine, kByte, kVertex };
 
 // Judges rows and collects those kept. A row is dropped as filtered when it misses a `where`, as
 // not finite when a number with a role is, as filtered when it is outside the box; in this order.
@@ -78,6 +79,7 @@ class CloudFilter {
   void RequirePositiveWeights(const RowBatch& batch) const;
   void DropOutside(const RowBatch& batch);
   void Append(const RowBatch& batch);
+  void WidenColours(const RowBatch& batch, std::span<const int> kept);
   void CopyColours(const RowBatch& batch, std::span<const int> kept, CloudChunk& chunk) const;
   Eigen::Index DropCount(const RowBatch& batch) const;
   CloudChunk& Room();

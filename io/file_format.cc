@@ -18,37 +18,32 @@ struct KnownWord {
   FileFormat format;
 };
 constexpr std::array kKnown{
-    KnownWord{"pcd", FileFormat::kPcd},
-    KnownWord{"ply", FileFormat::kPly},
-    KnownWord{"xyz", FileFormat::kXyz},
-    KnownWord{"csv", FileFormat::kCsv},
-    KnownWord{"text", FileFormat::kText},
-    KnownWord{"txt", FileFormat::kText},
-    KnownWord{"asc", FileFormat::kText},
-    KnownWord{"pts", FileFormat::kText},
-    KnownWord{"xy", FileFormat::kText},
-    KnownWord{"dat", FileFormat::kText},
-    KnownWord{"json", FileFormat::kJson},
-    KnownWord{"step", FileFormat::kStep},
-    KnownWord{"stp", FileFormat::kStep},
-    KnownWord{"iges", FileFormat::kIges},
-    KnownWord{"igs", FileFormat::kIges},
+    KnownWord{"pcd", FileFormat::kPcd},    KnownWord{"ply", FileFormat::kPly},
+    KnownWord{"xyz", FileFormat::kXyz},    KnownWord{"csv", FileFormat::kCsv},
+    KnownWord{"text", FileFormat::kText},  KnownWord{"txt", FileFormat::kText},
+    KnownWord{"asc", FileFormat::kText},   KnownWord{"pts", FileFormat::kText},
+    KnownWord{"xy", FileFormat::kText},    KnownWord{"dat", FileFormat::kText},
+    KnownWord{"xyzl", FileFormat::kText},  KnownWord{"xyzi", FileFormat::kText},
+    KnownWord{"xyzn", FileFormat::kText},  KnownWord{"xyzrgb", FileFormat::kText},
+    KnownWord{"uvxyz", FileFormat::kText}, KnownWord{"las", FileFormat::kLas},
+    KnownWord{"obj", FileFormat::kObj},    KnownWord{"stl", FileFormat::kStl},
+    KnownWord{"off", FileFormat::kOff},    KnownWord{"json", FileFormat::kJson},
+    KnownWord{"step", FileFormat::kStep},  KnownWord{"stp", FileFormat::kStep},
+    KnownWord{"iges", FileFormat::kIges},  KnownWord{"igs", FileFormat::kIges},
 };
 
 struct UnsupportedWord {
   std::string_view word, advice;
 };
 constexpr std::array kUnsupported{
-    UnsupportedWord{"laz",
-                    "decompress it with `laszip` to .las, then convert that to .ply or .xyz"},
-    UnsupportedWord{"e57", "export it as .ply, .pcd or .xyz from the scanner's program"},
+    UnsupportedWord{"laz", "decompress it to .las, as with `laszip -i scan.laz -o scan.las`"},
+    UnsupportedWord{
+        "e57",
+        "export it as .las, .ply or .xyz from the scanner's program or CloudCompare, or "
+        "run `pdal translate scan.e57 scan.las`"},
     UnsupportedWord{"3dm", "export it as .step from Rhino"},
     UnsupportedWord{"g2", "export it as .step from a program that reads GoTools files"},
     UnsupportedWord{"brep", "export it as .step from OpenCASCADE or FreeCAD"},
-    UnsupportedWord{"las", "not in this version; convert it to .ply, .pcd or .xyz"},
-    UnsupportedWord{"obj", "not in this version; convert it to .ply"},
-    UnsupportedWord{"stl", "not in this version; convert it to .ply"},
-    UnsupportedWord{"off", "not in this version; convert it to .ply"},
     UnsupportedWord{"glb", "not in this version; use .step or .json"},
 };
 
@@ -76,7 +71,8 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
   }
   throw UsageError(
       subject + ": unknown format '" + word +
-      "'; known are pcd, ply, text, xyz, csv, json, step and iges (say which with --format)");
+      "'; known are pcd, ply, las, obj, stl, off, text, xyz, csv, json, step and iges (say which "
+      "with --format)");
 }
 
 }  // namespace
@@ -88,7 +84,7 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
   // The word "text" is no extension.
   if (extension.size() < 2 || extension == ".text") {
     throw UsageError(path + ": the name does not say the format; say it with --format" +
-                     " (pcd, ply, text, xyz, csv, json, step, iges)");
+                     " (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges)");
   }
   return FormatOfWord(extension.substr(1), path);
 }
@@ -105,6 +101,14 @@ const char* FormatName(FileFormat format) {
       return "xyz";
     case FileFormat::kCsv:
       return "csv";
+    case FileFormat::kLas:
+      return "las";
+    case FileFormat::kObj:
+      return "obj";
+    case FileFormat::kStl:
+      return "stl";
+    case FileFormat::kOff:
+      return "off";
     case FileFormat::kJson:
       return "json";
     case FileFormat::kStep:
@@ -127,6 +131,9 @@ bool IsTextFormat(FileFormat format) {
 
 bool IsReadable(FileFormat) { return true; }
 
-bool IsWritable(FileFormat) { return true; }
+bool IsWritable(FileFormat format) {
+  return format != FileFormat::kLas && format != FileFormat::kObj && format != FileFormat::kStl &&
+         format != FileFormat::kOff;
+}
 
 }  // namespace batten

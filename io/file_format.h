@@ -9,18 +9,22 @@ namespace batten {
 enum class FileFormat {
   kPcd,   // .pcd
   kPly,   // .ply
-  kText,  // .txt .asc .pts .xy .dat: numbers in rows
+  kText,  // .txt .asc .pts .xy .dat, and .xyzl .xyzi .xyzn .xyzrgb .uvxyz: numbers in rows
   kXyz,   // .xyz: the same
   kCsv,   // .csv: the same; written with commas and a header line
+  kLas,   // .las: laser scans; read only
+  kObj,   // .obj: the vertices of a mesh; read only
+  kStl,   // .stl: the same
+  kOff,   // .off: the same
   kJson,  // .json: geometry
   kStep,  // .step .stp: geometry
   kIges,  // .iges .igs: geometry
 };
 
-// The format named by the word `format` (pcd, ply, text, xyz, csv, json, step, iges; any case) or,
-// when that is empty, by the extension of the path. Throws UsageError saying what to do where the
-// word or extension is unknown or known but not supported, and where the path "-" comes without a
-// word.
+// The format named by the word `format` (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step,
+// iges; any case) or, when that is empty, by the extension of the path. Throws UsageError saying
+// what to do where the word or extension is unknown or known but not supported, and where the path
+// "-" comes without a word.
 FileFormat FormatOf(const std::string& path, const std::string& format = "");
 
 // The word that names the format.
@@ -33,7 +37,7 @@ bool IsGeometryFormat(FileFormat format);
 // Rows of numbers as text, whatever the extension.
 bool IsTextFormat(FileFormat format);
 
-// What this version reads and writes.
+// What this version reads and writes as points or geometry (meshes: mesh_writer.h).
 bool IsReadable(FileFormat format);
 bool IsWritable(FileFormat format);
 

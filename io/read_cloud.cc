@@ -8,13 +8,36 @@
 
 #include "batten/io/cloud_filter.h"
 #include "batten/io/file_format.h"
+#include "batten/io/las_reader.h"
+#include "batten/io/obj_reader.h"
+#include "batten/io/off_reader.h"
 #include "batten/io/pcd_reader.h"
 #include "batten/io/ply_reader.h"
 #include "batten/io/read_error.h"
+#include "batten/io/stl_reader.h"
 #include "batten/io/text_reader.h"
 
 namespace batten {
 namespace {
+
+CloudPart ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions& options) {
+  switch (format) {
+    case FileFormat::kPcd:
+      return ReadPcd(source, options);
+    case FileFormat::kPly:
+      return ReadPly(source, options);
+    case FileFormat::kLas:
+      return ReadLas(source, options);
+    case FileFormat::kObj:
+      return ReadObj(source, options);
+    case FileFormat::kStl:
+      return ReadStl(source, options);
+    case FileFormat::kOff:
+      return ReadOff(source, options);
+    default:
+      return ReadText(source, options);
+  }
+}
 
 CloudPart ReadPart(const std::string& path,
                    FileFormat format,
@@ -22,22 +45,23 @@ CloudPart ReadPart(const std::string& path,
                    std::function<void(double)> progress) {
   ByteSource source(path, std::move(progress));
   if (source.Peek(1).empty()) throw ReadError(source.name(), "is empty");
-  CloudPart part = format == FileFormat::kPcd   ? ReadPcd(source, options)
-                   : format == FileFormat::kPly ? ReadPly(source, options)
-                                                : ReadText(source, options);
+  CloudPart part = ReadBody(source, format, options);
   if (part.rows == 0) throw ReadError(source.name(), "holds no usable point: it has no rows");
   return part;
 }
 
 // Every path must be a file of points before the first is read.
 std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
-                                     const std::string& word) {
+                                     const CloudReadOptions& options) {
   std::vector<FileFormat> formats;
   for (const std::string& path : paths) {
-    formats.push_back(FormatOf(path, word));
+    formats.push_back(FormatOf(path, options.format));
     if (!IsCloudFormat(formats.back())) {
       throw UsageError(path + ": a " + FormatName(formats.back()) +
                        " file holds geometry, not points");
+    }
+    if (!options.las_classes.empty() && formats.back() != FileFormat::kLas) {
+      throw UsageError(path + ": only LAS files have LAS classes; --where keeps rows of others");
     }
   }
   return formats;
@@ -47,7 +71,7 @@ std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
 
 CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options) {
   if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
-  const std::vector<FileFormat> formats = CloudFormats(paths, options.format);
+  const std::vector<FileFormat> formats = CloudFormats(paths, options);
   CloudFile file;
   Eigen::Index matched = 0;
   std::vector<CloudPart> parts;
@@ -66,6 +90,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
     file.filtered += parts.back().filtered;
   }
   file.fields = parts.front().fields;
+  file.scale = parts.front().scale;
   if (file.non_finite + file.filtered == file.points_in_file) {
     throw ReadError(paths.front() == "-" ? "standard input" : paths.front(),
                     fmt::format("{} no usable point ({} rows, {} not finite, {} filtered out)",

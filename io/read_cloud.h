@@ -23,9 +23,9 @@ struct CloudReadOptions {
   // A format word as FormatOf takes it; empty: by extension. Needed for standard input.
   std::string format;
 
-  // Role (x y z u v nx ny nz w) → column, by 1-based number or by name in the header. Roles left
-  // out are found by their usual names; x y z else are the first three columns of a text file. With
-  // x and y given but no z the cloud is plane.
+  // Role (x y z u v nx ny nz w red green blue) → column, by 1-based number or by name in the
+  // header. Roles left out are found by their usual names; x y z else are the first three columns
+  // of a text file. With x and y given but no z the cloud is plane.
   std::map<std::string, std::string> columns;
 
   // Take u and v by their names from PCD and PLY too; text always does.
@@ -33,6 +33,9 @@ struct CloudReadOptions {
 
   // Rows must match all of these.
   std::vector<RowFilter> where;
+
+  // Only points of these classes (2 is ground); LAS files only, empty: all.
+  std::vector<int> las_classes;
 
   // Only points inside, borders included. World coordinates, the data's units.
   std::optional<Eigen::AlignedBox3d> box;
@@ -45,17 +48,20 @@ struct CloudReadOptions {
 // What was read. points_in_file = cloud.size() + non_finite + filtered.
 struct CloudFile {
   PointCloud cloud;                 // finite points only, in the order of the files
-  Eigen::Index points_in_file = 0;  // rows or vertices in the files, kept or not
+  Eigen::Index points_in_file = 0;  // rows or vertices, kept or not; of STL distinct corners
   Eigen::Index non_finite = 0;  // dropped because a number they need is NaN, infinite or missing
-  Eigen::Index filtered = 0;    // dropped by `where` or `box`
+  Eigen::Index filtered = 0;    // dropped by `where`, `las_classes` or `box`
   // Places of those not finite among all rows that match `where`, from 0: holes of a grid
   std::vector<Eigen::Index> missing;
   std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
+  // Step between neighbouring coordinates where the first file says it (LAS), else zero
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();
 };
 
-// Reads PCD, PLY and text. Several files become one cloud that keeps what all of them hold
-// (normals, weights, colours, parameters). Coordinates stay double from the file on; the origin is
-// split off at the end (PointCloud::FromWorld). The path "-" is standard input.
+// Reads PCD, PLY, LAS, text, and the vertices of OBJ, STL and OFF. Several files become one cloud
+// that keeps what all of them hold (normals, weights, colours, parameters). Coordinates stay double
+// from the file on; the origin is split off at the end (PointCloud::FromWorld). The path "-" is
+// standard input.
 //
 // Memory grows with the points that have been read, never with what a header promises.
 //

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/io/read_error.h"
+#include "batten/io/text_names.h"
 #include "batten/io/text_rows.h"
 
 namespace batten {
@@ -42,15 +43,6 @@ std::vector<std::string> HeaderNames(std::string_view line) {
   std::vector<std::string> names;
   for (const std::string_view name : SplitFields(line)) names.emplace_back(name);
   return names;
-}
-
-bool NamesPlace(const std::vector<std::string>& names) {
-  const auto has = [&](char axis) {
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return name.size() == 1 && std::tolower(static_cast<unsigned char>(name[0])) == axis;
-    });
-  };
-  return has('x') && has('y');
 }
 
 // The leading identifiers of a comment's words, as in "# x y-5400000 z label(1=ground); metres";
@@ -116,33 +108,6 @@ bool ReadPreamble(LineReader& lines, std::string_view& line, Preamble& preamble)
   return false;
 }
 
-// A comment names the columns where its words are as many as they, or where as many in a row begin
-// with x or u and hold x and y; else it is prose.
-std::vector<std::string> NamesInComment(const std::vector<std::string>& words, std::size_t width) {
-  if (words.size() == width) return words;
-  for (std::size_t start = 0; start + width <= words.size(); ++start) {
-    const std::string& first = words[start];
-    if (first != "x" && first != "X" && first != "u" && first != "U") continue;
-    std::vector<std::string> names(words.begin() + static_cast<std::ptrdiff_t>(start),
-                                   words.begin() + static_cast<std::ptrdiff_t>(start + width));
-    if (NamesPlace(names)) return names;
-  }
-  return {};
-}
-
-// The columns of the file: the header's or a comment's names, filled up with numbers to the width
-// of the first row.
-std::vector<CloudField> Fields(std::vector<std::string> names,
-                               const std::vector<std::string>& comment,
-                               std::size_t width) {
-  if (names.size() != width && !NamesPlace(names)) names.clear();
-  if (names.empty()) names = NamesInComment(comment, width);
-  for (std::size_t k = names.size(); k < width; ++k) names.push_back(std::to_string(k + 1));
-  std::vector<CloudField> fields;
-  for (std::string& name : names) fields.push_back({.name = std::move(name)});
-  return fields;
-}
-
 }  // namespace
 
 CloudPart ReadText(ByteSource& source, const CloudReadOptions& options) {
@@ -155,7 +120,8 @@ CloudPart ReadText(ByteSource& source, const CloudReadOptions& options) {
     return empty;
   }
   const std::size_t width = SplitFields(line).size();
-  const std::vector<CloudField> fields = Fields(std::move(preamble.names), preamble.comment, width);
+  const std::vector<CloudField> fields =
+      TextFields(source.name(), std::move(preamble.names), preamble.comment, width);
   const bool plane_by_width = width == 2 && options.columns.empty();
   CloudFilter filter(source.name(),
                      fields,

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "batten/io/plain_decimal.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
@@ -76,6 +78,10 @@ std::optional<double> UnusualNumber(std::string_view field) {
 }  // namespace
 
 bool LineReader::Next(std::string_view& line) {
+  if (std::exchange(repeat_, false)) {
+    line = last_;
+    return true;
+  }
   std::string_view bytes = source_.Peek(1);
   const void* newline = std::memchr(bytes.data(), '\n', bytes.size());
   if (newline == nullptr) {
@@ -93,6 +99,7 @@ bool LineReader::Next(std::string_view& line) {
   line = bytes.substr(0, length);
   source_.Skip(static_cast<std::int64_t>(length) + (newline == nullptr ? 0 : 1));
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  last_ = line;
   return true;
 }
 
@@ -120,6 +127,18 @@ std::vector<std::string_view> SplitFields(std::string_view line) {
 }
 
 bool IsNumber(std::string_view field) { return UnusualNumber(field).has_value(); }
+
+const char* ParseNumber(const char* at, const char* end, double& value) {
+  const char* const plain = ParsePlainDecimal(at, end, value);
+  if (plain != nullptr && EndsField(plain, end)) return plain;
+  const auto [parsed, error] = std::from_chars(at, end, value);
+  if (error == std::errc() && EndsField(parsed, end)) return parsed;
+  const char* field_end = FieldEnd(at, end);
+  const auto unusual = UnusualNumber({at, static_cast<std::size_t>(field_end - at)});
+  if (!unusual) return nullptr;
+  value = *unusual;
+  return field_end;
+}
 
 std::string Quoted(std::string_view text) {
   constexpr std::size_t kShown = 24;
@@ -154,15 +173,10 @@ void RowParser::Parse(std::string_view line, std::int64_t number, RowBatch& batc
       field_end = FieldEnd(at, end);
     } else {
       double& value = row[static_cast<std::size_t>(slots_[field]) * RowBatch::kRows];
-      const auto [parsed, error] = std::from_chars(at, end, value);
-      field_end = parsed;
-      if (error != std::errc() || !EndsField(parsed, end)) {
-        field_end = FieldEnd(at, end);
-        const std::string_view text(at, static_cast<std::size_t>(field_end - at));
-        const auto unusual = UnusualNumber(text);
-        if (!unusual)
-          throw ReadError::AtLine(file_, number, "expected a number, found " + Quoted(text));
-        value = *unusual;
+      field_end = ParseNumber(at, end, value);
+      if (field_end == nullptr) {
+        const std::string_view text(at, static_cast<std::size_t>(FieldEnd(at, end) - at));
+        throw ReadError::AtLine(file_, number, "expected a number, found " + Quoted(text));
       }
     }
     at = SkipBlanks(field_end, end);

@@ -25,6 +25,9 @@ class LineReader {
   // a line is longer than kLongestLine.
   bool Next(std::string_view& line);
 
+  // The line last returned comes again.
+  void Repeat() { repeat_ = true; }
+
   // Of the line last returned, from 1.
   std::int64_t number() const { return number_; }
 
@@ -33,6 +36,8 @@ class LineReader {
  private:
   ByteSource& source_;
   std::int64_t number_ = 0;
+  std::string_view last_;
+  bool repeat_ = false;
 };
 
 // Whether a line holds more than blanks and a comment (from # or // on).
@@ -43,6 +48,10 @@ std::vector<std::string_view> SplitFields(std::string_view line);
 
 // Whether the field is a number, or one of the words nan and inf, or empty.
 bool IsNumber(std::string_view field);
+
+// Reads the number at `at`, where no blank stands: the field ends at a blank, a comma, a semicolon,
+// a comment or the end. Returns the end of the field; null where it is no number.
+const char* ParseNumber(const char* at, const char* end, double& value);
 
 // A piece of the file fit for a message: short, in quotes, unprintable bytes as \xNN.
 std::string Quoted(std::string_view text);

@@ -174,6 +174,10 @@ void WriteCloud(const PointCloud& cloud, const std::string& path, const std::str
   if (!IsCloudFormat(chosen)) {
     throw UsageError(path + ": a " + FormatName(chosen) + " file holds geometry, not points");
   }
+  if (!IsWritable(chosen)) {
+    throw UsageError(path + ": points are written as .ply, .pcd, .xyz or .csv, not ." +
+                     FormatName(chosen));
+  }
   const auto columns = Columns(cloud, chosen);
   AtomicFile file(path);
   switch (chosen) {

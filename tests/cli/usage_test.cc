@@ -58,7 +58,6 @@ TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
                                              {"--uncertainty"},
                                              {"--certify"},
                                              {"--stream"},
-                                             {"--las-class", "2"},
                                              {"--report", "r.html"}}) {
     ExpectBadFlags(flags, {flags.front(), "not in this version"});
   }
@@ -135,7 +134,7 @@ TEST_F(UsageTest, AFlagGivenTwiceIsRefused) {
 }
 
 TEST_F(UsageTest, FormatsThatAreNotReadSayWhatToDo) {
-  for (const char* extension : {"laz", "e57", "las", "obj", "unheard"}) {
+  for (const char* extension : {"laz", "e57", "unheard"}) {
     const std::string name = std::string("scan.") + extension;
     ExpectUsageError({"fit", "surface", name, "-o", folder_.File("out.step")}, {name, extension});
   }

@@ -51,7 +51,7 @@ TEST(TextReaderTest, ReadsEveryTextExtensionAlike) {
   }
   CloudReadOptions options;
   options.format = "text";
-  EXPECT_EQ(World(ReadBytes("a.xyzl", "1 2 3 7\n-4 5.5 .06 8\n", options).cloud), TwoPoints());
+  EXPECT_EQ(World(ReadBytes("a.points", "1 2 3 7\n-4 5.5 .06 8\n", options).cloud), TwoPoints());
 }
 
 TEST(TextReaderTest, FindsColumnsByTheHeaderWhateverTheirOrder) {
@@ -70,6 +70,58 @@ TEST(TextReaderTest, FindsColumnsByTheHeaderWhateverTheirOrder) {
 
 TEST(TextReaderTest, NamesFieldsByNumberWithoutAHeader) {
   EXPECT_THAT(ReadBytes("a.xyz", "1 2 3 4\n").fields, ElementsAre("1", "2", "3", "4"));
+}
+
+TEST(TextReaderTest, ExtensionsThatNameTheColumnsAreTakenAtTheirWord) {
+  const CloudFile given = ReadBytes("a.uvxyz", "0.1 0.2 1 2 3\n0.3 0.4 -4 5.5 .06\n");
+  EXPECT_EQ(World(given.cloud), TwoPoints());
+  EXPECT_EQ(given.cloud.parameters().col(1), Eigen::Vector2d(0.3, 0.4));
+  EXPECT_THAT(given.fields, ElementsAre("u", "v", "x", "y", "z"));
+
+  CloudReadOptions ground;
+  ground.where = {{"label", 1}};
+  const CloudFile labelled =
+      ReadBytes("a.XYZL", "1 2 3 1 77\n9 9 9 0 77\n-4 5.5 .06 1 77\n", ground);
+  EXPECT_EQ(World(labelled.cloud), TwoPoints());
+  EXPECT_EQ(labelled.filtered, 1);
+  EXPECT_THAT(labelled.fields, ElementsAre("x", "y", "z", "label", "5"));
+
+  EXPECT_EQ(ReadBytes("a.xyzn", "1 2 3 0 0.6 0.8\n").cloud.normals().col(0),
+            Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(ReadBytes("a.xyzrgb", "1 2 3 255 128 0\n").cloud.colours().col(0).cast<int>(),
+            Eigen::Vector3i(255, 128, 0));
+  const CloudFile scanner = ReadBytes("a.pts", "2\n1 2 3 -700 255 128 0\n-4 5.5 .06 9 1 2 3\n");
+  EXPECT_EQ(World(scanner.cloud), TwoPoints());
+  EXPECT_EQ(scanner.cloud.colours().col(1).cast<int>(), Eigen::Vector3i(1, 2, 3));
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 3 255 128 0\n").cloud.colours().cols(), 0);
+}
+
+TEST(TextReaderTest, HeadersAndOptionsOverruleTheExtension) {
+  EXPECT_EQ(World(ReadBytes("a.uvxyz", "x y z u v\n1 2 3 .1 .2\n-4 5.5 .06 .3 .4\n").cloud),
+            TwoPoints());
+  EXPECT_EQ(World(ReadBytes("a.uvxyz", "# x y z u v\n1 2 3 .1 .2\n-4 5.5 .06 .3 .4\n").cloud),
+            TwoPoints());
+  CloudReadOptions options;
+  options.columns = {{"x", "2"}, {"y", "3"}, {"z", "4"}, {"u", "1"}, {"v", "5"}};
+  const CloudFile asked = ReadBytes("a.uvxyz", ".1 1 2 3 .2\n.3 -4 5.5 .06 .4\n", options);
+  EXPECT_EQ(World(asked.cloud), TwoPoints());
+  EXPECT_EQ(asked.cloud.parameters().col(0), Eigen::Vector2d(0.1, 0.2));
+}
+
+// Three columns named u v x y z would be a point in the wrong place.
+TEST(TextReaderTest, RefusesFewerColumnsThanTheExtensionNames) {
+  EXPECT_THAT(FailureOf("a.uvxyz", "1 2 3\n"),
+              AllOf(HasSubstr("u v x y z"), HasSubstr("first row has 3")));
+  EXPECT_THAT(FailureOf("a.xyzl", "1 2 3\n"), HasSubstr("x y z label"));
+}
+
+TEST(TextReaderTest, TakesColoursFromTheColumnsAskedFor) {
+  CloudReadOptions options;
+  options.columns = {{"red", "4"}, {"green", "5"}, {"blue", "6"}};
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 3 255 128 0\n", options).cloud.colours().col(0).cast<int>(),
+            Eigen::Vector3i(255, 128, 0));
+  options.columns.erase("blue");
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3 255 128 0\n", options), HasSubstr("red, green and blue"));
 }
 
 TEST(TextReaderTest, TwoColumnsAreAPlaneCloud) {
