@@ -71,5 +71,9 @@ void ReadEveryWay(std::string_view bytes, const std::string& format) {
 void FuzzPcd(std::string_view bytes) { ReadEveryWay(bytes, "pcd"); }
 void FuzzPly(std::string_view bytes) { ReadEveryWay(bytes, "ply"); }
 void FuzzText(std::string_view bytes) { ReadEveryWay(bytes, "text"); }
+void FuzzLas(std::string_view bytes) { ReadEveryWay(bytes, "las"); }
+void FuzzObj(std::string_view bytes) { ReadEveryWay(bytes, "obj"); }
+void FuzzStl(std::string_view bytes) { ReadEveryWay(bytes, "stl"); }
+void FuzzOff(std::string_view bytes) { ReadEveryWay(bytes, "off"); }
 
 }  // namespace batten

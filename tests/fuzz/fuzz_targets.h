@@ -25,6 +25,10 @@ inline void RequireLaw(bool holds, const std::string& law) {
 void FuzzPcd(std::string_view bytes);
 void FuzzPly(std::string_view bytes);
 void FuzzText(std::string_view bytes);
+void FuzzLas(std::string_view bytes);
+void FuzzObj(std::string_view bytes);
+void FuzzStl(std::string_view bytes);
+void FuzzOff(std::string_view bytes);
 
 // Geometry as JSON; what is read and written reads back the same.
 void FuzzJson(std::string_view bytes);

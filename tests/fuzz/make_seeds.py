@@ -148,6 +148,97 @@ def texts():
     save("text", "binary", bytes(range(256)))
 
 
+# ---- LAS ----
+def las(minor, form, count, body, stride=None, size=None, at=None, long_count=0, scale=0.01, mark=b"LASF"):
+    sizes, records = (227, 227, 227, 235, 375), (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
+    size = sizes[minor] if size is None else size
+    head = bytearray(sizes[minor])
+    head[0:4], head[24], head[25] = mark, 1, minor
+    struct.pack_into("<HII", head, 94, size, size if at is None else at, 0)
+    head[104] = form
+    struct.pack_into("<HI", head, 105, records[form & 15] if stride is None else stride, count)
+    struct.pack_into("<6d", head, 131, scale, scale, scale, 100, 200, 300)
+    if minor == 4:
+        struct.pack_into("<Q", head, 247, long_count)
+    return bytes(head) + body
+
+
+def lases():
+    records = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
+    for form, length in enumerate(records):
+        body = b"".join(struct.pack("<3iH", int(100 * x), int(100 * y), int(100 * z), 7)
+                        + bytes([9, 2]) + bytes(range(length - 16)) for x, y, z in POINTS[:3])
+        minor = 4 if form > 5 else 3 if form > 3 else 2
+        save("las", f"format_{form}", las(minor, form, 0 if form > 5 else 3, body, long_count=3))
+    plain = b"".join(struct.pack("<3i8x", k, k * k, -k) for k in range(4))
+    save("las", "version_0", las(0, 0, 4, plain))
+    save("las", "long_records", las(2, 0, 2, plain, stride=40))
+    save("las", "records_after", las(2, 0, 4, b"VLR skipped " + plain, at=239))
+    save("las", "short", las(2, 0, 4, plain[:-1]))
+    save("las", "short_header", las(2, 0, 4, plain)[:200])
+    save("las", "promises", las(2, 0, 2**32 - 1, plain))
+    save("las", "promises_2_40", las(4, 6, 0, plain, long_count=2**40))
+    save("las", "promises_2_63", las(4, 6, 0, plain, long_count=2**63))
+    save("las", "points_far_away", las(2, 0, 4, plain, at=2**32 - 1))
+    save("las", "points_in_header", las(2, 0, 4, plain, at=100))
+    save("las", "stride_zero", las(2, 0, 4, plain, stride=0))
+    save("las", "compressed", las(2, 0x80, 4, plain, stride=20))
+    save("las", "scale_nan", las(2, 0, 4, plain, scale=NAN))
+    save("las", "scale_huge", las(2, 0, 4, plain, scale=1e308))
+    save("las", "scale_zero", las(2, 0, 4, plain, scale=0))
+
+
+# ---- OBJ, STL, OFF ----
+def meshes():
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS)
+    save("obj", "vertices", "# a mesh\nmtllib a.mtl\no one\n" + corners + "f 1 2 3\nf 1//1 2//2 -1//-1\n")
+    save("obj", "colours", "".join(f"v {x} {y} {z} 1 0.5 0\n" for x, y, z in POINTS))
+    save("obj", "normals", corners + "vn 0 0 1\n" * len(POINTS) + "vt 0 0\n")
+    save("obj", "some_normals", corners + "vn 0 0 1\n")
+    save("obj", "weights", "v 1 2 3 1.0\nv 4 5 6 0.5\n")
+    save("obj", "huge_nan", "v 1e308 0 0\nv nan inf -inf\nv 1e999 1 1\n")
+    save("obj", "nan", "v nan 0 0\nv 1 2 3\n")
+    save("obj", "continued", "v 1 2 \\\n3\nf 1 2 \\\n3\n")
+    save("obj", "crlf_tabs", corners.replace(" ", "\t").replace("\n", "\r\n"))
+    save("obj", "cut", "v 1 2")
+
+    def facet(a, b, c):
+        return struct.pack("<12fH", 0, 0, 1, *a, *b, *c, 0)
+
+    two = facet(*POINTS[:3]) + facet(*POINTS[1:4])
+    save("stl", "binary", b"a seed".ljust(80) + struct.pack("<I", 2) + two)
+    save("stl", "binary_solid", b"solid but binary".ljust(80) + struct.pack("<I", 2) + two)
+    save("stl", "binary_short", b"".ljust(80) + struct.pack("<I", 2) + two[:-3])
+    save("stl", "promises", b"".ljust(80) + struct.pack("<I", 2**32 - 1) + two)
+    save("stl", "no_facet", b"".ljust(80) + struct.pack("<I", 0))
+    save("stl", "binary_nan", b"".ljust(80) + struct.pack("<I", 1) + facet((NAN, 0, 0), (-0.0, 0, 0), (0, 1, 0)))
+    loop = "".join(f"      vertex {x:e} {y:e} {z:e}\n" for x, y, z in POINTS[:3])
+    text = "  facet normal 0 0 1\n    outer loop\n" + loop + "    endloop\n  endfacet\n"
+    save("stl", "ascii", "solid a\n" + text * 2 + "endsolid a\n")
+    save("stl", "ascii_two", ("solid\n" + text + "endsolid\n") * 2)
+    save("stl", "ascii_capitals", ("solid a\n" + text + "endsolid a\n").upper())
+    save("stl", "ascii_no_end", "solid a\n" + text)
+    save("stl", "ascii_four_corners", "solid a\n" + text.replace(loop, loop + "vertex 1 1 1\n") + "endsolid\n")
+    save("stl", "ascii_huge_nan", "solid a\n" + text.replace("0.000000e+00", "nan", 2) + "endsolid\n")
+
+    n = len(POINTS)
+    save("off", "plain", f"OFF\n{n} 1 0\n" + rows(POINTS) + "3 0 1 2\n")
+    save("off", "one_line", f"OFF {n} 0 0 # counts\n\n" + rows(POINTS))
+    save("off", "no_word", f"{n} 0 0\n" + rows(POINTS))
+    save("off", "comments", f"# first\nOFF\n# second\n{n} 0 0\n" + rows(POINTS))
+    save("off", "normals", "NOFF\n2 0 0\n1 2 3 0 0 1\n4 5 6 0 1 0\n")
+    save("off", "colours", "COFF\n2 0 0\n1 2 3 255 0 0 255\n4 5 6 0.5 1 0 1\n")
+    save("off", "all", "STCNOFF\n1 0 0\n1 2 3 0 0 1 255 0 0 255 0.5 0.5\n")
+    save("off", "bare_colours", "OFF\n2 0 0\n1 2 3 255 0 0\n4 5 6 0 255 0\n")
+    save("off", "promises", "OFF\n4294967295 0 0\n" + rows(POINTS))
+    save("off", "promises_2_40", "OFF\n1099511627776 0 0\n" + rows(POINTS))
+    save("off", "none", "OFF\n0 0 0\n")
+    save("off", "binary", b"OFF BINARY\n\x00\x00\x00\x01")
+    save("off", "four", "4OFF\n1 0 0\n1 2 3 4\n")
+    save("off", "nan", "OFF\n2 0 0\nnan 0 0\n1 2 1e308\n")
+    save("off", "cut", "OFF\n3 0 0\n1 2 3\n1 2")
+
+
 # ---- geometry JSON ----
 def spline(degree, knots, points, weights=None, **more):
     control = {"points": points}
@@ -292,6 +383,8 @@ if __name__ == "__main__":
     plies()
     pcds()
     texts()
+    lases()
+    meshes()
     jsons()
     iges()
     steps()

@@ -161,6 +161,10 @@ void Smoke(const std::string& target, void (*run)(std::string_view), int copies)
 TEST(FuzzSmokeTest, PcdIsReadOrRefused) { Smoke("pcd", FuzzPcd, 500); }
 TEST(FuzzSmokeTest, PlyIsReadOrRefused) { Smoke("ply", FuzzPly, 500); }
 TEST(FuzzSmokeTest, TextIsReadOrRefused) { Smoke("text", FuzzText, 500); }
+TEST(FuzzSmokeTest, LasIsReadOrRefused) { Smoke("las", FuzzLas, 500); }
+TEST(FuzzSmokeTest, ObjIsReadOrRefused) { Smoke("obj", FuzzObj, 500); }
+TEST(FuzzSmokeTest, StlIsReadOrRefused) { Smoke("stl", FuzzStl, 500); }
+TEST(FuzzSmokeTest, OffIsReadOrRefused) { Smoke("off", FuzzOff, 500); }
 TEST(FuzzSmokeTest, JsonIsReadOrRefused) { Smoke("json", FuzzJson, 1000); }
 TEST(FuzzSmokeTest, IgesIsReadOrRefused) { Smoke("iges", FuzzIges, 1000); }
 TEST(FuzzSmokeTest, IgesEntitiesAreReadOrRefused) {
