@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "batten/io/iges_reader.h"
+#include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "fuzz_targets.h"
 #include "memory_file.h"
@@ -45,6 +46,17 @@ TEST(FuzzFindingsTest, KnotsAndWeightsOfIgesHaveTheLimitsOfJson) {
       ","
       "0.,1.,0.,1.,1.,0.,0.,1.,0.,1.\n";
   EXPECT_THAT(RefusalOfIges(surface), HasSubstr("has a weight above 1e150"));
+}
+
+TEST(FuzzFindingsTest, PointsOutsideTheBoxAreNoHolesOfTheirGrid) {
+  const MemoryFile file("0 0 0\n5 5 5\nnan 0 0\n1 0 0\n");
+  CloudReadOptions options;
+  options.format = "text";
+  options.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
+  const CloudFile read = ReadCloud({file.path()}, options);
+  EXPECT_EQ(read.filtered, 1);
+  EXPECT_EQ(read.non_finite, 1);
+  EXPECT_THAT(read.missing, ::testing::ElementsAre(2));
 }
 
 }  // namespace
