@@ -136,9 +136,9 @@ void CloudFilter::Take(RowBatch& batch) {
   DropNonFinite(batch);
   RequirePositiveWeights(batch);
   const Eigen::Index finite_dropped = DropCount(batch);
+  if (finite_dropped > unmatched) NoteMissing(matched);
   DropOutside(batch);
   const Eigen::Index all_dropped = DropCount(batch);
-  if (finite_dropped > unmatched) NoteMissing(matched);
   part_.matched += batch.rows - unmatched;
   part_.non_finite += finite_dropped - unmatched;
   part_.filtered += unmatched + all_dropped - finite_dropped;

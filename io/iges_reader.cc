@@ -290,6 +290,7 @@ class Reader {
       points = ((m.leftCols<3>() * points).colwise() + m.col(3)).eval();
       index = matrix.transform;
     }
+    RequireWithinLimits(points.reshaped(), "coordinate");
     return points;
   }
 

@@ -18,14 +18,7 @@
 namespace batten {
 namespace {
 
-constexpr double kLargestCoordinate = 1e150;
-
 Eigen::Matrix3Xd Points(const std::vector<double>& numbers) {
-  for (const double number : numbers) {
-    if (!(std::abs(number) <= kLargestCoordinate)) {
-      throw std::invalid_argument("has a coordinate above 1e150 in magnitude");
-    }
-  }
   return Eigen::Map<const Eigen::Matrix3Xd>(
       numbers.data(), 3, static_cast<Eigen::Index>(numbers.size() / 3));
 }
@@ -50,8 +43,8 @@ NurbsCurve<3> ReadBSpline(IgesNumbers in) {
   const int size = in.Integer() + 1, degree = in.Integer();
   for (int i = 0; i < 4; ++i) in.Real();
   const auto count = static_cast<size_t>(size);
-  std::vector<double> knots = in.Reals(count + static_cast<size_t>(degree) + 1);
-  Eigen::VectorXd weights = Weights(in.Reals(count));
+  std::vector<double> knots = in.Reals(count + static_cast<size_t>(degree) + 1, "knot");
+  Eigen::VectorXd weights = Weights(in.Reals(count, "weight"));
   Eigen::Matrix3Xd points = Points(in.Reals(3 * count));
   NurbsCurve<3> curve(SplineBasis(degree, std::move(knots)), std::move(points), std::move(weights));
   const double from = in.Real(), to = in.Real();
@@ -135,7 +128,7 @@ NurbsCurve<3> ReadParametric(IgesNumbers in) {
   const int pieces = in.Integer();
   if (pieces < 1) throw std::invalid_argument("is a spline without a piece");
   const auto count = static_cast<size_t>(pieces);
-  const std::vector<double> breaks = in.Reals(count + 1);
+  const std::vector<double> breaks = in.Reals(count + 1, "knot");
   const std::vector<double> powers = in.Reals(12 * count);
   std::vector<double> knots(1, breaks[0]);
   Eigen::Matrix3Xd points(3, 3 * pieces + 1);
@@ -225,9 +218,9 @@ NurbsSurface ReadIgesSurface(const IgesEntity& entity) {
   const int degree_u = in.Integer(), degree_v = in.Integer();
   for (int i = 0; i < 5; ++i) in.Real();
   const auto nu = static_cast<size_t>(size_u), nv = static_cast<size_t>(size_v);
-  std::vector<double> knots_u = in.Reals(nu + static_cast<size_t>(degree_u) + 1);
-  std::vector<double> knots_v = in.Reals(nv + static_cast<size_t>(degree_v) + 1);
-  const std::vector<double> weights = in.Reals(nu * nv);
+  std::vector<double> knots_u = in.Reals(nu + static_cast<size_t>(degree_u) + 1, "knot");
+  std::vector<double> knots_v = in.Reals(nv + static_cast<size_t>(degree_v) + 1, "knot");
+  const std::vector<double> weights = in.Reals(nu * nv, "weight");
   const Eigen::Matrix3Xd points = Points(in.Reals(3 * nu * nv));
   Eigen::Matrix3Xd net(3, points.cols());
   Eigen::VectorXd net_weights(points.cols());

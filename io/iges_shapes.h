@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "batten/geometry/nurbs_curve.h"
@@ -22,6 +24,17 @@ enum IgesCurveType {
   kIgesParametric = 112,
   kIgesCurve = 126
 };
+
+// Throws where a number, called `what`, is not finite or too large to be calculated with.
+template <class Numbers>
+void RequireWithinLimits(const Numbers& numbers, const char* what) {
+  constexpr double kLargest = 1e150;
+  for (const double number : numbers) {
+    if (!(std::abs(number) <= kLargest)) {
+      throw std::invalid_argument(std::string("has a ") + what + " above 1e150 in magnitude");
+    }
+  }
+}
 
 // The parameters of an entity, in order.
 class IgesNumbers {
@@ -41,13 +54,16 @@ class IgesNumbers {
 
   int Entity() { return IgesIndex(Real()); }
 
-  std::vector<double> Reals(size_t count) {
+  // So many numbers within the limits; `what` they are called.
+  std::vector<double> Reals(size_t count, const char* what = "coordinate") {
     if (count > numbers_.size() - std::min(next_, numbers_.size())) {
       throw std::invalid_argument("promises more numbers than it has");
     }
     const auto begin = numbers_.begin() + static_cast<std::ptrdiff_t>(next_);
     next_ += count;
-    return {begin, begin + static_cast<std::ptrdiff_t>(count)};
+    std::vector<double> reals(begin, begin + static_cast<std::ptrdiff_t>(count));
+    RequireWithinLimits(reals, what);
+    return reals;
   }
 
  private:

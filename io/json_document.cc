@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "batten/io/read_error.h"
 
@@ -59,7 +60,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     skip_next_ = std::find(known_.begin(), known_.end(), name) == known_.end();
     if (skip_next_) return true;
     if (object.Find(name)) Fail(Place() + ": the name \"" + name + "\" is given twice");
-    object.members.emplace_back(std::move(name), JsonValue());
+    object.names.push_back(std::move(name));
+    object.items.emplace_back();
     return true;
   }
 
@@ -116,8 +118,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     std::string place;
     for (const JsonValue& value : open_) {
       if (value.kind == Kind::kObject) {
-        if (!value.members.empty())
-          place += (place.empty() ? "" : ".") + value.members.back().first;
+        if (!value.names.empty()) place += (place.empty() ? "" : ".") + value.names.back();
       } else {
         place += '[' + std::to_string(Count(value)) + ']';
       }
@@ -175,7 +176,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     } else if (open_.empty()) {
       root_ = std::move(value);
     } else if (open_.back().kind == Kind::kObject) {
-      open_.back().members.back().second = std::move(value);
+      open_.back().items.back() = std::move(value);
     } else {
       AddToList(open_.back(), std::move(value));
     }
@@ -223,10 +224,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 }  // namespace
 
 const JsonValue* JsonValue::Find(std::string_view name) const {
-  for (const auto& [key, value] : members) {
-    if (key == name) return &value;
-  }
-  return nullptr;
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? nullptr : &items[static_cast<size_t>(found - names.begin())];
 }
 
 const char* Name(JsonValue::Kind kind) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace batten {
@@ -21,9 +20,9 @@ struct JsonValue {
   std::int64_t columns = 0;  // of a table, which holds `numbers` row by row
   std::int64_t rows = 0;     // of a table
   std::string text;
-  std::vector<double> numbers;   // kNumbers (the empty list included) and kTable
-  std::vector<JsonValue> items;  // kList: texts, booleans, objects and mixed lists
-  std::vector<std::pair<std::string, JsonValue>> members;  // kObject, in the text's order
+  std::vector<double> numbers;     // kNumbers (the empty list included) and kTable
+  std::vector<std::string> names;  // kObject: of its items, in the text's order
+  std::vector<JsonValue> items;    // kObject, and kList: texts, booleans, objects and mixed lists
 
   // The member of that name; none when it is absent or this is not an object.
   const JsonValue* Find(std::string_view name) const;

@@ -259,5 +259,94 @@ TEST_F(BadInputTest, AParameterFileIsJudgedLineByLine) {
   ExpectRefused({"evaluate", patch, "--at-file", single}, 1, {single, "line 1", "two parameters"});
 }
 
+// ---- what headers promise, held against the file before memory is taken ----
+
+TEST_F(BadInputTest, APlyOfAHundredBytesIsNotBelievedWhateverItPromises) {
+  for (const char* count : {"100000000", "4000000000", "1099511627776", "9223372036854775807"}) {
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+      const std::string path = folder_.With(
+          "promise.ply",
+          std::string("ply\nformat ") + format + " 1.0\nelement vertex " + count +
+              "\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2");
+      ExpectRefused({"info", path}, 1, {path, count});
+    }
+  }
+}
+
+TEST_F(BadInputTest, AListThatPromisesMoreThanTheFileIsNotBelieved) {
+  const std::string path =
+      folder_.With("list.ply",
+                   std::string("ply\nformat binary_little_endian 1.0\nelement face 1\n"
+                               "property list uint double far\nelement vertex 1\nproperty float x\n"
+                               "property float y\nproperty float z\nend_header\n") +
+                       std::string(4, '\xff') + std::string(12, '\0'));
+  ExpectRefused({"info", path}, 1, {path, "the file ends after 0 of 1 of element face"});
+}
+
+TEST_F(BadInputTest, ACompressedPcdOfAFalseSizeIsNotBelieved) {
+  const auto pcd = [&](const std::string& points, std::uint32_t packed, std::uint32_t size) {
+    std::string bytes = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+                        points + "\nHEIGHT 1\nPOINTS " + points + "\nDATA binary_compressed\n";
+    for (const std::uint32_t number : {packed, size}) {
+      for (int k = 0; k < 4; ++k) bytes.push_back(static_cast<char>(number >> (8 * k)));
+    }
+    return folder_.With("false.pcd", bytes + "\x1f" + std::string(32, 'a'));
+  };
+  std::string path = pcd("357913941", 33, 4294967292);
+  ExpectRefused({"info", path}, 1, {path, "33 bytes can't decompress to 4294967292"});
+  path = pcd("357913941", 4294967295, 4294967292);
+  ExpectRefused({"info", path}, 1, {path, "but 33 follow"});
+  path = pcd("2", 33, 4294967292);
+  ExpectRefused({"info", path}, 1, {path, "4294967292 bytes where 2 points take 24"});
+}
+
+TEST_F(BadInputTest, ListsNestedAHundredThousandDeepAreRefused) {
+  const std::string open(100'000, '['), close(100'000, ']');
+  for (const char* name : {"shape", "data", "unknown"}) {
+    const std::string path =
+        folder_.With("deep.json", std::string("{\"") + name + "\": " + open + close + "}");
+    ExpectRefused({"info", path}, 1, {path, "nested deeper than 64 levels"});
+  }
+  const std::string head =
+      "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('CONFIG_CONTROL_DESIGN'));\nENDSEC;\nDATA;\n#1=A";
+  const std::string path =
+      folder_.With("deep.step",
+                   head + std::string(100'000, '(') + std::string(100'000, ')') +
+                       ";\nENDSEC;\nEND-ISO-10303-21;\n");
+  ExpectRefused({"info", path}, 1, {path, "line 6", "nested deeper than 64 levels"});
+}
+
+TEST_F(BadInputTest, CountsOfJsonAreHeldAgainstItsLists) {
+  std::string text = kRationalPatch;
+  const std::size_t at = text.find("\"size_u\": 4");
+  ASSERT_NE(at, text.npos);
+  text.replace(at, 11, "\"size_u\": 1000000000");
+  const std::string path = folder_.With("counts.json", text);
+  ExpectRefused({"info", path}, 1, {path, "size_u 1000000000"});
+}
+
+TEST_F(BadInputTest, CountsOfIgesAreHeldAgainstItsNumbers) {
+  // One curve whose parameters are `values` on `lines` lines.
+  const auto iges = [&](const std::string& values, const std::string& lines) {
+    const auto field = [](std::string text) { return std::string(8 - text.size(), ' ') + text; };
+    const auto line = [&](std::string text, char section, const std::string& number) {
+      text.resize(72, ' ');
+      return text + section + field(number).substr(1) + "\n";
+    };
+    return folder_.With(
+        "counts.iges",
+        line("counts", 'S', "1") + line("1H,,1H;;", 'G', "1") +
+            line(field("126") + field("1") + std::string(48, ' ') + "00000000", 'D', "1") +
+            line(field("126") + std::string(16, ' ') + field(lines), 'D', "2") +
+            line("126," + values + ";", 'P', "1") + line("S1G1D2P1", 'T', "1"));
+  };
+  for (const char* count : {"2147483647", "4294967295", "1E300", "-1"}) {
+    const std::string path = iges(std::string(count) + ",1,0,0,0,0,0.,0.,1.,1.", "1");
+    ExpectRefused({"info", path}, 1, {path, "promises more numbers than it has"});
+  }
+  const std::string path = iges("1,1", "9999999");
+  ExpectRefused({"info", path}, 1, {path, "line 3", "parameters are not in the file"});
+}
+
 }  // namespace
 }  // namespace batten
