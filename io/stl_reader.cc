@@ -197,7 +197,7 @@ bool IsAscii(ByteSource& source) {
   if (first == std::string_view::npos || bytes.size() < first + 5) return false;
   const std::string_view word = bytes.substr(first, 5);
   const auto is_letter_of = [](char a, char b) {
-    return a == std::tolower(static_cast<unsigned char>(b));
+    return std::tolower(static_cast<unsigned char>(a)) == b;
   };
   if (!std::equal(word.begin(), word.end(), "solid", is_letter_of)) return false;
   return bytes.find('\0') == std::string_view::npos;

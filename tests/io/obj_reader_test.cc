@@ -92,10 +92,10 @@ TEST(ObjReaderTest, AttributesStayWithTheirPoints) {
   ASSERT_GT(cloud.size(), kPoints / 3);
   EXPECT_EQ(file.non_finite, (kPoints + 3) / 7);
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(cloud.normals()(0, k));
-    ASSERT_EQ(cloud.World(k)[0], points(0, row));
-    ASSERT_EQ(cloud.normals()(1, k), points(0, row));
-    ASSERT_EQ(cloud.colours()(0, k) + 256 * cloud.colours()(1, k), row);
+    const auto own = static_cast<Eigen::Index>(cloud.normals()(0, k));
+    ASSERT_EQ(cloud.World(k)[0], points(0, own));
+    ASSERT_EQ(cloud.normals()(1, k), points(0, own));
+    ASSERT_EQ(cloud.colours()(0, k) + 256 * cloud.colours()(1, k), own);
   }
 }
 
