@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "batten/cli/fit_arguments.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/terminal.h"
 #include "batten/fitting/fit_primitive.h"
