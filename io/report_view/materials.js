@@ -124,8 +124,10 @@ function surfaceMaterial(table, limit) {
   });
 }
 
-function pointMaterial(table, limit, { mark = 0, colour = 0x000000, size = 3, lift = 0 } = {}) {
+function pointMaterial(table, limit, { mark = 0, colour = 0x000000, size = 3, lift = 0, through = false } = {}) {
   return new THREE.ShaderMaterial({
+    depthTest: !through,
+    transparent: through,  // drawn last
     vertexShader: kPointVertexShader,
     fragmentShader: kPointFragmentShader,
     uniforms: {

@@ -106,7 +106,7 @@ function spaceLayers(data, table) {
     }
     if (cloud.outliers > 0) {
       add("outliers", "Outliers", s.length === 0, [pointsObject(cloud.points, null, (i) => cloud.outlier[i],
-        pointMaterial(table, data.limit, { mark: 1, colour: kColours.outlier, size: 10, lift: 1.5 * clear }))]);
+        pointMaterial(table, data.limit, { mark: 1, colour: kColours.outlier, size: 10, through: true }))]);
     }
   }
   const borders = s.flatMap((x) => x.trims.concat(x.edges));
