@@ -11,17 +11,25 @@
 namespace batten {
 namespace {
 
-// The ends of spans, increasing.
+// The spans that are no slivers.
+std::vector<int> SpansOf(const SplineBasis& basis) {
+  std::vector<int> spans = basis.Spans();
+  const double least = kSliverShare * (basis.upper() - basis.lower());
+  std::erase_if(spans,
+                [&](int span) { return basis.knots()[span + 1] - basis.knots()[span] <= least; });
+  return spans;
+}
+
 std::vector<double> BreaksOf(const SplineBasis& basis) {
   std::vector<double> breaks;
-  for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
+  for (const int span : SpansOf(basis)) breaks.push_back(basis.knots()[span]);
   breaks.push_back(basis.upper());
   return breaks;
 }
 
 std::vector<Eigen::MatrixXd> BezierMatrices(const SplineBasis& basis) {
   std::vector<Eigen::MatrixXd> matrices;
-  for (const int span : basis.Spans())
+  for (const int span : SpansOf(basis))
     matrices.push_back(BezierSpanMatrix(basis, span).transpose());
   return matrices;
 }
@@ -72,7 +80,8 @@ FlatnessBound::FlatnessBound(const NurbsSurface& surface)
       q_(surface.basis_v().degree()),
       breaks_u_(BreaksOf(surface.basis_u())),
       breaks_v_(BreaksOf(surface.basis_v())) {
-  const std::vector<int> spans_u = surface.basis_u().Spans(), spans_v = surface.basis_v().Spans();
+  const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+  const std::vector<int> spans_u = SpansOf(u), spans_v = SpansOf(v);
   const std::vector<Eigen::MatrixXd> matrices_u = BezierMatrices(surface.basis_u()),
                                      matrices_v = BezierMatrices(surface.basis_v());
   for (std::size_t s = 0; s < spans_u.size(); ++s) {

@@ -11,6 +11,11 @@
 
 namespace batten {
 
+// Spans shorter than this share of the domain hold no triangle: they count as jumps of the knots'
+// derivatives, that is, creases where the knots on both their sides are together as many as the
+// degree.
+inline constexpr double kSliverShare = 0x1p-28;
+
 // With the plane n·x = c through three points of the surface, f = w (n·S − c) is a polynomial on
 // every cell between knots that vanishes at the triangle's corners: half its second derivatives
 // bound it between them, and those lie between the least and the greatest of their Bernstein
@@ -55,8 +60,8 @@ class FlatnessBound {
                    const Eigen::Vector4d& plane) const;
 
   int p_, q_;
-  std::vector<double> breaks_u_, breaks_v_;
-  std::vector<Node> nodes_;  // the cells first, v fastest
+  std::vector<double> breaks_u_, breaks_v_;  // where cells begin, and the end; slivers in them
+  std::vector<Node> nodes_;                  // the cells first, v fastest
   std::size_t most_nodes_;
   std::vector<int> cover_, finer_;  // of the triangle at hand
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/geometry/direction.h"
+#include "batten/geometry/flatness_bound.h"
 
 namespace batten {
 namespace {
@@ -38,11 +39,21 @@ std::vector<double> Lines(const SplineBasis& basis, int least) {
   return lines;
 }
 
+// Knots inside the domain that, with those no farther than a sliver after them, are as many as the
+// degree.
 std::vector<double> Creases(const SplineBasis& basis) {
   std::vector<double> creases;
-  for (const int span : basis.Spans()) {
-    const double knot = basis.knots()[span];
-    if (knot > basis.lower() && basis.Multiplicity(knot) >= basis.degree()) creases.push_back(knot);
+  const double sliver = kSliverShare * (basis.upper() - basis.lower());
+  int together = 0;
+  double first = basis.lower();
+  for (int i = basis.degree() + 1; i < basis.size(); ++i) {
+    const double knot = basis.knots()[i];
+    if (knot - basis.lower() <= sliver || basis.upper() - knot <= sliver) continue;
+    if (together == 0 || knot - first > sliver) {
+      first = knot;
+      together = 0;
+    }
+    if (++together == basis.degree()) creases.push_back(first);
   }
   return creases;
 }
