@@ -36,7 +36,8 @@ NamedSurfaces Surfaces(const MeshRequest& a) {
   BeginReading({a.geometry}, a.flags.quiet);
   const GeometryContents contents =
       ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet);
-  NamedSurfaces found{.unit = contents.unit.empty() ? "mm" : contents.unit};
+  NamedSurfaces found;
+  found.unit = contents.unit.empty() ? "mm" : contents.unit;
   for (size_t k = 0; k < contents.geometry.size(); ++k) {
     const auto* surface = std::get_if<NurbsSurface>(&contents.geometry[k]);
     if (!surface) continue;
