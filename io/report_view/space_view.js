@@ -210,8 +210,10 @@ class SpaceView {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.stage;
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
     if (width === 0 || height === 0) return;
-    this.setSize(width, height, Math.min(2, window.devicePixelRatio || 1));
+    if (width === this.width && height === this.height && ratio === this.ratio) return;  // a frame saved
+    this.setSize(width, height, ratio);
     this.draw();
   }
 
