@@ -211,7 +211,7 @@ int RunProgram(int argc, char** argv) {
       "From a scan to CAD:\n"
       "  batten info scan.ply                              how many points, how dense, how noisy\n"
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
-      "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.json\n"
+      "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.html\n"
       "  batten compare part.step scan.ply --tolerance 0.05\n"
       "                                                    how well it fits, measured again\n"
       "  batten tessellate part.step -o part.stl           triangles for viewers and printers\n"
