@@ -94,7 +94,7 @@ TEST(GeometryJsonTest, ReadsBackSeveralGeometriesOfDifferentKindsInOrder) {
   ExpectRoundTrip({mixed[0], mixed[2]});
   ExpectRoundTrip({mixed[1], mixed[3]});
   EXPECT_THAT(ToGeometryJson(mixed), HasSubstr(R"("type": "mixed", "count": 4)"));
-  EXPECT_THROW(ToGeometryJson({}), std::invalid_argument);
+  EXPECT_THROW(ToGeometryJson(std::vector<Geometry>{}), std::invalid_argument);
 }
 
 TEST(GeometryJsonTest, ReadsWhatTheExchangeFormAllows) {
