@@ -13,7 +13,7 @@ namespace batten {
 struct IgesEntity {
   int type = 0;
   int form = 0;
-  int transform = 0;               // index of the entity of type 124 that places it, −1: none
+  int transform = -1;              // index of the entity of type 124 that places it, −1: none
   bool dependent = false;          // a part of another entity
   std::string label;               // at most 8 characters
   std::string text;                // the first text among the parameters, of properties (406) only
