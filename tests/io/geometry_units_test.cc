@@ -119,7 +119,7 @@ TEST_F(GeometryUnitsTest, StepWithoutAUnitSaysSo) {
   File(".step", "mm");
   std::string text = folder_.Text("part-mm.step");
   // The context names the three units; without the length the model has none.
-  const size_t begin = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT(");
+  const size_t begin = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
   ASSERT_NE(begin, text.npos);
   const size_t first = text.find('#', begin), comma = text.find(',', first);
   text.erase(first, comma + 1 - first);
