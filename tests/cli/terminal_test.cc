@@ -13,6 +13,7 @@
 namespace batten {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -54,8 +55,11 @@ TEST_F(TerminalTest, AfterASecondABarIsDrawnAndWipedAtTheEnd) {
   run.Feed(points_);
   run.CloseInput();
   EXPECT_EQ(run.Wait(), 0);
-  EXPECT_THAT(run.Screen(), StartsWith(out_ + ": surface of degree 3,3"));
-  EXPECT_EQ(std::count(run.Screen().begin(), run.Screen().end(), '\n'), 1) << run.Screen();
+  // Only the result, and what is to be said of it, stays.
+  std::istringstream screen(run.Screen());
+  for (std::string line; std::getline(screen, line);)
+    EXPECT_THAT(line, AnyOf(StartsWith(out_ + ": surface of degree 3,3"), StartsWith("batten: ")));
+  EXPECT_THAT(run.Screen(), HasSubstr("surface of degree"));
 }
 
 TEST_F(TerminalTest, CtrlCWipesTheBarAndLeavesNothing) {
@@ -86,7 +90,7 @@ TEST_F(TerminalTest, NothingIsDrawnInFilesQuietlyOrWhereNoLineCanBeTakenBack) {
     run.CloseInput();
     EXPECT_EQ(run.Wait(), 0);
   }
-  EXPECT_EQ(folder_.Text("errors.txt"), "");
+  EXPECT_THAT(folder_.Text("errors.txt"), Not(AnyOf(HasSubstr("\r"), HasSubstr("\033"))));
 }
 
 TEST_F(TerminalTest, TheBarStaysWithinNarrowTerminals) {
