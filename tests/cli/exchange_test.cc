@@ -95,10 +95,11 @@ TEST_F(ExchangeTest, EditedPiecesKeepTheirNameAndTheUnit) {
 }
 
 TEST_F(ExchangeTest, ComparisonsAreInTheUnitOfTheGeometryOrTheOneAskedFor) {
-  // A point 10 mm off the sphere of 2 m.
-  const std::string points = folder_.With("points.xyz", "2.01 0 0\n0 2 0\n0 0 2\n-2 0 0\n0 -2 0\n");
+  // A point 10 mm off the sphere of 2 m, far from the sheet.
+  const std::string points =
+      folder_.With("points.xyz", "0 0 -2.01\n0 2 0\n0 0 2\n-2 0 0\n0 -2 0\n");
   const std::string in_mm =
-      folder_.With("mm.xyz", "2010 0 0\n0 2000 0\n0 0 2000\n-2000 0 0\n0 -2000 0\n");
+      folder_.With("mm.xyz", "0 0 -2010\n0 2000 0\n0 0 2000\n-2000 0 0\n0 -2000 0\n");
   const Json metres = RunJson({"compare", folder_.File("part.step"), points});
   EXPECT_EQ(metres["input"]["unit"], "m");
   EXPECT_NEAR(metres["error"]["max"].get<double>(), 0.01, 1e-12);

@@ -71,7 +71,7 @@ TEST_F(TessellateCommandTest, StandardOutputTakesTheMesh) {
   const std::string in = Written("in.json", {plane_});
   const ProgramRun run = Batten({"tessellate", in, "-o", "-", "--format", "obj"});
   EXPECT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.out, StartsWith("# written by batten\nv "));
+  EXPECT_THAT(run.out, StartsWith("# written by batten\no surface-1\nv "));
 }
 
 TEST_F(TessellateCommandTest, CurvesAreLeftOut) {
