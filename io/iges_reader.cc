@@ -305,7 +305,8 @@ class Reader {
   // The only part of a curve that spans a surface.
   NurbsCurve<3> Rail(int index) {
     std::vector<NurbsCurve<3>> parts = Curves(At(index, "curve"));
-    NurbsCurve<3> rail = Clamped(parts.at(0));
+    if (parts.empty()) throw std::invalid_argument("has a composite curve without a part");
+    NurbsCurve<3> rail = Clamped(parts[0]);
     for (size_t i = 1; i < parts.size(); ++i) {
       const double size = (parts[i].control_points().colwise() - rail.control_points().col(0))
                               .colwise()

@@ -87,7 +87,10 @@ NurbsSurface ReadTrimmed(const JsonField& entry, NurbsSurface surface) {
   try {
     return WithTurnedLoops(surface, std::move(loops), kFileGap);
   } catch (const LoopError& error) {
-    entries[error.loop() - (holes_only ? 1 : 0)].Fail(error.what());
+    if (!holes_only) entries[error.loop()].Fail(error.what());
+    // The boundary of the domain stands before the holes.
+    if (error.loop() == 0) trims.Fail(std::string("the domain of the surface ") + error.what());
+    entries[error.loop() - 1].Fail(error.what());
   }
 }
 

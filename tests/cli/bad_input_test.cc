@@ -300,6 +300,56 @@ TEST_F(BadInputTest, ACompressedPcdOfAFalseSizeIsNotBelieved) {
   ExpectRefused({"info", path}, 1, {path, "4294967292 bytes where 2 points take 24"});
 }
 
+TEST_F(BadInputTest, ALasThatPromisesBillionsOfPointsIsNotBelieved) {
+  // LAS 1.4 of one point of format 6, 30 bytes.
+  const auto las = [&](std::uint64_t points) {
+    std::string bytes(375 + 30, '\0');
+    const auto put = [&](std::size_t at, const auto& value) {
+      std::memcpy(bytes.data() + at, &value, sizeof value);
+    };
+    bytes.replace(0, 4, "LASF");
+    put(24, std::uint8_t{1});
+    put(25, std::uint8_t{4});
+    put(94, std::uint16_t{375});
+    put(96, std::uint32_t{375});
+    put(104, std::uint8_t{6});
+    put(105, std::uint16_t{30});
+    for (const std::size_t at : {131, 139, 147}) put(at, 0.001);
+    put(247, points);
+    return folder_.With("promise.las", bytes);
+  };
+  const ProgramRun read = Batten({"info", las(1)});
+  EXPECT_EQ(read.code, 0) << read.err;
+  for (const int bits : {32, 40}) {
+    const std::uint64_t points = std::uint64_t{1} << bits;
+    const std::string path = las(points);
+    ExpectRefused({"info", path},
+                  1,
+                  {path, "promises " + std::to_string(points), "the file ends at byte 405"});
+  }
+  for (const int bits : {41, 59, 63}) {
+    const std::uint64_t points = std::uint64_t{1} << bits;
+    const std::string path = las(points);
+    ExpectRefused({"info", path}, 1, {path, std::to_string(points) + " points are not possible"});
+  }
+}
+
+TEST_F(BadInputTest, AnStlThatPromisesBillionsOfFacetsIsNotBelieved) {
+  const auto stl = [&](std::uint32_t facets) {
+    std::string bytes(84 + 50, '\0');
+    std::memcpy(bytes.data() + 80, &facets, sizeof facets);
+    return folder_.With("promise.stl", bytes);
+  };
+  const ProgramRun read = Batten({"info", stl(1)});
+  EXPECT_EQ(read.code, 0) << read.err;
+  for (const std::uint32_t facets : {2u, 2147483648u, 4294967295u}) {
+    const std::string path = stl(facets);
+    ExpectRefused({"info", path},
+                  1,
+                  {path, "promises " + std::to_string(facets) + " facets", "but 50 follow"});
+  }
+}
+
 TEST_F(BadInputTest, ListsNestedAHundredThousandDeepAreRefused) {
   const std::string open(100'000, '['), close(100'000, ']');
   for (const char* name : {"shape", "data", "unknown"}) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "batten/io/geometry_json.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
@@ -46,6 +47,45 @@ TEST(FuzzFindingsTest, KnotsAndWeightsOfIgesHaveTheLimitsOfJson) {
       ","
       "0.,1.,0.,1.,1.,0.,0.,1.,0.,1.\n";
   EXPECT_THAT(RefusalOfIges(surface), HasSubstr("has a weight above 1e150"));
+}
+
+TEST(FuzzFindingsTest, ACompositeCurveWithoutAPartSpansNoSurface) {
+  const std::string curves =
+      "102,0,0,00010000;0\n"
+      "110,0,0,00010000;0.,0.,0.,1.,0.,0.\n";
+  const auto reason = HasSubstr("entity D5 (type 1");
+  const auto part = HasSubstr("has a composite curve without a part");
+  for (const char* surface : {"118,0,0,00000000;1,3,0,0",
+                              "118,0,0,00000000;3,1,0,0",
+                              "120,0,0,00000000;1,3,0.,6.",
+                              "120,0,0,00000000;3,1,0.,6.",
+                              "122,0,0,00000000;1,0.,0.,1."}) {
+    EXPECT_THAT(RefusalOfIges(curves + surface), ::testing::AllOf(reason, part)) << surface;
+  }
+}
+
+// The area of such a domain is 0 in doubles; it is no loop of the file that is wrong.
+TEST(FuzzFindingsTest, HolesOfADomainTooSmallToHaveAnAreaAreRefused) {
+  const auto refusal = [](const std::string& side) {
+    const std::string knots = "[0, 0, " + side + ", " + side + "]";
+    try {
+      ParseGeometryJson(
+          R"({"shape": {"type": "surface", "data": {"degree_u": 1, "degree_v": 1, "knotvector_u": )" +
+              knots + R"(, "knotvector_v": )" + knots +
+              R"(, "size_u": 2, "size_v": 2, "control_points": {"points": )"
+              R"([[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0]]}, "trims": {"data": [)"
+              R"({"type": "freeform", "points": [[0, 0], [1e-201, 0], [1e-201, 1e-201], [0, 0]]},)"
+              R"({"type": "freeform", "points": [[4e-201, 4e-201], [5e-201, 4e-201],)"
+              R"( [5e-201, 5e-201], [4e-201, 4e-201]]}]}}}})",
+          "a.json");
+    } catch (const ReadError& error) {
+      return std::string(error.what());
+    }
+    return std::string("(read)");
+  };
+  EXPECT_THAT(refusal("1e-200"),
+              HasSubstr("shape.data.trims: the domain of the surface encloses no area"));
+  EXPECT_THAT(refusal("1"), HasSubstr("shape.data.trims.data[0]: encloses no area"));
 }
 
 TEST(FuzzFindingsTest, PointsOutsideTheBoxAreNoHolesOfTheirGrid) {

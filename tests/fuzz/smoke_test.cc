@@ -158,13 +158,13 @@ void Smoke(const std::string& target, void (*run)(std::string_view), int copies)
   EXPECT_LT(PeakBytes() - before, kMostBytes);
 }
 
-TEST(FuzzSmokeTest, PcdIsReadOrRefused) { Smoke("pcd", FuzzPcd, 500); }
-TEST(FuzzSmokeTest, PlyIsReadOrRefused) { Smoke("ply", FuzzPly, 500); }
-TEST(FuzzSmokeTest, TextIsReadOrRefused) { Smoke("text", FuzzText, 500); }
-TEST(FuzzSmokeTest, LasIsReadOrRefused) { Smoke("las", FuzzLas, 500); }
-TEST(FuzzSmokeTest, ObjIsReadOrRefused) { Smoke("obj", FuzzObj, 500); }
-TEST(FuzzSmokeTest, StlIsReadOrRefused) { Smoke("stl", FuzzStl, 500); }
-TEST(FuzzSmokeTest, OffIsReadOrRefused) { Smoke("off", FuzzOff, 500); }
+TEST(FuzzSmokeTest, PcdIsReadOrRefused) { Smoke("pcd", FuzzPcd, 200); }
+TEST(FuzzSmokeTest, PlyIsReadOrRefused) { Smoke("ply", FuzzPly, 300); }
+TEST(FuzzSmokeTest, TextIsReadOrRefused) { Smoke("text", FuzzText, 300); }
+TEST(FuzzSmokeTest, LasIsReadOrRefused) { Smoke("las", FuzzLas, 300); }
+TEST(FuzzSmokeTest, ObjIsReadOrRefused) { Smoke("obj", FuzzObj, 300); }
+TEST(FuzzSmokeTest, StlIsReadOrRefused) { Smoke("stl", FuzzStl, 300); }
+TEST(FuzzSmokeTest, OffIsReadOrRefused) { Smoke("off", FuzzOff, 300); }
 TEST(FuzzSmokeTest, JsonIsReadOrRefused) { Smoke("json", FuzzJson, 1000); }
 TEST(FuzzSmokeTest, IgesIsReadOrRefused) { Smoke("iges", FuzzIges, 1000); }
 TEST(FuzzSmokeTest, IgesEntitiesAreReadOrRefused) {
