@@ -16,6 +16,7 @@
 #include "batten/geometry/reverse.h"
 #include "batten/io/closed_form.h"
 #include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
 #include "loop_distance.h"
 #include "random_geometry.h"
 #include "random_trims.h"
@@ -23,6 +24,8 @@
 
 namespace batten {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr unsigned kSeed = 25060;
 // The promise, relative to the largest coordinate, weight and knot.
@@ -142,6 +145,23 @@ double Worst(const std::vector<Geometry>& geometry, const std::string& extension
   return worst;
 }
 
+// Those that STEP takes. A random net can fold its border onto itself, which no B-rep holds: such a
+// one is refused, and there are few.
+std::vector<Geometry> WithoutRefused(const std::vector<Geometry>& geometry) {
+  std::vector<Geometry> taken;
+  const TemporaryFolder folder;
+  for (const Geometry& one : geometry) {
+    try {
+      WriteGeometry({one}, folder.File("a.step"));
+      taken.push_back(one);
+    } catch (const WriteError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("its B-rep is not valid"));
+    }
+  }
+  EXPECT_GE(taken.size(), geometry.size() - geometry.size() / 100);
+  return taken;
+}
+
 TEST(RoundTripTest, FreeShapesComeBackToTwelveDigits) {
   SCOPED_TRACE(kSeed);
   Shapes shapes;
@@ -149,7 +169,7 @@ TEST(RoundTripTest, FreeShapesComeBackToTwelveDigits) {
   for (int k = 0; k < 240; ++k) geometry.push_back(shapes.Any(k));
   EXPECT_EQ(Worst(geometry, ".json"), 0);
   EXPECT_EQ(Worst(geometry, ".igs"), 0);
-  RecordProperty("worst_step", std::to_string(Worst(geometry, ".step")));
+  RecordProperty("worst_step", std::to_string(Worst(WithoutRefused(geometry), ".step")));
 }
 
 TEST(RoundTripTest, RoundShapesComeBackToTwelveDigits) {
