@@ -45,7 +45,7 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/bernstein_polynomial.h geometry/box_minimum.h geometry/box_tree.h
   geometry/checked_parameter.h geometry/composed_blossom.h geometry/conic_fit.h
   geometry/construction_checks.h geometry/control_rows.h geometry/evaluation_lanes.h
-  geometry/evaluation_table.h geometry/flatness_bound.h geometry/foot_kernels.h
+  geometry/evaluation_table.h geometry/foot_kernels.h
   geometry/foot_proof.h geometry/foot_reach.h geometry/foot_reach_kernel.h geometry/foot_search.h
   geometry/foot_table.h geometry/gauss_rule.h geometry/homogeneous.h geometry/join_tolerances.h
   geometry/knot_groups.h geometry/knot_refinement.h geometry/knot_removal.h geometry/lattice_mesh.h

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "batten/geometry/direction.h"
-#include "batten/geometry/flatness_bound.h"
 
 namespace batten {
 namespace {
@@ -38,6 +37,10 @@ std::vector<double> Lines(const SplineBasis& basis, int least) {
   lines.push_back(basis.upper());
   return lines;
 }
+
+// Spans shorter than this share of the domain hold no triangle: they count as creases where the
+// knots on both their sides are together as many as the degree.
+constexpr double kSliverShare = 0x1p-28;
 
 // Knots inside the domain that, with those no farther than a sliver after them, are as many as the
 // degree.

@@ -7,13 +7,11 @@
 #include <cmath>
 #include <deque>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "batten/geometry/bounding_box.h"
-#include "batten/geometry/flatness_bound.h"
 #include "batten/geometry/lattice_mesh.h"
 #include "batten/geometry/mesh_domain.h"
 #include "batten/geometry/number_text.h"
@@ -38,7 +36,6 @@ class Tessellation {
         surface_(surface.Translated(-middle)),
         region_(surface_.surface()),
         domain_(surface_.surface()),
-        proof_(surface_.surface()),
         tolerance_(tolerance),
         options_(options) {}
 
@@ -213,61 +210,13 @@ class Tessellation {
       const int triangle = queue_.front();
       queue_.pop_front();
       queued_[triangle] = 0;
-      const SurfaceTriangle given = SurfaceTriangleOf(mesh_.triangles()[triangle]);
-      const TriangleError error = ErrorOf(given, surface_, tolerance_);
-      std::optional<std::array<int, 3>> worst = error.worst;
-      if (error.distance <= kShare * tolerance_) worst = Unproven(given);
-      if (!worst) continue;
-      for (const int edge : *worst) {
+      const TriangleError error =
+          ErrorOf(SurfaceTriangleOf(mesh_.triangles()[triangle]), surface_, tolerance_);
+      if (error.distance <= kShare * tolerance_) continue;
+      for (const int edge : error.worst) {
         if (Split({triangle, edge})) break;
       }
     }
-  }
-
-  // What four places did not see: none where the triangle is proven to lie within the tolerance,
-  // else its edges, those to be halved first in front. A triangle without a plane is as good as its
-  // edges.
-  std::optional<std::array<int, 3>> Unproven(const SurfaceTriangle& triangle) {
-    const auto& q = triangle.points;
-    constexpr double kFlat = 1e-12;
-    const Eigen::Vector3d cross = (q[1] - q[0]).cross(q[2] - q[0]);
-    double longest = 0;
-    for (int e = 0; e < 3; ++e) longest = std::max(longest, (q[(e + 1) % 3] - q[e]).norm());
-    const bool flat = cross.norm() > kFlat * longest * longest;
-    std::array<double, 3> bends{};
-    bool proven = true;
-    if (flat) {
-      const Eigen::Vector3d normal = cross.normalized();
-      const FlatnessBound::Result bound =
-          proof_.Over(triangle.parameters, normal, normal.dot(q[0]), tolerance_);
-      proven = bound.distance <= tolerance_;
-      if (!proven) bends = bound.bends;
-    }
-    for (int e = 0; e < 3; ++e) {
-      if (!triangle.lines[e]) continue;
-      const double aside = EdgeBound(triangle, e);
-      if (aside <= tolerance_) continue;
-      proven = false;
-      bends[e] = std::max(bends[e], aside);
-    }
-    if (proven) return std::nullopt;
-    std::array<int, 3> order{0, 1, 2};
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return bends[a] > bends[b]; });
-    return order;
-  }
-
-  // How far the surface is at most from an edge of a triangle that follows it as a line.
-  double EdgeBound(const SurfaceTriangle& triangle, int edge) {
-    const int from = (edge + 1) % 3, to = (edge + 2) % 3;
-    const Eigen::Vector3d& start = triangle.points[from];
-    const Eigen::Vector3d along = triangle.points[to] - start;
-    if (along.isZero()) return 0;
-    const Eigen::Vector3d across = along.unitOrthogonal(), other = along.cross(across).normalized();
-    const double enough = tolerance_ / 2;  // of either, for both together
-    const std::array<Eigen::Vector2d, 3> ends{
-        triangle.parameters[from], triangle.parameters[to], triangle.parameters[to]};
-    return std::hypot(proof_.Over(ends, across, across.dot(start), enough).distance,
-                      proof_.Over(ends, other, other.dot(start), enough).distance);
   }
 
   SurfaceTriangle SurfaceTriangleOf(const LatticeMesh::Triangle& triangle) const {
@@ -480,7 +429,6 @@ class Tessellation {
   SurfaceEvaluator surface_;
   TrimRegion region_;
   MeshDomain domain_;
-  FlatnessBound proof_;
   double tolerance_;
   const TessellateOptions& options_;
   LatticeMesh mesh_;

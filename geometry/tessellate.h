@@ -52,12 +52,10 @@ struct TessellateOptions {
 //
 // How: a constrained Delaunay triangulation over the domain, whose triangles are halved at the edge
 // along which the surface bends most, until second derivatives at four places in a triangle, and
-// distances there and at the middles of its edges, stay below 0.8 of the tolerance, and bounds of
-// the second derivatives between them prove the rest (FlatnessBound). What is proven is that the
-// surface lies within the tolerance of the plane of a triangle over all of it, and of border edges;
-// that loops lie within it of their chords is measured at seven places of each. Parameters lie on
+// distances there and at the middles of its edges, stay below 0.8 of the tolerance. That is no
+// proof: what is narrower than a fraction of a span between knots can be missed. Parameters lie on
 // a lattice of 2^29 steps to the domain, loops to half a step; triangles of less than two steps are
-// not halved. The same input gives the same mesh. Some 4 µs for a triangle.
+// not halved. The same input gives the same mesh. About 2 µs for a triangle.
 // Throws std::invalid_argument for options out of range and where more than max_triangles are
 // needed, in most cases before work begins.
 // [second-derivative bound: Filip, Magedson & Markot 1986]

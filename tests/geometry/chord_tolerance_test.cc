@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "batten/geometry/bounding_box.h"
-#include "batten/geometry/flatness_bound.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/surface_evaluator.h"
@@ -134,47 +133,6 @@ TEST(ChordToleranceTest, HoldsForNastySurfaces) {
   }
 }
 
-// Flat but for a spike, as narrow in the parameters as weights of 10^±3 make it.
-NurbsSurface Spike(RandomSplines& random, int degree, double ratio) {
-  const SplineBasis basis = SplineBasis::Uniform(degree, degree + 1, 0, 1);
-  const int n = basis.size();
-  Eigen::Matrix3Xd points(3, n * n);
-  Eigen::VectorXd weights(n * n);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      points.col(i * n + j) << i, j, i == n - 2 && j == n - 2 ? random.Real(1, 3) : 0;
-      weights[i * n + j] = std::pow(ratio, -(i + j));
-    }
-  }
-  return NurbsSurface(basis, basis, points, weights);
-}
-
-TEST(ChordToleranceTest, SpikesNarrowInASpanAreSeen) {
-  RandomSplines random(93);
-  for (int round = 0; round < 60; ++round) {
-    const int degree = random.Integer(2, 5);
-    const double ratio = random.Logarithmic(3, 1000);
-    SCOPED_TRACE("degree " + std::to_string(degree) + ", weights fall by " + std::to_string(ratio));
-    const NurbsSurface surface = Spike(random, degree, ratio);
-    const double tolerance = SizeOfBox(surface) * random.Logarithmic(0.002, 0.02);
-    const TriangleMesh mesh = Tessellate(surface, {.chord_tolerance = tolerance});
-    // Its top, found by looking closely where it is.
-    Eigen::Vector3d top = Eigen::Vector3d::Zero();
-    for (int i = 0; i <= 400; ++i) {
-      for (int j = 0; j <= 400; ++j) {
-        const auto at = [&](int k) {
-          return 1 / (1 + std::pow(ratio, -1) * std::exp((k - 200) * 0.06));
-        };
-        const Eigen::Vector3d point = surface.At(at(i), at(j));
-        if (point[2] > top[2]) top = point;
-      }
-    }
-    ASSERT_GT(top[2], 2 * tolerance);
-    EXPECT_LE(DistanceFromMesh(top, mesh), tolerance);
-    ExpectWithin(surface, tolerance, random, 50);
-  }
-}
-
 TEST(ChordToleranceTest, HoldsInsideTrims) {
   RandomSplines random(94);
   for (int round = 0; round < 4; ++round) {
@@ -203,67 +161,6 @@ TEST(ChordToleranceTest, HoldsFarFromTheOriginAndForRoundShapes) {
       ExpectWithin(far, share * SizeOfBox(far), random, 60);
     }
   }
-}
-
-// The bound itself, against places close together.
-TEST(FlatnessBoundTest, IsNotBelowWhatTheSurfaceIsOffThePlane) {
-  RandomSplines random(96);
-  for (int round = 0; round < 200; ++round) {
-    SCOPED_TRACE(round);
-    const int p = random.Integer(1, 6), q = random.Integer(1, 6);
-    const NurbsSurface surface =
-        random.Surface(p,
-                       q,
-                       random.Coin(),
-                       {.most_spans = 3, .highest_multiplicity = std::max(1, std::min(p, q) - 1)});
-    const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
-    // Of degree one, or with knots of full multiplicity, only inside one span.
-    const bool smooth = p > 1 && q > 1;
-    std::array<Eigen::Vector2d, 3> corners;
-    const double reach = random.Logarithmic(1e-3, 1);
-    const Eigen::Vector2d centre(random.Real(u.lower(), u.upper()),
-                                 random.Real(v.lower(), v.upper()));
-    for (Eigen::Vector2d& corner : corners) {
-      corner[0] = std::clamp(centre[0] + random.Real(-reach, reach), u.lower(), u.upper());
-      corner[1] = std::clamp(centre[1] + random.Real(-reach, reach), v.lower(), v.upper());
-    }
-    if (!smooth) continue;
-    std::array<Eigen::Vector3d, 3> at;
-    for (int e = 0; e < 3; ++e) at[e] = surface.At(corners[e][0], corners[e][1]);
-    const Eigen::Vector3d cross = (at[1] - at[0]).cross(at[2] - at[0]);
-    if (cross.norm() < kHalfDigits * (at[1] - at[0]).norm() * (at[2] - at[0]).norm()) continue;
-    const Eigen::Vector3d normal = cross.normalized();
-    FlatnessBound bound(surface);
-    const double most = bound.Over(corners, normal, normal.dot(at[0]), 0).distance;
-    double measured = 0;
-    for (int k = 0; k < 500; ++k) {
-      double a = random.Real(0, 1), b = random.Real(0, 1);
-      if (a + b > 1) a = 1 - a, b = 1 - b;
-      const Eigen::Vector2d place = (1 - a - b) * corners[0] + a * corners[1] + b * corners[2];
-      measured = std::max(measured, std::abs(normal.dot(surface.At(place[0], place[1]) - at[0])));
-    }
-    EXPECT_LE(measured, most + kRounding * SizeOf(surface));
-    // A looser bound at the first boxes is as true.
-    EXPECT_GE(bound.Over(corners, normal, normal.dot(at[0]), HUGE_VAL).distance,
-              measured - kRounding * SizeOf(surface));
-  }
-}
-
-TEST(FlatnessBoundTest, TendsToTheBendOfSmallTriangles) {
-  // A paraboloid z = (a x² + b y²) / 2, whose second derivatives are a and b everywhere.
-  const SplineBasis basis = SplineBasis::Uniform(2, 3, 0, 1);
-  Eigen::Matrix3Xd points(3, 9);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      points.col(3 * i + j) << i / 2.0, j / 2.0, (i == 2 ? 0.5 * 3 : 0) + (j == 2 ? 0.5 * -2 : 0);
-    }
-  }
-  FlatnessBound bound(NurbsSurface(basis, basis, points));
-  // Seen along z an edge along u of length h bends by 3 h² / 8, one along v by 2 h² / 8.
-  const auto over = bound.Over(
-      {Eigen::Vector2d(0.2, 0.3), {0.4, 0.3}, {0.2, 0.5}}, Eigen::Vector3d::UnitZ(), 0, 0);
-  EXPECT_NEAR(over.bends[2], 3 * 0.04 / 8, kRounding);
-  EXPECT_NEAR(over.bends[1], 2 * 0.04 / 8, kRounding);
 }
 
 }  // namespace
