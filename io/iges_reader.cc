@@ -299,7 +299,7 @@ class Reader {
     NurbsSurface surface;
     std::optional<ParameterMap> u, v;  // none: they are the same
     bool swapped = false;              // the file's first parameter is v
-    bool skewed = false;               // v is another one, which no map brings back
+    bool skewed = false;               // they are others, which no map brings back
   };
 
   // The only part of a curve that spans a surface.
@@ -324,14 +324,21 @@ class Reader {
       case kSurface:
         return {Placed(entity, ReadIgesSurface(entity)), {}, {}};
       case kRuled: {
-        const NurbsCurve<3> first = Rail(in.Entity());
-        NurbsCurve<3> second = Rail(in.Entity());
+        const int rails[] = {in.Entity(), in.Entity()};
+        const NurbsCurve<3> first = Rail(rails[0]);
+        NurbsCurve<3> second = Rail(rails[1]);
         if (in.Real() != 0) second = Reversed(second);
         const NurbsSurface surface = Ruled(first, second);
-        return {Placed(entity, surface), {}, {}, false, !AlikeWeights(surface)};
+        return {Placed(entity, surface),
+                {},
+                {},
+                false,
+                !AlikeWeights(surface) || !KeepsParameters(At(rails[0], "curve")) ||
+                    !KeepsParameters(At(rails[1], "curve"))};
       }
       case kTabulated: {
-        const NurbsCurve<3> rail = Reparameterized(Rail(in.Entity()), 0, 1);
+        const int directrix = in.Entity();
+        const NurbsCurve<3> rail = Reparameterized(Rail(directrix), 0, 1);
         const std::vector<double> end = in.Reals(3);
         const Eigen::Vector3d by = Eigen::Map<const Eigen::Vector3d>(end.data()) - rail.At(0);
         return {
@@ -340,23 +347,41 @@ class Reader {
                          NurbsCurve<3>(
                              rail.basis(), rail.control_points().colwise() + by, rail.weights()))),
             {},
-            {}};
+            {},
+            false,
+            !KeepsParameters(At(directrix, "curve"))};
       }
       case kRevolution: {
         const NurbsCurve<3> axis = Rail(in.Entity());
-        const NurbsCurve<3> profile = Rail(in.Entity());
+        const int generatrix = in.Entity();
+        const NurbsCurve<3> profile = Rail(generatrix);
         const double from = in.Real(), to = in.Real();
         const Eigen::Vector3d origin = axis.At(axis.basis().lower());
         const Frame frame(origin, axis.At(axis.basis().upper()) - origin);
         const NurbsSurface surface = Revolve(profile, frame, {from, FullTurn(to - from)});
         const ParameterMap u(from, to, surface.basis_u(), true);
+        const IgesEntity& curve = At(generatrix, "curve");
+        if (curve.type == kIgesArc) {
+          const AngleRange angles = IgesArcAngles(curve);
+          const ParameterMap v(angles.start, angles.start + angles.sweep, surface.basis_v(), true);
+          return {Placed(entity, surface), u, v, true};
+        }
         const SplineBasis& v = surface.basis_v();
-        return {Placed(entity, surface), u, ParameterMap(v.lower(), v.upper(), v, false), true};
+        return {Placed(entity, surface),
+                u,
+                ParameterMap(v.lower(), v.upper(), v, false),
+                true,
+                !KeepsParameters(curve)};
       }
       default:
         throw std::invalid_argument("trims a surface of type " + std::to_string(entity.type) +
                                     ", which is not in this version");
     }
+  }
+
+  // Whether a curve's parameters are those of the file: lines and splines.
+  static bool KeepsParameters(const IgesEntity& curve) {
+    return curve.type == kIgesLine || curve.type == kIgesParametric || curve.type == kIgesCurve;
   }
 
   // A turn that is whole but for the digits of the file.
@@ -496,8 +521,7 @@ class Reader {
                          std::vector<NurbsCurve<2>> loops) {
     if (base.skewed) {
       throw std::invalid_argument(
-          "trims a ruled surface between curves of different weights, whose parameters are not "
-          "those of a NURBS surface");
+          "is trimmed on a surface whose parameters are not those of a NURBS surface");
     }
     if (loops.size() == 1 && RunsRoundDomain(base.surface, loops[0])) loops.clear();
     try {
@@ -530,8 +554,42 @@ class Reader {
     }
   }
 
+  // Where a loop passes a pole, an edge of the domain that is one point, files leave the edge out.
+  static std::vector<NurbsCurve<2>> WithPoles(std::vector<NurbsCurve<2>> pieces,
+                                              const NurbsSurface& surface) {
+    constexpr double kOnePoint = 1e-6;
+    const Eigen::Matrix3Xd& net = surface.control_points();
+    const double size = (net.rowwise().maxCoeff() - net.rowwise().minCoeff()).norm();
+    const Eigen::Array2d sides = DomainSides(surface);
+    const auto in_space = [&](const Eigen::Vector2d& at) {
+      const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+      return surface.At(std::clamp(at[0], u.lower(), u.upper()),
+                        std::clamp(at[1], v.lower(), v.upper()));
+    };
+    std::vector<NurbsCurve<2>> result;
+    for (size_t i = 0; i < pieces.size(); ++i) {
+      const NurbsCurve<2>& next = pieces[(i + 1) % pieces.size()];
+      const Eigen::Vector2d end = pieces[i].At(pieces[i].basis().upper());
+      const Eigen::Vector2d start = next.At(next.basis().lower());
+      result.push_back(pieces[i]);
+      const Eigen::Vector2d gap = start - end;
+      if (!((gap.array().abs() / sides).maxCoeff() > kCadGap)) continue;
+      bool pole = true;
+      for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+        pole = pole && (in_space(end + share * gap) - in_space(end)).norm() <= kOnePoint * size;
+      }
+      if (pole) {
+        Eigen::Matrix2d ends;
+        ends << end, start;
+        result.emplace_back(SplineBasis(1, {0, 0, 1, 1}), ends);
+      }
+    }
+    return result;
+  }
+
   static NurbsCurve<2> InOne(std::vector<NurbsCurve<2>> pieces, const Base& base) {
     const Eigen::Array2d sides = DomainSides(base.surface);
+    pieces = WithPoles(std::move(pieces), base.surface);
     return Shut(Chained(std::move(pieces), sides, kCadGap, true), sides, kCadGap);
   }
 

@@ -211,6 +211,13 @@ NurbsCurve<3> ReadIgesCurve(const IgesEntity& entity) {
   }
 }
 
+AngleRange IgesArcAngles(const IgesEntity& entity) {
+  IgesNumbers in(entity.parameters);
+  in.Real();
+  const std::vector<double> p = in.Reals(6);
+  return Turn({p[2] - p[0], p[3] - p[1]}, {p[4] - p[0], p[5] - p[1]});
+}
+
 // The file's points run through u first.
 NurbsSurface ReadIgesSurface(const IgesEntity& entity) {
   IgesNumbers in(entity.parameters);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/geometry/frame.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/io/iges_text.h"
@@ -78,6 +79,9 @@ bool IsIgesCurve(const IgesEntity& entity);
 // ellipses (104, form 1) as batten makes them, parametric splines (112) as cubics over their own
 // breaks. Throws std::invalid_argument for numbers that make none, parabolas and hyperbolas.
 NurbsCurve<3> ReadIgesCurve(const IgesEntity& entity);
+
+// The angles of a circle (100), which are its parameters in the file.
+AngleRange IgesArcAngles(const IgesEntity& entity);
 
 // A B-spline surface (128), or the part of it that counts.
 NurbsSurface ReadIgesSurface(const IgesEntity& entity);
