@@ -54,7 +54,8 @@ set(BATTEN_INTERNAL_HEADERS
   geometry/number_text.h geometry/plane_curve_crossings.h geometry/polar_form.h
   geometry/rational_patch.h geometry/revolved_circle.h geometry/run_time_dispatch.h
   geometry/sample_tree.h geometry/section_fit.h geometry/section_trace.h geometry/spline_pieces.h
-  geometry/steady_sections.h geometry/triangle_error.h geometry/trim_clip.h geometry/trim_maps.h
+  geometry/steady_sections.h geometry/triangle_error.h geometry/triangle_proof.h
+  geometry/trim_clip.h geometry/trim_maps.h
   geometry/trimmed_area.h geometry/trimmed_box.h geometry/trimmed_foot_search.h geometry/unit_arc.h
   geometry/weighted_means.h io/base64.h io/binary_column.h io/byte_source.h io/closed_form.h
   io/cloud_columns.h io/cloud_filter.h io/distinct_points.h io/face_loops.h io/file_loops.h

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "batten/geometry/number_text.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/triangle_error.h"
+#include "batten/geometry/triangle_proof.h"
 #include "batten/geometry/trim_region.h"
 
 namespace batten {
@@ -36,6 +38,7 @@ class Tessellation {
         surface_(surface.Translated(-middle)),
         region_(surface_.surface()),
         domain_(surface_.surface()),
+        proof_(surface_.surface()),
         tolerance_(tolerance),
         options_(options) {}
 
@@ -210,13 +213,46 @@ class Tessellation {
       const int triangle = queue_.front();
       queue_.pop_front();
       queued_[triangle] = 0;
-      const TriangleError error =
-          ErrorOf(SurfaceTriangleOf(mesh_.triangles()[triangle]), surface_, tolerance_);
-      if (error.distance <= kShare * tolerance_) continue;
-      for (const int edge : error.worst) {
+      const SurfaceTriangle given = SurfaceTriangleOf(mesh_.triangles()[triangle]);
+      const TriangleError error = ErrorOf(given, surface_, tolerance_);
+      std::optional<std::array<int, 3>> edges = error.worst;
+      if (error.distance <= kShare * tolerance_) edges = Unproven(given);
+      if (!edges) continue;
+      for (const int edge : *edges) {
         if (Split({triangle, edge})) break;
       }
     }
+  }
+
+  // None where the triangle, and those of its edges that follow the surface as lines, are proven to
+  // lie within the tolerance; else the edges, those to be halved first in front.
+  std::optional<std::array<int, 3>> Unproven(const SurfaceTriangle& triangle) {
+    const auto& p = triangle.parameters;
+    const auto& q = triangle.points;
+    for (int e = 0; e < 3; ++e) {
+      if (!triangle.lines[e]) continue;
+      const int from = (e + 1) % 3, to = (e + 2) % 3;
+      const Eigen::Vector3d direction = (q[to] - q[from]).stableNormalized();
+      if (proof_.OffLine(p[from], p[to], q[from], direction, tolerance_)) {
+        return std::array<int, 3>{e, from, to};
+      }
+    }
+    // A triangle without a plane takes the surface's own.
+    constexpr double kFlat = 1e-12;
+    const Eigen::Vector3d cross = (q[1] - q[0]).cross(q[2] - q[0]);
+    double longest = 0;
+    for (int e = 0; e < 3; ++e) longest = std::max(longest, (q[(e + 1) % 3] - q[e]).norm());
+    std::optional<Eigen::Vector3d> normal;
+    if (cross.norm() > kFlat * longest * longest) {
+      normal = cross.normalized();
+    } else {
+      const Eigen::Vector2d middle = (p[0] + p[1] + p[2]) / 3;
+      normal = surface_.NormalAt(middle[0], middle[1]);
+    }
+    if (!normal) return std::nullopt;
+    const auto place = proof_.OffPlane(p, *normal, normal->dot(q[0]), tolerance_);
+    if (!place) return std::nullopt;
+    return EdgesAt(triangle, surface_, *place, tolerance_);
   }
 
   SurfaceTriangle SurfaceTriangleOf(const LatticeMesh::Triangle& triangle) const {
@@ -429,6 +465,7 @@ class Tessellation {
   SurfaceEvaluator surface_;
   TrimRegion region_;
   MeshDomain domain_;
+  TriangleProof proof_;
   double tolerance_;
   const TessellateOptions& options_;
   LatticeMesh mesh_;

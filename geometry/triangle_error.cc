@@ -62,6 +62,14 @@ TriangleError ErrorOf(const SurfaceTriangle& triangle,
     }
     distance = std::max(distance, sum * 8 / 18);  // at the middle: the mean of the edges' e²/6
   }
+  // Folds are looked for near the corners too.
+  for (int e = 0; e < 3 && flat && !turned && longest > tolerance; ++e) {
+    constexpr double kOff = 1.0 / 32;
+    const Eigen::Vector2d at = p[e] + kOff * (p[Next(e)] + p[Last(e)] - 2 * p[e]);
+    const SurfaceJet jet = surface.JetAt(at[0], at[1]);
+    const Eigen::Vector3d normal = Unit(jet.du.cross(jet.dv), jet.du.norm() * jet.dv.norm());
+    if (!normal.isZero() && normal.dot(plane) < 0.5) turned = true;
+  }
   for (int e = 0; e < 3; ++e) {
     const Eigen::Vector2d along = p[Last(e)] - p[Next(e)];
     const Eigen::Vector3d line = Unit(q[Last(e)] - q[Next(e)], 0);
@@ -89,6 +97,26 @@ TriangleError ErrorOf(const SurfaceTriangle& triangle,
     return measure[a] > measure[b];
   });
   return error;
+}
+
+std::array<int, 3> EdgesAt(const SurfaceTriangle& triangle,
+                           const SurfaceEvaluator& surface,
+                           const Eigen::Vector2d& place,
+                           double tolerance) {
+  const auto& p = triangle.parameters;
+  const SurfaceJet jet = surface.JetAt(place[0], place[1]);
+  const Eigen::Vector3d normal = Unit(jet.du.cross(jet.dv), jet.du.norm() * jet.dv.norm());
+  std::array<double, 3> lengths, bends;
+  for (int e = 0; e < 3; ++e) {
+    lengths[e] = (triangle.points[Last(e)] - triangle.points[Next(e)]).norm();
+    bends[e] = std::abs(normal.dot(SecondDerivative(jet, p[Last(e)] - p[Next(e)]))) / 8;
+  }
+  const auto& measure =
+      *std::max_element(bends.begin(), bends.end()) < tolerance / 4 ? lengths : bends;
+  std::array<int, 3> edges{0, 1, 2};
+  std::stable_sort(
+      edges.begin(), edges.end(), [&](int a, int b) { return measure[a] > measure[b]; });
+  return edges;
 }
 
 }  // namespace batten

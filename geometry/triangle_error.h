@@ -29,4 +29,12 @@ TriangleError ErrorOf(const SurfaceTriangle& triangle,
                       const SurfaceEvaluator& surface,
                       double tolerance);
 
+// The edges in the order in which they should be halved where the surface at the place inside is
+// farther off than the triangle's own four places show: those along which it bends most there, or
+// the longest where it bends along none.
+std::array<int, 3> EdgesAt(const SurfaceTriangle& triangle,
+                           const SurfaceEvaluator& surface,
+                           const Eigen::Vector2d& place,
+                           double tolerance);
+
 }  // namespace batten
