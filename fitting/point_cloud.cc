@@ -49,20 +49,35 @@ bool AllFinite(const Eigen::Matrix3Xd& points) {
   return bad == 0;
 }
 
-std::pair<Eigen::Vector3d, Eigen::Vector3d> Extent(const Eigen::Matrix3Xd& points) {
-  // Two points beside each other.
-  using Pair = Eigen::Array<double, 6, 1>;
-  Pair low, high;
-  low << points.col(0), points.col(0);
-  high = low;
-  const Eigen::Index pairs = points.cols() / 2;
-  for (Eigen::Index k = 0; k < pairs; ++k) {
-    const Pair pair = Eigen::Map<const Pair>(points.data() + 6 * k);
-    low = low.min(pair);
-    high = high.max(pair);
+struct Extent {
+  Eigen::Vector3d low, high;
+  bool finite;
+};
+
+// Of at least one point, in one pass.
+Extent ExtentOf(const Eigen::Matrix3Xd& points) {
+  constexpr int kLanes = 6;  // two points beside each other
+  double low[kLanes], high[kLanes];
+  const double* const numbers = points.data();
+  for (int d = 0; d < kLanes; ++d) low[d] = high[d] = numbers[d % 3];
+  int bad = 0;
+  const auto take = [&](const double* from, int lanes) {
+    for (int d = 0; d < lanes; ++d) {
+      const double x = from[d];
+      low[d] = x < low[d] ? x : low[d];
+      high[d] = x > high[d] ? x : high[d];
+      bad |= !(std::abs(x) <= kLargest);
+    }
+  };
+  const Eigen::Index whole = points.size() / kLanes * kLanes;
+  for (Eigen::Index k = 0; k < whole; k += kLanes) take(numbers + k, kLanes);
+  if (whole < points.size()) take(numbers + whole, 3);
+  Extent extent{{}, {}, bad == 0};
+  for (int d = 0; d < 3; ++d) {
+    extent.low[d] = std::min(low[d], low[d + 3]);
+    extent.high[d] = std::max(high[d], high[d + 3]);
   }
-  const auto last = points.col(points.cols() - 1).array();
-  return {low.head<3>().min(low.tail<3>()).min(last), high.head<3>().max(high.tail<3>()).max(last)};
+  return extent;
 }
 
 }  // namespace
@@ -79,14 +94,17 @@ PointCloud::PointCloud(Eigen::Matrix3Xd points, Eigen::Vector3d origin, int dime
 }
 
 PointCloud PointCloud::FromWorld(Eigen::Matrix3Xd points, int dimension) {
-  RequireFinite(AllFinite(points), "a point");
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   if (points.cols() > 0) {
-    const auto [low, high] = Extent(points);
-    for (int d = 0; d < 3; ++d) origin[d] = RoundOrigin(low[d], high[d]);
+    const Extent extent = ExtentOf(points);
+    RequireFinite(extent.finite, "a point");
+    for (int d = 0; d < 3; ++d) origin[d] = RoundOrigin(extent.low[d], extent.high[d]);
     if (!origin.isZero(0)) points.colwise() -= origin;
   }
-  return PointCloud(std::move(points), origin, dimension);
+  // What is finite stays so near to an origin inside its own range.
+  PointCloud cloud(Eigen::Matrix3Xd(3, 0), origin, dimension);
+  cloud.points_ = std::make_shared<const Eigen::Matrix3Xd>(std::move(points));
+  return cloud;
 }
 
 void PointCloud::set_normals(Eigen::Matrix3Xd normals) {

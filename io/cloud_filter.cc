@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "batten/io/read_error.h"
@@ -24,6 +25,16 @@ std::uint8_t ColourByte(double value) {
 std::uint32_t PackedBits(double packed, bool in_float) {
   if (in_float) return std::bit_cast<std::uint32_t>(static_cast<float>(packed));
   return packed >= 0 && packed <= 4294967295.0 ? static_cast<std::uint32_t>(packed) : 0;
+}
+
+// 0, 1, … of a whole batch.
+const std::array<int, RowBatch::kRows>& AllRows() {
+  static const auto rows = [] {
+    std::array<int, RowBatch::kRows> all;
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }();
+  return rows;
 }
 
 constexpr Eigen::Index kChunkPoints = Eigen::Index{1} << 16;
@@ -76,6 +87,14 @@ void CopyRows(const RowBatch& batch,
     sources[d] = columns[d] >= 0 ? batch.column(columns[d]) : kZeros.data();
   }
   double* to = target.data() + at * static_cast<Eigen::Index>(kColumns);
+  if (kept.empty()) return;
+  if (kept.back() - kept.front() + 1 == static_cast<int>(kept.size())) {  // all of them in between
+    for (std::size_t d = 0; d < kColumns; ++d) sources[d] += kept.front();
+    for (std::size_t r = 0; r < kept.size(); ++r) {
+      for (std::size_t d = 0; d < kColumns; ++d) *to++ = sources[d][r];
+    }
+    return;
+  }
   for (const int row : kept) {
     for (std::size_t d = 0; d < kColumns; ++d) *to++ = sources[d][row];
   }
@@ -128,6 +147,13 @@ Eigen::Index CloudFilter::DropCount(const RowBatch& batch) const {
 }
 
 void CloudFilter::Take(RowBatch& batch) {
+  if (TakesAll(batch)) {
+    part_.rows += batch.rows;
+    part_.matched += batch.rows;
+    Append(batch, {AllRows().data(), static_cast<std::size_t>(batch.rows)});
+    batch.rows = 0;
+    return;
+  }
   std::fill_n(keep_.begin(), batch.rows, 1);
   part_.rows += batch.rows;
   DropUnmatched(batch);
@@ -142,8 +168,25 @@ void CloudFilter::Take(RowBatch& batch) {
   part_.matched += batch.rows - unmatched;
   part_.non_finite += finite_dropped - unmatched;
   part_.filtered += unmatched + all_dropped - finite_dropped;
-  Append(batch);
+  std::array<int, RowBatch::kRows> rows;
+  int count = 0;
+  for (int r = 0; r < batch.rows; ++r) {
+    rows[count] = r;
+    count += keep_[r];
+  }
+  Append(batch, {rows.data(), static_cast<std::size_t>(count)});
   batch.rows = 0;
+}
+
+// Whether a glance shows that every row is kept, as is usual.
+bool CloudFilter::TakesAll(const RowBatch& batch) const {
+  if (!columns_.where.empty() || box_ || columns_.weight >= 0) return false;
+  int unusual = 0;
+  for (const int column : finite_) {
+    const double* values = batch.column(column);
+    for (int r = 0; r < batch.rows; ++r) unusual |= !(std::abs(values[r]) <= kLargestCoordinate);
+  }
+  return unusual == 0;
 }
 
 // Remembers which of the matched rows were dropped since.
@@ -223,14 +266,7 @@ CloudChunk& CloudFilter::Room() {
   return part_.chunks.back();
 }
 
-void CloudFilter::Append(const RowBatch& batch) {
-  std::array<int, RowBatch::kRows> rows;
-  int count = 0;
-  for (int r = 0; r < batch.rows; ++r) {
-    rows[count] = r;
-    count += keep_[r];
-  }
-  std::span<const int> left(rows.data(), count);
+void CloudFilter::Append(const RowBatch& batch, std::span<const int> left) {
   while (!left.empty()) {
     CloudChunk& chunk = Room();
     const auto room = static_cast<std::size_t>(chunk.points.cols() - chunk.size);

@@ -78,7 +78,8 @@ class CloudFilter {
   void DropNonFinite(const RowBatch& batch);
   void RequirePositiveWeights(const RowBatch& batch) const;
   void DropOutside(const RowBatch& batch);
-  void Append(const RowBatch& batch);
+  bool TakesAll(const RowBatch& batch) const;
+  void Append(const RowBatch& batch, std::span<const int> left);
   void WidenColours(const RowBatch& batch, std::span<const int> kept);
   void CopyColours(const RowBatch& batch, std::span<const int> kept, CloudChunk& chunk) const;
   Eigen::Index DropCount(const RowBatch& batch) const;
