@@ -2,6 +2,7 @@
 // batten fit surface: points in, a surface and its report out.
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -27,6 +28,7 @@ struct Arguments : FitArguments {
   bool keep_outliers = false, snap = false;
   ConditionArguments conditions;
   std::string grid, grid_method = "auto";
+  std::optional<double> thin;
 };
 
 // Flags that do not go together.
@@ -46,11 +48,12 @@ void CheckTogether(const Arguments& a) {
     throw UsageError("--grid-method " + a.grid_method + ": needs --grid N,M");
   if (!a.grid.empty() &&
       (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
-       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto")) {
+       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.thin)) {
     throw UsageError(
         "--grid: the points' rows and columns are met as they are; --base, --snap, --loss, "
         "--smoothing, "
-        "--optimize, --boundary, --meet, --symmetric and --domain are for scattered points");
+        "--optimize, --thin, --boundary, --meet, --symmetric and --domain are for scattered "
+        "points");
   }
   if (a.snap && a.conditions.any()) {
     throw UsageError(
@@ -107,6 +110,7 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
   options.side_of_normals = a.normals == "file";
   options.keep_outliers = a.keep_outliers;
   options.snap = a.snap;
+  options.thin = a.thin;
   return WithWork(std::move(options), a);
 }
 
@@ -179,6 +183,13 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       ->type_name("N,M");
   Allow(*add("--grid-method", a->grid_method, "auto interpolate local least-squares", "METHOD"),
         {"auto", "interpolate", "local", "least-squares"});
+  command
+      .add_option_function<std::string>(
+          "--thin",
+          [a](const std::string& text) { a->thin = ParseNumber("--thin", text, Sign::kPositive); },
+          "Fit one point in each cube of side D, the one nearest to the middle of its points; all "
+          "are measured")
+      ->type_name("D");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
   command.add_flag(
       "--snap",
@@ -195,6 +206,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
       "off.csv\n"
       "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
+      "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
       "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
       "  batten fit surface half.xyz -o hull.step --symmetric y\n"
       "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "

@@ -40,13 +40,14 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
 // What was read and what preparation found.
 struct InputSummary {
   std::vector<std::string> files;
-  Eigen::Index points = 0;      // read, before anything was dropped
-  Eigen::Index used = 0;        // that the fit rests on
-  Eigen::Index non_finite = 0;  // dropped
-  Eigen::Index duplicates = 0;  // merged into another point's weight
-  Eigen::Index outliers = 0;    // set aside
-  double spacing = 0;           // mean distance of neighbours
-  double noise = 0;             // estimated standard deviation
+  Eigen::Index points = 0;                                // read, before anything was dropped
+  Eigen::Index used = 0;                                  // that the fit rests on
+  Eigen::Index non_finite = 0;                            // dropped
+  Eigen::Index duplicates = 0;                            // merged into another point's weight
+  Eigen::Index outliers = 0;                              // set aside
+  std::optional<Eigen::Index> thinned_to = std::nullopt;  // so many points, before the fit
+  double spacing = 0;                                     // mean distance of neighbours
+  double noise = 0;                                       // estimated standard deviation
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero(), box_max = Eigen::Vector3d::Zero();  // world
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };

@@ -8,12 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/finish_draft.h"
 #include "batten/fitting/given_parameters.h"
 #include "batten/fitting/stopwatch.h"
 #include "batten/fitting/surface_fitter.h"
 #include "batten/fitting/surface_outcome.h"
 #include "batten/fitting/surface_preparation.h"
+#include "batten/fitting/thinned_cloud.h"
 
 namespace batten {
 namespace {
@@ -199,6 +201,8 @@ void Check(const SurfaceFitOptions& options) {
     reject("symmetric with boundary, meet or domain is not in this version");
   if (options.domain && !options.boundary.empty())
     reject("domain and boundary both say where the surface ends");
+  if (options.thin && !(*options.thin > 0 && std::isfinite(*options.thin)))
+    reject("thin must be positive");
   if (!options.shift.allFinite()) reject("shift must be finite");
 }
 
@@ -229,10 +233,54 @@ SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& option
   return fit;
 }
 
+// The fit of a thinned cloud, as one of the cloud: every point is measured.
+SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options) {
+  const ThinnedCloud thinned = Thinned(cloud, *options.thin);
+  SurfaceFitOptions plain = options;
+  plain.thin.reset();
+  SurfaceFit fit = FitSurface(thinned.cloud, plain);
+  Stopwatch watch;
+  const Eigen::Index all = cloud.size(), stayed = thinned.cloud.size();
+  Eigen::Matrix2Xd near(2, all);
+  for (Eigen::Index k = 0; k < all; ++k)
+    near.col(k) = fit.parameters.col(thinned.stands[static_cast<std::size_t>(k)]);
+  PointMask outliers = PointMask::Constant(all, false), left_out = !outliers;
+  for (Eigen::Index k = 0; k < stayed; ++k) {
+    outliers[thinned.kept[static_cast<std::size_t>(k)]] = fit.outliers[k];
+    left_out[thinned.kept[static_cast<std::size_t>(k)]] = false;
+  }
+  ThreadPool pool(options.threads);
+  PointDistances found = DistancesTo(
+      fit.surface.Translated(options.shift - cloud.origin()), cloud.points(), near, pool);
+  fit.parameters = std::move(found.parameters);
+  fit.residuals = std::move(found.distances);
+  fit.outliers = std::move(outliers);
+  FitReport& report = fit.report;
+  report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.input.points = all;
+  report.input.duplicates = MergeDuplicates(cloud).duplicates;
+  report.input.thinned_to = stayed;
+  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  if (options.tolerance) {
+    const Eigen::Index out = Summarise(fit.residuals, options.tolerance, left_out).out_of_tolerance;
+    if (out > 0) {
+      report.warnings.push_back(std::to_string(out) +
+                                " points that thinning left out are out of tolerance and are not "
+                                "counted (error_all counts them)");
+    }
+  }
+  const double seconds = watch.Lap();
+  report.seconds.project += seconds;
+  report.seconds.total += seconds;
+  return fit;
+}
+
 }  // namespace
 
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Check(options);
+  if (options.thin) return FitThinned(cloud, options);
   if (options.symmetric) return FitSymmetric(cloud, options);
   SurfaceRoad road(cloud, options);
   SurfaceFit fit = road.Fit(options);

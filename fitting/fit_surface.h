@@ -76,6 +76,8 @@ struct SurfaceFitOptions {
   // The domain in place of the smallest rectangle: coordinates along the base plane's axes (which
   // the report names), lengths on a sheet
   std::optional<DomainBox> domain = std::nullopt;
+  // The fit rests on one point in each cube of that side, > 0 (Thinned); all points are measured
+  std::optional<double> thin = std::nullopt;
   bool side_of_normals = false;   // its normal looks to the side that the cloud's own ones do
   bool given_parameters = false;  // at the cloud's own (u, v) instead of a base's
   bool keep_outliers = false;     // fit them like any other point

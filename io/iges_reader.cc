@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -16,14 +15,13 @@
 #include "batten/geometry/frame.h"
 #include "batten/geometry/join.h"
 #include "batten/geometry/make_surface.h"
-#include "batten/geometry/number_text.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "batten/io/file_loops.h"
-#include "batten/io/geometry_names.h"
+#include "batten/io/iges_header.h"
 #include "batten/io/iges_shapes.h"
 #include "batten/io/iges_text.h"
-#include "batten/io/length_unit.h"
+#include "batten/io/iges_types.h"
 #include "batten/io/only_lines.h"
 #include "batten/io/parameter_map.h"
 #include "batten/io/read_error.h"
@@ -35,12 +33,6 @@ namespace {
 
 using Numbers = IgesNumbers;
 
-// Entity types of the specification. Those of single curves are in iges_shapes.h.
-enum Type { kComposite = 102, kPoint = 116, kMatrix = 124, kSurface = 128 };
-enum PlaneType { kPlane = 108 };
-enum SweptType { kRuled = 118, kRevolution = 120, kTabulated = 122 };
-enum TrimType { kBoundary = 141, kCurveOnSurface = 142, kBounded = 143, kTrimmedSurface = 144 };
-
 NurbsCurve<2> InPlane(const NurbsCurve<3>& curve) {
   return NurbsCurve<2>(curve.basis(), curve.control_points().topRows<2>(), curve.weights());
 }
@@ -51,71 +43,6 @@ bool RunsRoundDomain(const NurbsSurface& surface, const NurbsCurve<2>& loop) {
   return std::all_of(pieces.begin(), pieces.end(), [](const TrimPiece& piece) {
     return piece.side != Side::kNone;
   });
-}
-
-// How many parameters an entity has by its type; all of them where that is not known.
-size_t OwnParameters(const IgesEntity& entity) {
-  const std::vector<double>& p = entity.parameters;
-  const auto count = [&](size_t index) {
-    const double value = index < p.size() ? p[index] : 0;
-    return value >= 0 && value <= static_cast<double>(p.size()) ? static_cast<size_t>(value)
-                                                                : p.size();
-  };
-  switch (entity.type) {
-    case kComposite:
-      return 1 + count(0);
-    case kIgesLine:
-      return 6;
-    case kIgesArc:
-      return 7;
-    case kIgesConic:
-      return 11;
-    case kIgesCurve:
-      return 6 + (count(0) + count(1) + 2) + 4 * (count(0) + 1) + 5;
-    case kRuled:
-    case kRevolution:
-    case kTabulated:
-      return 4;
-    case kSurface:
-      return 9 + (count(0) + count(2) + 2) + (count(1) + count(3) + 2) +
-             4 * (count(0) + 1) * (count(1) + 1) + 4;
-    case kCurveOnSurface:
-      return 5;
-    case kTrimmedSurface:
-      return 4 + count(2);
-    case kBounded:
-      return 3 + count(2);
-    default:
-      return p.size();
-  }
-}
-
-// The unit of the global section, and what is odd about it.
-void ReadUnit(const IgesGlobal& global, GeometryContents& contents) {
-  constexpr int kByName = 3;
-  std::string name = global.unit_name;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
-    return static_cast<char>(std::toupper(c));
-  });
-  if (name == "INCH") name = "IN";
-  std::string by_flag, by_name;
-  for (const LengthUnit& unit : LengthUnits()) {
-    if (unit.iges_flag == global.unit_flag && by_flag.empty()) by_flag = unit.name;
-    if (name == unit.iges && by_name.empty()) by_name = unit.name;
-  }
-  contents.unit = global.unit_flag == kByName ? by_name : by_flag;
-  auto& remarks = contents.remarks;
-  if (contents.unit.empty()) {
-    contents.unit = "inch";
-    remarks.push_back("it declares no unit of length that is known: inches, which IGES means then");
-  } else if (!by_flag.empty() && !by_name.empty() && by_flag != by_name) {
-    remarks.push_back("its unit is " + by_flag + " by its flag and " + by_name +
-                      " by its name: the flag counts");
-  }
-  if (global.scale > 0 && global.scale != 1) {
-    remarks.push_back("its model space is scaled by " + NumberText(global.scale) +
-                      ": coordinates are those of the model");
-  }
 }
 
 class Reader {
@@ -136,7 +63,7 @@ class Reader {
       try {
         const size_t before = result_.size();
         Add(index);
-        names_.resize(result_.size(), result_.size() > before ? NameOf(entity) : "");
+        names_.resize(result_.size(), result_.size() > before ? NameOfIges(entities_, entity) : "");
       } catch (const std::invalid_argument& error) {
         throw ReadError(path_, IgesName(entities_, index) + ": " + error.what());
       }
@@ -164,67 +91,59 @@ class Reader {
     throw std::invalid_argument(std::string("names no ") + what + " of the file");
   }
 
-  // By its name property, its label, or those of the surface it trims.
-  std::string NameOf(const IgesEntity& entity) const {
-    constexpr int kProperty = 406, kName = 15;
-    const std::vector<double>& parameters = entity.parameters;
-    size_t next = OwnParameters(entity);
-    // Pointers to associativities, then to properties; each list begins with its length.
-    for (int list = 0; list < 2 && next < parameters.size(); ++list) {
-      const double count = parameters[next++];
-      if (!(count >= 0 && count <= static_cast<double>(parameters.size() - next))) break;
-      const size_t end = next + static_cast<size_t>(count);
-      for (; next < end; ++next) {
-        const int index = IgesIndex(parameters[next]);
-        if (index < 0 || index >= static_cast<int>(entities_.size())) continue;
-        const IgesEntity& property = entities_[static_cast<size_t>(index)];
-        if (property.type != kProperty || property.form != kName) continue;
-        if (std::string name = CleanName(property.text); !name.empty()) return name;
-      }
-    }
-    if (std::string label = CleanName(entity.label); !label.empty()) return label;
-    if (entity.type != kTrimmedSurface || parameters.empty()) return "";
-    const int base = IgesIndex(parameters[0]);
-    if (base < 0 || base >= static_cast<int>(entities_.size())) return "";
-    const IgesEntity& surface = entities_[static_cast<size_t>(base)];
-    return surface.type == kSurface ? NameOf(surface) : "";
-  }
-
   void Add(int index) {
     const IgesEntity& entity = entities_[static_cast<size_t>(index)];
-    constexpr int kFirstShape = 100, kLastShape = 198, kPointSet = 3, kInstance = 408;
+    constexpr int kFirstShape = 100, kLastShape = 198, kPointSet = 3;
     switch (entity.type) {
-      case kSurface:
-      case kRuled:
-      case kRevolution:
-      case kTabulated:
+      case kIgesSurface:
+      case kIgesRuled:
+      case kIgesRevolution:
+      case kIgesTabulated:
         result_.emplace_back(SurfaceOf(entity).surface);
         return;
-      case kTrimmedSurface:
+      case kIgesTrimmedSurface:
         result_.emplace_back(Trimmed(entity));
         return;
-      case kPlane:
+      case kIgesPlane:
         if (entity.form == 1) result_.emplace_back(BoundedPlane(entity));
         return;
-      case kBounded:
+      case kIgesBounded:
         result_.emplace_back(Bounded(entity));
         return;
-      case kPoint:
+      case kIgesPoint:
         ++points_;
         return;
-      case kMatrix:
-      case kBoundary:
-      case kCurveOnSurface:
+      case kIgesMatrix:
+      case kIgesBoundary:
+      case kIgesCurveOnSurface:
         return;
-      case kInstance:
+      case kIgesInstance:
+      case kIgesRectangularArray:
+      case kIgesCircularArray:
+      case kIgesNetworkInstance:
         throw std::invalid_argument(
             "places a subfigure, which is not in this version: have it exploded on export");
+      case kIgesExternal:
+        throw std::invalid_argument(
+            "stands for geometry in another file, which is not in this version: have it exported "
+            "in one file");
+      case kIgesSolid:
+      case kIgesAssembly:
+      case kIgesSolidInstance:
+      case kIgesVertices:
+      case kIgesEdges:
+      case kIgesEdgeLoop:
+      case kIgesFace:
+      case kIgesShell:
+        throw std::invalid_argument(
+            "belongs to a B-rep solid, which is not in this version: have it exported as trimmed "
+            "surfaces (144)");
       default:
         if (entity.type == kIgesPolyline && entity.form >= 1 && entity.form <= kPointSet) {
           ++points_;
           return;
         }
-        if (entity.type != kComposite && !IsIgesCurve(entity)) {
+        if (entity.type != kIgesComposite && !IsIgesCurve(entity)) {
           if (entity.type < kFirstShape || entity.type > kLastShape) return;
           throw std::invalid_argument(
               "is of a type that is not in this version; surfaces 108, 118, 120, 122, 128, 143, "
@@ -251,7 +170,7 @@ class Reader {
     CountWork(entity);
     if (IsIgesCurve(entity)) {
       curves.push_back(ReadIgesCurve(entity));
-    } else if (entity.type == kComposite && composite) {
+    } else if (entity.type == kIgesComposite && composite) {
       Numbers in(entity.parameters);
       for (int count = in.Integer(); count > 0; --count) {
         for (NurbsCurve<3>& part : Curves(At(in.Entity(), "curve"), false)) {
@@ -321,9 +240,9 @@ class Reader {
     CountWork(entity);
     Numbers in(entity.parameters);
     switch (entity.type) {
-      case kSurface:
+      case kIgesSurface:
         return {Placed(entity, ReadIgesSurface(entity)), {}, {}};
-      case kRuled: {
+      case kIgesRuled: {
         const int rails[] = {in.Entity(), in.Entity()};
         const NurbsCurve<3> first = Rail(rails[0]);
         NurbsCurve<3> second = Rail(rails[1]);
@@ -336,7 +255,7 @@ class Reader {
                 !AlikeWeights(surface) || !KeepsParameters(At(rails[0], "curve")) ||
                     !KeepsParameters(At(rails[1], "curve"))};
       }
-      case kTabulated: {
+      case kIgesTabulated: {
         const int directrix = in.Entity();
         const NurbsCurve<3> rail = Reparameterized(Rail(directrix), 0, 1);
         const std::vector<double> end = in.Reals(3);
@@ -351,7 +270,7 @@ class Reader {
             false,
             !KeepsParameters(At(directrix, "curve"))};
       }
-      case kRevolution: {
+      case kIgesRevolution: {
         const NurbsCurve<3> axis = Rail(in.Entity());
         const int generatrix = in.Entity();
         const NurbsCurve<3> profile = Rail(generatrix);
@@ -394,7 +313,7 @@ class Reader {
     Numbers in(entity.parameters);
     if (!entity.parameters.empty()) {
       const IgesEntity& surface = At(IgesIndex(entity.parameters[0]), "surface");
-      if (surface.type == kPlane) return TrimmedPlane(entity, surface);
+      if (surface.type == kIgesPlane) return TrimmedPlane(entity, surface);
     }
     const Base base = SurfaceOf(At(in.Entity(), "surface"));
     const bool outer = in.Integer() != 0;
@@ -461,7 +380,7 @@ class Reader {
     constexpr size_t kSpaceCurve = 3;
     const auto in_space = [&](int boundary) {
       const IgesEntity& curve = At(boundary, "boundary");
-      if (curve.type != kCurveOnSurface || curve.parameters.size() <= kSpaceCurve) {
+      if (curve.type != kIgesCurveOnSurface || curve.parameters.size() <= kSpaceCurve) {
         throw std::invalid_argument("has no curve for a boundary");
       }
       return IgesIndex(curve.parameters[kSpaceCurve]);
@@ -492,7 +411,7 @@ class Reader {
     std::vector<NurbsCurve<2>> loops;
     for (int count = in.Integer(); count > 0; --count) {
       const IgesEntity& boundary = At(in.Entity(), "boundary");
-      if (boundary.type != kBoundary) throw std::invalid_argument("has no boundary for a loop");
+      if (boundary.type != kIgesBoundary) throw std::invalid_argument("has no boundary for a loop");
       Numbers of(boundary.parameters);
       for (int i = 0; i < 3; ++i) of.Real();
       std::vector<NurbsCurve<2>> pieces;
@@ -532,7 +451,8 @@ class Reader {
   }
 
   NurbsCurve<2> Loop(const IgesEntity& entity, const Base& base) {
-    if (entity.type != kCurveOnSurface) throw std::invalid_argument("has no curve for a boundary");
+    if (entity.type != kIgesCurveOnSurface)
+      throw std::invalid_argument("has no curve for a boundary");
     Numbers in(entity.parameters);
     in.Real();
     in.Real();
@@ -610,7 +530,7 @@ GeometryContents ReadIgesContents(const std::string& path) {
   const std::string text = ReadWholeFile(path);
   const std::vector<IgesEntity> entities = ParseIges(text, name);
   GeometryContents contents = Reader(entities, name).All();
-  ReadUnit(ParseIgesGlobal(text, name), contents);
+  ReadIgesUnit(ParseIgesGlobal(text, name), contents);
   return contents;
 }
 

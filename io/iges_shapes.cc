@@ -146,7 +146,7 @@ NurbsCurve<3> ReadParametric(IgesNumbers in) {
     knots.insert(knots.end(), 3, breaks[k]);
   }
   knots.insert(knots.end(), 4, breaks[count]);
-  Points({points.data(), points.data() + points.size()});
+  RequireWithinLimits(points.reshaped(), "coordinate");
   NurbsCurve<3> curve(SplineBasis(3, std::move(knots)), points);
   // Every removal copies the curve: very long ones keep their knots.
   constexpr int kMostPieces = 2000;

@@ -22,18 +22,20 @@ Json Vector(const Eigen::Vector3d& value) {
 }
 
 Json Input(const InputSummary& input, const ReportContext& context) {
-  return {{"files", input.files},
-          {"points", input.points},
-          {"used", input.used},
-          {"non_finite", input.non_finite},
-          {"duplicates", input.duplicates},
-          {"outliers", input.outliers},
-          {"spacing", Number(input.spacing)},
-          {"noise", Number(input.noise)},
-          {"bounding_box", Json::array({Vector(input.box_min), Vector(input.box_max)})},
-          {"origin", Vector(input.origin)},
-          {"shift", Vector(context.shift)},
-          {"unit", context.unit}};
+  Json json{{"files", input.files},
+            {"points", input.points},
+            {"used", input.used},
+            {"non_finite", input.non_finite},
+            {"duplicates", input.duplicates},
+            {"outliers", input.outliers},
+            {"spacing", Number(input.spacing)},
+            {"noise", Number(input.noise)},
+            {"bounding_box", Json::array({Vector(input.box_min), Vector(input.box_max)})},
+            {"origin", Vector(input.origin)},
+            {"shift", Vector(context.shift)},
+            {"unit", context.unit}};
+  if (input.thinned_to) json["thinned_to"] = *input.thinned_to;
+  return json;
 }
 
 // By the names of the numbers; of vectors an array. Infinite ones are null.

@@ -84,7 +84,7 @@ GeometryContents Translate(std::string& text, const std::string& path) {
 GeometryContents ReadStepContents(const std::string& path) {
   const std::string name = path == "-" ? "standard input" : path;
   std::string text = ReadWholeFile(path);
-  CheckStepSyntax(text, name);
+  PrepareStepText(text, name);
   try {
     const OcctSession session;
     return Translate(text, name);

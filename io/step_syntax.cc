@@ -42,6 +42,13 @@ class Scanner {
     CheckCycles();
   }
 
+  // What another lexer may mistake: doubled quotes, and comments with their ends.
+  struct Trap {
+    size_t begin, end;
+    bool comment;
+  };
+  const std::vector<Trap>& traps() const { return traps_; }
+
  private:
   // -- the grammar, one function for each rule [ISO 10303-21, §5 to §8] --
 
@@ -176,6 +183,10 @@ class Scanner {
       at_ = text_.find('\'', at_);
       if (at_ == text_.npos) Fail("is damaged: a string does not end");
       if (text_.substr(at_ + 1, 1) != "'") break;
+      const size_t next = text_.find_first_not_of(" \t\r\n", at_ + 2);
+      if (next != text_.npos && (text_[next] == ',' || text_[next] == ')')) {
+        traps_.push_back({at_, at_ + 2, false});
+      }
     }
     ++at_;
   }
@@ -201,9 +212,11 @@ class Scanner {
     for (;;) {
       at_ = std::min(text_.find_first_not_of(" \t\r\n", at_), text_.size());
       if (text_.substr(at_, 2) != "/*") return at_ < text_.size() ? text_[at_] : '\0';
+      const size_t begin = at_;
       at_ = text_.find("*/", at_ + 2);
       if (at_ == text_.npos) Fail("is damaged: a comment does not end");
       at_ += 2;
+      if (traps_.empty() || traps_.back().begin < begin) traps_.push_back({begin, at_, true});
     }
   }
 
@@ -287,6 +300,7 @@ class Scanner {
   const std::string& path_;
   size_t at_ = 0;
   int depth_ = 0;
+  std::vector<Trap> traps_;
   std::vector<Instance> instances_;
   std::vector<size_t> last_reference_;  // of every instance, one past
   std::vector<Reference> references_;
@@ -297,6 +311,21 @@ class Scanner {
 
 void CheckStepSyntax(std::string_view text, const std::string& path) {
   Scanner(text, path).Check();
+}
+
+void PrepareStepText(std::string& text, const std::string& path) {
+  Scanner scanner(text, path);
+  scanner.Check();
+  if (scanner.traps().empty()) return;
+  std::string safe;
+  size_t done = 0;
+  for (const Scanner::Trap& trap : scanner.traps()) {
+    safe.append(text, done, trap.begin - done);
+    safe += trap.comment ? " " : "\\X\\27";
+    done = trap.end;
+  }
+  safe.append(text, done);
+  text = std::move(safe);
 }
 
 }  // namespace batten

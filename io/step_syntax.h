@@ -14,4 +14,9 @@ namespace batten {
 // instances.
 void CheckStepSyntax(std::string_view text, const std::string& path);
 
+// Checks the text like that, and changes in it what OpenCASCADE's lexer mistakes and then may crash
+// on: a doubled quote before a comma or parenthesis, which it takes for the end of the string, is
+// written \X\27, and comments go.
+void PrepareStepText(std::string& text, const std::string& path);
+
 }  // namespace batten

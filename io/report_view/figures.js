@@ -136,6 +136,7 @@ function deviationTable(data) {
   const columns = [["points used", r.error], ["all points", r.error_all], ["at their parameters", r.parameter_error]]
     .filter(([, e]) => e);
   const scale = lengthScale(data);
+  const sides = data.signed && data.kind !== "curve";  // the report's distances from curves have no sign
   const row = (label, value) => [label, ...columns.map(([, e]) => value(e))];
   const unit = data.unit ? " [" + data.unit + "]" : "";
   const length = (label, field) => row(label + unit, (e) => scale.number(e[field]));
@@ -143,8 +144,8 @@ function deviationTable(data) {
   return table("Deviations", [
     length("rms", "rms"), length("mean distance", "mean"), length("median", "p50"), length("95 % within", "p95"),
     length("99 % within", "p99"), length("largest", "max"),
-    data.signed ? signed("signed, 5 % below", "signed_p5") : null,
-    data.signed ? signed("signed, 95 % below", "signed_p95") : null,
+    sides ? signed("signed, 5 % below", "signed_p5") : null,
+    sides ? signed("signed, 95 % below", "signed_p95") : null,
     data.tolerance === null ? null : row("in tolerance", (e) => e.tolerance === null ? kNone : percent(e.within_tolerance)),
     data.tolerance === null ? null : row("out of tolerance", (e) => e.tolerance === null ? kNone : count(e.out_of_tolerance)),
     row("points", (e) => count(e.points)),
@@ -171,6 +172,7 @@ function inputTable(data) {
   return table("Points", [
     [(input.files || []).length > 1 ? "files" : "file", (input.files || []).join(", ")],
     ["read", count(input.points)],
+    input.thinned_to ? ["thinned to", count(input.thinned_to)] : null,
     ["used", count(input.used)],
     ["outliers set aside", count(input.outliers)],
     input.duplicates > 0 ? ["duplicates merged", count(input.duplicates)] : null,

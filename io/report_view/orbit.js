@@ -45,7 +45,7 @@ class Camera {
     this.target.copy(this.middle);
     this.target.addScaledVector(right, (x0 + x1) / 2 - this.middle.dot(right));
     this.target.addScaledVector(up, (y0 + y1) / 2 - this.middle.dot(up));
-    this.half = Math.max((y1 - y0) / 2 * 1.14, (x1 - x0) / 2 * 1.04 / (this.aspect * (1 - this.kept)), this.radius * 1e-3);
+    this.half = Math.max((y1 - y0) / 2 * 1.14, (x1 - x0) / 2 * 1.1 / (this.aspect * (1 - this.kept)), this.radius * 1e-3);
     this.target.addScaledVector(right, this.half * this.aspect * this.kept);
   }
 

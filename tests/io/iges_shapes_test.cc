@@ -212,6 +212,15 @@ TEST_F(IgesShapesTest, WhatIsNotReadIsNamed) {
   EXPECT_THAT(refusal({{116, 0, "1.,2.,3."}, {116, 0, "1.,2.,4."}}),
               HasSubstr("holds no curves or surfaces that can be read, 2 points only"));
   EXPECT_THAT(refusal({{408, 0, "1,0.,0.,0.,1."}}), HasSubstr("places a subfigure"));
+  for (const int array : {412, 414, 420}) {
+    EXPECT_THAT(refusal({{array, 0, "1,0.,0.,0.,1."}}), HasSubstr("places a subfigure"));
+  }
+  EXPECT_THAT(refusal({{416, 0, "5Hother"}}), HasSubstr("in another file"));
+  // Beside a line that can be read: nothing of a solid is left out silently.
+  for (const int solid : {186, 502, 504, 508, 510, 514}) {
+    EXPECT_THAT(refusal({{110, 0, "0.,0.,0.,1.,0.,0."}, {solid, 1, "1,1,1"}}),
+                HasSubstr("entity D3 (type " + std::to_string(solid) + "): belongs to a B-rep"));
+  }
   EXPECT_THAT(refusal({{114, 0, "1,1,1,1"}}), HasSubstr("type that is not in this version"));
   EXPECT_THAT(refusal({{120, 0, "1,1,0.,1."}}), HasSubstr("entity D1 (type 120)"));
 }
