@@ -58,6 +58,22 @@ void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
   summary.closed = ClosedDirections(surface);
 }
 
+// The points of each geometry, by who owns them.
+std::vector<PartError> PartsOf(const GeometryContents& contents,
+                               const Eigen::VectorXd& distances,
+                               const std::vector<int>& owners,
+                               std::optional<double> tolerance) {
+  const Eigen::Map<const Eigen::ArrayXi> owner(owners.data(), std::ssize(owners));
+  std::vector<PartError> parts;
+  for (size_t g = 0; g < contents.geometry.size(); ++g) {
+    const bool surface = std::holds_alternative<NurbsSurface>(contents.geometry[g]);
+    parts.push_back({g < contents.names.size() ? contents.names[g] : "",
+                     surface ? "surface" : "curve",
+                     Summarise(distances, tolerance, owner == static_cast<int>(g))});
+  }
+  return parts;
+}
+
 std::string ResultLine(const Arguments& a, const ErrorSummary& error) {
   std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points",
                                  JoinedNames(a.clouds),
@@ -76,7 +92,9 @@ int Run(const Arguments& a) {
   CheckOutputArguments(a.output);
   std::vector<std::string> outputs = a.output.reports;
   outputs.push_back(a.output.residuals);
-  CheckDistinct(outputs, a.flags.json);
+  std::vector<std::string> inputs = a.clouds;
+  inputs.push_back(a.geometry);
+  CheckDistinct(outputs, a.flags.json, inputs);
   CheckWritable(a.output.residuals);
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
@@ -151,7 +169,9 @@ int Run(const Arguments& a) {
   if (geometry.size() > 1) {
     report.warnings.push_back(
         a.geometry + " holds " + std::to_string(geometry.size()) +
-        " geometries: distances are to the nearest, the summary describes the first");
+        " geometries: distances are to the nearest, degree and control points those of the first");
+    report.geometry.count = static_cast<int>(geometry.size());
+    report.parts = PartsOf(contents, nearest.distances, owners, a.tolerance);
   }
   report.error = report.error_all = Summarise(nearest.distances, a.tolerance);
   report.optimize.why = "a comparison fits nothing";
@@ -163,7 +183,7 @@ int Run(const Arguments& a) {
                               .distances = nearest.distances,
                               .parameters = nearest.parameters,
                               .outliers = PointMask::Constant(cloud.size(), false),
-                              .owners = std::move(owners),
+                              .owners = geometry.size() > 1 ? owners : std::vector<int>{},
                               .spacing = measured.spacing,
                               .noise = measured.noise};
   OutputArguments output = a.output;

@@ -61,6 +61,7 @@ const Accepts* FilesOf(const CLI::Option& option) {
                                                                 {"POINTS", &cloud},
                                                                 {"FILE", &readable},
                                                                 {"IN", &readable},
+                                                                {"FILES", &written},
                                                                 {"MESH", &mesh}};
   static const Accepts report = EndingIn({".json", ".html"}),
                        residuals = EndingIn({".ply", ".csv"});

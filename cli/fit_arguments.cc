@@ -185,7 +185,7 @@ FitFiles::FitFiles(const FitArguments& arguments)
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
-  CheckDistinct(outputs, a_.flags.json);
+  CheckDistinct(outputs, a_.flags.json, a_.clouds);
   for (const std::string& path : outputs) CheckWritable(path);
 }
 

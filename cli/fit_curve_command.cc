@@ -120,14 +120,14 @@ Component ToComponent(const std::string& text) {
 template <int Dim>
 struct JointFit {
   CurveFit<Dim> fit;
-  std::vector<int> owners;  // the number of that curve
+  std::vector<int> owners;  // the number of that curve; empty: there is one only
 };
 
 template <int Dim>
 JointFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
   CurveFit<Dim> joint = fits.front();
   std::vector<int> owners(static_cast<std::size_t>(joint.residuals.size()), 0);
-  if (fits.size() == 1) return {std::move(joint), std::move(owners)};
+  if (fits.size() == 1) return {std::move(joint), {}};
   FitReport& report = joint.report;
   for (size_t k = 1; k < fits.size(); ++k) {
     const CurveFit<Dim>& fit = fits[k];

@@ -84,7 +84,9 @@ void CheckWritable(const std::string& path) {
   if (!path.empty()) AtomicFile{path};
 }
 
-void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
+void CheckDistinct(const std::vector<std::string>& outputs,
+                   bool json,
+                   const std::vector<std::string>& inputs) {
   std::set<std::string> seen;
   for (const std::string& path : outputs) {
     if (path.empty()) continue;
@@ -93,6 +95,12 @@ void CheckDistinct(const std::vector<std::string>& outputs, bool json) {
         path == "-" ? path
                     : std::filesystem::weakly_canonical(std::filesystem::absolute(path)).string();
     if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
+    for (const std::string& input : inputs) {
+      std::error_code other;  // what can't be looked at is another file
+      if (input != "-" && path != "-" && std::filesystem::equivalent(path, input, other)) {
+        throw UsageError(path + " is read: it would be lost if it were written too");
+      }
+    }
   }
 }
 
@@ -138,7 +146,7 @@ std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
       DeviationLimit(points.distances, points.outliers, tolerance, points.noise, size);
   return WriteResiduals(
       arguments.residuals,
-      {points.cloud, points.distances, points.parameters, points.outliers, range});
+      {points.cloud, points.distances, points.parameters, points.outliers, range, points.owners});
 }
 
 void WriteReports(const FitReport& report, const ReportTarget& target) {

@@ -36,8 +36,11 @@ bool WantsPage(const OutputArguments& arguments);
 // WriteError.
 void CheckWritable(const std::string& path);
 
-// Refuses a file name given for two outputs, or standard output wanted by two. Throws UsageError.
-void CheckDistinct(const std::vector<std::string>& outputs, bool json);
+// Refuses a file name given for two outputs, or standard output wanted by two, and an output that
+// is one of the files that are read, of which nothing would be left. Throws UsageError.
+void CheckDistinct(const std::vector<std::string>& outputs,
+                   bool json,
+                   const std::vector<std::string>& inputs = {});
 
 // The words of --unit: what a STEP file can declare.
 const std::vector<std::string>& Units();

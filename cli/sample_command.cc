@@ -5,7 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "batten/cli/cloud_arguments.h"
 #include "batten/cli/fit_output.h"
+#include "batten/cli/offered_words.h"
 #include "batten/cli/parse_values.h"
 #include "batten/cli/program.h"
 #include "batten/cli/terminal.h"
@@ -19,14 +21,16 @@ namespace batten {
 namespace {
 
 struct Arguments {
-  std::string geometry, out, format;
+  std::string geometry, out, format, out_format;
   SampleOptions sample;
   CommonFlags flags;
 };
 
 int Run(const Arguments& a) {
-  const bool word_is_geometry = a.format == "json" || a.format == "step";
-  const std::string out_format = word_is_geometry ? "" : a.format;
+  const bool word_is_geometry = NamesGeometry(a.format);
+  const std::string out_format = !a.out_format.empty() ? a.out_format
+                                 : word_is_geometry    ? ""
+                                                       : a.format;
   const FileFormat format = FormatOf(a.out, out_format);
   if (!IsCloudFormat(format) || !IsWritable(format))
     throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
@@ -58,7 +62,7 @@ void AddSampleCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand(
       "sample", "Scatter points over a curve or surface, with noise and outliers");
-  command.add_option("GEOMETRY", a->geometry, "A curve or surface: .json .step")->required();
+  command.add_option("GEOMETRY", a->geometry, "A curve or surface: .json .step .iges")->required();
   command.add_option("-o,--output", a->out, "Where to write: .ply .pcd .xyz .csv")
       ->required()
       ->type_name("CLOUD");
@@ -94,6 +98,12 @@ void AddSampleCommand(CLI::App& app, Action& action) {
   AddSeedFlag(command, a->sample.seed, "Same seed, same points");
   command.add_option("--format", a->format, "Format of files whose name does not tell, or of '-'")
       ->type_name("FORMAT");
+  Suggest(*command
+               .add_option("--output-format",
+                           a->out_format,
+                           "Format of the points where --format is that of GEOMETRY")
+               ->type_name("FORMAT"),
+          {"ply", "pcd", "xyz", "csv"});
   AddCommonFlags(command, a->flags);
   command.footer(
       "Examples:\n  batten sample part.step -o cloud.ply --count 20000 --noise 0.01 --outliers "

@@ -18,7 +18,7 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
   CLI::App& command =
       *app.add_subcommand("tessellate", "Turn surfaces, inside their trims, into a triangle mesh");
   command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step .iges")->required();
-  command.add_option("-o,--output", a->out, "Where to write: .stl .obj .ply")
+  command.add_option("-o,--output", a->out, "Where to write: .stl .obj .ply .glb")
       ->required()
       ->type_name("MESH");
   command
@@ -51,6 +51,13 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
                "is in metres\nalways [the file's own, mm where it says none]")
            ->type_name("UNIT");
   Suggest(unit, Units());
+  auto out_format = std::make_shared<std::string>();
+  Suggest(*command
+               .add_option("--output-format",
+                           *out_format,
+                           "Format of the mesh where --format is that of GEOMETRY or CLOUD")
+               ->type_name("FORMAT"),
+          {"stl", "obj", "ply", "glb"});
   AddCloudArguments(command, a->cloud);
   AddThreadsFlag(command, a->threads);
   AddCommonFlags(command, a->flags);
@@ -64,11 +71,16 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
       "  batten tessellate part.step -o part.stl\n"
       "  batten tessellate hull.json -o hull.obj --chord-tolerance 0.01\n"
       "  batten tessellate part.step -o part.glb --deviation scan.ply --deviation-range 0.1\n"
-      "  batten tessellate part.step -o - --format ply > part.ply");
-  command.callback([a, &action] {
-    // The word is of the mesh where it names one, of the geometry or else of the points.
+      "  batten tessellate part.step -o - --format ply > part.ply\n"
+      "  cat part.json | batten tessellate - -o - --format json --output-format glb > part.glb");
+  command.callback([a, out_format, &action] {
+    // The word is of the mesh where it names one and nothing else does, of the geometry or else of
+    // the points.
     std::string& word = a->cloud.format;
-    if (NamesMesh("", word)) {
+    if (!out_format->empty()) {
+      a->out_format = *out_format;
+      if (NamesGeometry(word)) a->geometry_format = std::exchange(word, "");
+    } else if (NamesMesh("", word)) {
       a->out_format = std::exchange(word, "");
     } else if (NamesGeometry(word)) {
       a->geometry_format = std::exchange(word, "");

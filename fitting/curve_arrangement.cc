@@ -118,6 +118,14 @@ CurveArrangement ByNeighbourhood(const PointCloud& cloud,
         "one "
         "another");
   }
+  constexpr double kMostLeftOut = 0.75;
+  if (static_cast<double>(found.outliers.size()) >
+      kMostLeftOut * static_cast<double>(cloud.size())) {
+    throw std::invalid_argument(
+        "no curve is found in the points: " + std::to_string(found.outliers.size()) + " of " +
+        std::to_string(cloud.size()) +
+        " lie far from every line of neighbours, as points of a surface do (batten fit surface)");
+  }
   if (!found.outliers.empty()) {
     result.warnings.push_back(std::to_string(found.outliers.size()) +
                               " points lie far from every curve and are left out");

@@ -128,6 +128,12 @@ struct StageSeconds {
          write = 0, total = 0;
 };
 
+// Of one of several geometries: the points that are nearest to it.
+struct PartError {
+  std::string name, kind;  // the name may be empty; "curve" or "surface"
+  ErrorSummary error;
+};
+
 struct FitReport {
   InputSummary input;
   GeometrySummary geometry;
@@ -135,6 +141,7 @@ struct FitReport {
   ErrorSummary error_all;  // over all finite points
   // Distances from the geometry at every point's own parameters, where those are what was fitted.
   std::optional<ErrorSummary> parameter_error;
+  std::vector<PartError> parts;       // where there are several geometries, in their order
   bool judged_at_parameters = false;  // the tolerance is held against those
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;

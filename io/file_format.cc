@@ -79,7 +79,9 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
 
 FileFormat FormatOf(const std::string& path, const std::string& format) {
   if (!format.empty()) return FormatOfWord(Lower(format), path);
-  if (path == "-") throw UsageError("-: standard input and output need --format");
+  if (path == "-")
+    throw UsageError(
+        "-: standard input needs --format, standard output --format or --output-format");
   const std::string extension = Lower(std::filesystem::path(path).extension().string());
   // The word "text" is no extension.
   if (extension.size() < 2 || extension == ".text") {

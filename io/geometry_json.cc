@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "batten/geometry/trim_loops.h"
 #include "batten/io/geometry_names.h"
 #include "batten/io/json_document.h"
 #include "batten/io/json_field.h"
@@ -128,12 +129,15 @@ void AppendEntry(std::string& text, const NurbsCurve<Dim>& curve) {
   AppendControlPoints(text, curve.control_points(), curve.weights());
 }
 
+// NURBS-Python cuts away what is inside a loop, or, where it is `reversed`, what is outside: outer
+// loops, which run counter-clockwise, are.
 void AppendTrims(std::string& text, const std::vector<NurbsCurve<2>>& loops) {
   text += ",\n  \"trims\": {\"count\": " + std::to_string(loops.size()) + ", \"data\": [";
   for (size_t i = 0; i < loops.size(); ++i) {
     text += i > 0 ? ",\n  " : "\n  ";
     AppendEntry(text, loops[i]);
-    text.insert(text.size() - 1, ", \"reversed\": 0");
+    const bool outer = SignedArea(loops[i]) > 0;
+    text.insert(text.size() - 1, outer ? ", \"reversed\": 1" : ", \"reversed\": 0");
   }
   text += "]}";
 }

@@ -10,8 +10,8 @@ namespace batten {
 // The surface with the loops its entry names as `trims`: splines, "freeform" polygons of points,
 // and "container"s of both, which follow one another to one loop, either way round. Ends within
 // 1e-6 of the domain are moved together. The largest loop is the outer boundary, whatever
-// `reversed` says; loops beside one another are holes in the whole domain. Throws ReadError naming
-// the field and, where a loop does not close, the gap.
+// `reversed` says (writers differ in what it means); loops beside one another are holes in the
+// whole domain. Throws ReadError naming the field and, where a loop does not close, the gap.
 NurbsSurface ReadTrimmed(const JsonField& entry, NurbsSurface surface);
 
 }  // namespace batten

@@ -166,7 +166,9 @@ std::string ToReportData(const FitReport& report,
               {"high", histogram.high},
               {"counts", histogram.counts},
               {"below", histogram.below},
-              {"above", histogram.above}});
+              {"above", histogram.above},
+              {"mean", histogram.mean},
+              {"deviation", histogram.deviation}});
   json.Close('}');
   return text;
 }

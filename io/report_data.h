@@ -20,7 +20,7 @@ std::string ReportTitle(const FitReport& report, const ReportContext& context);
 //   surfaces [{name, positions, normals, uv, triangles, deviation, gaussian, mean, trims, edges,
 //     knot_lines, net {size, points}}],
 //   curves [{name, closed, planar, points, parameters, curvature, normals, knots, net}],
-//   plan {u, v}, histogram {low, high, counts, below, above},
+//   plan {u, v}, histogram {low, high, counts, below, above, mean, deviation},
 //   cloud {points, deviation, outlier, foot, parameter, shown, total}; foot and parameter only
 //     where there are curves
 // as ReportScene describes them.

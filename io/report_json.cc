@@ -145,7 +145,8 @@ Json Rounds(const std::vector<RoundSummary>& rounds, bool curve) {
     result.push_back({{"stage", round.stage},
                       {"control_points", std::move(control_points)},
                       {"rms", Number(round.rms)},
-                      {"max", Number(round.max)},
+                      // Cross-validation measures no greatest distance.
+                      {"max", round.max >= round.rms ? Number(round.max) : Json(nullptr)},
                       {"score", Number(round.score)},
                       {"seconds", Number(round.seconds)}});
   }
@@ -186,6 +187,13 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
     const ErrorSummary& error = *report.parameter_error;
     Json& entry = json["parameter_error"] = Error(error, "parameter");
     entry["sum_of_squares"] = Number(error.rms * error.rms * static_cast<double>(error.points));
+  }
+  for (size_t i = 0; i < report.parts.size(); ++i) {
+    const PartError& part = report.parts[i];
+    Json entry = {{"index", i}, {"name", part.name}};
+    entry.update(Error(part.error, "orthogonal"));
+    entry["kind"] = part.kind;
+    json["parts"].push_back(std::move(entry));
   }
   // File names need not be UTF-8; what is not becomes the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';

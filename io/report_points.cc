@@ -136,6 +136,9 @@ ReportHistogram HistogramOf(const Eigen::VectorXd& deviations,
   low = signed_values ? low - margin : std::max(0.0, low - margin);
   high += margin;
   if (!signed_values && low < kFar * margin) low = 0;
+  const auto all = Eigen::Map<const Eigen::ArrayXd>(values.data(), std::ssize(values));
+  histogram.mean = all.mean();
+  histogram.deviation = std::sqrt((all - histogram.mean).square().mean());
   histogram.low = low;
   histogram.high = high;
   histogram.counts.assign(kBins, 0);

@@ -56,6 +56,7 @@ struct ReportHistogram {
   double low = 0, high = 0;  // the ends of the bins, all equally wide; low < high unless empty
   std::vector<Eigen::Index> counts;
   Eigen::Index below = 0, above = 0;
+  double mean = 0, deviation = 0;  // the standard one, of all of them, those beyond the bins too
 };
 
 struct ReportScene {

@@ -3,10 +3,12 @@
 
 #include <Interface_Check.hxx>
 #include <Interface_ReportEntity.hxx>
+#include <StepGeom_CartesianPoint.hxx>
 #include <StepGeom_Curve.hxx>
 #include <StepGeom_Pcurve.hxx>
 #include <StepRepr_DefinitionalRepresentation.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_VertexPoint.hxx>
 #include <string_view>
 
 #include "batten/io/read_error.h"
@@ -34,6 +36,15 @@ bool LacksItsCurve(const Handle(Standard_Transient) & entity) {
          Handle(StepGeom_Curve)::DownCast(reference->ItemsValue(1)).IsNull();
 }
 
+// Whether the entity is a vertex at anything but a point in space, which the translator does not
+// expect either.
+bool LacksItsPoint(const Handle(Standard_Transient) & entity) {
+  const auto vertex = Handle(StepShape_VertexPoint)::DownCast(entity);
+  if (vertex.IsNull()) return false;
+  const auto point = Handle(StepGeom_CartesianPoint)::DownCast(vertex->VertexGeometry());
+  return point.IsNull() || point->NbCoordinates() != 3;
+}
+
 }  // namespace
 
 void CheckStepModel(const Handle(StepData_StepModel) & model, const std::string& path) {
@@ -43,6 +54,9 @@ void CheckStepModel(const Handle(StepData_StepModel) & model, const std::string&
   for (int i = 1; i <= model->NbEntities(); ++i) {
     std::string damage = Damage(model, i);
     if (damage.empty() && LacksItsCurve(model->Value(i))) damage = "it does not name a curve";
+    if (damage.empty() && LacksItsPoint(model->Value(i))) {
+      damage = "a vertex needs a point of three coordinates";
+    }
     if (damage.empty()) continue;
     const std::string name = "#" + std::to_string(model->IdentLabel(model->Value(i)));
     throw ReadError(path, "entity " + name + " is damaged: " + damage);

@@ -183,8 +183,9 @@ class Scanner {
       at_ = text_.find('\'', at_);
       if (at_ == text_.npos) Fail("is damaged: a string does not end");
       if (text_.substr(at_ + 1, 1) != "'") break;
-      const size_t next = text_.find_first_not_of(" \t\r\n", at_ + 2);
-      if (next != text_.npos && (text_[next] == ',' || text_[next] == ')')) {
+      // OpenCASCADE's lexer takes it for the end unless a letter or digit follows.
+      const size_t next = text_.find_first_not_of("\r\n", at_ + 2);
+      if (next == text_.npos || !(IsLetter(text_[next]) || IsDigit(text_[next]))) {
         traps_.push_back({at_, at_ + 2, false});
       }
     }

@@ -15,8 +15,8 @@ namespace batten {
 void CheckStepSyntax(std::string_view text, const std::string& path);
 
 // Checks the text like that, and changes in it what OpenCASCADE's lexer mistakes and then may crash
-// on: a doubled quote before a comma or parenthesis, which it takes for the end of the string, is
-// written \X\27, and comments go.
+// on: a doubled quote before anything but a letter or digit, which it may take for the end of the
+// string, is written \X\27, and comments go.
 void PrepareStepText(std::string& text, const std::string& path);
 
 }  // namespace batten

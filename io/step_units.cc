@@ -36,16 +36,24 @@ std::vector<double> DeclaredFactors(const Handle(StepData_StepModel) & model) {
   constexpr double kSame = 1e-9;
   constexpr size_t kMost = 16;  // more are not worth telling apart
   std::vector<double> factors;
-  for (int i = 1; i <= model->NbEntities() && factors.size() < kMost; ++i) {
-    const auto declared = UnitsOf(model->Value(i));
-    if (declared.IsNull()) continue;
-    STEPConstruct_UnitContext units;
-    if (units.ComputeFactors(declared) != 0 || !units.LengthDone()) continue;
-    const double factor = units.LengthFactor();
+  const auto note = [&](double factor) {
     const bool known = std::any_of(factors.begin(), factors.end(), [&](double other) {
       return std::abs(other - factor) <= kSame * other;
     });
     if (factor > 0 && std::isfinite(factor) && !known) factors.push_back(factor);
+  };
+  for (int i = 1; i <= model->NbEntities() && factors.size() < kMost; ++i) {
+    const auto declared = UnitsOf(model->Value(i));
+    if (declared.IsNull()) continue;
+    STEPConstruct_UnitContext units;
+    if (units.ComputeFactors(declared) == 0 && units.LengthDone()) note(units.LengthFactor());
+    // A context may name two.
+    for (int k = 1; k <= declared->NbUnits(); ++k) {
+      STEPConstruct_UnitContext one;
+      if (one.ComputeFactors(declared->UnitsValue(k)) == 0 && one.LengthDone()) {
+        note(one.LengthFactor());
+      }
+    }
   }
   return factors;
 }

@@ -221,7 +221,9 @@ std::string ToStep(const GeometryFile& file, const char* unit, const char* schem
   STEPControl_Writer writer;
   for (size_t i = 0; i < file.geometry.size(); ++i) {
     const TopoDS_Shape shape = ValidShape(ClosedForm(file.geometry[i]));
-    if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) {
+    // The graph of the whole model, made anew for each shape, would take quadratic time.
+    const bool graph = i + 1 == file.geometry.size();
+    if (writer.Transfer(shape, STEPControl_AsIs, graph) != IFSelect_RetDone) {
       throw Standard_Failure("OpenCASCADE does not translate the shape to STEP");
     }
     NameItem(writer, shape, NameOf(file, i));

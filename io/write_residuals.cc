@@ -25,12 +25,16 @@ std::string Extension(const std::string& path) {
   return extension;
 }
 
-void AppendDouble(std::string& bytes, double value) {
-  char eight[sizeof value];
-  std::memcpy(eight, &value, sizeof value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(eight, eight + sizeof value);
-  bytes.append(eight, sizeof value);
+// In little-endian order.
+template <typename T>
+void AppendBytes(std::string& bytes, T value) {
+  char raw[sizeof value];
+  std::memcpy(raw, &value, sizeof value);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof value);
+  bytes.append(raw, sizeof value);
 }
+void AppendDouble(std::string& bytes, double value) { AppendBytes(bytes, value); }
+void AppendInt(std::string& bytes, std::int32_t value) { AppendBytes(bytes, value); }
 
 void WriteCsv(const PointResiduals& r, AtomicFile& file) {
   const bool has_v = r.parameters.rows() > 1;
@@ -38,7 +42,8 @@ void WriteCsv(const PointResiduals& r, AtomicFile& file) {
   const auto append = [&](const char* separator, double value) {
     fmt::format_to(std::back_inserter(row), "{}{}", separator, value);
   };
-  file.Write(has_v ? "x,y,z,distance,u,v,outlier\n" : "x,y,z,distance,u,outlier\n");
+  file.Write(std::string(has_v ? "x,y,z,distance,u,v,outlier" : "x,y,z,distance,u,outlier") +
+             (r.owners.empty() ? "\n" : ",index\n"));
   for (Eigen::Index k = 0; k < r.cloud.size(); ++k) {
     const Eigen::Vector3d p = r.cloud.World(k);
     row.clear();
@@ -48,7 +53,9 @@ void WriteCsv(const PointResiduals& r, AtomicFile& file) {
     append(",", r.distances[k]);
     append(",", r.parameters(0, k));
     if (has_v) append(",", r.parameters(1, k));
-    row += r.outliers[k] ? ",1\n" : ",0\n";
+    row += r.outliers[k] ? ",1" : ",0";
+    if (!r.owners.empty()) row += "," + std::to_string(r.owners[static_cast<std::size_t>(k)]);
+    row += '\n';
     file.Write(row);
   }
 }
@@ -65,6 +72,7 @@ void WritePly(const PointResiduals& r, AtomicFile& file) {
   for (const char* name : {"red", "green", "blue", "outlier"}) {
     row += fmt::format("property uchar {}\n", name);
   }
+  if (!r.owners.empty()) row += "property int index\n";
   file.Write(row + "end_header\n");
   for (Eigen::Index k = 0; k < r.cloud.size(); ++k) {
     row.clear();
@@ -76,6 +84,7 @@ void WritePly(const PointResiduals& r, AtomicFile& file) {
       row += static_cast<char>(part);
     }
     row += r.outliers[k] ? '\1' : '\0';
+    if (!r.owners.empty()) AppendInt(row, r.owners[static_cast<std::size_t>(k)]);
     file.Write(row);
   }
 }
@@ -94,7 +103,8 @@ std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
   CheckResidualsName(path);
   const Eigen::Index size = residuals.cloud.size();
   if (residuals.distances.size() != size || residuals.parameters.cols() != size ||
-      residuals.outliers.size() != size || residuals.parameters.rows() < 1) {
+      residuals.outliers.size() != size || residuals.parameters.rows() < 1 ||
+      (!residuals.owners.empty() && std::ssize(residuals.owners) != size)) {
     throw std::invalid_argument("WriteResiduals: residuals: one of each a point is needed");
   }
   auto file = std::make_unique<AtomicFile>(path);

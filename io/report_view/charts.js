@@ -73,7 +73,8 @@ function drawConvergence(svg, data, width) {
 function roundText(round, i, data) {
   const scale = new Scale(data.limit, data.unit);
   return "round " + (i + 1) + ", " + round.stage + ": " + controlPointsText(round.control_points) +
-         " control points, rms " + scale.text(round.rms) + ", max " + scale.text(round.max);
+         " control points, rms " + scale.text(round.rms) +
+         (round.max > 0 ? ", max " + scale.text(round.max) : "");
 }
 
 // A band behind the rounds of each stage, with the stage's name where it fits.

@@ -83,6 +83,10 @@ function keyFigures(data) {
   if (data.tolerance !== null) figures.push(["in tolerance", percent(e.within_tolerance), ""]);
   figures.push(["points used", count(input.used), input.points !== input.used ? "of " + count(input.points) : ""]);
   figures.push(["outliers", count(input.outliers), ""]);
+  if ((r.parts || []).length > 1) {
+    figures.push(["parts", count(r.parts.length), ""]);
+    return figures;
+  }
   figures.push(["control points", netText(data), ""]);
   figures.push(["degree", joined(g.degree), ""]);
   if (g.kind === "surface") figures.push(["trim loops", count(g.trims || 0), ""]);
@@ -150,6 +154,22 @@ function deviationTable(data) {
     data.tolerance === null ? null : row("out of tolerance", (e) => e.tolerance === null ? kNone : count(e.out_of_tolerance)),
     row("points", (e) => count(e.points)),
   ], columns.map(([name]) => name));
+}
+
+// Of several geometries, how far the points nearest to each are.
+function partsTable(data) {
+  const parts = data.report.parts || [];
+  if (parts.length < 2) return null;
+  const scale = lengthScale(data);
+  const unit = data.unit ? " [" + data.unit + "]" : "";
+  const heads = ["points", "rms" + unit, "95 % within" + unit, "largest" + unit];
+  if (data.tolerance !== null) heads.push("out of tolerance");
+  return table("Parts", parts.map((part, i) => {
+    const row = [part.name || part.kind + " " + (i + 1), count(part.points)];
+    row.push(...["rms", "p95", "max"].map((field) => (part.points > 0 ? scale.number(part[field]) : kNone)));
+    if (data.tolerance !== null) row.push(count(part.out_of_tolerance));
+    return row;
+  }), heads);
 }
 
 function vector(values, write) {

@@ -79,10 +79,16 @@ function histogramNotes(data) {
   if (moments) {
     const total = moments.n + (h.below || 0) + (h.above || 0);
     notes.push(counted(total, "point") + " used.");
-    if (data.signed && moments.deviation > 0) {
-      const scale = new Scale(Math.max(Math.abs(moments.mean), moments.deviation), data.unit);
-      notes.push("Mean " + scale.signedText(moments.mean) + ", standard deviation " +
-                 scale.text(moments.deviation) + "; the dashed line is the normal curve of both.");
+    if (data.signed && h.deviation > 0) {
+      const scale = new Scale(Math.max(Math.abs(h.mean), h.deviation), data.unit);
+      const words = (mean, deviation) =>
+        "mean " + scale.signedText(mean) + ", standard deviation " + scale.text(deviation);
+      const all = words(h.mean, h.deviation);
+      notes.push(all[0].toUpperCase() + all.slice(1) + ".");
+      // Few far points change the figures of all, not what is drawn.
+      const same = Math.abs(moments.deviation - h.deviation) <= 0.1 * h.deviation;
+      notes.push("The dashed line is the normal curve of " +
+        (same ? "both." : "the points drawn: " + words(moments.mean, moments.deviation) + "."));
     }
   }
   if (h.below > 0) notes.push(counted(h.below, "point") + " below " + significant(h.low) + " not drawn.");

@@ -165,6 +165,31 @@ class ReportTest(unittest.TestCase):
         self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
         self.assertEqual(self.summary()["hash"], before)
 
+    def test_one_finger_turns_and_two_move_and_zoom(self):
+        self.open("panel.html", 390, 844)
+        self.browser.devtools("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+        start = self.summary()
+        x, y, w, h = self.browser.run("const r = document.querySelector('canvas').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]")
+        if y + h > 844:
+            self.browser.run("window.scrollTo(0, arguments[0])", y - 100)
+            y = self.browser.run("return document.querySelector('canvas').getBoundingClientRect().y")
+        x, y = x + w / 2, y + h / 2
+        scrolled = self.browser.run("return window.scrollY")
+        self.browser.touch([(x, y)], [(x + 20, y + 5)], [(x + 60, y + 30)])
+        turned = self.summary()
+        self.assertNotEqual(turned["hash"], start["hash"], "one finger turns")
+        near, far = [(x - 20, y), (x + 20, y)], [(x - 60, y), (x + 60, y)]
+        self.browser.touch([near[0]], near, [(x - 40, y), (x + 40, y)], far)
+        self.assertGreater(self.summary()["inked"], turned["inked"], "two fingers that part come nearer")
+        self.browser.touch([far[0]], far, near)
+        self.browser.touch([far[0]], far, near)
+        self.assertLess(self.summary()["inked"], turned["inked"], "two that meet go away")
+        self.assertEqual(self.browser.run("return window.scrollY"), scrolled, "the page stays where it is")
+        self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
+        self.assertEqual(self.summary()["hash"], start["hash"])
+        self.browser.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
+        self.assert_calm()
+
     def test_the_pointer_reads_coordinates_of_the_world_and_the_deviation(self):
         self.open("panel.html")
         self.browser.run("battenReport.setView('z'); battenReport.renderNow()")

@@ -118,3 +118,12 @@ class Browser:
         self._call("POST", self.session + "/actions", {"actions": [
             {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}]})
         self._call("DELETE", self.session + "/actions")
+
+    def touch(self, *frames):
+        """Fingers on the page: each frame is the list of places (x, y) where they are; all leave at the end."""
+        down = 0
+        for frame in frames:
+            points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(frame)]
+            self.devtools("Input.dispatchTouchEvent", type="touchMove" if len(frame) == down else "touchStart", touchPoints=points)
+            down = len(frame)
+        self.devtools("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])

@@ -163,7 +163,25 @@ TEST_F(CompletionTest, FilesAreThoseThatCanBeReadOrWrittenThere) {
   EXPECT_THAT(Offered({"fit", "surface", "a.ply", "-o", "a"}),
               UnorderedElementsAre("a.json", "a.step"));
   EXPECT_THAT(Offered({"info", "a"}), IsSupersetOf({"a.json", "a.step", "a.ply", "a.xyz"}));
+  EXPECT_THAT(Offered({"convert", "a"}), IsSupersetOf({"a.json", "a.step", "a.ply", "a.xyz"}));
+  EXPECT_THAT(Offered({"convert", "a.ply", "a.xyz", "spa"}), ElementsAre("spaced name.ply"));
   EXPECT_THAT(Offered({"analyze", "nowhere/"}), IsEmpty());
+}
+
+// Every command that says in its usage that it takes files is offered some.
+TEST_F(CompletionTest, EveryCommandOffersFilesWhereItTakesThem) {
+  folder_.With("a.json", "");
+  folder_.With("a.ply", "");
+  const std::regex takes("(GEOMETRY|CLOUD|POINTS|FILE|CURVE)");
+  int takers = 0;
+  for (const std::string& command : Offered({""})) {
+    const std::string help = Batten({command, "--help"}).out;
+    const std::string usage = help.substr(0, help.find('\n', help.find("batten " + command)));
+    if (!std::regex_search(usage, takes)) continue;
+    ++takers;
+    EXPECT_THAT(Offered({command, "a."}), Not(IsEmpty())) << command;
+  }
+  EXPECT_GE(takers, 8);
 }
 
 TEST_F(CompletionTest, NothingTypedMakesItFail) {

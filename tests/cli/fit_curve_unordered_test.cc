@@ -306,5 +306,10 @@ TEST_F(FitCurveUnorderedTest, ContradictoryFlagsAreRefused) {
   ExpectRefused({File("same.xy", {{1, 2}, {1, 2}, {1, 2}})}, 1, "at least 2 different points");
 }
 
+// A panel with outliers: the few points that happen to follow one another are no curve of it.
+TEST_F(FitCurveUnorderedTest, PointsOfASurfaceAreRefused) {
+  ExpectRefused({std::string(BATTEN_SOURCE_DIR) + "/data/panel.ply"}, 1, "no curve is found");
+}
+
 }  // namespace
 }  // namespace batten

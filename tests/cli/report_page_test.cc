@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <numbers>
 #include <numeric>
+#include <sstream>
 
 #include "batten/cli/shell_words.h"
 #include "test_clouds.h"
@@ -109,8 +110,7 @@ TEST_F(ReportPageTest, SameInputGivesTheSameBytesButForTimings) {
 }
 
 TEST_F(ReportPageTest, TheCommandCanBeRepeatedWhateverTheNames) {
-  const std::string odd =
-      folder_.With("a 'b' \"c\" <script> \xc3\xa4.xyz", ToText(WavySheet(500)));
+  const std::string odd = folder_.With("a 'b' \"c\" <script> \xc3\xa4.xyz", ToText(WavySheet(500)));
   const std::string out = folder_.File("out.json");
   const Json data = Page({"fit", "surface", odd, "-o", out});
   const std::string first = folder_.Text("out.json");
@@ -175,6 +175,69 @@ TEST_F(ReportPageTest, ResidualsArePointsColouredByTheirDistance) {
   EXPECT_GT(below, 300);
   const Json info = Json::parse(Batten({"info", ply, "--json"}).out);
   EXPECT_EQ(info["points"], 3000);
+}
+
+// Two sheets three apart in one file, and the points of both.
+TEST_F(ReportPageTest, PointsOfSeveralGeometriesAreCountedForTheNearest) {
+  const std::string low = folder_.File("low.json"), high = folder_.File("high.json");
+  ASSERT_EQ(Batten({"fit", "surface", cloud_, "-o", low}).code, 0);
+  ASSERT_EQ(Batten({"edit", low, "-o", high, "translate:0,0,3"}).code, 0);
+  Json both = Json::parse(folder_.Text("low.json"));
+  both["shape"]["count"] = 2;
+  both["shape"]["data"].push_back(Json::parse(folder_.Text("high.json"))["shape"]["data"][0]);
+  both["shape"]["data"][0]["name"] = "lower";
+  const std::string two = folder_.With("two.json", both.dump());
+  std::vector<Row> rows = WavySheet(500, 2);
+  for (Row& row : rows) row[2] += 3;
+  const std::string moved = folder_.With("moved.xyz", ToText(rows));
+  const std::string table = folder_.File("r.csv"), ply = folder_.File("r.ply");
+  const std::string report = folder_.File("r.json");
+  ASSERT_EQ(Batten({"compare", two, cloud_, moved, "--report", report, "--residuals", table}).code,
+            0);
+  const Json parts = Json::parse(folder_.Text("r.json"))["parts"];
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0]["name"], "lower");
+  EXPECT_EQ(parts[1]["index"], 1);
+  EXPECT_EQ(parts[0]["kind"], "surface");
+  EXPECT_EQ(parts[0]["points"], 3000);
+  EXPECT_EQ(parts[1]["points"], 500);
+  EXPECT_LT(parts[1]["rms"].get<double>(), 0.01);
+  std::istringstream lines(folder_.Text("r.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "x,y,z,distance,u,v,outlier,index");
+  std::vector<int> counted(2, 0);
+  while (std::getline(lines, line)) ++counted.at(line.back() - '0');
+  EXPECT_EQ(counted[0], parts[0]["points"]);
+  EXPECT_EQ(counted[1], parts[1]["points"]);
+  ASSERT_EQ(Batten({"compare", two, cloud_, "--residuals", ply}).code, 0);
+  EXPECT_THAT(folder_.Text("r.ply"), HasSubstr("property int index\n"));
+  EXPECT_EQ(Json::parse(Batten({"info", ply, "--json"}).out)["points"], 3000);
+  // Of one geometry there is nothing to tell apart.
+  ASSERT_EQ(Batten({"compare", low, cloud_, "--report", report, "--residuals", table}).code, 0);
+  EXPECT_FALSE(Json::parse(folder_.Text("r.json")).contains("parts"));
+  EXPECT_THAT(folder_.Text("r.csv"), ::testing::StartsWith("x,y,z,distance,u,v,outlier\n"));
+}
+
+// What is read is never written over by a report of it, whatever its name looks like.
+TEST_F(ReportPageTest, FilesThatAreReadAreNotWrittenOver) {
+  const std::string part = folder_.File("part.json"), table = folder_.With("table.csv", "0 0 0\n");
+  ASSERT_EQ(Batten({"fit", "surface", cloud_, "-o", part}).code, 0);
+  const std::string before = folder_.Text("part.json"), points = folder_.Text("cloud.xyz");
+  std::filesystem::create_symlink(part, folder_.File("link.json"));
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"compare", part, cloud_, "--report", part},
+           {"compare", part, cloud_, "--report", folder_.File("./part.json")},
+           {"compare", folder_.File("link.json"), cloud_, "--report", part},
+           {"compare", part, table, "--residuals", table},
+           {"fit", "surface", cloud_, table, "-o", folder_.File("o.json"), "--residuals", table}}) {
+    const ProgramRun run = Batten(command);
+    EXPECT_EQ(run.code, 2) << command.back();
+    EXPECT_THAT(run.err, HasSubstr("would be lost")) << command.back();
+  }
+  EXPECT_EQ(folder_.Text("part.json"), before);
+  EXPECT_EQ(folder_.Text("cloud.xyz"), points);
+  EXPECT_EQ(folder_.Text("table.csv"), "0 0 0\n");
 }
 
 }  // namespace

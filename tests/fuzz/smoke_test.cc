@@ -171,6 +171,8 @@ TEST(FuzzSmokeTest, IgesEntitiesAreReadOrRefused) {
   Smoke("iges_entities", FuzzIgesEntities, 1000);
 }
 TEST(FuzzSmokeTest, StepSyntaxIsAcceptedOrRefused) { Smoke("step_syntax", FuzzStepSyntax, 2000); }
+// OpenCASCADE behind it takes milliseconds a file, and some memory once.
+TEST(FuzzSmokeTest, StepIsReadOrRefused) { Smoke("step", FuzzStep, 60); }
 
 }  // namespace
 }  // namespace batten

@@ -68,6 +68,31 @@ TEST_F(GeometryNamesTest, EveryFormatGivesBackTheNamesItWasGiven) {
   EXPECT_THAT(ReadGeometryContents(folder_.File("b.step")).names, ElementsAreArray(names));
 }
 
+// As other writers escape them: every quote doubled; and with comments where they may stand.
+TEST_F(GeometryNamesTest, QuotesInStepAreReadWhateverFollowsThem) {
+  WriteGeometry({folder_.File("plain.step"), {random_.Surface(2, 2, false, false)}, {"NAME"}});
+  const std::string text = folder_.Text("plain.step"), plain = "PRODUCT('NAME','NAME',";
+  const size_t at = text.find(plain);
+  ASSERT_NE(at, text.npos);
+  for (const std::string& name : std::vector<std::string>{
+           "a',b", "a')b", "a' ,b", "it's", "'", "''x", "x''", "'('", "a';", "a'\"b", "a' = #1"}) {
+    SCOPED_TRACE(name);
+    std::string doubled;
+    for (const char c : name) doubled += c == '\'' ? "''" : std::string(1, c);
+    for (const char* comment : {"", " /* it's, a ')' */ "}) {
+      std::string changed = text;
+      changed.replace(at,
+                      plain.size(),
+                      "PRODUCT(" + std::string(comment) + "'1'" + comment + ",'" + doubled + "'" +
+                          comment + ",");
+      // The face has the name too, and its own counts first.
+      for (size_t k; (k = changed.find("'NAME'")) != changed.npos;) changed.replace(k, 6, "''");
+      EXPECT_THAT(ReadGeometryContents(folder_.With("quoted.step", changed)).names,
+                  ElementsAre(name));
+    }
+  }
+}
+
 TEST_F(GeometryNamesTest, WhatHasNoNameComesBackWithoutOne) {
   for (const char* name : {"a.json", "a.step", "a.igs"}) {
     SCOPED_TRACE(name);

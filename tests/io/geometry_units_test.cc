@@ -168,5 +168,19 @@ TEST_F(GeometryUnitsTest, PartsOfAStepFileInAnotherUnitAreTurnedIntoTheFirst) {
   EXPECT_LE((far.control_points() - 10 * line.control_points()).norm(), 1e-13);
 }
 
+// One context that calls both millimetres and metres its unit of length.
+TEST_F(GeometryUnitsTest, ASecondUnitOfLengthInOneContextIsSaid) {
+  File(".step", "mm");
+  std::string text = folder_.Text("part-mm.step");
+  const size_t begin = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT((");
+  ASSERT_NE(begin, text.npos);
+  text.insert(begin + std::string("GLOBAL_UNIT_ASSIGNED_CONTEXT((").size(), "#9999,");
+  text =
+      Replaced(text, "DATA;", "DATA;\n#9999 = ( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) );");
+  const GeometryContents contents = ReadGeometryContents(folder_.With("both.step", text));
+  ASSERT_EQ(contents.remarks.size(), 1u);
+  EXPECT_THAT(contents.remarks[0], HasSubstr("it declares several units ("));
+}
+
 }  // namespace
 }  // namespace batten

@@ -173,6 +173,10 @@ TEST(ReportJsonTest, NeverWritesANumberThatJsonHasNoFormFor) {
   EXPECT_TRUE(json["error_all"]["max"].is_null());
   EXPECT_TRUE(json["input"]["bounding_box"][0][1].is_null());
   EXPECT_TRUE(json["iterations"][0]["score"].is_null());
+  EXPECT_EQ(json["iterations"][0]["max"], 2);
+  // A round that measured no greatest distance has none, not zero.
+  report.iterations[0].max = 0;
+  EXPECT_TRUE(Json::parse(ToReportJson(report, Context()))["iterations"][0]["max"].is_null());
 }
 
 TEST(ReportJsonTest, StaysJsonWhenAFileNameIsNotUtf8) {

@@ -354,6 +354,11 @@ TEST(ReportSceneTest, AFewFarPointsDoNotPressTheHistogramTogether) {
   EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), Eigen::Index{0}) +
                 histogram.below + histogram.above,
             10000);
+  // The figures are those of all points, not of the bins.
+  EXPECT_NEAR(histogram.mean, deviations.mean(), kHalfDigits);
+  EXPECT_NEAR(histogram.deviation,
+              std::sqrt((deviations.array() - deviations.mean()).square().mean()),
+              kHalfDigits);
   // Distances without a sign begin at zero; equal ones have a bin of their own.
   EXPECT_EQ(HistogramOf(deviations.cwiseAbs(), {}, {}, false).low, 0);
   const ReportHistogram same = HistogramOf(Eigen::VectorXd::Constant(7, 0.25), {}, {}, true);
