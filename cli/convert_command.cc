@@ -144,7 +144,8 @@ void AddConvertCommand(CLI::App& app, Action& action) {
             a->out = files.back();
           },
           std::string("What to read: .json .step .iges, or ") + kCloudFormats +
-              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply .glb, "
+              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply "
+              ".glb, "
               "or .ply .pcd .xyz .csv")
       ->required()
       ->expected(2, -1)

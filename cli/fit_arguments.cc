@@ -174,7 +174,7 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
       {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
 }
 
-FitFiles::FitFiles(const FitArguments& arguments)
+FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
   shift_ = ToShift(a_.origin);
@@ -185,7 +185,9 @@ FitFiles::FitFiles(const FitArguments& arguments)
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
-  CheckDistinct(outputs, a_.flags.json, a_.clouds);
+  std::vector<std::string> inputs = a_.clouds;
+  inputs.insert(inputs.end(), beside.begin(), beside.end());
+  CheckDistinct(outputs, a_.flags.json, inputs);
   for (const std::string& path : outputs) CheckWritable(path);
 }
 

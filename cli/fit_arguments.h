@@ -82,7 +82,8 @@ Options WithWork(Options options, const FitArguments& a) {
 // writes geometry, residuals and reports.
 class FitFiles {
  public:
-  explicit FitFiles(const FitArguments& arguments);
+  // `beside`: files that are read too, and so not to be written.
+  explicit FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside = {});
 
   // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
   // can't be used.

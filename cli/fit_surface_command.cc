@@ -117,7 +117,7 @@ SurfaceFitOptions ToOptions(const Arguments& a) {
 int Run(const Arguments& a) {
   CheckTogether(a);
   SurfaceFitOptions options = ToOptions(a);
-  FitFiles files(a);
+  FitFiles files(a, a.conditions.Files());
   if (!a.grid.empty())
     return RunGridFit(
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);

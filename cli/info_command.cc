@@ -66,7 +66,8 @@ int Run(const Arguments& a) {
       throw UsageError(a.paths.front() + " holds geometry: one such file at a time");
     }
     BeginReading(a.paths, a.flags.quiet);
-    info = SummaryOf(ReadGeometryContents(a.paths.front(), {a.cloud.format}), ClassifyOptions().tolerance);
+    info = SummaryOf(ReadGeometryContents(a.paths.front(), {a.cloud.format}),
+                     ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);
   }

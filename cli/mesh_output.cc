@@ -93,7 +93,7 @@ bool NamesMesh(const std::string& path, const std::string& format) {
 
 int WriteMeshOf(const MeshRequest& a) {
   const MeshFormat format = MeshFormatOf(a.out, a.out_format);
-  if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
+  CheckDistinct({a.out}, a.flags.json, {a.geometry, a.cloud_path});
   if (!a.cloud_path.empty() && format == MeshFormat::kStl) {
     throw UsageError("--deviation: STL holds no colours: write .ply, .glb or .obj");
   }

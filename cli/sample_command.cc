@@ -34,7 +34,11 @@ int Run(const Arguments& a) {
   const FileFormat format = FormatOf(a.out, out_format);
   if (!IsCloudFormat(format) || !IsWritable(format))
     throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
-  if (a.flags.json && a.out == "-") throw UsageError("-o - and --json both want standard output");
+  if (!word_is_geometry && !a.format.empty() && !a.out_format.empty() && a.format != a.out_format) {
+    throw UsageError("--format " + a.format + " and --output-format " + a.out_format +
+                     " are both of the points");
+  }
+  CheckDistinct({a.out}, a.flags.json, {a.geometry});
   CheckWritable(a.out);
   BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry =

@@ -13,6 +13,12 @@ namespace batten {
 struct ConditionArguments {
   std::vector<std::string> boundary;
   std::string boundary_tolerance = "0", meet, symmetric, domain;
+  // What is read for them.
+  std::vector<std::string> Files() const {
+    std::vector<std::string> files = boundary;
+    if (!meet.empty()) files.push_back(meet);
+    return files;
+  }
   bool any() const { return !boundary.empty() || !meet.empty() || !symmetric.empty(); }
 };
 void AddConditionArguments(CLI::App& command, ConditionArguments& arguments);

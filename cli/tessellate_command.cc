@@ -80,6 +80,10 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
     if (!out_format->empty()) {
       a->out_format = *out_format;
       if (NamesGeometry(word)) a->geometry_format = std::exchange(word, "");
+      if (!word.empty() && a->cloud_path.empty()) {
+        throw UsageError("--format " + word + " and --output-format " + *out_format +
+                         " are both of the mesh");
+      }
     } else if (NamesMesh("", word)) {
       a->out_format = std::exchange(word, "");
     } else if (NamesGeometry(word)) {

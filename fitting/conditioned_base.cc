@@ -151,7 +151,9 @@ class Conditioner {
       MetPoint point{options_.meet->World(k) - cloud_.origin(),
                      std::nullopt,
                      result.choice.base.parameters.col(at)};
-      if (options_.meet->normals().cols() > 0) point.normal = options_.meet->normals().col(k);
+      const bool has = options_.meet->normals().cols() > 0 &&
+                       !options_.meet->normals().col(k).isZero(0);  // zero: none
+      if (has) point.normal = options_.meet->normals().col(k);
       result.conditions.points.push_back(std::move(point));
     }
   }

@@ -120,11 +120,14 @@ void TakeSideOfNormals(SurfaceDraft& draft) {
   const Eigen::Matrix3Xd& normals = draft.used.normals();
   if (normals.cols() == 0) throw std::invalid_argument("the points have no normals");
   const SurfaceEvaluator surface(draft.surface);
-  double along = 0;
+  Eigen::Index along = 0, judged = 0;
   for (Eigen::Index k = 0; k < normals.cols(); ++k) {
+    if (normals.col(k).isZero(0)) continue;  // none
+    ++judged;
     const auto normal = surface.NormalAt(draft.parameters(0, k), draft.parameters(1, k));
     if (normal) along += normal->dot(normals.col(k)) > 0 ? 1 : -1;
   }
+  if (judged == 0) throw std::invalid_argument("none of the points has a normal");
   if (along >= 0) return;
   const SplineBasis& basis = draft.surface.basis_u();
   draft.surface = Reversed(draft.surface, Direction::kU);

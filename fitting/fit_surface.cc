@@ -16,6 +16,7 @@
 #include "batten/fitting/surface_outcome.h"
 #include "batten/fitting/surface_preparation.h"
 #include "batten/fitting/thinned_cloud.h"
+#include "batten/geometry/surface_evaluator.h"
 
 namespace batten {
 namespace {
@@ -233,25 +234,64 @@ SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& option
   return fit;
 }
 
+// Distances of all points of a cloud from the fit of some of them.
+PointDistances AllDistances(const PointCloud& cloud,
+                            const ThinnedCloud& thinned,
+                            const SurfaceFit& fit,
+                            const SurfaceFitOptions& options) {
+  Eigen::Matrix2Xd near(2, cloud.size());
+  for (Eigen::Index k = 0; k < cloud.size(); ++k)
+    near.col(k) = fit.parameters.col(thinned.stands[static_cast<std::size_t>(k)]);
+  ThreadPool pool(options.threads);
+  return DistancesTo(
+      fit.surface.Translated(options.shift - cloud.origin()), cloud.points(), near, pool);
+}
+
+// The points left out by thinning that lie beyond the border of the fit, by less than a cell: a
+// thinned cloud ends some way inside its points.
+std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
+                                          const ThinnedCloud& thinned,
+                                          const SurfaceFit& fit,
+                                          const PointDistances& found,
+                                          const SurfaceFitOptions& options) {
+  constexpr double kAside = 0.5;  // of the way to the foot: not along the normal
+  const double reach = std::sqrt(3.0) * *options.thin;
+  const SurfaceEvaluator surface(fit.surface.Translated(options.shift - cloud.origin()));
+  std::vector<Eigen::Index> beyond;
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const double distance = std::abs(found.distances[k]);
+    if (thinned.kept[static_cast<std::size_t>(thinned.stands[static_cast<std::size_t>(k)])] == k ||
+        distance > reach || distance <= 3 * fit.report.error.rms) {
+      continue;
+    }
+    const double u = found.parameters(0, k), v = found.parameters(1, k);
+    const auto normal = surface.NormalAt(u, v);
+    if (!normal) continue;
+    const Eigen::Vector3d off = cloud.points().col(k) - surface.At(u, v);
+    if ((off - normal->dot(off) * *normal).norm() > kAside * distance) beyond.push_back(k);
+  }
+  return beyond;
+}
+
 // The fit of a thinned cloud, as one of the cloud: every point is measured.
 SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options) {
-  const ThinnedCloud thinned = Thinned(cloud, *options.thin);
+  Stopwatch watch;
+  ThinnedCloud thinned = Thinned(cloud, *options.thin);
   SurfaceFitOptions plain = options;
   plain.thin.reset();
   SurfaceFit fit = FitSurface(thinned.cloud, plain);
-  Stopwatch watch;
+  PointDistances found = AllDistances(cloud, thinned, fit, options);
+  if (const auto beyond = BeyondTheBorder(cloud, thinned, fit, found, options); !beyond.empty()) {
+    thinned = WithPoints(cloud, std::move(thinned), beyond);
+    fit = FitSurface(thinned.cloud, plain);
+    found = AllDistances(cloud, thinned, fit, options);
+  }
   const Eigen::Index all = cloud.size(), stayed = thinned.cloud.size();
-  Eigen::Matrix2Xd near(2, all);
-  for (Eigen::Index k = 0; k < all; ++k)
-    near.col(k) = fit.parameters.col(thinned.stands[static_cast<std::size_t>(k)]);
   PointMask outliers = PointMask::Constant(all, false), left_out = !outliers;
   for (Eigen::Index k = 0; k < stayed; ++k) {
     outliers[thinned.kept[static_cast<std::size_t>(k)]] = fit.outliers[k];
     left_out[thinned.kept[static_cast<std::size_t>(k)]] = false;
   }
-  ThreadPool pool(options.threads);
-  PointDistances found = DistancesTo(
-      fit.surface.Translated(options.shift - cloud.origin()), cloud.points(), near, pool);
   fit.parameters = std::move(found.parameters);
   fit.residuals = std::move(found.distances);
   fit.outliers = std::move(outliers);
@@ -271,8 +311,8 @@ SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options)
     }
   }
   const double seconds = watch.Lap();
-  report.seconds.project += seconds;
-  report.seconds.total += seconds;
+  report.seconds.prepare += std::max(0.0, seconds - report.seconds.total);
+  report.seconds.total = seconds;
   return fit;
 }
 

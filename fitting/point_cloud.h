@@ -36,7 +36,7 @@ class PointCloud {
   Eigen::Vector3d World(Eigen::Index k) const { return origin_ + points_->col(k); }
 
   // Empty, or one a point.
-  const Eigen::Matrix3Xd& normals() const { return normals_; }
+  const Eigen::Matrix3Xd& normals() const { return normals_; }        // zero: none here
   const Eigen::VectorXd& weights() const { return weights_; }         // positive
   const Colours& colours() const { return colours_; }                 // 0 … 255
   const Eigen::Matrix2Xd& parameters() const { return parameters_; }  // given (u,v)

@@ -18,7 +18,13 @@ ThinnedCloud Thinned(const PointCloud& cloud, double cell) {
   const auto m = static_cast<std::size_t>(p.cols());
   if (m == 0) return {cloud, {}, {}};
   const Eigen::Vector3d corner = p.rowwise().minCoeff();
-  // Whole numbers as doubles: they can't overflow.
+  // Whole numbers as doubles. Where even they overflow no two points share a cell.
+  if (!((p.rowwise().maxCoeff() - corner) / cell).allFinite()) {
+    ThinnedCloud all{cloud, std::vector<Eigen::Index>(m), {}};
+    std::iota(all.kept.begin(), all.kept.end(), Eigen::Index{0});
+    all.stands = all.kept;
+    return all;
+  }
   std::vector<std::array<double, 3>> keys(m);
   for (std::size_t k = 0; k < m; ++k) {
     const Eigen::Vector3d from = p.col(static_cast<Eigen::Index>(k)) - corner;
@@ -56,6 +62,23 @@ ThinnedCloud Thinned(const PointCloud& cloud, double cell) {
     stands = std::lower_bound(stays.begin(), stays.end(), stands) - stays.begin();
   result.cloud = cloud.Picked(stays);
   return result;
+}
+
+ThinnedCloud WithPoints(const PointCloud& cloud,
+                        ThinnedCloud thinned,
+                        const std::vector<Eigen::Index>& more) {
+  // Numbers of the cloud first, then of the thinned one.
+  for (Eigen::Index& stands : thinned.stands)
+    stands = thinned.kept[static_cast<std::size_t>(stands)];
+  for (const Eigen::Index k : more) thinned.stands[static_cast<std::size_t>(k)] = k;
+  std::vector<Eigen::Index>& kept = thinned.kept;
+  kept.insert(kept.end(), more.begin(), more.end());
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  for (Eigen::Index& stands : thinned.stands)
+    stands = std::lower_bound(kept.begin(), kept.end(), stands) - kept.begin();
+  thinned.cloud = cloud.Picked(kept);
+  return thinned;
 }
 
 }  // namespace batten

@@ -21,4 +21,9 @@ struct ThinnedCloud {
 // cell > 0, in the data's units. O(m log m).
 ThinnedCloud Thinned(const PointCloud& cloud, double cell);
 
+// The same with more points kept, given by their numbers in the cloud; they stand for themselves.
+ThinnedCloud WithPoints(const PointCloud& cloud,
+                        ThinnedCloud thinned,
+                        const std::vector<Eigen::Index>& more);
+
 }  // namespace batten

@@ -119,9 +119,13 @@ void Clip(double from, double to, double lower, double upper, double& first, dou
 }  // namespace
 
 TriangleProof::Axis::Axis(const SplineBasis& basis) {
+  const double sliver = kSliverShare * (basis.upper() - basis.lower());
+  double left_out = 0;  // together, of those just before
   for (const int span : basis.Spans()) {
     const double low = basis.knots()[span], high = basis.knots()[span + 1];
-    if (high - low <= kSliverShare * (basis.upper() - basis.lower())) continue;
+    left_out += high - low;
+    if (left_out <= sliver) continue;
+    left_out = 0;
     spans.push_back(span);
     lower.push_back(low);
     upper.push_back(high);
@@ -179,11 +183,14 @@ const Eigen::Matrix4Xd& TriangleProof::PointsOf(int cell_u, int cell_v) {
   return points;
 }
 
-std::optional<Eigen::Vector2d> TriangleProof::OffPlane(
-    const std::array<Eigen::Vector2d, 3>& corners,
-    const Eigen::Vector3d& normal,
-    double offset,
-    double tolerance) {
+std::optional<Eigen::Vector2d> TriangleProof::OffPlane(const std::array<Eigen::Vector2d, 3>& given,
+                                                       const Eigen::Vector3d& normal,
+                                                       double offset,
+                                                       double tolerance) {
+  std::array<Eigen::Vector2d, 3> corners = given;
+  const double area = Cross(corners[1] - corners[0], corners[2] - corners[0]);
+  if (area < 0) std::swap(corners[1], corners[2]);
+  if (!(area != 0)) return corners[0];
   const Eigen::Array2d lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
   const Eigen::Array2d upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
   const Eigen::RowVector4d plane(normal[0], normal[1], normal[2], -offset);
@@ -226,12 +233,12 @@ std::optional<Eigen::Vector2d> TriangleProof::Search(const std::array<Eigen::Vec
     const Box box = waiting_.back();
     const double* f = boxes_.data() + box.at;
     const double* w = f + columns;
-    double greatest = 0;
+    int off = 0;
     for (std::size_t k = 0; k < columns; ++k) {
       ratios_[k] = f[k] / w[k];
-      greatest = std::max(greatest, std::abs(ratios_[k]));
+      off |= !(std::abs(ratios_[k]) <= tolerance);  // what is no number is off too
     }
-    const Side side = greatest <= tolerance ? Side::kBeside : SideOf(box.lower, box.upper, corners);
+    const Side side = off == 0 ? Side::kBeside : SideOf(box.lower, box.upper, corners);
     if (side == Side::kBeside) {
       waiting_.pop_back();
       boxes_.resize(box.at);
@@ -334,12 +341,12 @@ std::optional<Eigen::Vector2d> TriangleProof::OffLine(const Eigen::Vector2d& fro
       while (!parts.empty()) {
         Part part = std::move(parts.back());
         parts.pop_back();
-        double greatest = 0;
+        bool near = true;
         for (Eigen::Index k = 0; k < part.points.cols(); ++k) {
           const Eigen::Vector3d off = part.points.col(k).head<3>() / part.points(3, k) - point;
-          greatest = std::max(greatest, (off - direction.dot(off) * direction).norm());
+          near = near && (off - direction.dot(off) * direction).norm() <= tolerance;
         }
-        if (greatest <= tolerance) continue;
+        if (near) continue;
         const double middle = (part.first + part.last) / 2;
         const Eigen::Vector2d place = from + middle * (to - from);
         if (--left < 0) return place;

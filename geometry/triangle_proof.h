@@ -18,16 +18,17 @@ namespace batten {
 // points of that part, whatever the weights: so n·S − c lies between the least and the greatest
 // n·P − c of these points. Boxes are halved where that is not enough, those beside the triangle
 // left out; the bounds close in with the square of the boxes' size.
-// Spans shorter than 2^-28 of the domain, in which no triangle has room, are left out.
+// Spans that together, one after the other, are shorter than 2^-28 of the domain are left out: no
+// triangle has room in them.
 // [hulls and subdivision: Lane & Riesenfeld 1980]
 class TriangleProof {
  public:
   // Keeps a copy of what it needs: 32 bytes for each Bézier point, up to 256 MB.
   explicit TriangleProof(const NurbsSurface& surface);
 
-  // None where |n·S − c| ≤ tolerance is proven over the triangle, with n of length one and corners
-  // counter-clockwise; else a place of the triangle where it does not hold, or could not be proven
-  // with a few hundred boxes.
+  // None where |n·S − c| ≤ tolerance is proven over the triangle, with n of length one; else a
+  // place of the triangle where it does not hold, or could not be proven with a few hundred boxes.
+  // Of a triangle without area nothing is proven.
   std::optional<Eigen::Vector2d> OffPlane(const std::array<Eigen::Vector2d, 3>& corners,
                                           const Eigen::Vector3d& normal,
                                           double offset,

@@ -158,7 +158,26 @@ class ColumnChooser {
     }
     const int count = static_cast<int>(fields_.size());
     if (count < 2) throw ReadError(file_, "has one column, where x y z or x y are needed");
+    RequirePlacesOf(found);
     return {0, 1, count > 2 ? 2 : -1};
+  }
+
+  // Where not both x and y are named, the first columns are meant. Names that contradict that are
+  // not to be passed over.
+  void RequirePlacesOf(const std::array<int, 3>& found) const {
+    constexpr std::array kAxes{"x", "y", "z"};
+    std::string named, missing;
+    bool elsewhere = false;
+    for (int k = 0; k < 3; ++k) {
+      std::string& list = found[k] >= 0 ? named : missing;
+      if (found[k] >= 0 || k < 2) list += (list.empty() ? "" : " and ") + std::string(kAxes[k]);
+      elsewhere = elsewhere || (found[k] >= 0 && found[k] != k);
+    }
+    if (!elsewhere) return;
+    throw ReadError(file_,
+                    "its columns name " + named + " but not " + missing +
+                        "; say which to take, as in --columns x=1,y=2,z=3; columns are " +
+                        ListOf(fields_));
   }
 
   void ChooseColours(CloudColumns& chosen) const {
@@ -168,6 +187,7 @@ class ColumnChooser {
       chosen.colour_scale = red.colour_scale;
       chosen.colour_limit = red.colour_limit;
       chosen.wide_colour_scale = red.wide_colour_scale;
+      chosen.wide_if_whole = red.wide_if_whole;
     } else if (Asked("red") || Asked("green") || Asked("blue")) {
       throw UsageError(file_ + ": colours need all of red, green and blue; columns are " +
                        ListOf(fields_));

@@ -19,6 +19,7 @@ struct CloudField {
   // A value above the limit shows that all colours of the file count to a higher end.
   double colour_limit = std::numeric_limits<double>::infinity();
   double wide_colour_scale = 1;  // to 0 … 255 then
+  bool wide_if_whole = false;    // and so does a file whose colours are all whole numbers
   bool packed_in_float = false;  // a packed colour comes as the float32 with its bits
 };
 
@@ -41,6 +42,7 @@ struct CloudColumns {
   double colour_scale = 1;
   double colour_limit = std::numeric_limits<double>::infinity();
   double wide_colour_scale = 1;
+  bool wide_if_whole = false;
   struct Match {
     int column;
     std::vector<double> values;  // any of them
@@ -51,7 +53,8 @@ struct CloudColumns {
 };
 
 // Resolves names and options for one file. Throws UsageError naming the columns there are where the
-// options ask for another, ReadError where the file has no x and y.
+// options ask for another, ReadError where the file has no x and y, or, of a text, names only some
+// of x y z, and elsewhere than in the first columns.
 CloudColumns ChooseColumns(const std::string& file,
                            const std::vector<CloudField>& fields,
                            FieldNaming naming,

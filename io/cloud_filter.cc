@@ -100,6 +100,20 @@ void CopyRows(const RowBatch& batch,
   }
 }
 
+// Sets normals to zero that are not usable. Not in the batch, whose columns other roles may share.
+void ClearUnusual(Eigen::Matrix3Xd& normals, Eigen::Index first, Eigen::Index count) {
+  const auto is_unusual = [](double value) { return !(std::abs(value) <= kLargestCoordinate); };
+  const double* values = normals.data() + 3 * first;
+  int unusual = 0;
+  for (Eigen::Index k = 0; k < 3 * count; ++k) unusual |= is_unusual(values[k]);
+  if (unusual == 0) return;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (std::any_of(values + 3 * k, values + 3 * k + 3, is_unusual)) {
+      normals.col(first + k).setZero();
+    }
+  }
+}
+
 bool AllHave(const std::vector<CloudPart>& parts, bool CloudPart::*what) {
   return std::all_of(parts.begin(), parts.end(), [&](const CloudPart& part) { return part.*what; });
 }
@@ -123,7 +137,6 @@ CloudFilter::CloudFilter(std::string file,
   part_.has_weights = columns_.weight >= 0;
   part_.has_colours = columns_.colour[0] >= 0 || columns_.packed_colour >= 0;
   finite_.insert(finite_.end(), columns_.point.begin(), columns_.point.end());
-  finite_.insert(finite_.end(), columns_.normal.begin(), columns_.normal.end());
   finite_.insert(finite_.end(), columns_.parameter.begin(), columns_.parameter.end());
   finite_.push_back(columns_.weight);
   std::erase(finite_, -1);
@@ -272,14 +285,17 @@ void CloudFilter::Append(const RowBatch& batch, std::span<const int> left) {
     const auto room = static_cast<std::size_t>(chunk.points.cols() - chunk.size);
     const std::span<const int> kept = left.first(std::min(left.size(), room));
     CopyRows(batch, columns_.point, kept, chunk.size, chunk.points);
-    if (part_.has_normals) CopyRows(batch, columns_.normal, kept, chunk.size, chunk.normals);
+    if (part_.has_normals) {
+      CopyRows(batch, columns_.normal, kept, chunk.size, chunk.normals);
+      ClearUnusual(chunk.normals, chunk.size, static_cast<Eigen::Index>(kept.size()));
+    }
     if (part_.has_parameters)
       CopyRows(batch, columns_.parameter, kept, chunk.size, chunk.parameters);
     if (part_.has_weights) {
       CopyRows(batch, std::array{columns_.weight}, kept, chunk.size, chunk.weights);
     }
     if (part_.has_colours) {
-      WidenColours(batch, kept);
+      JudgeColours(batch, kept);
       CopyColours(batch, kept, chunk);
     }
     chunk.size += static_cast<Eigen::Index>(kept.size());
@@ -287,16 +303,25 @@ void CloudFilter::Append(const RowBatch& batch, std::span<const int> left) {
   }
 }
 
-// At the first colour above the limit: what was taken so far is at most the limit, so that its
-// bytes still say which numbers the file has, and they are scaled anew.
-void CloudFilter::WidenColours(const RowBatch& batch, std::span<const int> kept) {
+// Notes what says to which end the colours count.
+void CloudFilter::JudgeColours(const RowBatch& batch, std::span<const int> kept) {
   if (std::isinf(columns_.colour_limit)) return;
   double highest = 0;
   for (const int column : columns_.colour) {
     const double* values = batch.column(column);
-    for (const int row : kept) highest = std::max(highest, values[row]);
+    for (const int row : kept) {
+      highest = std::max(highest, values[row]);
+      if (whole_colours_ && std::isfinite(values[row])) {
+        whole_colours_ = values[row] == std::floor(values[row]);
+      }
+    }
   }
-  if (!(highest > columns_.colour_limit)) return;
+  if (highest > columns_.colour_limit) WidenColours();
+}
+
+// The colours count to the higher end: what was taken so far is at most the limit, so that its
+// bytes still say which numbers the file has, and they are scaled anew.
+void CloudFilter::WidenColours() {
   std::array<std::uint8_t, 256> widened;
   for (std::size_t byte = 0; byte < widened.size(); ++byte) {
     const double number = std::round(static_cast<double>(byte) / columns_.colour_scale);
@@ -326,6 +351,13 @@ void CloudFilter::CopyColours(const RowBatch& batch,
     }
     ++at;
   }
+}
+
+CloudPart CloudFilter::Finish() && {
+  if (columns_.wide_if_whole && whole_colours_ && std::isfinite(columns_.colour_limit)) {
+    WidenColours();
+  }
+  return std::move(part_);
 }
 
 PointCloud JoinParts(std::vector<CloudPart> parts) {

@@ -49,6 +49,8 @@ enum class RowPlace { kLine, kByte, kVertex };
 
 // Judges rows and collects those kept. A row is dropped as filtered when it misses a `where`, as
 // not finite when a number with a role is, as filtered when it is outside the box; in this order.
+// Normals drop nothing: one that is not finite, or beyond kLargestCoordinate, becomes zero, which
+// means none.
 class CloudFilter {
  public:
   CloudFilter(std::string file,
@@ -70,7 +72,7 @@ class CloudFilter {
   Eigen::Index rows() const { return part_.rows; }
 
   // What was collected; ends the filter's life.
-  CloudPart Finish() && { return std::move(part_); }
+  CloudPart Finish() &&;
 
  private:
   void NoteMissing(const std::vector<char>& matched);
@@ -80,7 +82,8 @@ class CloudFilter {
   void DropOutside(const RowBatch& batch);
   bool TakesAll(const RowBatch& batch) const;
   void Append(const RowBatch& batch, std::span<const int> left);
-  void WidenColours(const RowBatch& batch, std::span<const int> kept);
+  void JudgeColours(const RowBatch& batch, std::span<const int> kept);
+  void WidenColours();
   void CopyColours(const RowBatch& batch, std::span<const int> kept, CloudChunk& chunk) const;
   Eigen::Index DropCount(const RowBatch& batch) const;
   CloudChunk& Room();
@@ -91,8 +94,9 @@ class CloudFilter {
   std::optional<Eigen::AlignedBox3d> box_;
   RowPlace place_;
   Eigen::Index expected_ = 0;
-  std::vector<int> finite_;          // columns with a role that must be finite
+  std::vector<int> finite_;          // columns with a role that must be finite; no normals
   std::vector<unsigned char> keep_;  // one a row of the batch
+  bool whole_colours_ = true;        // until now, while there is a colour_limit
   CloudPart part_;
 };
 

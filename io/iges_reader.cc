@@ -68,6 +68,12 @@ class Reader {
         throw ReadError(path_, IgesName(entities_, index) + ": " + error.what());
       }
     }
+    const std::string of_solids =
+        "of a B-rep solid, which is not in this version: have it exported as trimmed surfaces "
+        "(144)";
+    if (result_.empty() && solids_ > 0) {
+      throw ReadError(path_, IgesName(entities_, solid_) + ": is " + of_solids);
+    }
     if (result_.empty()) {
       throw ReadError(path_,
                       "holds no curves or surfaces that can be read" +
@@ -76,6 +82,10 @@ class Reader {
     GeometryContents contents{std::move(result_), std::move(names_), "", {}};
     if (points_ > 0) {
       contents.remarks.push_back("its " + std::to_string(points_) + " points are left out");
+    }
+    if (solids_ > 0) {
+      contents.remarks.push_back("its " + std::to_string(solids_) + " entities " + of_solids +
+                                 ", are left out");
     }
     if (OnlyLines(contents.geometry)) {
       contents.remarks.push_back("it holds only lines: they are curves of degree 1");
@@ -135,9 +145,8 @@ class Reader {
       case kIgesEdgeLoop:
       case kIgesFace:
       case kIgesShell:
-        throw std::invalid_argument(
-            "belongs to a B-rep solid, which is not in this version: have it exported as trimmed "
-            "surfaces (144)");
+        if (solids_++ == 0) solid_ = index;
+        return;
       default:
         if (entity.type == kIgesPolyline && entity.form >= 1 && entity.form <= kPointSet) {
           ++points_;
@@ -519,7 +528,8 @@ class Reader {
   const std::string& path_;
   std::vector<Geometry> result_;
   std::vector<std::string> names_;
-  int points_ = 0;
+  int points_ = 0, solids_ = 0;
+  int solid_ = -1;  // the first of them
   std::int64_t numbers_ = 0, work_ = 0;
 };
 

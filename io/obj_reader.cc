@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -29,21 +31,41 @@ class ObjReader {
   CloudPart Read() {
     std::string_view line;
     while (lines_.Next(line)) {
+      place_ = lines_.number();
       if (line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t')) {
-        TakeVertex(line.substr(2));
+        TakeVertex(Whole(line).substr(2));
       } else if (line.starts_with("vn ") || line.starts_with("vn\t")) {
-        TakeNormal(line.substr(3));
+        TakeNormal(Whole(line).substr(3));
       } else {
         TakeOther(line);
+        while (Continues(line) && lines_.Next(line)) continue;
       }
-      continued_ = line.ends_with('\\');
     }
     return Finish();
   }
 
  private:
   [[noreturn]] void Refuse(const std::string& reason) const {
-    throw ReadError::AtLine(file_, lines_.number(), reason);
+    throw ReadError::AtLine(file_, place_, reason);
+  }
+
+  // A backslash at the end of a comment is part of it: paths may end in one.
+  static bool Continues(std::string_view line) {
+    return line.ends_with('\\') && line.find('#') == std::string_view::npos;
+  }
+
+  // The line with those that continue it, a blank between them.
+  std::string_view Whole(std::string_view line) {
+    if (!Continues(line)) return line;
+    joined_.clear();
+    bool more = true;
+    while (more) {
+      more = Continues(line);
+      joined_.append(line.substr(0, line.size() - (more ? 1 : 0))) += ' ';
+      if (joined_.size() > kLongestLine) Refuse("goes on over too many lines");
+      more = more && lines_.Next(line);
+    }
+    return joined_;
   }
 
   // The first numbers of the line, at most as many as there is room for.
@@ -54,9 +76,8 @@ class ObjReader {
     for (; count < numbers.size(); ++count) {
       while (at < end && (*at == ' ' || *at == '\t')) ++at;
       if (at == end || *at == '#') break;
-      if (*at == '\\') Refuse("a vertex that goes on in the next line is not supported");
       const char* after = ParseNumber(at, end, numbers[count]);
-      if (after == nullptr) {
+      if (after == nullptr || (after < end && (*after == ',' || *after == ';'))) {
         const auto length =
             std::find_if(at, end, [](char c) { return c == ' ' || c == '\t'; }) - at;
         Refuse("expected a number, found " + Quoted({at, static_cast<std::size_t>(length)}));
@@ -84,7 +105,6 @@ class ObjReader {
 
   // Anything that can be a line of such a file: a word of letters first.
   void TakeOther(std::string_view line) const {
-    if (continued_) return;
     const std::size_t first = line.find_first_not_of(" \t");
     if (first == std::string_view::npos || line[first] == '#') return;
     const auto letter = static_cast<unsigned char>(line[first]);
@@ -120,8 +140,9 @@ class ObjReader {
   const std::string& file_;
   const CloudReadOptions& options_;
   VertexRows points_{3}, colours_{3}, normals_{3};
-  bool coloured_ = false;  // all vertices until now
-  bool continued_ = false;
+  bool coloured_ = false;   // all vertices until now
+  std::int64_t place_ = 0;  // line on which the statement begins
+  std::string joined_;
 };
 
 }  // namespace

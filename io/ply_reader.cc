@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -197,13 +198,11 @@ class PlyBodyReader {
   }
 
   CloudPart ReadVertices(const PlyElement& vertex) {
-    if (vertex.has_list()) {
-      throw ReadError(source_.name(), "a list among the properties of vertex is not supported");
-    }
     std::vector<CloudField> fields;
     std::vector<BinaryColumn> places;
     std::size_t offset = 0;
     for (const PlyProperty& property : vertex.properties) {
+      if (property.list_count) continue;
       fields.push_back({.name = property.name,
                         .single_precision = property.type == ScalarType::kFloat32,
                         .colour_scale = ColourScale(property.type)});
@@ -217,7 +216,9 @@ class PlyBodyReader {
                        options_,
                        ascii ? RowPlace::kLine : RowPlace::kByte);
     if (source_.remaining()) filter.Expect(vertex.count);
-    if (ascii) {
+    if (vertex.has_list()) {
+      ReadItems(vertex, filter);
+    } else if (ascii) {
       ReadTextRows(lines_, vertex.count, filter.columns().fields, filter);
     } else {
       std::vector<BinaryColumn> columns;
@@ -225,6 +226,79 @@ class PlyBodyReader {
       ReadRecords(source_, vertex.count, vertex.stride(), columns, swapped_, filter);
     }
     return std::move(filter).Finish();
+  }
+
+  // Vertices with lists have no places that are known before: property by property.
+  void ReadItems(const PlyElement& vertex, CloudFilter& filter) {
+    const std::vector<int>& wanted = filter.columns().fields;
+    std::vector<int> slots;  // of every property: its column of the batch, or −1
+    int field = 0;
+    for (const PlyProperty& property : vertex.properties) {
+      const auto at = std::lower_bound(wanted.begin(), wanted.end(), field);
+      const bool taken = !property.list_count && at != wanted.end() && *at == field;
+      slots.push_back(taken ? static_cast<int>(at - wanted.begin()) : -1);
+      field += property.list_count ? 0 : 1;
+    }
+    RowBatch batch(wanted.size());
+    for (std::int64_t item = 0; item < vertex.count; ++item) {
+      header_.body == PlyBody::kAscii ? ReadTextItem(vertex, item, slots, batch)
+                                      : ReadBinaryItem(vertex, item, slots, batch);
+      if (++batch.rows == RowBatch::kRows) filter.Take(batch);
+    }
+    filter.Take(batch);
+  }
+
+  void ReadBinaryItem(const PlyElement& vertex,
+                      std::int64_t item,
+                      const std::vector<int>& slots,
+                      RowBatch& batch) {
+    batch.places[batch.rows] = source_.position();
+    for (std::size_t p = 0; p < slots.size(); ++p) {
+      const PlyProperty& property = vertex.properties[p];
+      const std::size_t size = SizeOf(property.type);
+      const std::int64_t count =
+          property.list_count ? ListCount(vertex, item, *property.list_count) : 1;
+      if (slots[p] >= 0) {
+        const std::string_view bytes = source_.Peek(size);
+        if (bytes.size() < size) RefuseEnd(vertex, item);
+        DecodeColumn(
+            bytes.data(), 0, 1, property.type, swapped_, batch.column(slots[p]) + batch.rows);
+      }
+      if (!source_.Skip(count * static_cast<std::int64_t>(size))) RefuseEnd(vertex, item);
+    }
+  }
+
+  void ReadTextItem(const PlyElement& vertex,
+                    std::int64_t item,
+                    const std::vector<int>& slots,
+                    RowBatch& batch) {
+    std::string_view line;
+    do {
+      if (!lines_.Next(line)) RefuseEnd(vertex, item);
+    } while (!HoldsContent(line));
+    batch.places[batch.rows] = lines_.number();
+    RefuseDecimalCommas(source_.name(), line, lines_.number());
+    const std::vector<std::string_view> words = SplitFields(line);
+    std::size_t at = 0;
+    for (std::size_t p = 0; p < slots.size(); ++p, ++at) {
+      const PlyProperty& property = vertex.properties[p];
+      if (at >= words.size()) RefuseLine("ends before the property " + Quoted(property.name));
+      double number = 0;
+      if (slots[p] >= 0 || property.list_count) {
+        const char* const end = words[at].data() + words[at].size();
+        if (words[at].empty() || ParseNumber(words[at].data(), end, number) != end) {
+          RefuseLine("expected a number, found " + Quoted(words[at]));
+        }
+      }
+      if (slots[p] >= 0) batch.column(slots[p])[batch.rows] = number;
+      if (!property.list_count) continue;
+      if (!(number >= 0 && number < static_cast<double>(words.size() - at) &&
+            number == std::floor(number))) {
+        RefuseLine(fmt::format(
+            "a list can't have {} entries where {} follow", number, words.size() - at - 1));
+      }
+      at += static_cast<std::size_t>(number);
+    }
   }
 
   void SkipLines(const PlyElement& element) {
@@ -265,6 +339,10 @@ class PlyBodyReader {
     }
     source_.Skip(static_cast<std::int64_t>(SizeOf(type)));
     return static_cast<std::int64_t>(count);
+  }
+
+  [[noreturn]] void RefuseLine(const std::string& reason) const {
+    throw ReadError::AtLine(source_.name(), lines_.number(), reason);
   }
 
   [[noreturn]] void RefuseEnd(const PlyElement& element, std::int64_t item) const {

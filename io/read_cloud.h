@@ -45,7 +45,8 @@ struct CloudReadOptions {
   std::function<void(double fraction)> progress;
 };
 
-// What was read. points_in_file = cloud.size() + non_finite + filtered.
+// What was read. A normal that is not finite, missing, or beyond 1e18 is zero, which means none;
+// its point is kept. points_in_file = cloud.size() + non_finite + filtered.
 struct CloudFile {
   PointCloud cloud;                 // finite points only, in the order of the files
   Eigen::Index points_in_file = 0;  // rows or vertices, kept or not; of STL distinct corners

@@ -146,7 +146,7 @@ Json Rounds(const std::vector<RoundSummary>& rounds, bool curve) {
                       {"control_points", std::move(control_points)},
                       {"rms", Number(round.rms)},
                       // Cross-validation measures no greatest distance.
-                      {"max", round.max >= round.rms ? Number(round.max) : Json(nullptr)},
+                      {"max", round.max > 0 || round.rms == 0 ? Number(round.max) : Json(nullptr)},
                       {"score", Number(round.score)},
                       {"seconds", Number(round.seconds)}});
   }
@@ -190,9 +190,8 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
   }
   for (size_t i = 0; i < report.parts.size(); ++i) {
     const PartError& part = report.parts[i];
-    Json entry = {{"index", i}, {"name", part.name}};
+    Json entry = {{"index", i}, {"name", part.name}, {"geometry", part.kind}};
     entry.update(Error(part.error, "orthogonal"));
-    entry["kind"] = part.kind;
     json["parts"].push_back(std::move(entry));
   }
   // File names need not be UTF-8; what is not becomes the replacement character.

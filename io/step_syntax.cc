@@ -42,10 +42,10 @@ class Scanner {
     CheckCycles();
   }
 
-  // What another lexer may mistake: doubled quotes, and comments with their ends.
+  // What another lexer may mistake: doubled quotes; comments, and blanks that hold a tab.
   struct Trap {
     size_t begin, end;
-    bool comment;
+    bool blank;  // stands for a blank
   };
   const std::vector<Trap>& traps() const { return traps_; }
 
@@ -186,7 +186,7 @@ class Scanner {
       // OpenCASCADE's lexer takes it for the end unless a letter or digit follows.
       const size_t next = text_.find_first_not_of("\r\n", at_ + 2);
       if (next == text_.npos || !(IsLetter(text_[next]) || IsDigit(text_[next]))) {
-        traps_.push_back({at_, at_ + 2, false});
+        AddTrap({at_, at_ + 2, false});
       }
     }
     ++at_;
@@ -211,14 +211,24 @@ class Scanner {
   // The next character that is neither blank nor in a comment; zero at the end.
   char Peek() {
     for (;;) {
+      const size_t blank = at_;
       at_ = std::min(text_.find_first_not_of(" \t\r\n", at_), text_.size());
+      // Behind a string it knows spaces and new lines only.
+      if (at_ > blank && text_.substr(blank, at_ - blank).find_first_of("\t\r") != text_.npos) {
+        AddTrap({blank, at_, true});
+      }
       if (text_.substr(at_, 2) != "/*") return at_ < text_.size() ? text_[at_] : '\0';
       const size_t begin = at_;
       at_ = text_.find("*/", at_ + 2);
       if (at_ == text_.npos) Fail("is damaged: a comment does not end");
       at_ += 2;
-      if (traps_.empty() || traps_.back().begin < begin) traps_.push_back({begin, at_, true});
+      AddTrap({begin, at_, true});
     }
+  }
+
+  // The same place may be looked at twice.
+  void AddTrap(const Trap& trap) {
+    if (traps_.empty() || traps_.back().begin < trap.begin) traps_.push_back(trap);
   }
 
   bool Take(std::string_view word) {
@@ -322,7 +332,7 @@ void PrepareStepText(std::string& text, const std::string& path) {
   size_t done = 0;
   for (const Scanner::Trap& trap : scanner.traps()) {
     safe.append(text, done, trap.begin - done);
-    safe += trap.comment ? " " : "\\X\\27";
+    safe += trap.blank ? " " : "\\X\\27";
     done = trap.end;
   }
   safe.append(text, done);

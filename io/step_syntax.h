@@ -16,7 +16,7 @@ void CheckStepSyntax(std::string_view text, const std::string& path);
 
 // Checks the text like that, and changes in it what OpenCASCADE's lexer mistakes and then may crash
 // on: a doubled quote before anything but a letter or digit, which it may take for the end of the
-// string, is written \X\27, and comments go.
+// string, is written \X\27; comments, and blanks with tabs, become spaces.
 void PrepareStepText(std::string& text, const std::string& path);
 
 }  // namespace batten

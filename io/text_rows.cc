@@ -75,7 +75,57 @@ std::optional<double> UnusualNumber(std::string_view field) {
   return value;
 }
 
+// Whether the group is a number that has at most one comma, between digits; counts the comma.
+bool IsCommaNumber(std::string_view group, int& commas) {
+  std::string number(Unquoted(group));
+  const auto is_digit = [&](std::size_t k) {
+    return k < number.size() && number[k] >= '0' && number[k] <= '9';
+  };
+  const std::size_t comma = number.find(',');
+  if (comma != std::string::npos) {
+    if (comma == 0 || !is_digit(comma - 1) || !is_digit(comma + 1)) return false;
+    number[comma] = '.';
+    ++commas;
+  }
+  return IsNumber(number);
+}
+
+bool MayHoldDecimalCommas(std::string_view content) {
+  if (content.find('.') != std::string_view::npos) return false;
+  int groups = 0, commas = 0;
+  const char* at = content.data();
+  const char* const end = at + content.size();
+  const auto separates = [](char c) { return IsBlank(c) || c == ';'; };
+  for (;;) {
+    at = std::find_if_not(at, end, separates);
+    if (at == end) break;
+    const char* const group_end = std::find_if(at, end, separates);
+    if (!IsCommaNumber({at, static_cast<std::size_t>(group_end - at)}, commas)) return false;
+    ++groups;
+    at = group_end;
+  }
+  return groups > 1 && commas > 0;
+}
+
 }  // namespace
+
+std::size_t LineReader::NextByte::In(std::string_view bytes, std::int64_t position) {
+  if (!found_ || at_ < position) {
+    const auto known = static_cast<std::size_t>(std::max<std::int64_t>(at_ - position, 0));
+    const void* hit = known < bytes.size()
+                          ? std::memchr(bytes.data() + known, byte_, bytes.size() - known)
+                          : nullptr;
+    found_ = hit != nullptr;
+    at_ = position + (found_ ? static_cast<const char*>(hit) - bytes.data()
+                             : static_cast<std::ptrdiff_t>(bytes.size()));
+  }
+  return static_cast<std::size_t>(at_ - position);
+}
+
+std::size_t LineReader::LengthOfLine(std::string_view bytes) {
+  return std::min(line_feed_.In(bytes, source_.position()),
+                  carriage_return_.In(bytes, source_.position()));
+}
 
 bool LineReader::Next(std::string_view& line) {
   if (std::exchange(repeat_, false)) {
@@ -83,22 +133,22 @@ bool LineReader::Next(std::string_view& line) {
     return true;
   }
   std::string_view bytes = source_.Peek(1);
-  const void* newline = std::memchr(bytes.data(), '\n', bytes.size());
-  if (newline == nullptr) {
-    bytes = source_.Peek(kLongestLine + 1);
+  std::size_t length = LengthOfLine(bytes);
+  if (length + 1 >= bytes.size()) {  // the byte behind a "\r" counts too
+    bytes = source_.Peek(kLongestLine + 2);
     if (bytes.empty()) return false;
-    newline = std::memchr(bytes.data(), '\n', bytes.size());
+    length = LengthOfLine(bytes);
   }
-  const std::size_t length =
-      newline == nullptr ? bytes.size() : static_cast<const char*>(newline) - bytes.data();
   ++number_;
   if (length > kLongestLine) {
     throw ReadError::AtLine(
         source_.name(), number_, fmt::format("longer than {} bytes; is this text?", kLongestLine));
   }
   line = bytes.substr(0, length);
-  source_.Skip(static_cast<std::int64_t>(length) + (newline == nullptr ? 0 : 1));
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  const std::string_view ending = bytes.substr(length, 2);
+  if (number_ == 1) first_ends_in_return_ = ending.starts_with('\r') && ending != "\r\n";
+  const bool both = ending == "\r\n" && !first_ends_in_return_;
+  source_.Skip(static_cast<std::int64_t>(length + (ending.empty() ? 0 : both ? 2 : 1)));
   last_ = line;
   return true;
 }
@@ -124,6 +174,23 @@ std::vector<std::string_view> SplitFields(std::string_view line) {
   }
   if (after_delimiter) fields.emplace_back();
   return fields;
+}
+
+std::string_view WithoutComment(std::string_view line) {
+  const char* at = line.data();
+  const char* const end = at + line.size();
+  while (!AtEnd(at, end)) ++at;
+  return line.substr(0, static_cast<std::size_t>(at - line.data()));
+}
+
+void RefuseDecimalCommas(const std::string& file, std::string_view line, std::int64_t number) {
+  const std::string_view content = WithoutComment(line);
+  if (content.find(',') == std::string_view::npos || !MayHoldDecimalCommas(content)) return;
+  throw ReadError::AtLine(
+      file,
+      number,
+      "the commas may be decimal or separators: " + Quoted(content) +
+          "; write decimal points, or separate the numbers by one kind of separator only");
 }
 
 bool IsNumber(std::string_view field) { return UnusualNumber(field).has_value(); }
@@ -181,7 +248,10 @@ void RowParser::Parse(std::string_view line, std::int64_t number, RowBatch& batc
     }
     at = SkipBlanks(field_end, end);
     after_delimiter = at < end && IsDelimiter(*at);
-    if (after_delimiter) ++at;
+    if (after_delimiter) {
+      if (*at == watched_) RefuseDecimalCommas(file_, line, number);
+      ++at;
+    }
   }
   if (exact_fields_ > 0 && !AtEnd(SkipBlanks(at, end), end)) {
     throw ReadError::AtLine(
@@ -194,7 +264,8 @@ void ReadTextRows(LineReader& lines,
                   std::int64_t count,
                   const std::vector<int>& columns,
                   CloudFilter& filter) {
-  const RowParser parser(lines.source().name(), columns);
+  RowParser parser(lines.source().name(), columns);
+  parser.WatchCommas();
   RowBatch batch(columns.size());
   std::string_view line;
   for (std::int64_t row = 0; row < count;) {

@@ -16,7 +16,7 @@ namespace batten {
 // No line of points is longer; garbage without line ends stops here.
 inline constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 
-// The lines of a file, one after the other, without "\n" or "\r\n".
+// The lines of a file, one after the other, without what ends them: "\n", "\r\n" or "\r".
 class LineReader {
  public:
   explicit LineReader(ByteSource& source) : source_(source) {}
@@ -34,7 +34,25 @@ class LineReader {
   ByteSource& source() { return source_; }
 
  private:
+  // Finds the next of one byte without looking at any byte twice, however far away it is.
+  class NextByte {
+   public:
+    explicit NextByte(char byte) : byte_(byte) {}
+
+    // Where it stands in `bytes`, which begin at `position` of the file; their end if nowhere.
+    std::size_t In(std::string_view bytes, std::int64_t position);
+
+   private:
+    char byte_;
+    bool found_ = false;
+    std::int64_t at_ = 0;  // in the file; unless found, the end of what was looked at
+  };
+
+  std::size_t LengthOfLine(std::string_view bytes);
+
   ByteSource& source_;
+  NextByte line_feed_{'\n'}, carriage_return_{'\r'};
+  bool first_ends_in_return_ = false;  // and no "\n": then what follows a "\r" is no part of it
   std::int64_t number_ = 0;
   std::string_view last_;
   bool repeat_ = false;
@@ -45,6 +63,14 @@ bool HoldsContent(std::string_view line);
 
 // The fields of a line as RowParser sees them, comment left out and quotes stripped.
 std::vector<std::string_view> SplitFields(std::string_view line);
+
+// The line without its comment.
+std::string_view WithoutComment(std::string_view line);
+
+// Throws ReadError where the commas of the line may be decimal: it has no point, is in groups
+// between semicolons or blanks, each a number with at most one comma, between digits, and one of
+// them has that comma. Read as a separator it would move all that follows by a column.
+void RefuseDecimalCommas(const std::string& file, std::string_view line, std::int64_t number);
 
 // Whether the field is a number, or one of the words nan and inf, or empty.
 bool IsNumber(std::string_view field);
@@ -65,6 +91,9 @@ class RowParser {
   // `exact_fields` > 0 a row with more fields than that is refused.
   RowParser(std::string file, const std::vector<int>& columns, int exact_fields = 0);
 
+  // For a text that is not separated by commas: RefuseDecimalCommas looks at rows that have some.
+  void WatchCommas() { watched_ = ','; }
+
   // Appends the row to the batch. Throws ReadError quoting what is no number, or saying how many
   // numbers are missing.
   void Parse(std::string_view line, std::int64_t number, RowBatch& batch) const;
@@ -73,6 +102,7 @@ class RowParser {
   std::string file_;
   std::vector<int> slots_;  // for each field up to the last that is needed: its column, or −1
   int exact_fields_;
+  char watched_ = '\0';  // a delimiter that makes a row suspect
 };
 
 // Hands the next `count` rows to the filter, skipping lines without content; for bodies of PLY and

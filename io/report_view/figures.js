@@ -165,7 +165,7 @@ function partsTable(data) {
   const heads = ["points", "rms" + unit, "95 % within" + unit, "largest" + unit];
   if (data.tolerance !== null) heads.push("out of tolerance");
   return table("Parts", parts.map((part, i) => {
-    const row = [part.name || part.kind + " " + (i + 1), count(part.points)];
+    const row = [part.name || part.geometry + " " + (i + 1), count(part.points)];
     row.push(...["rms", "p95", "max"].map((field) => (part.points > 0 ? scale.number(part[field]) : kNone)));
     if (data.tolerance !== null) row.push(count(part.out_of_tolerance));
     return row;

@@ -87,8 +87,10 @@ function histogramNotes(data) {
       notes.push(all[0].toUpperCase() + all.slice(1) + ".");
       // Few far points change the figures of all, not what is drawn.
       const same = Math.abs(moments.deviation - h.deviation) <= 0.1 * h.deviation;
-      notes.push("The dashed line is the normal curve of " +
-        (same ? "both." : "the points drawn: " + words(moments.mean, moments.deviation) + "."));
+      if (moments.deviation > 0) {
+        notes.push("The dashed line is the normal curve of " +
+          (same ? "both." : "the points drawn: " + words(moments.mean, moments.deviation) + "."));
+      }
     }
   }
   if (h.below > 0) notes.push(counted(h.below, "point") + " below " + significant(h.low) + " not drawn.");

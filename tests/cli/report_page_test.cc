@@ -198,7 +198,8 @@ TEST_F(ReportPageTest, PointsOfSeveralGeometriesAreCountedForTheNearest) {
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0]["name"], "lower");
   EXPECT_EQ(parts[1]["index"], 1);
-  EXPECT_EQ(parts[0]["kind"], "surface");
+  EXPECT_EQ(parts[0]["geometry"], "surface");
+  EXPECT_EQ(parts[0]["kind"], "orthogonal");
   EXPECT_EQ(parts[0]["points"], 3000);
   EXPECT_EQ(parts[1]["points"], 500);
   EXPECT_LT(parts[1]["rms"].get<double>(), 0.01);
@@ -235,6 +236,18 @@ TEST_F(ReportPageTest, FilesThatAreReadAreNotWrittenOver) {
     EXPECT_EQ(run.code, 2) << command.back();
     EXPECT_THAT(run.err, HasSubstr("would be lost")) << command.back();
   }
+  const std::string met = folder_.With("met.csv", "x,y,z\n1,1,0.5\n");
+  EXPECT_EQ(Batten({"fit",
+                    "surface",
+                    cloud_,
+                    "-o",
+                    folder_.File("o.json"),
+                    "--meet",
+                    met,
+                    "--residuals",
+                    met})
+                .code,
+            2);
   EXPECT_EQ(folder_.Text("part.json"), before);
   EXPECT_EQ(folder_.Text("cloud.xyz"), points);
   EXPECT_EQ(folder_.Text("table.csv"), "0 0 0\n");

@@ -57,10 +57,36 @@ TEST_F(UsageTest, UnknownNamesAreAnsweredWithTheNearest) {
 
 TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
   ExpectUsageError({"fit", "scan", cloud_, "-o", "x.json"}, {"scan", "not in this version"});
-  for (const std::vector<std::string>& flags : std::vector<std::vector<std::string>>{
-           {"--thin", "1"}, {"--uncertainty"}, {"--certify"}, {"--stream"}}) {
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"--uncertainty"}, {"--certify"}, {"--stream"}}) {
     ExpectBadFlags(flags, {flags.front(), "not in this version"});
   }
+}
+
+TEST_F(UsageTest, TwoFormatsOfOneOutputAreRefusedAndAnInputIsNoOutput) {
+  const std::string patch = folder_.With("patch.json", kRationalPatch);
+  ExpectUsageError(
+      {"sample", patch, "-o", "-", "--count", "9", "--format", "ply", "--output-format", "csv"},
+      {"ply", "csv", "both of the points"});
+  ExpectUsageError({"tessellate", patch, "-o", "-", "--format", "obj", "--output-format", "glb"},
+                   {"obj", "glb", "both of the mesh"});
+  ExpectUsageError({"sample", patch, "-o", patch, "--count", "9", "--output-format", "csv"},
+                   {"would be lost"});
+  ExpectUsageError({"tessellate", patch, "-o", patch, "--output-format", "ply"}, {"would be lost"});
+  EXPECT_EQ(folder_.Text("patch.json"), kRationalPatch);
+  const ProgramRun points = Batten(
+      {"sample", patch, "-o", "-", "--count", "9", "--format", "json", "--output-format", "csv"});
+  EXPECT_EQ(points.code, 0) << points.err;
+  EXPECT_THAT(points.out, HasSubstr("x,y,z\n"));
+  const ProgramRun mesh =
+      Batten({"tessellate", patch, "-o", "-", "--format", "json", "--output-format", "ply"});
+  EXPECT_EQ(mesh.code, 0) << mesh.err;
+  EXPECT_EQ(mesh.out.substr(0, 4), "ply\n");
+}
+
+TEST_F(UsageTest, ThinningIsOfScatteredPoints) {
+  ExpectBadFlags({"--thin", "0"}, {"--thin", "'0'"});
+  ExpectBadFlags({"--thin", "1", "--grid", "10,10"}, {"--grid", "--thin"});
 }
 
 TEST_F(UsageTest, AFlagOfAnotherCommandIsSaidToBeThere) {

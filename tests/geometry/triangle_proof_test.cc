@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "random_splines.h"
 #include "tolerances.h"
@@ -103,13 +104,48 @@ TEST(TriangleProofTest, PlacesLieInTheTriangle) {
     const TriangleCase given = RandomCase(random);
     TriangleProof proof(given.surface);
     const auto place = proof.OffPlane(given.corners, given.normal, given.offset + 1, 0.5);
-    if (!place) continue;
+    ASSERT_TRUE(place.has_value());  // the first corner is off by one
     for (int e = 0; e < 3; ++e) {
       const Eigen::Vector2d along = given.corners[(e + 1) % 3] - given.corners[e];
       const Eigen::Vector2d to = *place - given.corners[e];
       EXPECT_GE(along[0] * to[1] - along[1] * to[0], -kRounding * along.norm());
     }
   }
+}
+
+// The order of the corners does not matter; without area nothing is proven; nor is it where many
+// spans that are each too short for a triangle lie together.
+TEST(TriangleProofTest, NothingIsProvenOfWhatIsFarOff) {
+  RandomSplines random(99);
+  for (int round = 0; round < 100; ++round) {
+    SCOPED_TRACE(round);
+    const TriangleCase given = RandomCase(random);
+    TriangleProof proof(given.surface);
+    const double far = 10 * SizeOf(given.surface) + 10;
+    const auto& c = given.corners;
+    for (const auto& corners : {std::array{c[0], c[1], c[2]},
+                                std::array{c[0], c[2], c[1]},
+                                std::array{c[0], c[0], c[1]},
+                                std::array{c[0], c[0], c[0]},
+                                std::array{c[0], Eigen::Vector2d(c[0][0], c[1][1]), c[0]}}) {
+      EXPECT_TRUE(proof.OffPlane(corners, given.normal, given.offset + far, 1).has_value());
+    }
+  }
+  std::vector<double> knots{0, 0};
+  for (int k = 0; k < 2000; ++k) knots.push_back(0.5 + 3e-9 * k);
+  knots.insert(knots.end(), {1, 1});
+  const SplineBasis u(1, knots), v(1, {0, 0, 1, 1});
+  Eigen::Matrix3Xd points(3, 2 * u.size());
+  for (int i = 0; i < u.size(); ++i) {
+    points.col(2 * i) << u.Greville(i), 0, 0;
+    points.col(2 * i + 1) << u.Greville(i), 1, 0;
+  }
+  TriangleProof proof(NurbsSurface(u, v, points));
+  const std::array<Eigen::Vector2d, 3> corners{Eigen::Vector2d(0.5, 0.1),
+                                               Eigen::Vector2d(0.5 + 3e-9 * 1999, 0.2),
+                                               Eigen::Vector2d(0.5, 0.9)};
+  EXPECT_TRUE(proof.OffPlane(corners, Eigen::Vector3d::UnitZ(), 1e5, 1).has_value());
+  EXPECT_FALSE(proof.OffPlane(corners, Eigen::Vector3d::UnitZ(), 0.5, 1).has_value());
 }
 
 TEST(TriangleProofTest, WhatIsProvenOfSegmentsHoldsAndWhatHoldsClearlyIsProven) {

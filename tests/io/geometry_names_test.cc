@@ -79,7 +79,7 @@ TEST_F(GeometryNamesTest, QuotesInStepAreReadWhateverFollowsThem) {
     SCOPED_TRACE(name);
     std::string doubled;
     for (const char c : name) doubled += c == '\'' ? "''" : std::string(1, c);
-    for (const char* comment : {"", " /* it's, a ')' */ "}) {
+    for (const char* comment : {"", " /* it's, a ')' */ ", "\t", " \r\n\t "}) {
       std::string changed = text;
       changed.replace(at,
                       plain.size(),

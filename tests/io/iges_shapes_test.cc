@@ -216,13 +216,20 @@ TEST_F(IgesShapesTest, WhatIsNotReadIsNamed) {
     EXPECT_THAT(refusal({{array, 0, "1,0.,0.,0.,1."}}), HasSubstr("places a subfigure"));
   }
   EXPECT_THAT(refusal({{416, 0, "5Hother"}}), HasSubstr("in another file"));
-  // Beside a line that can be read: nothing of a solid is left out silently.
-  for (const int solid : {186, 502, 504, 508, 510, 514}) {
-    EXPECT_THAT(refusal({{110, 0, "0.,0.,0.,1.,0.,0."}, {solid, 1, "1,1,1"}}),
-                HasSubstr("entity D3 (type " + std::to_string(solid) + "): belongs to a B-rep"));
+  for (const int solid : {184, 186, 430, 502, 504, 508, 510, 514}) {
+    EXPECT_THAT(refusal({{116, 0, "1.,2.,3."}, {solid, 1, "1,1,1"}}),
+                HasSubstr("entity D3 (type " + std::to_string(solid) + "): is of a B-rep solid"));
   }
   EXPECT_THAT(refusal({{114, 0, "1,1,1,1"}}), HasSubstr("type that is not in this version"));
   EXPECT_THAT(refusal({{120, 0, "1,1,0.,1."}}), HasSubstr("entity D1 (type 120)"));
+}
+
+TEST_F(IgesShapesTest, WhatIsLeftOutOfASolidIsSaid) {
+  const std::string path = folder_.With(
+      "b.igs", IgesText({{110, 0, "0.,0.,0.,1.,0.,0."}, {186, 0, "5,1,0"}, {514, 1, "1,7,1"}}));
+  const GeometryContents contents = ReadIgesContents(path);
+  EXPECT_EQ(contents.geometry.size(), 1u);
+  EXPECT_THAT(contents.remarks, ::testing::Contains(HasSubstr("its 2 entities of a B-rep solid")));
 }
 
 // What OpenCASCADE writes of solids of revolution, face by face, has their area.

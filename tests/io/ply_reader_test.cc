@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
@@ -17,6 +20,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+constexpr unsigned kSeed = 3;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // One vertex: a list comes before it, its properties have all sizes.
@@ -67,6 +71,107 @@ TEST(PlyReaderTest, ReadsAscii) {
                 "1 2 1 0.5 0 3\n-4 5.5 0 0 0 0.06\n");
   EXPECT_EQ(file.cloud.World(1), Eigen::Vector3d(-4, 5.5, 0.06));
   EXPECT_EQ(file.cloud.colours().col(0).cast<int>(), Eigen::Vector3i(255, 128, 0));
+}
+
+// Vertices 0 … count − 1 at (k, 2k, 3k), each between two lists of any length.
+template <class Bytes>
+std::string ListedPly(std::string_view format, int count, Bytes bytes) {
+  std::mt19937_64 random(kSeed);
+  std::string text = PlyHeader(format,
+                               count,
+                               "property list uchar int before\nproperty double x\n"
+                               "property float y\nproperty list uint16 double between\n"
+                               "property uchar q\nproperty int z\n");
+  for (int k = 0; k < count; ++k) {
+    const auto before = static_cast<std::uint8_t>(random() % 4);
+    const auto between = static_cast<std::uint16_t>(k % 100 == 7 ? 400 : random() % 3);
+    text += bytes(before);
+    for (int n = 0; n < before; ++n) text += bytes(n);
+    text += bytes(1.0 * k) + bytes(2.0f * static_cast<float>(k)) + bytes(between);
+    for (int n = 0; n < between; ++n) text += bytes(0.5 * n);
+    text += bytes(static_cast<std::uint8_t>(k % 2)) + bytes(3 * k);
+    if (format == "ascii") text += "\n";
+  }
+  return text;
+}
+
+TEST(PlyReaderTest, PassesOverListsAmongThePropertiesOfVertices) {
+  SCOPED_TRACE(kSeed);
+  constexpr int kPoints = 3000;
+  const auto spelled = [](auto value) { return std::to_string(value) + " "; };
+  for (const std::string& text :
+       {ListedPly("ascii", kPoints, spelled),
+        ListedPly("binary_little_endian", kPoints, [](auto v) { return LittleEndian(v); }),
+        ListedPly("binary_big_endian", kPoints, [](auto v) { return BigEndian(v); })}) {
+    const CloudFile file = ReadBytes("a.ply", text);
+    EXPECT_THAT(file.fields, ElementsAre("x", "y", "q", "z"));
+    ASSERT_EQ(file.cloud.size(), kPoints);
+    for (int k = 0; k < kPoints; ++k) {
+      ASSERT_EQ(file.cloud.World(k), Eigen::Vector3d(k, 2 * k, 3 * k));
+    }
+    CloudReadOptions options;
+    options.where = {{"q", 1}};
+    EXPECT_EQ(ReadBytes("a.ply", text, options).cloud.size(), kPoints / 2);
+  }
+}
+
+TEST(PlyReaderTest, RefusesListsOfVerticesThatClaimMoreThanFollows) {
+  const std::string list = "property list int double l\n" + std::string(kPlyDoubles);
+  for (const char* count : {"3", "-1", "1.5", "1e30", "nan", "4294967295", "x"}) {
+    EXPECT_THAT(
+        FailureOf("a.ply", PlyHeader("ascii", 1, list) + count + " 1 2 3 and some bytes more\n"),
+        HasSubstr("line 10"))
+        << count;
+  }
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 2, list) + "0 1 2 3\n1 7 1 2\n"),
+              AllOf(HasSubstr("line 11"), HasSubstr("'z'")));
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 2, list) + "0 1 2 3\n# no vertex\n"),
+              HasSubstr("after 1 of 2"));
+  for (const std::int32_t count : {2, 2'000'000'000}) {
+    EXPECT_THAT(FailureOf("a.ply",
+                          PlyHeader("binary_little_endian", 1, list) + LittleEndian(count) +
+                              std::string(24 + 8, '\0')),
+                HasSubstr("after 0 of 1"));
+  }
+  EXPECT_THAT(FailureOf("a.ply",
+                        PlyHeader("binary_little_endian", 1, list) + LittleEndian(-1) +
+                            std::string(24, '\0')),
+              HasSubstr("-1 entries"));
+  const std::string text = ListedPly("binary_big_endian", 5, [](auto v) { return BigEndian(v); });
+  const std::size_t body = text.find("end_header") + 11;
+  for (std::size_t size = body; size < text.size(); ++size) {
+    EXPECT_NE(FailureOf("a.ply", std::string_view(text).substr(0, size)), "") << size;
+  }
+}
+
+// PCL writes NaN normals at points without neighbours.
+TEST(PlyReaderTest, KeepsPointsWithoutANormal) {
+  std::string text = PlyHeader(
+      "binary_little_endian",
+      2,
+      std::string(kPlyDoubles) + "property float nx\nproperty float ny\nproperty float nz\n");
+  for (const double normal : {1.0, kNaN}) {
+    for (const double x : {1, 2, 3}) text += LittleEndian(x);
+    for (int d = 0; d < 3; ++d) text += LittleEndian(static_cast<float>(normal));
+  }
+  const CloudFile file = ReadBytes("a.ply", text);
+  EXPECT_EQ(file.non_finite, 0);
+  EXPECT_EQ(file.cloud.normals(), (Eigen::Matrix3Xd(3, 2) << 1, 0, 1, 0, 1, 0).finished());
+}
+
+TEST(PlyReaderTest, HeadersMayEndInReturnsOnly) {
+  std::string header = PlyHeader("binary_little_endian", 1, kPlyDoubles);
+  std::replace(header.begin(), header.end(), '\n', '\r');
+  // The first byte of x is a line feed.
+  std::string body = LittleEndian(1.0) + LittleEndian(2.0) + LittleEndian(3.0);
+  body[0] = '\n';
+  const CloudFile file = ReadBytes("a.ply", header + body);
+  EXPECT_EQ(file.cloud.World(0).tail(2), Eigen::Vector2d(2, 3));
+}
+
+TEST(PlyReaderTest, RefusesCommasThatMayBeDecimal) {
+  EXPECT_THAT(FailureOf("a.ply", PlyHeader("ascii", 1, kPlyDoubles) + "1,5 2,5 3,5\n"),
+              AllOf(HasSubstr("line 9"), HasSubstr("decimal")));
 }
 
 TEST(PlyReaderTest, TakesParametersAndWeightsOnlyWhenAsked) {

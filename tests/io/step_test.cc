@@ -366,6 +366,27 @@ TEST(StepTest, RefusesWhatIsNotWholeStep) {
   EXPECT_THROW(ReadStep(folder.path().string()), ReadError);
 }
 
+TEST(StepTest, RefusesAVertexWithoutAPointInSpace) {
+  const TemporaryFolder folder;
+  WriteStep({Sphere()}, folder.File("a.step"));
+  std::string text = folder.Text("a.step");
+  const std::string vertex = "VERTEX_POINT('',";
+  const size_t at = text.find(vertex);
+  ASSERT_NE(at, text.npos);
+  const size_t name = at + vertex.size();  // of its point
+  const std::string open =
+      "\n" + text.substr(name, text.find(')', name) - name) + " = CARTESIAN_POINT('',(";
+  ASSERT_NE(text.find(open), text.npos);
+  const size_t point = text.find(open) + open.size();
+  text.replace(point, text.find(')', point) - point, "1.");
+  try {
+    ReadStep(folder.With("b.step", text));
+    ADD_FAILURE() << "it was read";
+  } catch (const ReadError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a vertex needs a point of three coordinates"));
+  }
+}
+
 TEST(StepTest, SurvivesDamage) {
   SCOPED_TRACE(kSeed);
   const TemporaryFolder folder;

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,8 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+constexpr unsigned kSeed = 11;
 
 // The two points (1, 2, 3) and (−4, 5.5, 0.06) of every spelling below.
 const Eigen::Matrix3Xd& TwoPoints() {
@@ -124,6 +128,25 @@ TEST(TextReaderTest, TakesColoursFromTheColumnsAskedFor) {
   EXPECT_THAT(FailureOf("a.xyz", "1 2 3 255 128 0\n", options), HasSubstr("red, green and blue"));
 }
 
+TEST(TextReaderTest, ColoursCountToOneWhereNoneIsAboveAndOneIsNotWhole) {
+  const auto colours = [](const std::string& text) -> Eigen::MatrixXi {
+    return ReadBytes("a.xyzrgb", text).cloud.colours().cast<int>();
+  };
+  EXPECT_EQ(colours("1 2 3 0.5 0.5 1\n1 2 3 0 1 0.1\n"),
+            (Eigen::MatrixXi(3, 2) << 128, 0, 128, 255, 255, 26).finished());
+  EXPECT_EQ(colours("1 2 3 0 0 1\n1 2 3 1 1 0\n"),
+            (Eigen::MatrixXi(3, 2) << 0, 1, 0, 1, 1, 0).finished());
+  EXPECT_EQ(colours("1 2 3 0 0.5 1\n1 2 3 1 1 2\n"),
+            (Eigen::MatrixXi(3, 2) << 0, 1, 1, 1, 1, 2).finished());
+  EXPECT_EQ(colours("1 2 3 0 nan 1\n"), Eigen::Vector3i(0, 0, 1));
+  // Whatever says so may come late.
+  std::string text;
+  for (int k = 0; k < 100'000; ++k) text += "1 2 3 0 1 1\n";
+  EXPECT_EQ(colours(text).col(99'999), Eigen::Vector3i(0, 1, 1));
+  EXPECT_EQ(colours(text + "1 2 3 0 0 0.5\n").col(0), Eigen::Vector3i(0, 255, 255));
+  EXPECT_EQ(colours(text + "1 2 3 0 0 7\n").col(0), Eigen::Vector3i(0, 1, 1));
+}
+
 TEST(TextReaderTest, TwoColumnsAreAPlaneCloud) {
   const CloudFile file = ReadBytes("a.xy", "E387\n 1.0 0.5\n 0.25 -2\n");
   EXPECT_EQ(file.cloud.dimension(), 2);
@@ -177,10 +200,179 @@ TEST(TextReaderTest, DropsAndCountsRowsThatAreNotFinite) {
   const CloudFile file =
       ReadBytes("a.csv",
                 "x,y,z,nx,ny,nz\n1,2,3,0,0,1\nnan,2,3,0,0,1\n1,-inf,3,0,0,1\n1,,3,0,0,1\n"
-                "1,2,3,0,0,NaN\n1,2,3,0,0,\n-4,5.5,0.06,0,0,1\n");
+                "1,2,NaN,0,0,1\n-4,5.5,0.06,0,0,1\n");
   EXPECT_EQ(World(file.cloud), TwoPoints());
-  EXPECT_EQ(file.non_finite, 5);
-  EXPECT_EQ(file.points_in_file, 7);
+  EXPECT_EQ(file.non_finite, 4);
+  EXPECT_EQ(file.points_in_file, 6);
+}
+
+TEST(TextReaderTest, KeepsPointsWhoseNormalIsMissingOrAbsurdWithNone) {
+  for (const char* normal : {",,", "0,0,", "nan,0,1", "0,-inf,1", "0,0,1e19", "0,0,1e999"}) {
+    const CloudFile file = ReadBytes(
+        "a.csv", std::string("x,y,z,nx,ny,nz\n1,2,3,0,0.6,0.8\n-4,5.5,0.06,") + normal + "\n");
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << normal;
+    EXPECT_EQ(file.non_finite, 0);
+    EXPECT_EQ(file.cloud.normals().col(0), Eigen::Vector3d(0, 0.6, 0.8));
+    EXPECT_EQ(file.cloud.normals().col(1), Eigen::Vector3d::Zero()) << normal;
+  }
+}
+
+// A column that is also part of a normal keeps what it says about the place.
+TEST(TextReaderTest, ANormalThatSharesAColumnWithThePlaceLeavesThePlaceAlone) {
+  CloudReadOptions options;
+  options.columns = {{"nx", "4"}, {"ny", "1"}, {"nz", "2"}};
+  const CloudFile file = ReadBytes("a.xyz", "1 2 3 nan\n-4 5.5 .06 1\n", options);
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.cloud.normals().col(0), Eigen::Vector3d::Zero());
+  EXPECT_EQ(file.cloud.normals().col(1), Eigen::Vector3d(1, -4, 5.5));
+}
+
+TEST(TextReaderTest, EveryMixtureOfLineEndsGivesTheSamePoints) {
+  std::mt19937_64 random(kSeed);
+  SCOPED_TRACE(kSeed);
+  const std::array<std::string, 3> ends{"\n", "\r\n", "\r"};
+  constexpr int kRows = 40'000;                      // more than a block of the reader
+  for (std::size_t kinds = 1; kinds < 8; ++kinds) {  // a set of ends
+    std::string text;
+    for (int k = 0; k < kRows; ++k) {
+      std::size_t kind = random() % 3;
+      while ((kinds >> kind & 1) == 0) kind = (kind + 1) % 3;
+      text += std::to_string(k) + " " + std::string(random() % 9, ' ') + "2 3 label" + ends[kind];
+    }
+    const CloudFile file = ReadBytes("a.xyz", text);
+    ASSERT_EQ(file.points_in_file, kRows) << kinds;
+    for (int k = 0; k < kRows; ++k) ASSERT_EQ(file.cloud.World(k), Eigen::Vector3d(k, 2, 3));
+  }
+}
+
+TEST(TextReaderTest, NamesTheLineWhereLinesEndInReturnsOnly) {
+  EXPECT_THAT(FailureOf("a.xyz", "x y z\r1 2 3\r\r4 5x 6\r"),
+              AllOf(HasSubstr("line 4"), HasSubstr("'5x'")));
+}
+
+TEST(TextReaderTest, RefusesCommasThatMayBeDecimal) {
+  for (const char* row : {"-52,407;8,846;-2,601",
+                          "1,5 2,5 3,5",
+                          "1,5\t2,5\t3,5",
+                          "1;2;3,5",
+                          "1,5; 2,5 ; 3,5;",
+                          "\"1\";\"2\";\"3,5\"",
+                          "1,5e-3 2 -3 # a comment.",
+                          "1,2 3,4"}) {
+    for (const char* before : {"", "x;y;z\n", "x y z\n", "# x y z\n", "A title\n"}) {
+      const std::string failure = FailureOf("a.csv", std::string(before) + row + "\n4,5 5 6\n");
+      EXPECT_THAT(failure,
+                  AllOf(HasSubstr(*before == '\0' ? "line 1" : "line 2"),
+                        HasSubstr("decimal"),
+                        HasSubstr("write decimal points")))
+          << before << row;
+    }
+  }
+  // Whole numbers first.
+  EXPECT_THAT(FailureOf("a.csv", "1;2;3\n4;5;6\n1,5;2;3\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("decimal")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n1 2 3,5\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("decimal")));
+}
+
+TEST(TextReaderTest, CommasThatOnlySeparateAreStillSeparators) {
+  for (const char* text : {"1,2,3\n-4,5.5,.06\n",
+                           "1, 2, 3\n-4, 5.5, .06\n",
+                           "1 ,2 ,3\n-4 ,5.5 ,.06\n",
+                           "1,2,3,\n-4,5.5,.06,\n",
+                           "1,2,3 # 1,5 2,5\n-4,5.5,.06\n",
+                           "1 2 3 # 1,5 2,5\n-4 5.5 .06 # a,b\n",
+                           "1,2,3 wall,floor\n-4,5.5,.06 wall\n",
+                           "1;2;3;a,b\n-4;5.5;.06;1,2\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.csv", text).cloud), TwoPoints()) << text;
+  }
+  EXPECT_EQ(ReadBytes("a.xy", "52,407\n8,846\n").cloud.World(0), Eigen::Vector3d(52, 407, 0));
+}
+
+TEST(TextReaderTest, AHeaderThatNamesFewerColumnsThanTheRowHasIsRefused) {
+  for (const char* text : {"x,y,z\n1,2,3,4\n",
+                           "x y z\n0 1 2 3\n",
+                           "y\tx\n1\t2\t3\n",
+                           "z,x\n1,2,3\n",
+                           "northing,easting,height\n7,1,2,3\n"}) {
+    EXPECT_THAT(FailureOf("a.csv", text),
+                AllOf(HasSubstr("line 1"), HasSubstr("header names"), HasSubstr("--columns")))
+        << text;
+  }
+  EXPECT_THAT(FailureOf("a.csv", "x,y,z\n1,2,3,4\n"),
+              AllOf(HasSubstr("names 3 columns"), HasSubstr("has 4 fields")));
+  CloudReadOptions options;
+  options.columns = {{"x", "1"}, {"y", "2"}, {"z", "3"}};
+  EXPECT_EQ(World(ReadBytes("a.csv", "x,y,z\n1,2,3,4\n-4,5.5,.06,4\n", options).cloud),
+            TwoPoints());
+  for (const char* text : {"x,y,z\n1,2,3,\n-4,5.5,.06,\n",
+                           "x,y,z,\n1,2,3,\n-4,5.5,.06,\n",
+                           "x;y;z\n1;2;3;;\n-4;5.5;.06;;\n",
+                           "// x y z and more words\n1 2 3 4\n-4 5.5 .06 7\n",
+                           "# x y z\n1 2 3 4\n-4 5.5 .06 7\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.csv", text).cloud), TwoPoints()) << text;
+  }
+}
+
+// A blank may stand inside a name, and an empty cell between tabs leaves no trace.
+TEST(TextReaderTest, AHeaderWithMoreNamesIsRefusedWhereTheyMayHaveShifted) {
+  EXPECT_THAT(FailureOf("a.txt", "Point ID X Y Z R\n7 1 2 3 9\n"),
+              AllOf(HasSubstr("names 6 columns"), HasSubstr("has 5 fields")));
+  EXPECT_THAT(FailureOf("a.txt", "id\tname\tx\ty\tz\tq\n7\t\t1\t2\t3\t9\n"),
+              HasSubstr("names 6 columns"));
+  for (const char* text : {"x,y,z,comment\n1,2,3\n-4,5.5,.06,wall\n",
+                           "id,x,y,z,comment\n7,1,2,3\n7,-4,5.5,.06\n",
+                           "x y z Scan Angle\n1 2 3 7\n-4 5.5 .06 8\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", text).cloud), TwoPoints()) << text;
+  }
+}
+
+TEST(TextReaderTest, NamesThatLackXOrYAreNotPassedOver) {
+  EXPECT_THAT(FailureOf("a.csv", "z,x\n1,2\n"),
+              AllOf(HasSubstr("name x and z but not y"), HasSubstr("columns are z, x")));
+  EXPECT_THAT(FailureOf("a.csv", "x,z\n1,2\n"), HasSubstr("name x and z but not y"));
+  EXPECT_THAT(FailureOf("a.csv", "t,y,q\n1,2,3\n").empty(), true);
+  EXPECT_THAT(FailureOf("a.csv", "y,t,q\n1,2,3\n"), HasSubstr("name y but not x"));
+  EXPECT_THAT(FailureOf("a.csv", "time,lat,lon,height\n1,2,3,4\n"),
+              HasSubstr("name z but not x and y"));
+  const Eigen::Vector3d swapped = ReadBytes("a.csv", "y,x\n1,2\n").cloud.World(0);
+  EXPECT_EQ(swapped, Eigen::Vector3d(2, 1, 0));
+  EXPECT_EQ(World(ReadBytes("a.csv", "east,north,height\n1,2,3\n-4,5.5,.06\n").cloud), TwoPoints());
+  EXPECT_EQ(World(ReadBytes("a.csv", ",x,y,z\n0,1,2,3\n1,-4,5.5,.06\n").cloud), TwoPoints());
+}
+
+TEST(TextReaderTest, ADamagedFirstRowIsNoHeader) {
+  for (const char* row : {"0x10 2 3", "1\"2 3", "-52.4D+00 1 2", "l0 2 3", "N/A,2,3", "1,5x;2;3"}) {
+    for (const char* after : {"", "1 2 3\n4 5 6\n"}) {
+      const std::string failure =
+          FailureOf("a.xyz", "# first\n" + (row + ("\n" + std::string(after))));
+      EXPECT_THAT(failure, AllOf(HasSubstr("line 2"), HasSubstr("expected a number"))) << row;
+    }
+  }
+}
+
+TEST(TextReaderTest, TitlesMayHoldNumbers) {
+  for (const char* title :
+       {"E387", "NACA 0012", "3D scan 7", "Scan 5 of 10 on day 3", "2024-05-01"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", std::string(title) + "\n1 2 3\n-4 5.5 .06\n").cloud),
+              TwoPoints())
+        << title;
+    EXPECT_EQ(ReadBytes("a.dat", std::string(title) + "\n1 2\n3 4\n").cloud.size(), 2) << title;
+  }
+}
+
+TEST(TextReaderTest, RowsMayBeginWithAName) {
+  CloudReadOptions options;
+  options.columns = {{"x", "2"}, {"y", "3"}, {"z", "4"}};
+  for (const char* text : {"P1 1 2 3\nP2 -4 5.5 .06\n",
+                           "12:30:01,1,2,3\n12:30:02,-4,5.5,.06\n",
+                           "name,a,b,c\nP1,1,2,3\nP2,-4,5.5,.06\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", text, options).cloud), TwoPoints()) << text;
+  }
+  EXPECT_THAT(FailureOf("a.txt", "P1 1.0x 2 3\nP2 4 5 6\n", options),
+              AllOf(HasSubstr("line 1"), HasSubstr("'1.0x'")));
+  EXPECT_THAT(FailureOf("a.txt", "P1 1 2 3\nP2 4 5 6\n"),
+              AllOf(HasSubstr("line 1"), HasSubstr("'P1'")));
 }
 
 TEST(TextReaderTest, QuotesWhatIsNoNumberWithItsLine) {
