@@ -23,7 +23,8 @@ struct ReportContext {
 
 // The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the
 // shortest form that reads back bit by bit; one that is not finite, for which JSON has no form, as
-// null.
+// null, and so is what was not measured. Only where it applies: input.thinned_to, and parts, one
+// {index, name, geometry, and the fields of an error} for each of several geometries.
 std::string ToReportJson(const FitReport& report, const ReportContext& context);
 
 }  // namespace batten
