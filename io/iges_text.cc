@@ -170,17 +170,18 @@ class Parser {
     const std::string_view digits = std::string_view(status).substr(status.size() - 8);
     entity.dependent = digits.substr(2, 2) == "01" || digits.substr(2, 2) == "03";
     entity.geometry = digits.substr(4, 2) == "00";
-    const int begin = Integer(first, 1, path_), count = Integer(second, 3, path_);
+    // An entity has a line of parameters even where the directory says none.
+    const int begin = Integer(first, 1, path_), count = std::max(Integer(second, 3, path_), 1);
     const auto available = static_cast<std::int64_t>(sections_.parameters.size());
-    if (begin < 1 || count < 0 || std::int64_t{begin} - 1 + count > available) {
+    if (begin < 1 || std::int64_t{begin} - 1 + count > available) {
       throw ReadError::AtLine(path_, first.number, "the entity's parameters are not in the file");
     }
-    used_ += std::max(count, 1);
+    used_ += count;
     if (used_ > available) {
       throw ReadError::AtLine(path_, first.number, "entities share their parameter lines");
     }
     std::string text;
-    for (int i = 0; i < std::max(count, 1); ++i) {
+    for (int i = 0; i < count; ++i) {
       std::string line(sections_.parameters[static_cast<size_t>(begin - 1 + i)].text.substr(
           0, kParameterColumns));
       line.resize(kParameterColumns, ' ');

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <string>
+
 #include "batten/io/geometry_json.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/read_cloud.h"
@@ -24,6 +27,27 @@ std::string RefusalOfIges(std::string_view entities) {
     return error.what();
   }
   return "(read)";
+}
+
+// A directory that says zero lines of parameters behind the last one: one line past the end was
+// read.
+TEST(FuzzFindingsTest, ParametersOfIgesThatTheFileDoesNotHaveAreNotRead) {
+  std::string text = LaidOutIges("110,0,0,00000000;0.,0.,0.,1.,2.,3.\n");
+  constexpr size_t kLine = 81, kField = 8;
+  const size_t entry = text.find("D      1") - 72;
+  ASSERT_EQ(entry % kLine, 0u);
+  for (const char* count : {"0", "1", "-1"}) {
+    text.replace(entry + kField, kField, "       2");
+    text.replace(
+        entry + kLine + 3 * kField, kField, std::string(kField - std::strlen(count), ' ') + count);
+    const MemoryFile file(text);
+    try {
+      ReadIges(file.path());
+      ADD_FAILURE() << "it was read";
+    } catch (const ReadError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("the entity's parameters are not in the file"));
+    }
+  }
 }
 
 TEST(FuzzFindingsTest, AMatrixOfIgesMayNotMovePointsBeyondWhatIsReadElsewhere) {
