@@ -72,20 +72,26 @@ double SignedArea(const Eigen::Matrix2Xd& polygon) {
   return twice / 2;
 }
 
-// Whether most corners of a polygon lie in another: polygons touch, and are not exact.
+// Whether most corners of a polygon lie in another: polygons are not exact. Corners on the other's
+// sides say nothing.
 bool MostlyIn(const Eigen::Matrix2Xd& polygon, const Eigen::Matrix2Xd& outer) {
-  Eigen::Index inside = 0;
+  constexpr double kOnSide = 1e-9;  // of the size
+  const double near = kOnSide * (outer.rowwise().maxCoeff() - outer.rowwise().minCoeff()).norm();
+  Eigen::Index inside = 0, outside = 0;
   for (const auto& p : polygon.colwise()) {
-    bool odd = false;
+    bool odd = false, on_side = false;
     for (Eigen::Index i = 0, j = outer.cols() - 1; i < outer.cols(); j = i++) {
-      const Eigen::Vector2d a = outer.col(j), b = outer.col(i);
+      const Eigen::Vector2d a = outer.col(j), b = outer.col(i), along = b - a, to = p - a;
+      const double square = along.squaredNorm();
+      const double share = square > 0 ? std::clamp(to.dot(along) / square, 0.0, 1.0) : 0;
+      on_side = on_side || (to - share * along).squaredNorm() < near * near;
       if ((a.y() > p.y()) == (b.y() > p.y())) continue;
       const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
       if (p.x() < x) odd = !odd;
     }
-    inside += odd;
+    if (!on_side) ++(odd ? inside : outside);
   }
-  return 2 * inside >= polygon.cols();
+  return inside >= outside;
 }
 
 // The loop, moved onto the domain where it leaves it by no more than `largest_gap` of it.

@@ -91,6 +91,28 @@ TEST(TrimsJsonTest, ReadsBackPeriodicLoops) {
   EXPECT_TRUE(Read(ToGeometryJson({trimmed})) == trimmed);
 }
 
+// A hole that cuts the domain's corner off has all its corners on the boundary, which holds it all
+// the same.
+TEST(TrimsJsonTest, HolesMayTouchTheBoundaryOfTheDomain) {
+  const NurbsSurface square = Read(Square(R"({"count": 0, "data": []})"));
+  const double u0 = square.basis_u().lower(), u1 = square.basis_u().upper();
+  const double v0 = square.basis_v().lower(), v1 = square.basis_v().upper();
+  Eigen::Matrix2Xd outer(2, 5), corner(2, 4), strip(2, 5);
+  outer << u0, u1, u1, u0, u0, v0, v0, v1, v1, v0;
+  corner << u0, u0, u1, u0, v0, v1, v1, v0;
+  const double middle = (v0 + v1) / 2;
+  strip << u0, u0, u1, u1, u0, middle, v1, v1, middle, middle;
+  const NurbsCurve<2> boundary(SplineBasis::Uniform(1, 5, 0, 4), outer);
+  for (const Eigen::Matrix2Xd& hole : {corner, strip}) {
+    const auto n = static_cast<int>(hole.cols());
+    const NurbsSurface trimmed =
+        square.WithTrims({boundary, NurbsCurve<2>(SplineBasis::Uniform(1, n, 0, n - 1), hole)});
+    const NurbsSurface read = Read(ToGeometryJson({trimmed}));
+    EXPECT_EQ(read.trims().size(), 2u);
+    EXPECT_TRUE(read == trimmed);
+  }
+}
+
 // What the importer of NURBS-Python asks of a loop: its type, and what it asks of a curve.
 TEST(TrimsJsonTest, WritesWhatNurbsPythonReads) {
   RandomGeometry random(kSeed);
@@ -98,10 +120,8 @@ TEST(TrimsJsonTest, WritesWhatNurbsPythonReads) {
       ToGeometryJson({RandomTrims(kSeed).Trimmed(random.Surface(3, 3, true, false), 2)});
   const size_t begin = text.find("\"trims\": {\"count\": 2, \"data\": [");
   ASSERT_NE(begin, std::string::npos);
-  for (const char* name : {"\"type\": \"spline\"",
-                           "\"degree\": ",
-                           "\"knotvector\": ",
-                           "\"control_points\": "}) {
+  for (const char* name :
+       {"\"type\": \"spline\"", "\"degree\": ", "\"knotvector\": ", "\"control_points\": "}) {
     EXPECT_THAT(text.substr(begin), HasSubstr(name));
   }
   // Its tessellator cuts the inside of a loop away, or, of a reversed one, the outside
