@@ -332,7 +332,9 @@ void PrepareStepText(std::string& text, const std::string& path) {
   size_t done = 0;
   for (const Scanner::Trap& trap : scanner.traps()) {
     safe.append(text, done, trap.begin - done);
-    safe += trap.blank ? " " : "\\X\\27";
+    const std::string_view place(text.data() + trap.begin, trap.end - trap.begin);
+    const bool ends_line = place.find('\n') != place.npos;
+    safe += !trap.blank ? "\\X\\27" : ends_line ? "\n" : " ";
     done = trap.end;
   }
   safe.append(text, done);

@@ -4,14 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
-#include <cstring>
 #include <string_view>
 #include <vector>
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/file_format.h"
+#include "batten/io/little_endian.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
@@ -75,23 +74,14 @@ double ValueOf(const PointCloud& cloud, const OutputColumn& column, Eigen::Index
   return 0;
 }
 
-// In little-endian order.
-template <class T>
-void AppendBytes(std::string& buffer, T value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes, bytes + sizeof value);
-  buffer.append(bytes, sizeof value);
-}
-
 void AppendBinary(std::string& buffer, double value, Type type) {
   switch (type) {
     case Type::kDouble:
-      return AppendBytes(buffer, value);
+      return AppendLittleEndian(buffer, value);
     case Type::kByte:
-      return AppendBytes(buffer, static_cast<std::uint8_t>(value));
+      return AppendLittleEndian(buffer, static_cast<std::uint8_t>(value));
     case Type::kUint32:
-      return AppendBytes(buffer, static_cast<std::uint32_t>(value));
+      return AppendLittleEndian(buffer, static_cast<std::uint32_t>(value));
   }
 }
 

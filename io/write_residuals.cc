@@ -4,15 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
 
 #include "batten/io/deviation_colours.h"
+#include "batten/io/little_endian.h"
 #include "batten/io/read_error.h"
 
 namespace batten {
@@ -25,17 +24,6 @@ std::string Extension(const std::string& path) {
   });
   return extension;
 }
-
-// In little-endian order.
-template <typename T>
-void AppendBytes(std::string& bytes, T value) {
-  char raw[sizeof value];
-  std::memcpy(raw, &value, sizeof value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof value);
-  bytes.append(raw, sizeof value);
-}
-void AppendDouble(std::string& bytes, double value) { AppendBytes(bytes, value); }
-void AppendInt(std::string& bytes, std::int32_t value) { AppendBytes(bytes, value); }
 
 void WriteCsv(const PointResiduals& r, AtomicFile& file) {
   const bool has_v = r.parameters.rows() > 1;
@@ -77,15 +65,16 @@ void WritePly(const PointResiduals& r, AtomicFile& file) {
   file.Write(row + "end_header\n");
   for (Eigen::Index k = 0; k < r.cloud.size(); ++k) {
     row.clear();
-    for (const double coordinate : r.cloud.World(k)) AppendDouble(row, coordinate);
-    AppendDouble(row, r.distances[k]);
-    AppendDouble(row, r.parameters(0, k));
-    if (has_v) AppendDouble(row, r.parameters(1, k));
+    for (const double coordinate : r.cloud.World(k)) AppendLittleEndian(row, coordinate);
+    AppendLittleEndian(row, r.distances[k]);
+    AppendLittleEndian(row, r.parameters(0, k));
+    if (has_v) AppendLittleEndian(row, r.parameters(1, k));
     for (const std::uint8_t part : DeviationColour(r.distances[k], r.colour_range)) {
       row += static_cast<char>(part);
     }
     row += r.outliers[k] ? '\1' : '\0';
-    if (!r.owners.empty()) AppendInt(row, r.owners[static_cast<std::size_t>(k)]);
+    if (!r.owners.empty())
+      AppendLittleEndian<std::int32_t>(row, r.owners[static_cast<std::size_t>(k)]);
     file.Write(row);
   }
 }

@@ -366,6 +366,16 @@ TEST(StepTest, RefusesWhatIsNotWholeStep) {
   EXPECT_THROW(ReadStep(folder.path().string()), ReadError);
 }
 
+// As editors and version control of another system leave it.
+TEST(StepTest, ReadsLinesThatEndInCarriageReturns) {
+  const TemporaryFolder folder;
+  const NurbsSurface surface = Sphere();
+  WriteStep({surface}, folder.File("a.step"));
+  std::string changed;
+  for (const char c : folder.Text("a.step")) changed += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(ReadStep(folder.With("b.step", changed)), ReadStep(folder.File("a.step")));
+}
+
 TEST(StepTest, RefusesAVertexWithoutAPointInSpace) {
   const TemporaryFolder folder;
   WriteStep({Sphere()}, folder.File("a.step"));
