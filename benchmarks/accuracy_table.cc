@@ -9,6 +9,9 @@
 #include "batten/fitting/fit_surface.h"
 #include "known_clouds.h"
 
+using namespace batten;
+using namespace batten::internal;
+
 namespace {
 
 constexpr double kSigma = 1e-3;
@@ -18,13 +21,13 @@ void Row(const char* name,
          Height height,
          Eigen::Index count,
          double outliers,
-         const batten::SurfaceFitOptions& options) {
+         const SurfaceFitOptions& options) {
   const auto cloud =
-      batten::PointCloud::FromWorld(batten::Scatter(height, count, kSigma, outliers, 20261121));
-  const batten::SurfaceFit fit = batten::FitSurface(cloud, options);
-  batten::ThreadPool pool(0);
+      PointCloud::FromWorld(Scatter(height, count, kSigma, outliers, 20261121));
+  const SurfaceFit fit = FitSurface(cloud, options);
+  ThreadPool pool(0);
   const Eigen::VectorXd d =
-      batten::DistancesTo(fit.surface, batten::TruthGrid(height, 201), pool).distances;
+      DistancesTo(fit.surface, TruthGrid(height, 201), pool).distances;
   const double n = fit.surface.size_u() * fit.surface.size_v();
   std::printf("| %s | %ld | %d × %d | %.2e | %.2e | %.2e | %.2f |\n",
               name,
@@ -45,18 +48,18 @@ int main() {
       "| cloud (σ = 1e-3) | points | control points | truth rms | truth max | limit σ√(n/N) | "
       "seconds |\n");
   std::printf("|---|---|---|---|---|---|---|\n");
-  const batten::SurfaceFitOptions defaults;
-  batten::SurfaceFitOptions coarse;
+  const SurfaceFitOptions defaults;
+  SurfaceFitOptions coarse;
   coarse.control_points = {{12, 12}};
-  batten::SurfaceFitOptions coarse_linear = coarse;
-  coarse_linear.optimize = batten::Freedom{};
-  Row("plane", batten::Tilted, 20000, 0, defaults);
-  Row("Franke", batten::Franke, 20000, 0, defaults);
-  Row("Franke", batten::Franke, 100000, 0, defaults);
-  Row("Franke", batten::Franke, 1000000, 0, defaults);
-  Row("Franke, 1 % outliers", batten::Franke, 20000, 0.01, defaults);
-  Row("Franke, 20 % outliers", batten::Franke, 20000, 0.2, defaults);
-  Row("Franke, 12 × 12, linear only", batten::Franke, 20000, 0, coarse_linear);
-  Row("Franke, 12 × 12, joint stage", batten::Franke, 20000, 0, coarse);
+  SurfaceFitOptions coarse_linear = coarse;
+  coarse_linear.optimize = Freedom{};
+  Row("plane", Tilted, 20000, 0, defaults);
+  Row("Franke", Franke, 20000, 0, defaults);
+  Row("Franke", Franke, 100000, 0, defaults);
+  Row("Franke", Franke, 1000000, 0, defaults);
+  Row("Franke, 1 % outliers", Franke, 20000, 0.01, defaults);
+  Row("Franke, 20 % outliers", Franke, 20000, 0.2, defaults);
+  Row("Franke, 12 × 12, linear only", Franke, 20000, 0, coarse_linear);
+  Row("Franke, 12 × 12, joint stage", Franke, 20000, 0, coarse);
   return EXIT_SUCCESS;
 }

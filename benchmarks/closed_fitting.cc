@@ -19,7 +19,10 @@
 #include "batten/fitting/statistics.h"
 #include "closed_oracle.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 constexpr int kSeeds = 3;
@@ -134,11 +137,11 @@ void PrintTable(std::span<const std::string> words) {
 }
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main(int argc, char** argv) {
   try {
-    batten::PrintTable(std::vector<std::string>(argv + 1, argv + argc));
+    PrintTable(std::vector<std::string>(argv + 1, argv + argc));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

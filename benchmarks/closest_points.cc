@@ -15,7 +15,7 @@
 
 #include "batten/geometry/foot_point.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 constexpr int kNet = 24, kQueries = 4096;
@@ -239,6 +239,6 @@ void GlobalOnCurveOpenCascade(benchmark::State& state) {
 BENCHMARK(GlobalOnCurveOpenCascade);
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 BENCHMARK_MAIN();

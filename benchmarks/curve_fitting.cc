@@ -17,7 +17,10 @@
 #include "batten/fitting/statistics.h"
 #include "known_curves.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 constexpr int kSeeds = 5;
@@ -217,13 +220,13 @@ void PrintConics() {
 }
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main() {
   try {
-    batten::PrintFreeForms();
-    batten::PrintPrimitives();
-    batten::PrintConics();
+    PrintFreeForms();
+    PrintPrimitives();
+    PrintConics();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "curve_fitting: %s\n", error.what());
     return 1;

@@ -15,7 +15,7 @@
 #include "batten/geometry/surface_evaluator.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 constexpr int kSize = 24, kDegree = 3, kParameters = 1 << 14;
@@ -230,6 +230,6 @@ BENCHMARK_CAPTURE(MakeTables, polynomial, Weights::kNone)->Unit(benchmark::kMicr
 BENCHMARK_CAPTURE(MakeTables, wild, Weights::kWild)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 BENCHMARK_MAIN();

@@ -15,7 +15,10 @@
 #include "job_results.h"
 #include "known_grids.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 constexpr int kFiner = 4, kMostPlaces = 2000;
@@ -58,7 +61,7 @@ void Run(int lines, double tolerance, ThreadPool& pool) {
 }
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main(int argc, char** argv) {
   const int lines = argc > 2 ? std::atoi(argv[1]) : 0;
@@ -66,7 +69,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: grid_fitting LINES THREADS [TOLERANCE]\n");
     return 2;
   }
-  batten::ThreadPool pool(std::atoi(argv[2]));
-  batten::Run(lines, argc > 3 ? std::atof(argv[3]) : 0, pool);
+  ThreadPool pool(std::atoi(argv[2]));
+  Run(lines, argc > 3 ? std::atof(argv[3]) : 0, pool);
   return 0;
 }

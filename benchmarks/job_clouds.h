@@ -13,7 +13,7 @@
 #include "known_curves.h"
 #include "known_sheets.h"
 
-namespace batten {
+namespace batten::internal {
 
 // S1: heights of Franke's function, σ = 1e-3; S2: the shell bent by 200°, σ = 1e-3; V: the vase
 // with ripples, closed, σ = 1e-3 of its size; C1: the ordered helix, σ = 1e-4; C2: the unordered
@@ -48,4 +48,4 @@ inline KnownCurve CurveOfKind(const std::string& kind) {
   throw std::invalid_argument("no kind of curve " + kind + ": C1 or C2");
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -14,7 +14,7 @@
 
 #include "batten/fitting/statistics.h"
 
-namespace batten {
+namespace batten::internal {
 
 // Seconds on the wall and of the processor, of all threads, since it was made.
 class JobClock {
@@ -88,4 +88,4 @@ inline Eigen::Matrix3Xd ReadPoints(const std::string& path) {
   return points;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

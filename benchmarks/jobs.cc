@@ -17,14 +17,18 @@
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/joint_stage.h"
+#include "fitting/joint/joint_stage.h"
+#include "batten/fitting/solve_linear.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "jittered_shell.h"
 #include "job_clouds.h"
 #include "job_results.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 using Words = std::span<const std::string>;
@@ -255,19 +259,19 @@ const std::map<std::string, Job> kJobs = {
 };
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
-  const auto job = words.empty() ? batten::kJobs.end() : batten::kJobs.find(words[0]);
-  if (job == batten::kJobs.end() || words.size() != job->second.words + 1) {
-    for (const auto& [name, known] : batten::kJobs) {
+  const auto job = words.empty() ? kJobs.end() : kJobs.find(words[0]);
+  if (job == kJobs.end() || words.size() != job->second.words + 1) {
+    for (const auto& [name, known] : kJobs) {
       std::fprintf(stderr, "usage: jobs %s %s\n", name.c_str(), known.usage);
     }
     return 2;
   }
   try {
-    job->second.run(batten::Words(words).subspan(1));
+    job->second.run(Words(words).subspan(1));
     std::printf("\n");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "jobs: %s\n", error.what());

@@ -21,7 +21,10 @@
 #include "optimisation_runs.h"
 #include "optimisation_shapes.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 constexpr int kThreads = 2;
@@ -405,16 +408,16 @@ void PrintKnots(ThreadPool& pool) {
 }
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main(int argc, char** argv) {
-  const std::pair<std::string_view, void (*)(batten::ThreadPool&)> tables[] = {
-      {"shell", batten::PrintShell},
-      {"coarse", batten::PrintCoarse},
-      {"curves", batten::PrintCurves},
-      {"settled", batten::PrintSettled},
-      {"conics", batten::PrintConics},
-      {"knots", batten::PrintKnots}};
+  const std::pair<std::string_view, void (*)(ThreadPool&)> tables[] = {
+      {"shell", PrintShell},
+      {"coarse", PrintCoarse},
+      {"curves", PrintCurves},
+      {"settled", PrintSettled},
+      {"conics", PrintConics},
+      {"knots", PrintKnots}};
   const std::string_view chosen = argc > 1 ? argv[1] : "";
   const bool known = std::any_of(std::begin(tables), std::end(tables), [&](const auto& table) {
     return table.first == chosen;
@@ -423,13 +426,13 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: joint_optimisation [shell|coarse|curves|settled|conics|knots]\n");
     return 2;
   }
-  batten::ThreadPool pool(batten::kThreads);
-  std::printf("%d threads\n", batten::kThreads);
+  ThreadPool pool(kThreads);
+  std::printf("%d threads\n", kThreads);
   double peak = 0;
   for (const auto& [name, print] : tables) {
     if (!chosen.empty() && name != chosen) continue;
     print(pool);
-    peak = std::max(peak, batten::PeakMemory::Megabytes());
+    peak = std::max(peak, PeakMemory::Megabytes());
   }
   std::printf("\npeak memory %.0f MB\n", peak);
   return 0;

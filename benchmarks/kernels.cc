@@ -12,13 +12,14 @@
 #include <flann/flann.hpp>
 #pragma GCC diagnostic pop
 
-#include "batten/fitting/fitting_bases.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/grid_selection.h"
+#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/neighbours.h"
+#include "batten/fitting/solve_linear.h"
 #include "known_clouds.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 FittingProblem Problem(Eigen::Index count, int cells) {
@@ -73,6 +74,6 @@ void NeighboursByFlann(benchmark::State& state) {
 BENCHMARK(NeighboursByFlann)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 BENCHMARK_MAIN();

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace batten {
+namespace batten::internal {
 
 // A place of a formula with its derivatives.
 struct FormulaJet {
@@ -268,4 +268,4 @@ inline TruthError ErrorAgainst(const KnownCurve& curve, const Eigen::Matrix3Xd& 
   return error;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -17,10 +17,11 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/solve_linear.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "jittered_shell.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct KnownSheet {
   std::string name;
@@ -279,4 +280,4 @@ class UniformOracle {
   std::shared_ptr<const FittingData> data_;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -13,15 +13,16 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/joint_stage.h"
+#include "fitting/joint/joint_stage.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/progress.h"
+#include "batten/fitting/solve_linear.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
 
-namespace batten {
+namespace batten::internal {
 
 // A shape and the data it is meant for, whose parameters are where foot points are searched from.
 struct FittedShape {
@@ -204,4 +205,4 @@ inline MethodRun WholeOptimiser(const FittedShape& start, double limit, ThreadPo
           result.note};
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -9,7 +9,7 @@
 
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline double Uniform(std::mt19937_64& engine) {
   return std::uniform_real_distribution<double>(0, 1)(engine);
@@ -93,4 +93,4 @@ inline double Titanium(double x) {
   return kProperty[std::lround((x - 595) / 10)];
 }
 
-}  // namespace batten
+}  // namespace batten::internal

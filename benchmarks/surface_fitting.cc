@@ -17,7 +17,10 @@
 #include "batten/geometry/surface_evaluator.h"
 #include "known_sheets.h"
 
-namespace batten {
+using namespace batten;
+using namespace batten::internal;
+
+namespace batten::internal {
 namespace {
 
 constexpr int kSeeds = 3;
@@ -148,12 +151,12 @@ void PrintSheets(std::span<const std::string> words) {
 }
 
 }  // namespace
-}  // namespace batten
+}  // namespace batten::internal
 
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
-    batten::PrintSheets(words);
+    PrintSheets(words);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "surface_fitting: %s\n", error.what());
     return 1;

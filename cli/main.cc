@@ -3,7 +3,7 @@
 #include <malloc.h>
 #endif
 
-#include "batten/cli/program.h"
+#include "cli/commands/program.h"
 
 namespace {
 
@@ -20,5 +20,5 @@ void KeepMemory() {
 
 int main(int argc, char** argv) {
   KeepMemory();
-  return batten::RunProgram(argc, argv);
+  return batten::internal::RunProgram(argc, argv);
 }

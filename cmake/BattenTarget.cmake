@@ -1,23 +1,69 @@
 # SPDX-License-Identifier: MIT
-# What every target of batten shares: warnings, include root, and how a library folder becomes
-# batten::<folder>.
+# What every target of batten shares: warnings, include roots, and how the rooms of a folder become batten::<folder>.
 
 add_library(batten_flags INTERFACE)
-target_compile_options(batten_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+target_compile_options(batten_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
                        -Woverloaded-virtual -Wcast-qual -Wno-psabi
+                       # In one translation unit a local name of one file hides that of another: no mistake there.
+                       $<IF:$<BOOL:${BATTEN_UNITY}>,-Wno-subobject-linkage,-Wshadow>
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # GCC bug 105651: false alarms in std::string
                        $<$<BOOL:${BATTEN_WARNINGS_AS_ERRORS}>:-Werror>)
+target_include_directories(batten_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
+# An executable maps the libraries it calls and no others.
+target_link_options(batten_flags INTERFACE LINKER:--as-needed)
 
-# batten_library(NAME source...): the library of one folder. In the build tree its headers are
-# included as "batten/<folder>/x.h" through a link to the source folder; installed, the same.
+# Where the modules that are loaded when needed are installed.
+set(BATTEN_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/batten)
+
+# Lines of source that one unity file takes at most: a translation unit stays under a minute.
+set(BATTEN_UNITY_LINES 4500)
+
+# batten_unite(TARGET NAME source...): compiles the sources of one room in a few translation units, in alphabetical
+# order, so that the headers of Eigen are read and its templates instantiated once for all of them. Kernels
+# (*_kernel.cc, *_kernels.cc) stay alone: what is inlined into them depends on nothing else.
+function(batten_unite TARGET NAME)
+  set(group 0)
+  set(lines ${BATTEN_UNITY_LINES})
+  foreach(source IN LISTS ARGN)
+    if(source MATCHES "_kernels?\\.cc$")
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
+    file(STRINGS ${source} text)
+    list(LENGTH text length)
+    math(EXPR lines "${lines} + ${length}")
+    if(lines GREATER BATTEN_UNITY_LINES)
+      math(EXPR group "${group} + 1")
+      set(lines ${length})
+    endif()
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${NAME}_${group})
+  endforeach()
+  target_sources(${TARGET} PRIVATE ${ARGN})
+  if(BATTEN_UNITY)
+    set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  endif()
+endfunction()
+
+# batten_rooms(TARGET room...): adds the sources of the rooms, folders beside the calling CMakeLists.txt.
+function(batten_rooms TARGET)
+  foreach(room IN LISTS ARGN)
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${room}/*.cc)
+    if(NOT sources)
+      message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR}/${room}: no sources")
+    endif()
+    batten_unite(${TARGET} ${room} ${sources})
+  endforeach()
+endfunction()
+
+# batten_library(NAME room...): the library of one folder, its rooms in their order, lowest first. Its public headers are
+# the files of include/batten/NAME: what is installed, each of which compiles alone.
 function(batten_library NAME)
-  add_library(batten_${NAME} ${ARGN})
+  add_library(batten_${NAME})
   add_library(batten::${NAME} ALIAS batten_${NAME})
   set_target_properties(batten_${NAME} PROPERTIES EXPORT_NAME ${NAME})
   target_compile_features(batten_${NAME} PUBLIC cxx_std_20)
-  target_include_directories(batten_${NAME} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  batten_rooms(batten_${NAME} ${ARGN})
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/batten/${NAME}/*.h)
+  target_sources(batten_${NAME} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${headers})
   target_link_libraries(batten_${NAME} PRIVATE $<BUILD_INTERFACE:batten_flags>)
-  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include/batten)
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${NAME} ${PROJECT_BINARY_DIR}/include/batten/${NAME} SYMBOLIC)
 endfunction()

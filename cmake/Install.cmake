@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: MIT
-# Installs headers as <batten/folder/x.h>, the libraries as batten::folder, and the program.
+# Installs the public headers as <batten/folder/x.h>, the libraries as batten::folder, the module and the program.
 include(CMakePackageConfigHelpers)
 
+# Programs that link batten::io statically find the module by their run path.
+target_link_options(batten_io INTERFACE $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${BATTEN_MODULE_DIR}>)
 install(TARGETS batten_geometry batten_fitting batten_io EXPORT battenTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR})
 install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(FILES cli/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten)
-include(cmake/InternalHeaders.cmake)
-foreach(folder geometry fitting io)
-  file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${folder}/*.h)
-  list(REMOVE_ITEM headers ${BATTEN_INTERNAL_HEADERS})
-  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${folder})
-endforeach()
+install(FILES cli/terminal/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten)
 install(EXPORT battenTargets NAMESPACE batten:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 configure_package_config_file(cmake/battenConfig.cmake.in ${PROJECT_BINARY_DIR}/battenConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)

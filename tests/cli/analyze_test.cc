@@ -10,8 +10,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::analyze_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -264,5 +263,4 @@ TEST_F(AnalyzeTest, TextForPeopleHoldsTheSame) {
               AllOf(HasSubstr("Examples:"), HasSubstr("--position-tolerance"), HasSubstr("1e-09")));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::analyze_test

@@ -9,8 +9,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::bad_input_test {
 
 using ::testing::HasSubstr;
 
@@ -398,5 +397,4 @@ TEST_F(BadInputTest, CountsOfIgesAreHeldAgainstItsNumbers) {
   ExpectRefused({"info", path}, 1, {path, "line 3", "parameters are not in the file"});
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::bad_input_test

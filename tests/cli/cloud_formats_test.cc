@@ -9,8 +9,7 @@
 #include "../io/las_bytes.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::cloud_formats_test {
 
 using ::testing::HasSubstr;
 
@@ -120,5 +119,4 @@ TEST_F(CloudFormatsTest, ColumnsNamedByTheExtensionCanChooseRows) {
       (Json{{0, 0, 1}, {0, 0, 1}}));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::cloud_formats_test

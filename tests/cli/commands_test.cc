@@ -6,8 +6,7 @@
 #include "batten/io/geometry_file.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::commands_test {
 
 using ::testing::HasSubstr;
 
@@ -321,5 +320,4 @@ TEST_F(CommandsTest, InterruptedWorkLeavesNothingWithinASecond) {
   }
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::commands_test

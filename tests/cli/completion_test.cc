@@ -12,8 +12,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::completion_test {
 
 using ::testing::Contains;
 using ::testing::Each;
@@ -209,7 +208,7 @@ TEST_F(CompletionTest, NothingTypedMakesItFail) {
 }
 
 TEST_F(CompletionTest, TheScriptIsTheOneThatIsInstalled) {
-  std::ifstream file(std::string(BATTEN_SOURCE_DIR) + "/cli/batten.bash");
+  std::ifstream file(std::string(BATTEN_SOURCE_DIR) + "/cli/terminal/batten.bash");
   std::ostringstream text;
   text << file.rdbuf();
   EXPECT_EQ(Batten({"completion", "bash"}).out, text.str());
@@ -217,5 +216,4 @@ TEST_F(CompletionTest, TheScriptIsTheOneThatIsInstalled) {
   EXPECT_THAT(Batten({"completion", "bsh"}).err, ::testing::HasSubstr("'bash'"));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::completion_test

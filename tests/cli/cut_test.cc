@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "batten/cli/edit_operations.h"
+#include "cli/arguments/edit_operations.h"
 #include "batten/geometry/arc_length.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
@@ -14,13 +14,11 @@
 #include "batten/io/read_error.h"
 #include "run_program.h"
 #include "tolerances.h"
+#include "angles.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::cut_test {
 
 using ::testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 class CutTest : public ::testing::Test {
  protected:
@@ -142,5 +140,4 @@ TEST_F(CutTest, TrimKeepsTheInsideOrTheOutsideOfACurve) {
   EXPECT_THROW(Applied("trim:curve=" + folder_.File("none.json"), plate_), ReadError);
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::cut_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "batten/cli/edit_operations.h"
+#include "cli/arguments/edit_operations.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "exact_shapes.h"
@@ -11,8 +11,7 @@
 #include "test_clouds.h"
 #include "tolerances.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::edit_test {
 
 using ::testing::HasSubstr;
 
@@ -504,5 +503,4 @@ TEST_F(EditTest, HelpListsEveryOperation) {
   }
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::edit_test

@@ -9,8 +9,7 @@
 #include "test_clouds.h"
 #include "tolerances.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::evaluate_test {
 
 using ::testing::HasSubstr;
 
@@ -212,5 +211,4 @@ TEST_F(EvaluateTest, ManyParametersStream) {
   EXPECT_LT(run.peak_bytes, kBytes + MemoryAtStart());
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::evaluate_test

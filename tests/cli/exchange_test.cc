@@ -12,8 +12,7 @@
 #include "batten/io/geometry_file.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::exchange_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -154,5 +153,4 @@ TEST_F(ExchangeTest, OddFilesAreReadAndSaidToBeOdd) {
   }
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::exchange_test

@@ -5,8 +5,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_bounded_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -176,5 +175,4 @@ TEST_F(FitBoundedCommandTest, FlagsThatContradictAreRefused) {
   }
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_bounded_test

@@ -9,8 +9,7 @@
 #include "closed_shapes.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_closed_test {
 
 using ::testing::HasSubstr;
 
@@ -189,5 +188,4 @@ TEST_F(FitClosedCommandTest, HelpNamesBasesAndDirections) {
   }
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_closed_test

@@ -5,8 +5,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_curve_test {
 
 using ::testing::HasSubstr;
 
@@ -236,5 +235,4 @@ TEST_F(FitCurveCommandTest, TakesParametersFromPlyByTheirNames) {
   EXPECT_EQ(folder_.Text("out.json"), from_text);
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_curve_test

@@ -5,14 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "test_clouds.h"
+#include "angles.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_curve_unordered_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 double Uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1p-53; }
 
@@ -311,5 +309,4 @@ TEST_F(FitCurveUnorderedTest, PointsOfASurfaceAreRefused) {
   ExpectRefused({std::string(BATTEN_SOURCE_DIR) + "/data/panel.ply"}, 1, "no curve is found");
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_curve_unordered_test

@@ -5,8 +5,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_primitive_test {
 
 using ::testing::HasSubstr;
 
@@ -221,5 +220,4 @@ TEST_F(FitPrimitiveCommandTest, GivesTheSameBytesEveryTime) {
   EXPECT_EQ(folder_.Text("out.json"), once);
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_primitive_test

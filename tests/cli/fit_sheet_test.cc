@@ -7,8 +7,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_sheet_test {
 
 using ::testing::HasSubstr;
 
@@ -251,5 +250,4 @@ TEST_F(FitSheetCommandTest, ACloudFarFromZeroFitsAsWellAsAtTheOrigin) {
   EXPECT_NEAR(moved["error"]["rms"].get<double>(), rms, 1e-3 * rms);
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_sheet_test

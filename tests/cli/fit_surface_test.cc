@@ -5,8 +5,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::fit_surface_test {
 
 using ::testing::HasSubstr;
 
@@ -304,5 +303,4 @@ TEST_F(FitSurfaceCommandTest, DevicesAreWrittenAndLinksAreFollowed) {
   EXPECT_THAT(folder_.Text("real.json"), HasSubstr("\"surface\""));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::fit_surface_test

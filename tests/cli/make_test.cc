@@ -15,8 +15,7 @@
 #include "run_program.h"
 #include "tolerances.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::make_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -235,5 +234,4 @@ TEST_F(MakeTest, HelpShowsDefaultsAndExamples) {
   EXPECT_THAT(sphere, HasSubstr("DEGREES=360"));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::make_test

@@ -5,8 +5,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::optimize_test {
 
 using ::testing::HasSubstr;
 
@@ -130,5 +129,4 @@ TEST_F(OptimizeCommandTest, SaysWhyItDoesNotStart) {
   EXPECT_EQ(report["optimize"]["rms_before"], report["optimize"]["rms_after"]);
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::optimize_test

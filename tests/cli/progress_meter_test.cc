@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the progress bar says of stages, rates and time.
-#include "batten/cli/progress_meter.h"
+#include "cli/terminal/progress_meter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,7 @@
 #include <algorithm>
 #include <random>
 
-namespace batten {
-namespace {
+namespace batten::internal::progress_meter_test {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -147,5 +146,4 @@ TEST(ProgressLineTest, WhatIsNotKnownIsLeftOut) {
   EXPECT_THAT(ProgressLine({"prepare", 0.1, 3, "", 7200.0, false}, 80), EndsWith("2:00:00 left"));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::progress_meter_test

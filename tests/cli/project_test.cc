@@ -14,8 +14,7 @@
 #include "test_clouds.h"
 #include "tolerances.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::project_test {
 
 using ::testing::HasSubstr;
 
@@ -201,5 +200,4 @@ TEST_F(ProjectTest, ManyPointsStream) {
   EXPECT_EQ(Batten({"project", sphere_, cloud, "--quiet"}).out, "");
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::project_test

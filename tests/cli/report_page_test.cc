@@ -11,11 +11,10 @@
 #include <numeric>
 #include <sstream>
 
-#include "batten/cli/shell_words.h"
+#include "cli/terminal/shell_words.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::report_page_test {
 
 using ::testing::HasSubstr;
 
@@ -253,5 +252,4 @@ TEST_F(ReportPageTest, FilesThatAreReadAreNotWrittenOver) {
   EXPECT_EQ(folder_.Text("table.csv"), "0 0 0\n");
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::report_page_test

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace batten {
+namespace batten::internal {
 
 struct TerminalSetting {
   int columns = 80;
@@ -159,4 +159,4 @@ class TerminalRun {
   std::string seen_;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -21,7 +21,7 @@
 
 #include "../io/temporary_folder.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct ProgramRun {
   int code = -1;  // 128 + the signal's number where one ended it
@@ -84,4 +84,4 @@ inline std::int64_t MemoryAtStart() {
   return bytes;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

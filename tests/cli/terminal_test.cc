@@ -10,8 +10,7 @@
 #include "run_on_terminal.h"
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::terminal_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -180,5 +179,4 @@ TEST_F(TerminalTest, JsonHasNoColours) {
   EXPECT_THAT(run.seen(), Not(HasSubstr("\033")));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::terminal_test

@@ -13,8 +13,7 @@
 #include "batten/io/geometry_file.h"
 #include "run_program.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::tessellate_test {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -101,5 +100,4 @@ TEST_F(TessellateCommandTest, WhatCannotBeIsRefused) {
   ExpectRefused({"tessellate", File("none.json"), "-o", File("a.stl")}, 1, "none.json");
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::tessellate_test

@@ -12,7 +12,7 @@
 
 #include "run_program.h"
 
-namespace batten {
+namespace batten::internal {
 
 using Json = nlohmann::json;
 using Row = std::vector<double>;
@@ -80,4 +80,4 @@ inline const char* const kParabola =
     R"({"shape": {"type": "curve", "count": 1, "data": [{"type": "spline", "rational": false, "dimension": 2,
     "degree": 2, "knotvector": [0,0,0,1,1,1], "control_points": {"points": [[0,0],[1,2],[2,0]]}}]}})";
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -8,8 +8,7 @@
 
 #include "test_clouds.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::usage_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -308,5 +307,4 @@ TEST_F(UsageTest, TheVersionIsPrintedQuickly) {
   EXPECT_LT(run.seconds, 0.5);  // 0.15 on a machine of its own
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::usage_test

@@ -7,7 +7,7 @@
 #include "fuzz_targets.h"
 #include "memory_file.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 void RequireWhole(const CloudFile& file) {
@@ -76,4 +76,4 @@ void FuzzObj(std::string_view bytes) { ReadEveryWay(bytes, "obj"); }
 void FuzzStl(std::string_view bytes) { ReadEveryWay(bytes, "stl"); }
 void FuzzOff(std::string_view bytes) { ReadEveryWay(bytes, "off"); }
 
-}  // namespace batten
+}  // namespace batten::internal

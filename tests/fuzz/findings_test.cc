@@ -13,8 +13,7 @@
 #include "fuzz_targets.h"
 #include "memory_file.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::findings_test {
 
 using ::testing::HasSubstr;
 
@@ -123,5 +122,4 @@ TEST(FuzzFindingsTest, PointsOutsideTheBoxAreNoHolesOfTheirGrid) {
   EXPECT_THAT(read.missing, ::testing::ElementsAre(2));
 }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::findings_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace batten {
+namespace batten::internal {
 
 // A law the reader has broken.
 class BrokenLaw : public std::logic_error {
@@ -45,4 +45,4 @@ void FuzzStep(std::string_view bytes);
 // The file that FuzzIgesEntities reads.
 std::string LaidOutIges(std::string_view entities);
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -7,7 +7,7 @@
 #include "batten/io/read_error.h"
 #include "fuzz_targets.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 // Shares of a domain: both ends, and places within.
@@ -56,4 +56,4 @@ void RequireGeometryLaws(const std::vector<Geometry>& geometry) {
   RequireLaw(text == again, "what was read and written reads back the same");
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -6,10 +6,10 @@
 
 #include "batten/io/geometry_file.h"
 
-namespace batten {
+namespace batten::internal {
 
 // Throws BrokenLaw unless there is a geometry, points on it are finite, and it is the same again
 // after writing and reading it as JSON.
 void RequireGeometryLaws(const std::vector<Geometry>& geometry);
 
-}  // namespace batten
+}  // namespace batten::internal

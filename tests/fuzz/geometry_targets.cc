@@ -7,12 +7,12 @@
 #include "batten/io/geometry_json.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/read_error.h"
-#include "batten/io/step_syntax.h"
+#include "io/exchange/step_syntax.h"
 #include "fuzz_targets.h"
 #include "geometry_laws.h"
 #include "memory_file.h"
 
-namespace batten {
+namespace batten::internal {
 namespace {
 
 // The text in lines of the width, each with its section and number: columns 73 and 74 to 80.
@@ -112,4 +112,4 @@ void FuzzStepSyntax(std::string_view bytes) {
   }
 }
 
-}  // namespace batten
+}  // namespace batten::internal

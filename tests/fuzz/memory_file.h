@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace batten {
+namespace batten::internal {
 
 // The path of a descriptor.
 inline std::string DescriptorPath(int descriptor) {
@@ -64,4 +64,4 @@ class MemoryPipe {
   int descriptors_[2];
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -16,8 +16,7 @@
 
 #include "fuzz_targets.h"
 
-namespace batten {
-namespace {
+namespace batten::internal::smoke_test {
 
 // CPU time that no file of a few thousand bytes may take, and memory that none may add.
 constexpr double kMostSeconds = 1;
@@ -174,5 +173,4 @@ TEST(FuzzSmokeTest, StepSyntaxIsAcceptedOrRefused) { Smoke("step_syntax", FuzzSt
 // OpenCASCADE behind it takes milliseconds a file, and some memory once.
 TEST(FuzzSmokeTest, StepIsReadOrRefused) { Smoke("step", FuzzStep, 60); }
 
-}  // namespace
-}  // namespace batten
+}  // namespace batten::internal::smoke_test

@@ -6,7 +6,7 @@
 #include "geometry_laws.h"
 #include "memory_file.h"
 
-namespace batten {
+namespace batten::internal {
 
 void FuzzStep(std::string_view bytes) {
   const MemoryFile file(bytes);
@@ -19,4 +19,4 @@ void FuzzStep(std::string_view bytes) {
   RequireGeometryLaws(geometry);
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -12,11 +12,11 @@
 
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
-#include "batten/geometry/rational_derivatives.h"
+#include "geometry/nurbs/rational_derivatives.h"
+#include "geometry/numeric/constants.h"
 
-namespace batten {
+namespace batten::internal {
 
-inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
@@ -157,4 +157,4 @@ inline Sized ExtendedSurface(
   return s;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

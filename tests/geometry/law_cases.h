@@ -9,7 +9,7 @@
 
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline constexpr int kHighestDegree = 11;
 inline constexpr int kBasisKinds = 3;
@@ -76,4 +76,4 @@ auto AnyOf(const Values& values, RandomSplines& random) {
   return values[static_cast<size_t>(random.Integer(0, static_cast<int>(values.size()) - 1))];
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -12,7 +12,7 @@
 #include "batten/geometry/nurbs_surface.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 // A turn, a scale between 1e-9 and 1e9 and a shift of at most ten times the scaled size.
 struct Placement {
@@ -95,4 +95,4 @@ inline NurbsCurve<2> Shifted(const NurbsCurve<2>& curve, double scale, double x,
                        curve.weights());
 }
 
-}  // namespace batten
+}  // namespace batten::internal

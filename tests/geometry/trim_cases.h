@@ -13,7 +13,7 @@
 #include "batten/geometry/trim_region.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 // A circle of four rational arcs, or an ellipse with its axes along u and v.
 inline NurbsCurve<2> Ellipse(const Eigen::Vector2d& centre,
@@ -125,4 +125,4 @@ inline bool NearLoop(const TrimRegion& region, const NurbsSurface& surface, doub
   return region.CoverOf({u - a, u + a, v - b, v + b}) == TrimRegion::Cover::kCut;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

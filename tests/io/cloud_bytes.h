@@ -18,7 +18,7 @@
 #include "batten/io/read_cloud.h"
 #include "temporary_folder.h"
 
-namespace batten {
+namespace batten::internal {
 
 template <class T>
 std::string LittleEndian(T value) {
@@ -130,4 +130,4 @@ inline double PeakMemory() {
   return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

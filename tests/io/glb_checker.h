@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace batten {
+namespace batten::internal {
 
 // A mesh as a viewer shows it: vertices in the scene's frame.
 struct GlbMesh {
@@ -208,4 +208,4 @@ class GlbChecker {
   int index_bytes_ = 0;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -8,7 +8,7 @@
 
 #include "cloud_bytes.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct LasPoint {
   std::int32_t x = 0, y = 0, z = 0;
@@ -124,4 +124,4 @@ inline Eigen::Matrix3Xd WorldOf(const std::vector<LasPoint>& points, const LasSh
   return world;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

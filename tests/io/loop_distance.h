@@ -11,7 +11,7 @@
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 // The farthest that a place of `a` is from `b`; u and v are scaled to the domain.
 inline double OneSidedDistance(const NurbsCurve<2>& a,
@@ -55,4 +55,4 @@ inline void ExpectSameLoops(const NurbsSurface& read,
   }
 }
 
-}  // namespace batten
+}  // namespace batten::internal

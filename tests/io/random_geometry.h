@@ -10,7 +10,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 class RandomGeometry {
  public:
@@ -72,4 +72,4 @@ class RandomGeometry {
   std::mt19937 generator_;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -12,7 +12,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 class RandomTrims {
  public:
@@ -142,4 +142,4 @@ class RandomTrims {
   std::mt19937 generator_;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace batten {
+namespace batten::internal {
 
 class TemporaryFolder {
  public:
@@ -47,4 +47,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace batten
+}  // namespace batten::internal

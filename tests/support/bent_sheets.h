@@ -14,7 +14,7 @@
 
 #include "jittered_shell.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct BentSheet {
   std::string name;
@@ -219,4 +219,4 @@ inline Eigen::Matrix3Xd SheetTruth(const BentSheet& sheet, int side) {
       points.data()->data(), 3, static_cast<Eigen::Index>(points.size()));
 }
 
-}  // namespace batten
+}  // namespace batten::internal

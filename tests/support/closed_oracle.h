@@ -21,7 +21,7 @@
 #include "batten/geometry/thread_pool.h"
 #include "closed_shapes.h"
 
-namespace batten {
+namespace batten::internal {
 
 // How many control points are free: repeats of a periodic direction and rows at poles count once.
 inline int FreePointsOf(const NurbsSurface& surface) {
@@ -320,4 +320,4 @@ inline PoleView ViewPole(const NurbsSurface& surface, bool at_start) {
   return view;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

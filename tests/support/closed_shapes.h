@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-namespace batten {
+namespace batten::internal {
 
 // The profile, turned about the z axis by u in [0, angle].
 struct TurnedShape {
@@ -274,4 +274,4 @@ inline TurnedFoot FootOn(const TurnedShape& shape, const Eigen::Vector3d& p) {
   return {std::sqrt(square(v)), u, v};
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -5,8 +5,9 @@
 cmake_policy(VERSION 3.25)
 set(failures "")
 file(GLOB comparators ${ROOT}/benchmarks/peers/*.h ${ROOT}/benchmarks/peers/*.c ${ROOT}/benchmarks/peers/*.cc)
-file(GLOB house ${ROOT}/geometry/* ${ROOT}/fitting/* ${ROOT}/io/* ${ROOT}/cli/* ${ROOT}/benchmarks/*.h
-     ${ROOT}/benchmarks/*.cc ${ROOT}/tests/*/*.h ${ROOT}/tests/*/*.cc)
+file(GLOB house ${ROOT}/include/batten/*/* ${ROOT}/geometry/*/* ${ROOT}/fitting/*/* ${ROOT}/io/*/*
+     ${ROOT}/cli/*/* ${ROOT}/benchmarks/*.h ${ROOT}/benchmarks/*.cc ${ROOT}/tests/*/*.h ${ROOT}/tests/*/*.cc
+     ${ROOT}/tests/*/*/*.cc)
 list(FILTER house INCLUDE REGEX "\\.(h|cc)$")
 if(NOT comparators OR NOT house)
   message(FATAL_ERROR "no sources in ${ROOT}")

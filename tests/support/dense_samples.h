@@ -13,7 +13,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 // `count` parameters or a few more: equally many in every span, knots included.
 inline std::vector<double> DenseParameters(const SplineBasis& basis, int count) {
@@ -111,4 +111,4 @@ double DenseDistance(const NurbsCurve<Dim>& curve,
   return best;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

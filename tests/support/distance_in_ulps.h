@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace batten {
+namespace batten::internal {
 
 // The gap to the next larger double.
 inline double Ulp(double value) {
@@ -39,4 +39,4 @@ inline Extended3 AcrossAxis(const Eigen::Vector3d& point,
          (from[0] * direction[0] + from[1] * direction[1] + from[2] * direction[2]) * direction;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

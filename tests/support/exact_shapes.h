@@ -13,7 +13,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 // The quadratic basis of `quarters` quarter circles, on [0, 1].
 inline SplineBasis ArcBasis(int quarters) {
@@ -87,4 +87,4 @@ inline NurbsSurface Torus(double major, double minor) {
   return Revolved(ArcBasis(4), profile, arc.row(2).transpose());
 }
 
-}  // namespace batten
+}  // namespace batten::internal

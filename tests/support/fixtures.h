@@ -17,7 +17,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten::fixtures {
+namespace batten::internal::fixtures {
 
 using Json = nlohmann::json;
 
@@ -100,4 +100,4 @@ void CheckAll(const std::string& file, const Check& check) {
   }
 }
 
-}  // namespace batten::fixtures
+}  // namespace batten::internal::fixtures

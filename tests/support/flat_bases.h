@@ -6,10 +6,10 @@
 #include <numeric>
 #include <vector>
 
-#include "batten/fitting/surface_base.h"
+#include "fitting/parameterization/surface_base.h"
 #include "bent_sheets.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline std::vector<Eigen::Index> AllOf(const Eigen::Matrix3Xd& points) {
   std::vector<Eigen::Index> all(static_cast<size_t>(points.cols()));
@@ -43,4 +43,4 @@ inline SurfaceBase InUnit(double unit, SurfaceBase base) {
   return base;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -13,7 +13,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline Eigen::Vector3d Shell(double u, double v) {
   using std::numbers::pi;
@@ -71,4 +71,4 @@ inline double ShellTruthRms(const NurbsSurface& surface, ThreadPool& pool) {
   return std::sqrt(DistancesTo(surface, truth, pool).distances.squaredNorm() / (kSide * kSide));
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/joint_feet.h"
+#include "fitting/foot_points/joint_feet.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct JointCase {
   FittingProblem problem;
@@ -166,4 +166,4 @@ inline JointCase RandomJointCase(RandomSplines& random, const JointKind& kind) {
   return {std::move(problem), std::move(shape.net), std::move(shape.weights)};
 }
 
-}  // namespace batten
+}  // namespace batten::internal

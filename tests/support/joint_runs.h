@@ -9,10 +9,10 @@
 #include <functional>
 #include <string>
 
-#include "batten/fitting/joint_stage.h"
+#include "fitting/joint/joint_stage.h"
 #include "joint_cases.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline JointResult Solved(const JointCase& c, const JointOptions& options, int threads = 1) {
   ThreadPool pool(threads);
@@ -78,4 +78,4 @@ inline void ExpectWellFormed(const JointResult& result, const JointCase& c) {
   if (!c.problem.is_curve()) same_domain(result.problem.basis_v(), c.problem.basis_v());
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace batten {
+namespace batten::internal {
 
 // Franke's test function on the unit square. [Franke 1979]
 inline double Franke(double x, double y) {
@@ -55,4 +55,4 @@ Eigen::Matrix3Xd TruthGrid(Height height, int side) {
   return points;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

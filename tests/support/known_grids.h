@@ -9,7 +9,7 @@
 
 #include "batten/fitting/grid_data.h"
 
-namespace batten {
+namespace batten::internal {
 
 // Franke's function on the unit square. [Franke 1979]
 inline double Franke(double x, double y) {
@@ -72,4 +72,4 @@ inline PointNet Shaken(PointNet net, double size, unsigned seed) {
   return net;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -11,10 +11,10 @@
 #include <random>
 #include <variant>
 
-#include "batten/fitting/fitted_surface.h"
+#include "fitting/primitives/fitted_surface.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline double DistanceTo(const SurfaceShape& shape, const Eigen::Vector3d& p) {
   const auto place = [&](const Eigen::Vector3d& on_axis, const Eigen::Vector3d& axis) {
@@ -183,4 +183,4 @@ inline Eigen::Matrix3Xd RandomPoints(const MeasuredShape& shape,
   return points;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -11,7 +11,7 @@
 #include "exact_shapes.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline constexpr int kNastyKinds = 18;
 
@@ -119,4 +119,4 @@ inline NurbsSurface NastySurface(int kind, RandomSplines& random) {
   return WithPoints(surface, (map * surface.control_points()).colwise() + random.Vector(1));
 }
 
-}  // namespace batten
+}  // namespace batten::internal

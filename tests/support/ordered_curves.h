@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace batten {
+namespace batten::internal {
 
 // Points of t ↦ place(t) at `count` even parameters from `begin` to `end`, both included.
 template <typename Place>
@@ -130,4 +130,4 @@ inline Eigen::Matrix3Xd Picked(const Eigen::Matrix3Xd& points,
   return points(Eigen::all, order);
 }
 
-}  // namespace batten
+}  // namespace batten::internal

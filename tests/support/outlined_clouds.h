@@ -16,7 +16,7 @@
 
 #include "batten/fitting/outline.h"
 
-namespace batten {
+namespace batten::internal {
 
 using Places = std::vector<Eigen::Vector2d>;
 
@@ -313,4 +313,4 @@ inline bool Crossing(const std::vector<Places>& loops) {
   return false;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

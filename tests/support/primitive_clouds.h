@@ -17,7 +17,7 @@
 #include "measured_shapes.h"
 #include "random_splines.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline constexpr double kDegree = std::numbers::pi / 180;
 
@@ -136,4 +136,4 @@ inline double OffShape(const PrimitiveFit& fit) {
       fit.shape);
 }
 
-}  // namespace batten
+}  // namespace batten::internal

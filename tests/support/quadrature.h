@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-namespace batten {
+namespace batten::internal {
 
 // 10-point Gauss–Legendre nodes and weights on [-1, 1], positive half. [Abramowitz & Stegun 1964,
 // table 25.4]
@@ -28,4 +28,4 @@ double CompositeGauss(Function f, double low, double high, int parts) {
   return sum;
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -13,7 +13,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten {
+namespace batten::internal {
 
 // What a random basis looks like.
 struct BasisKind {
@@ -187,4 +187,4 @@ double ExtentOf(const Geometry& geometry) {
   return geometry.control_points().cwiseAbs().maxCoeff();
 }
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace batten::round_clouds {
+namespace batten::internal::round_clouds {
 
 // About the z axis: angle in [0, turn], place (r, z) of the profile at t in [0, 1].
 struct RoundThing {
@@ -213,4 +213,4 @@ inline RoundPoints PointsOn(const RoundThing& thing, const RoundScatter& scatter
   return cloud;
 }
 
-}  // namespace batten::round_clouds
+}  // namespace batten::internal::round_clouds

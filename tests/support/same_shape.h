@@ -13,7 +13,7 @@
 #include "random_splines.h"
 #include "shape_edits.h"
 
-namespace batten {
+namespace batten::internal {
 
 inline constexpr int kComparedPlaces = 24;
 
@@ -111,4 +111,4 @@ inline void ExpectSame(const NurbsSurface& expected,
   }
 }
 
-}  // namespace batten
+}  // namespace batten::internal

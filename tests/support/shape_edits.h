@@ -12,8 +12,9 @@
 
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "refusal.h"
 
-namespace batten {
+namespace batten::internal {
 
 // 2^-52, the unit of rounding bounds.
 inline constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon();
@@ -29,17 +30,6 @@ NurbsCurve<Dim> Enlarged(const NurbsCurve<Dim>& curve, double factor) {
 inline NurbsSurface Enlarged(const NurbsSurface& surface, double factor) {
   return NurbsSurface(
       surface.basis_u(), surface.basis_v(), factor * surface.control_points(), surface.weights());
-}
-
-// What a refusal says; "accepted" if there is none.
-template <typename Call>
-std::string RefusalOf(const Call& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 // The greater of the length of the domain and its ends: what rounding of parameters is relative to.
@@ -79,4 +69,4 @@ inline double WeightRatio(const Eigen::VectorXd& weights) {
   return weights.maxCoeff() / weights.minCoeff();
 }
 
-}  // namespace batten
+}  // namespace batten::internal

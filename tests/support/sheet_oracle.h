@@ -15,9 +15,10 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/solve_linear.h"
 #include "bent_sheets.h"
 
-namespace batten {
+namespace batten::internal {
 
 struct TruthError {
   double rms, max;
@@ -187,4 +188,4 @@ inline FoldCount FoldsOf(const NurbsSurface& surface, const BentSheet& sheet, in
   return {minority(same, other), minority(left, right)};
 }
 
-}  // namespace batten
+}  // namespace batten::internal

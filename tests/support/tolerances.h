@@ -2,7 +2,7 @@
 // The three tolerances of the tests, each relative to the size of what is compared.
 #pragma once
 
-namespace batten {
+namespace batten::internal {
 
 // A closed formula: some thousand roundings of 2^-53 ≈ 1.1e-16, and a factor for the cancellation
 // in high derivatives.
@@ -17,4 +17,4 @@ inline constexpr double kIterated = 1e-9;
 // the constants of both.
 inline constexpr double kHalfDigits = 1e-6;
 
-}  // namespace batten
+}  // namespace batten::internal

@@ -11,7 +11,7 @@
 
 #include "bent_sheets.h"
 
-namespace batten {
+namespace batten::internal {
 
 // Part of a torus: a round pipe bent in a circle.
 inline BentSheet Elbow(double degrees, double bend = 2.5, double radius = 1) {
@@ -81,4 +81,4 @@ inline BentSheet Horn() {
       0.7);
 }
 
-}  // namespace batten
+}  // namespace batten::internal

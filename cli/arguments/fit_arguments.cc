@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include "cli/arguments/fit_arguments.h"
+
+#include <map>
+#include <memory>
+
+#include "batten/fitting/progress.h"
+#include "batten/io/file_format.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/geometry_flags.h"
+#include "cli/arguments/geometry_output.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/common_flags.h"
+#include "cli/terminal/exit_codes.h"
+#include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+// 500 m in the data's unit: CAD kernels lose digits beyond.
+double FarAway(const std::string& unit) {
+  static const std::map<std::string, double> kPerMetre = {{"mm", 1000},
+                                                          {"cm", 100},
+                                                          {"m", 1},
+                                                          {"km", 0.001},
+                                                          {"um", 1e6},
+                                                          {"inch", 39.3701},
+                                                          {"in", 39.3701},
+                                                          {"ft", 3.28084},
+                                                          {"foot", 3.28084}};
+  const auto found = kPerMetre.find(unit);
+  return 500 * (found == kPerMetre.end() ? 1000 : found->second);
+}
+
+CLI::Option& AddText(CLI::App& command,
+                     const std::string& flag,
+                     std::string& value,
+                     const std::string& help,
+                     const std::string& type) {
+  return *command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+}
+
+}  // namespace
+
+void NotYet(const std::string& what) { throw UsageError(what + " is not in this version"); }
+
+std::optional<Loss> ToLoss(const std::string& word) {
+  if (word == "auto") return std::nullopt;
+  if (word == "none") return Loss::kNone;
+  if (word == "huber") return Loss::kHuber;
+  if (word == "cauchy") return Loss::kCauchy;
+  if (word == "truncated") return Loss::kTruncated;
+  return Loss::kTukey;
+}
+
+std::optional<double> ToSmoothing(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  constexpr double kMost = 1e12;  // beyond, the points drown in rounding
+  const double smoothing = ParseNumber("--smoothing", text, Sign::kNotNegative);
+  if (smoothing > kMost) throw UsageError("--smoothing: '" + text + "' is more than 1e12");
+  return smoothing;
+}
+
+std::optional<double> ToLossScale(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  return ParseNumber("--loss-scale", text, Sign::kPositive);
+}
+
+std::optional<Freedom> ToFreedom(const std::string& words) {
+  if (words == "auto") return std::nullopt;
+  Freedom freedom;
+  if (words == "none") return freedom;
+  std::string rest = words + ",";
+  for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
+    const std::string word = rest.substr(0, comma);
+    bool* const named = word == "params"    ? &freedom.parameters
+                        : word == "weights" ? &freedom.weights
+                        : word == "knots"   ? &freedom.knots
+                                            : nullptr;
+    if (named == nullptr) {
+      throw UsageError("--optimize: '" + words +
+                       "' is not auto, none or a list of params, weights and knots");
+    }
+    if (*named) throw UsageError("--optimize: '" + words + "' names " + word + " twice");
+    *named = true;
+  }
+  return freedom;
+}
+
+std::optional<Eigen::Vector3d> ToShift(const std::string& origin) {
+  if (origin == "keep") return Eigen::Vector3d::Zero();
+  if (origin == "local") return std::nullopt;
+  if (origin.find_first_of("0123456789") == std::string::npos) {
+    CheckChoice("--origin", origin, {"keep", "local", "x,y,z"});
+  }
+  const std::vector<double> numbers = ParseNumbers("--origin", origin);
+  if (numbers.size() != 3)
+    throw UsageError("--origin: '" + origin + "' is not keep, local or x,y,z");
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+void AddEveryFitsArguments(CLI::App& command,
+                           FitArguments& a,
+                           const char* points,
+                           const char* loss) {
+  command
+      .add_option(
+          points, a.clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")
+      ->required();
+  command.add_option("-o,--output", a.out, "Where to write: .step .iges .json")
+      ->required()
+      ->type_name("OUT");
+  command
+      .add_option_function<std::string>(
+          "--tolerance",
+          [&a](const std::string& text) {
+            a.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+          },
+          "Distance every point must keep, in the data's unit; free shapes refine where it is "
+          "missed [none]")
+      ->type_name("T");
+  Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
+        {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
+  Suggest(AddText(command,
+                  "--loss-scale",
+                  a.loss_scale,
+                  "Standard deviation of good points, in the data's unit: auto (estimated) or a "
+                  "number",
+                  "S"),
+          {"auto"});
+  Suggest(AddText(command,
+                  "--origin",
+                  a.origin,
+                  "Subtracted from what is written: keep (nothing), local, or x,y,z",
+                  "ORIGIN"),
+          {"keep", "local"});
+  AddOutputFormatFlag(command, a.out_format);
+  AddStepSchemaFlag(command, a.step_schema);
+  AddCloudArguments(command, a.cloud);
+  AddOutputArguments(command, a.output);
+  AddWorkFlags(command, a.work);
+  AddCommonFlags(command, a.flags);
+}
+
+void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) {
+  AddEveryFitsArguments(command, a, words.points, words.loss);
+  Suggest(AddText(command,
+                  "--control-points",
+                  a.control_points,
+                  std::string(words.control_points) + " control points, or chosen by the data",
+                  words.control_points),
+          {"chosen"});
+  AddText(command,
+          "--max-control-points",
+          a.max_control_points,
+          "Never more control points than this",
+          "K");
+  Suggest(AddText(command,
+                  "--smoothing",
+                  a.smoothing,
+                  std::string("Fairness relative to the data: auto (") + words.smoothing +
+                      ") or a number",
+                  "L"),
+          {"auto"});
+  Allow(AddText(command, "--parameterization", a.parameterization, words.parameterization, "FROM"),
+        words.parameterizations);
+  Suggest(
+      AddText(
+          command,
+          "--optimize",
+          a.optimize,
+          "Joint stage by Ceres: auto (where residuals exceed the noise and the points carry it), "
+          "none, or what is free besides the control points, any of params,weights,knots",
+          "MODE"),
+      {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
+}
+
+FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
+    : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
+  CheckOutputArguments(a_.output);
+  shift_ = ToShift(a_.origin);
+  // A format word belongs to the file whose kind it names.
+  out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
+  if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
+    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step or .iges");
+  }
+  std::vector<std::string> outputs = a_.output.reports;
+  outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
+  std::vector<std::string> inputs = a_.clouds;
+  inputs.insert(inputs.end(), beside.begin(), beside.end());
+  CheckDistinct(outputs, a_.flags.json, inputs);
+  for (const std::string& path : outputs) CheckWritable(path);
+}
+
+const PointCloud& FitFiles::Read(bool parameters) {
+  CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
+  if (word_is_geometry_) read.format.clear();
+  read.parameters = parameters;
+  BeginReading(a_.clouds, a_.flags.quiet);
+  file_ = ReadCloud(a_.clouds, read);
+  read_seconds_ = Seconds();
+  return file_.cloud;
+}
+
+void FitFiles::Refuse(const std::string& reason) const {
+  const std::string first = a_.clouds.front() == "-" ? "standard input" : a_.clouds.front();
+  throw ReadError(first + (a_.clouds.size() > 1 ? " and others" : ""), reason);
+}
+
+Eigen::Vector3d FitFiles::shift() const { return shift_.value_or(file_.cloud.origin()); }
+
+double FitFiles::Seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+int FitFiles::Write(const std::vector<Geometry>& geometry,
+                    const Eigen::VectorXd& residuals,
+                    const Eigen::MatrixXd& parameters,
+                    const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
+                    FitReport& report,
+                    std::vector<int> owners) const {
+  if (report.termination == Termination::kCancelled) throw Cancelled();
+  report.input.files = a_.clouds;
+  report.input.points = file_.points_in_file - file_.filtered;
+  report.input.non_finite = file_.non_finite;
+  const double far = file_.cloud.World(0).cwiseAbs().maxCoeff();
+  if (a_.origin == "keep" && far > FarAway(a_.output.unit)) {
+    report.warnings.push_back(
+        "coordinates are more than 500 m from zero, where CAD systems lose digits: "
+        "--origin local writes them near zero and reports the shift");
+  }
+  const double before = Seconds();
+  const MeasuredPoints measured{.cloud = file_.cloud,
+                                .distances = residuals,
+                                .parameters = parameters,
+                                .outliers = outliers,
+                                .owners = std::move(owners),
+                                .spacing = report.input.spacing,
+                                .noise = report.input.noise};
+  ReportTarget target{a_.output, a_.flags, a_.out, "", shift()};
+  target.scene = SceneFor(
+      a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
+  const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
+  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+  if (written) written->Commit();
+  report.seconds.read = read_seconds_;
+  report.seconds.write = Seconds() - before;
+  report.seconds.total = Seconds();
+  if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
+  WriteReports(report, target);
+  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
+}
+
+}  // namespace batten::internal

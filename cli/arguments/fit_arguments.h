@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// What the fits have in common on the command line.
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/freedom.h"
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/robust_loss.h"
+#include "batten/io/geometry_types.h"
+#include "batten/io/read_cloud.h"
+#include "cli/arguments/cloud_arguments.h"
+#include "cli/arguments/fit_output.h"
+#include "cli/terminal/cli11_forward.h"
+#include "cli/terminal/common_flags.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+
+struct FitArguments {
+  std::vector<std::string> clouds;
+  std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
+  CloudArguments cloud;
+  OutputArguments output;
+  CommonFlags flags;
+  WorkFlags work;
+  std::optional<double> tolerance;
+  std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
+              loss_scale = "auto", optimize = "auto", origin = "keep", parameterization;
+};
+
+// The options of a fit with control points, with the words that differ.
+struct FitWords {
+  const char* points;                               // name of the positional argument
+  const char* control_points;                       // of its value
+  const char* smoothing;                            // the default, in numbers
+  const char* loss;                                 // help
+  const char* parameterization;                     // help
+  std::vector<std::string> parameterizations = {};  // the choices
+};
+void AddFitArguments(CLI::App& command, FitArguments& arguments, const FitWords& words);
+
+// Those among them that every fit has.
+void AddEveryFitsArguments(CLI::App& command,
+                           FitArguments& arguments,
+                           const char* points,
+                           const char* loss);
+
+[[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
+
+// Values of the shared flags. Each throws UsageError naming flag, value and rule. A loss is one of
+// the words that the flag allows.
+std::optional<Loss> ToLoss(const std::string& word);  // none for auto
+std::optional<double> ToSmoothing(const std::string& text);
+std::optional<double> ToLossScale(const std::string& text);
+// auto (none), none (nothing free), or any of params, weights and knots in any order.
+std::optional<Freedom> ToFreedom(const std::string& words);
+// What is subtracted from the coordinates written; none says the cloud's own origin.
+std::optional<Eigen::Vector3d> ToShift(const std::string& origin);
+
+// A fit's options with the flags for seed, threads and progress. What breaks a rule of theirs is a
+// usage error.
+template <class Options>
+Options WithWork(Options options, const FitArguments& a) {
+  options.seed = a.work.seed;
+  options.threads = a.work.threads;
+  options.progress = MakeProgress(a.flags.quiet);
+  try {
+    Check(options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  return options;
+}
+
+// A fit from its files' point of view: checks the outputs before any work is done, reads, and
+// writes geometry, residuals and reports.
+class FitFiles {
+ public:
+  // `beside`: files that are read too, and so not to be written.
+  explicit FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside = {});
+
+  // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
+  // can't be used.
+  const PointCloud& Read(bool parameters);
+
+  // Of what was read: places of rows that are not finite.
+  const std::vector<Eigen::Index>& missing() const { return file_.missing; }
+
+  // Runs `fit`; the library's reason why points can't be fitted gets the name of their file.
+  template <class Function>
+  auto Explained(const Function& fit) const {
+    try {
+      return fit();
+    } catch (const std::invalid_argument& error) {
+      Refuse(error.what());
+    }
+  }
+  [[noreturn]] void Refuse(const std::string& reason) const;
+
+  Eigen::Vector3d shift() const;
+
+  // Writes everything and returns the exit code. Of several geometries `owners` names that of each
+  // point's foot.
+  int Write(const std::vector<Geometry>& geometry,
+            const Eigen::VectorXd& residuals,
+            const Eigen::MatrixXd& parameters,
+            const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
+            FitReport& report,
+            std::vector<int> owners = {}) const;
+
+ private:
+  double Seconds() const;  // since construction
+
+  const FitArguments& a_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::optional<Eigen::Vector3d> shift_;
+  std::string out_format_;
+  bool word_is_geometry_;
+  CloudFile file_;
+  double read_seconds_ = 0;
+};
+
+}  // namespace batten::internal

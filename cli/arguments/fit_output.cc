@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "cli/arguments/fit_output.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "batten/io/atomic_file.h"
+#include "batten/io/deviation_limit.h"
+#include "batten/io/read_error.h"
+#include "batten/io/report_html.h"
+#include "batten/io/report_json.h"
+#include "batten/io/write_residuals.h"
+#include "cli/arguments/geometry_flags.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/streams.h"
+#include "cli/terminal/terminal.h"
+#include "cli/terminal/this_run.h"
+
+namespace batten::internal {
+namespace {
+
+std::string Extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return extension;
+}
+
+// The day and time in UTC: that of SOURCE_DATE_EPOCH where it holds seconds since 1970.
+std::string Today() {
+  std::time_t now = std::time(nullptr);
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+    const char* const end = epoch + std::strlen(epoch);
+    std::from_chars(epoch, end, now);
+  }
+  std::tm utc{};
+  char text[32] = "";
+  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+  return text;
+}
+
+}  // namespace
+
+void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
+  command
+      .add_option("--report",
+                  arguments.reports,
+                  "Write the report: R.html, a page to look at, or R.json; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command
+      .add_option("--residuals",
+                  arguments.residuals,
+                  "Write every point with its distance: R.ply, coloured by it, or R.csv")
+      ->type_name("FILE");
+  AddUnitFlag(command, arguments.unit);
+}
+
+void CheckOutputArguments(const OutputArguments& arguments) {
+  CheckUnit(arguments.unit);
+  for (const std::string& path : arguments.reports) {
+    const std::string extension = Extension(path);
+    if (extension != ".json" && extension != ".html")
+      throw UsageError("--report " + path + ": a report is a .html or .json file");
+  }
+  if (!arguments.residuals.empty()) CheckResidualsName(arguments.residuals);
+}
+
+bool WantsPage(const OutputArguments& arguments) {
+  return std::any_of(arguments.reports.begin(), arguments.reports.end(), [](const auto& path) {
+    return Extension(path) == ".html";
+  });
+}
+
+void CheckWritable(const std::string& path) {
+  if (!path.empty()) AtomicFile{path};
+}
+
+void CheckDistinct(const std::vector<std::string>& outputs,
+                   bool json,
+                   const std::vector<std::string>& inputs) {
+  std::set<std::string> seen;
+  for (const std::string& path : outputs) {
+    if (path.empty()) continue;
+    if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
+    const std::string name =
+        path == "-" ? path
+                    : std::filesystem::weakly_canonical(std::filesystem::absolute(path)).string();
+    if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
+    for (const std::string& input : inputs) {
+      std::error_code other;  // what can't be looked at is another file
+      if (input != "-" && path != "-" && std::filesystem::equivalent(path, input, other)) {
+        throw UsageError(path + " is read: it would be lost if it were written too");
+      }
+    }
+  }
+}
+
+void PrintFiles(const nlohmann::ordered_json& entry) {
+  const nlohmann::ordered_json list{{"files", nlohmann::ordered_json::array({entry})}};
+  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+std::int64_t PeakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+std::optional<ReportScene> SceneFor(const OutputArguments& arguments,
+                                    const std::vector<Geometry>& geometry,
+                                    const MeasuredPoints& points,
+                                    ReportSceneOptions options,
+                                    int threads,
+                                    bool quiet) {
+  if (!WantsPage(arguments)) return std::nullopt;
+  options.progress = MakeProgress(quiet);
+  ThreadPool pool(threads);
+  return MakeReportScene(geometry, points, options, pool);
+}
+
+std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
+                                         const MeasuredPoints& points,
+                                         std::optional<double> tolerance) {
+  if (arguments.residuals.empty()) return nullptr;
+  const Eigen::Matrix3Xd& places = points.cloud.points();
+  const double size =
+      places.cols() == 0 ? 0 : (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm();
+  const double range =
+      DeviationLimit(points.distances, points.outliers, tolerance, points.noise, size);
+  return WriteResiduals(
+      arguments.residuals,
+      {points.cloud, points.distances, points.parameters, points.outliers, range, points.owners});
+}
+
+void WriteReports(const FitReport& report, const ReportTarget& target) {
+  ReportContext context;
+  context.command = CommandLine();
+  context.file = target.geometry_file;
+  context.unit = target.arguments.unit;
+  context.shift = target.shift;
+  context.peak_memory_bytes = PeakMemory();
+  context.version = Version();
+  context.date = Today();
+  for (const std::string& path : target.arguments.reports) {
+    AtomicFile file(path);
+    if (Extension(path) == ".html") {
+      file.Write(ToReportHtml(report, context, target.scene.value()));
+    } else {
+      file.Write(ToReportJson(report, context));
+    }
+    file.Commit();
+  }
+  ClearProgress();
+  if (!target.flags.quiet) {
+    for (const std::string& warning : report.warnings) PrintWarning(warning);
+  }
+  if (target.flags.json) {
+    std::fputs(ToReportJson(report, context).c_str(), stdout);
+  } else if (!target.flags.quiet && !target.result_line.empty()) {
+    const std::optional<bool> reached = report.tolerance_reached();
+    fmt::print("{}\n", reached ? WithVerdict(target.result_line, *reached) : target.result_line);
+  }
+}
+
+}  // namespace batten::internal

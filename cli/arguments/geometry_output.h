@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// What commands that turn geometry into geometry share: the unit, the STEP schema, what is said of
+// a file that is not quite as it should be.
+#pragma once
+
+#include <string>
+
+#include "batten/io/geometry_types.h"
+#include "cli/terminal/cli11_forward.h"
+
+namespace batten::internal {
+
+// --step-schema ap214|ap242
+void AddStepSchemaFlag(CLI::App& command, std::string& schema);
+
+struct GeometryOutput {
+  std::string unit;  // asked for; empty: that of what is read, mm where it says none
+  std::string step_schema = GeometryWriteOptions().step_schema;
+};
+// --unit and --step-schema. Refuses units and schemas there are not when they are parsed.
+void AddGeometryOutput(CLI::App& command, GeometryOutput& output);
+
+// Reads the file in the unit asked for, and warns of what it leaves open unless `quiet`.
+GeometryContents ReadInUnit(const std::string& path,
+                            const std::string& format,
+                            const GeometryOutput& output,
+                            bool quiet);
+
+// How to write what was read.
+GeometryWriteOptions WriteOptions(const std::string& format,
+                                  const GeometryOutput& output,
+                                  const GeometryContents& read);
+
+}  // namespace batten::internal

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: MIT
+#include "cli/arguments/make_shapes.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <variant>
+
+#include "batten/geometry/make_curve.h"
+#include "batten/geometry/make_surface.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/parse_values.h"
+#include "geometry/numeric/number_text.h"
+
+namespace batten::internal {
+namespace {
+
+using Shapes = std::vector<Geometry>;
+
+// A flag whose default is what its value holds; none is shown where that is empty.
+CLI::Option* AddFlag(
+    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
+  CLI::Option* option = command.add_option(flag, value, help)->type_name(type);
+  if (!value.empty()) option->capture_default_str();
+  return option;
+}
+
+void Require(
+    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
+  AddFlag(command, flag, value, type, help)->required();
+}
+
+void AddFrame(CLI::App& command, MakeArguments& a, const char* center, const char* axis) {
+  AddFlag(command, "--center", a.center, "X,Y,Z", center);
+  AddFlag(command, "--axis", a.axis, "X,Y,Z", axis);
+  AddFlag(
+      command,
+      "--x-axis",
+      a.x_axis,
+      "X,Y,Z",
+      "Where angle 0 is, made perpendicular to the axis [the coordinate axis farthest from it]");
+}
+
+void AddAngles(CLI::App& command, MakeArguments& a) {
+  AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins about the axis");
+  AddFlag(command, "--sweep", a.sweep, "DEGREES", "How far it goes, counter-clockwise");
+}
+
+Eigen::Vector3d Triple(const char* flag, const std::string& text) {
+  const std::vector<double> numbers = ParseNumbers(flag, text);
+  if (numbers.size() != 3) {
+    throw UsageError(std::string(flag) + ": '" + text + "' is not three numbers x,y,z");
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::pair<double, double> Pair(const char* flag, const std::string& text) {
+  const std::vector<double> numbers = ParseNumbers(flag, text);
+  if (numbers.size() != 2) {
+    throw UsageError(std::string(flag) + ": '" + text + "' is not two numbers");
+  }
+  return {numbers[0], numbers[1]};
+}
+
+double Length(const char* flag, const std::string& text) {
+  return ParseNumber(flag, text, Sign::kPositive);
+}
+
+// Multiples of 90° become those of π/2 exactly.
+double Radians(double degrees) { return degrees / 360 * (2 * std::numbers::pi); }
+
+AngleRange Angles(const char* start_flag,
+                  const std::string& start,
+                  const char* sweep_flag,
+                  const std::string& sweep) {
+  const double degrees = ParseNumber(sweep_flag, sweep, Sign::kPositive);
+  if (degrees > 360) {
+    throw UsageError(std::string(sweep_flag) + ": " + sweep + " is more than 360 degrees");
+  }
+  return {Radians(ParseNumber(start_flag, start)), Radians(degrees)};
+}
+
+AngleRange AnglesOf(const MakeArguments& a) {
+  return Angles("--start-angle", a.start_angle, "--sweep", a.sweep);
+}
+
+Frame FrameOf(const MakeArguments& a) {
+  const Eigen::Vector3d center = Triple("--center", a.center), axis = Triple("--axis", a.axis);
+  if (axis.isZero(0)) throw UsageError("--axis: '" + a.axis + "' has no direction");
+  if (a.x_axis.empty()) return Frame(center, axis);
+  const Eigen::Vector3d x = Triple("--x-axis", a.x_axis);
+  try {
+    return Frame(center, axis, x);
+  } catch (const std::invalid_argument&) {
+    throw UsageError("--x-axis: '" + a.x_axis + "' does not point away from the axis " + a.axis);
+  }
+}
+
+void AddCircle(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "Its centre", "Normal of its plane");
+  Require(command, "--radius", a.radius, "R", "Its radius");
+  AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins");
+}
+Shapes Circle(const MakeArguments& a) {
+  return {MakeArc(FrameOf(a), Length("--radius", a.radius), AnglesOf(a))};
+}
+
+void AddArc(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "The centre of its circle", "Normal of its plane");
+  Require(command, "--radius", a.radius, "R", "Its radius");
+  a.sweep = "90";
+  AddAngles(command, a);
+}
+
+void AddEllipse(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "Its centre", "Normal of its plane");
+  Require(command, "--radii", a.radii, "A,B", "Its radii along the x axis and across");
+  AddAngles(command, a);
+}
+Shapes Ellipse(const MakeArguments& a) {
+  const auto [x, y] = Pair("--radii", a.radii);
+  if (!(x > 0 && y > 0)) throw UsageError("--radii: '" + a.radii + "' are not both positive");
+  return {MakeEllipseArc(FrameOf(a), x, y, AnglesOf(a))};
+}
+
+void AddLine(CLI::App& command, MakeArguments& a) {
+  Require(command, "--from", a.from, "X,Y,Z", "Where it begins");
+  Require(command, "--to", a.to, "X,Y,Z", "Where it ends");
+}
+Shapes Line(const MakeArguments& a) {
+  return {MakeLine<3>(Triple("--from", a.from), Triple("--to", a.to))};
+}
+
+void AddPlane(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "The middle of the rectangle", "Its normal");
+  Require(command, "--size", a.size, "W,H", "Its sides, along the x axis and across");
+}
+Shapes Plane(const MakeArguments& a) {
+  const auto [w, h] = Pair("--size", a.size);
+  if (!(w > 0 && h > 0)) throw UsageError("--size: '" + a.size + "' are not both positive");
+  return {MakePlane(FrameOf(a), {-w / 2, w / 2}, {-h / 2, h / 2})};
+}
+
+void AddBilinear(CLI::App& command, MakeArguments& a) {
+  Require(command, "--corner-00", a.corner00, "X,Y,Z", "The corner u = 0, v = 0");
+  Require(command, "--corner-10", a.corner10, "X,Y,Z", "The corner u = 1, v = 0");
+  Require(command, "--corner-01", a.corner01, "X,Y,Z", "The corner u = 0, v = 1");
+  Require(command, "--corner-11", a.corner11, "X,Y,Z", "The corner u = 1, v = 1");
+}
+Shapes Bilinear(const MakeArguments& a) {
+  return {MakeBilinear(Triple("--corner-00", a.corner00),
+                       Triple("--corner-10", a.corner10),
+                       Triple("--corner-01", a.corner01),
+                       Triple("--corner-11", a.corner11))};
+}
+
+void AddCylinder(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "The middle of its foot", "Its axis, from the foot up");
+  Require(command, "--radius", a.radius, "R", "Its radius");
+  Require(command, "--height", a.height, "H", "From the foot to the top");
+  AddAngles(command, a);
+}
+Shapes Cylinder(const MakeArguments& a) {
+  const double height = Length("--height", a.height);
+  return {MakeCylinder(FrameOf(a), Length("--radius", a.radius), {0, height}, AnglesOf(a))};
+}
+
+void AddCone(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "The middle of its foot", "Its axis, from the foot up");
+  AddFlag(command, "--radius", a.radius, "R", "Radius of the foot, 0 for a tip")->required();
+  Require(command, "--height", a.height, "H", "From the foot to the top, along the axis");
+  AddFlag(command, "--top-radius", a.top_radius, "R", "Radius of the top [0: a tip]");
+  AddFlag(command,
+          "--half-angle",
+          a.half_angle,
+          "DEGREES",
+          "In place of the top radius: between axis and side, narrowing upwards; below 0 widening");
+  AddAngles(command, a);
+}
+double TopRadius(const MakeArguments& a, double radius, double height) {
+  if (a.half_angle.empty()) {
+    return a.top_radius.empty() ? 0 : ParseNumber("--top-radius", a.top_radius, Sign::kNotNegative);
+  }
+  if (!a.top_radius.empty()) throw UsageError("--half-angle: --top-radius says it already");
+  const double degrees = ParseNumber("--half-angle", a.half_angle);
+  if (!(std::abs(degrees) < 90)) {
+    throw UsageError("--half-angle: " + a.half_angle + " is not between -90 and 90 degrees");
+  }
+  const double slope = std::tan(Radians(degrees)), top = radius - height * slope;
+  constexpr double kTip = 1e-12;
+  if (std::abs(top) <= kTip * radius) return 0;
+  if (top < 0) {
+    throw UsageError("--height: " + a.height + " leads past the tip, which is at " +
+                     NumberText(radius / slope));
+  }
+  return top;
+}
+Shapes Cone(const MakeArguments& a) {
+  const double radius = ParseNumber("--radius", a.radius, Sign::kNotNegative);
+  const double height = Length("--height", a.height);
+  const double top = TopRadius(a, radius, height);
+  if (radius == 0 && top == 0) throw UsageError("--radius: a cone needs a foot or a top above 0");
+  return {MakeCone(FrameOf(a), radius, top, {0, height}, AnglesOf(a))};
+}
+
+void AddSphere(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "Its centre", "From the south pole to the north pole");
+  Require(command, "--radius", a.radius, "R", "Its radius");
+  AddAngles(command, a);
+  AddFlag(command, "--latitudes", a.latitudes, "LOW,HIGH", "From where to where, in degrees");
+}
+Shapes Sphere(const MakeArguments& a) {
+  const auto [low, high] = Pair("--latitudes", a.latitudes);
+  if (!(low >= -90 && high <= 90 && low < high)) {
+    throw UsageError("--latitudes: '" + a.latitudes + "' do not increase within -90 and 90");
+  }
+  const double radius = Length("--radius", a.radius);
+  return {MakeSphere(FrameOf(a), radius, AnglesOf(a), {Radians(low), Radians(high)})};
+}
+
+void AddTorus(CLI::App& command, MakeArguments& a) {
+  AddFrame(command, a, "Its centre", "Its axis");
+  Require(command, "--major-radius", a.major_radius, "R", "From the axis to the tube's middle");
+  Require(command, "--minor-radius", a.minor_radius, "R", "Of the tube");
+  AddAngles(command, a);
+  AddFlag(command,
+          "--tube-start",
+          a.tube_start,
+          "DEGREES",
+          "Where the tube begins: 0 outermost, then towards the axis' direction");
+  AddFlag(command, "--tube-sweep", a.tube_sweep, "DEGREES", "How far round the tube goes");
+}
+Shapes Torus(const MakeArguments& a) {
+  return {MakeTorus(FrameOf(a),
+                    Length("--major-radius", a.major_radius),
+                    Length("--minor-radius", a.minor_radius),
+                    AnglesOf(a),
+                    Angles("--tube-start", a.tube_start, "--tube-sweep", a.tube_sweep))};
+}
+
+void AddRevolve(CLI::App& command, MakeArguments& a) {
+  command.add_option("CURVE", a.curve, "The curves to turn: .json .step")->required();
+  AddFlag(command, "--format", a.format, "FORMAT", "Format of CURVE where its name does not tell");
+  AddFlag(command, "--center", a.center, "X,Y,Z", "A point of the axis");
+  AddFlag(command, "--axis", a.axis, "X,Y,Z", "What they turn about");
+  AddAngles(command, a);
+}
+Shapes Revolved(const MakeArguments& a) {
+  const Frame frame = FrameOf(a);
+  const AngleRange angles = AnglesOf(a);
+  Shapes shapes;
+  for (const Geometry& one : ReadGeometry(a.curve, {a.format})) {
+    if (std::holds_alternative<NurbsSurface>(one)) {
+      throw UsageError(a.curve + ": holds a surface; only curves can be revolved");
+    }
+    if (const auto* flat = std::get_if<NurbsCurve<2>>(&one)) {
+      Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, flat->control_points().cols());
+      points.topRows<2>() = flat->control_points();
+      const NurbsCurve<3> curve(flat->basis(), std::move(points), flat->weights());
+      shapes.emplace_back(Revolve(curve, frame, angles));
+    } else {
+      shapes.emplace_back(Revolve(std::get<NurbsCurve<3>>(one), frame, angles));
+    }
+  }
+  return shapes;
+}
+
+}  // namespace
+
+const std::vector<MakeKind>& MakeKinds() {
+  static const std::vector<MakeKind> kinds = {
+      {"circle",
+       "A full circle",
+       "circle -o hole.step --radius 4 --center 10,0,0",
+       AddCircle,
+       Circle},
+      {"arc",
+       "An arc of a circle",
+       "arc -o fillet.json --radius 2 --start-angle 180 --sweep 90",
+       AddArc,
+       Circle},
+      {"ellipse",
+       "An ellipse or an arc of one",
+       "ellipse -o oval.json --radii 3,2",
+       AddEllipse,
+       Ellipse},
+      {"line", "A segment", "line -o edge.json --from 0,0,0 --to 1,2,3", AddLine, Line},
+      {"plane", "A rectangle", "plane -o table.step --size 100,50", AddPlane, Plane},
+      {"bilinear",
+       "The surface between four corners",
+       "bilinear -o roof.json --corner-00 0,0,0 --corner-10 4,0,1 --corner-01 0,3,1 --corner-11 "
+       "4,3,0",
+       AddBilinear,
+       Bilinear},
+      {"cylinder",
+       "A cylinder or a part of one",
+       "cylinder -o pin.step --radius 3 --height 20",
+       AddCylinder,
+       Cylinder},
+      {"cone",
+       "A cone, a frustum, or a part of one",
+       "cone -o taper.step --radius 5 --height 8 --half-angle 20",
+       AddCone,
+       Cone},
+      {"sphere",
+       "A sphere or a part of one",
+       "sphere -o dome.step --radius 10 --latitudes 0,90",
+       AddSphere,
+       Sphere},
+      {"torus",
+       "A torus or a part of one",
+       "torus -o elbow.step --major-radius 20 --minor-radius 4 --sweep 90",
+       AddTorus,
+       Torus},
+      {"revolve",
+       "The surface of a curve turned about an axis",
+       "revolve profile.json -o vase.step --axis 0,0,1",
+       AddRevolve,
+       Revolved},
+  };
+  return kinds;
+}
+
+}  // namespace batten::internal

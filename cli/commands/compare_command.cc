@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// batten compare: how far points are from a geometry.
+#include <fmt/format.h>
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+#include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/distances.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/cloud_arguments.h"
+#include "cli/arguments/describe_geometry.h"
+#include "cli/arguments/fit_output.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/common_flags.h"
+#include "cli/terminal/exit_codes.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+struct CompareArguments {
+  std::string geometry;
+  std::vector<std::string> clouds;
+  CloudArguments cloud;
+  OutputArguments output;
+  CommonFlags flags;
+  WorkFlags work;
+  std::optional<double> tolerance;
+  bool unit_given = false;
+};
+
+// The same shape with its control points moved.
+template <typename Curve>
+Curve Moved(const Curve& curve, const Eigen::Vector3d& shift) {
+  return Curve(curve.basis(),
+               curve.control_points().colwise() + shift.head<Curve::Point::RowsAtCompileTime>(),
+               curve.weights());
+}
+NurbsSurface Moved(const NurbsSurface& surface, const Eigen::Vector3d& shift) {
+  return surface.Translated(shift);
+}
+
+template <typename Curve>
+void Describe(const Curve& curve, GeometrySummary& summary) {
+  summary.kind = "curve";
+  summary.degree = {curve.basis().degree()};
+  summary.control_points = {curve.basis().size()};
+  summary.rational = curve.rational();
+  summary.closed = ClosedDirections(curve);
+}
+void Describe(const NurbsSurface& surface, GeometrySummary& summary) {
+  summary.kind = "surface";
+  summary.degree = {surface.basis_u().degree(), surface.basis_v().degree()};
+  summary.control_points = {surface.size_u(), surface.size_v()};
+  summary.rational = surface.rational();
+  summary.closed = ClosedDirections(surface);
+}
+
+// The points of each geometry, by who owns them.
+std::vector<PartError> PartsOf(const GeometryContents& contents,
+                               const Eigen::VectorXd& distances,
+                               const std::vector<int>& owners,
+                               std::optional<double> tolerance) {
+  const Eigen::Map<const Eigen::ArrayXi> owner(owners.data(), std::ssize(owners));
+  std::vector<PartError> parts;
+  for (size_t g = 0; g < contents.geometry.size(); ++g) {
+    const bool surface = std::holds_alternative<NurbsSurface>(contents.geometry[g]);
+    parts.push_back({g < contents.names.size() ? contents.names[g] : "",
+                     surface ? "surface" : "curve",
+                     Summarise(distances, tolerance, owner == static_cast<int>(g))});
+  }
+  return parts;
+}
+
+std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
+  std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points",
+                                 JoinedNames(a.clouds),
+                                 a.geometry,
+                                 error.rms,
+                                 error.mean,
+                                 error.max,
+                                 error.points);
+  if (error.tolerance)
+    line += fmt::format("; {} out of tolerance {:.4g}", error.out_of_tolerance, *error.tolerance);
+  return line;
+}
+
+int RunCompare(const CompareArguments& a) {
+  const auto start = std::chrono::steady_clock::now();
+  CheckOutputArguments(a.output);
+  std::vector<std::string> outputs = a.output.reports;
+  outputs.push_back(a.output.residuals);
+  std::vector<std::string> inputs = a.clouds;
+  inputs.push_back(a.geometry);
+  CheckDistinct(outputs, a.flags.json, inputs);
+  CheckWritable(a.output.residuals);
+  for (const std::string& path : a.output.reports) CheckWritable(path);
+  const bool word_is_geometry = NamesGeometry(a.cloud.format);
+  BeginReading({a.geometry}, a.flags.quiet);
+  const GeometryContents contents = ReadGeometryContents(
+      a.geometry, {word_is_geometry ? a.cloud.format : "", a.unit_given ? a.output.unit : ""});
+  const std::vector<Geometry>& geometry = contents.geometry;
+  CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
+  if (word_is_geometry) read.format.clear();
+  BeginReading(a.clouds, a.flags.quiet);
+  const CloudFile file = ReadCloud(a.clouds, read);
+  const PointCloud& cloud = file.cloud;
+
+  FitReport report;
+  for (const std::string& remark : contents.remarks) {
+    report.warnings.push_back(a.geometry + ": " + remark);
+  }
+  ThreadPool pool(a.work.threads);
+  report.threads = pool.threads();
+  report.seconds.read =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Progress progress = MakeProgress(a.flags.quiet);
+
+  // Several geometries: every point belongs to the nearest.
+  PointDistances nearest;
+  std::vector<int> owners;
+  for (size_t g = 0; g < geometry.size(); ++g) {
+    Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
+    PointDistances found = std::visit(
+        [&](const auto& shape) {
+          return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool);
+        },
+        geometry[g]);
+    if (g == 0) {
+      nearest = std::move(found);
+      owners.assign(static_cast<std::size_t>(cloud.size()), 0);
+      continue;
+    }
+    if (found.parameters.rows() > nearest.parameters.rows()) {
+      nearest.parameters.conservativeResizeLike(
+          Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
+    }
+    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+      if (std::abs(found.distances[k]) >= std::abs(nearest.distances[k])) continue;
+      nearest.distances[k] = found.distances[k];
+      owners[static_cast<std::size_t>(k)] = static_cast<int>(g);
+      nearest.parameters.col(k).setZero();
+      nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
+    }
+  }
+  report.seconds.project =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+      report.seconds.read;
+
+  const MergedCloud merged = MergeDuplicates(cloud);
+  CloudStatisticsOptions statistics;
+  statistics.find_outliers = false;
+  statistics.seed = a.work.seed;
+  const CloudStatistics measured = MeasureCloud(
+      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
+  report.input.files = a.clouds;
+  report.input.points = file.points_in_file - file.filtered;
+  report.input.used = cloud.size();
+  report.input.non_finite = file.non_finite;
+  report.input.duplicates = merged.duplicates;
+  report.input.spacing = measured.spacing;
+  report.input.noise = measured.noise;
+  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  report.input.origin = cloud.origin();
+  std::visit([&](const auto& shape) { Describe(shape, report.geometry); }, geometry.front());
+  if (geometry.size() > 1) {
+    report.warnings.push_back(
+        a.geometry + " holds " + std::to_string(geometry.size()) +
+        " geometries: distances are to the nearest, degree and control points those of the first");
+    report.geometry.count = static_cast<int>(geometry.size());
+    report.parts = PartsOf(contents, nearest.distances, owners, a.tolerance);
+  }
+  report.error = report.error_all = Summarise(nearest.distances, a.tolerance);
+  report.optimize.why = "a comparison fits nothing";
+  report.termination = a.tolerance && report.error.out_of_tolerance == 0
+                           ? Termination::kToleranceReached
+                           : Termination::kStalled;
+  const auto write_start = std::chrono::steady_clock::now();
+  const MeasuredPoints points{.cloud = cloud,
+                              .distances = nearest.distances,
+                              .parameters = nearest.parameters,
+                              .outliers = PointMask::Constant(cloud.size(), false),
+                              .owners = geometry.size() > 1 ? owners : std::vector<int>{},
+                              .spacing = measured.spacing,
+                              .noise = measured.noise};
+  OutputArguments output = a.output;
+  if (!contents.unit.empty()) output.unit = contents.unit;
+  ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
+  target.scene = SceneFor(a.output,
+                          geometry,
+                          points,
+                          {.tolerance = a.tolerance, .names = contents.names},
+                          a.work.threads,
+                          a.flags.quiet);
+  const auto residuals = ResidualsFor(a.output, points, a.tolerance);
+  if (residuals) residuals->Commit();
+  const auto end = std::chrono::steady_clock::now();
+  report.seconds.write = std::chrono::duration<double>(end - write_start).count();
+  report.seconds.total = std::chrono::duration<double>(end - start).count();
+  WriteReports(report, target);
+  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
+}
+
+}  // namespace
+
+void AddCompareCommand(CLI::App& app, Action& action) {
+  auto a = std::make_shared<CompareArguments>();
+  CLI::App& command =
+      *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
+  command
+      .add_option(
+          "CLOUD", a->clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")
+      ->required();
+  command
+      .add_option_function<std::string>(
+          "--tolerance",
+          [a](const std::string& text) {
+            a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+          },
+          "Exit code 3 when a point is farther than this [none]")
+      ->type_name("T");
+  AddCloudArguments(command, a->cloud);
+  AddOutputArguments(command, a->output);
+  AddWorkFlags(command, a->work);
+  AddCommonFlags(command, a->flags);
+  command.footer(
+      "Distances are to the nearest point; of a trimmed surface only the part inside its loops "
+      "counts.\n"
+      "Examples:\n"
+      "  batten compare part.step scan.ply\n"
+      "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply\n"
+      "  batten compare part.step scan.ply --report part.html");
+  command.callback([a, &command, &action] {
+    a->unit_given = command.count("--unit") > 0;
+    action = [a] { return RunCompare(*a); };
+  });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+// batten fit curve: points in, a curve and its report out.
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/fit_curve.h"
+#include "batten/fitting/interpolate_cloud.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/fit_arguments.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+#include "fitting/ordering/curve_closure.h"
+
+namespace batten::internal {
+namespace {
+
+struct FitCurveArguments : FitArguments {
+  FitCurveArguments() {
+    max_control_points = "2000";
+    parameterization = "chord";
+  }
+  std::string degree = "3", order = "auto", closed = "auto", component = "the only one",
+              distance = "auto", corners = "auto", start_tangent, end_tangent;
+  bool interpolate = false;
+};
+
+// Flags that say two things at once.
+void CheckFitCurve(const FitCurveArguments& a) {
+  if (a.order == "given" && a.component != "the only one") {
+    throw UsageError(
+        "--order given makes the points one curve: --component has no meaning with it");
+  }
+  if (!a.interpolate) {
+    if (!a.start_tangent.empty() || !a.end_tangent.empty()) {
+      throw UsageError(
+          "--start-tangent and --end-tangent are for --interpolate: an approximation is as the "
+          "points are");
+    }
+    return;
+  }
+  const auto refuse = [](const char* flag, bool given) {
+    if (given) {
+      throw UsageError(std::string(flag) +
+                       " has no meaning with --interpolate, which goes through every point");
+    }
+  };
+  refuse("--control-points", a.control_points != "chosen");
+  refuse("--smoothing", a.smoothing != "auto");
+  refuse("--loss", a.loss != "auto" && a.loss != "none");
+  refuse("--loss-scale", a.loss_scale != "auto");
+  refuse("--optimize", a.optimize != "auto" && a.optimize != "none");
+  refuse("--distance", a.distance != "auto");
+  refuse("--max-control-points", a.max_control_points != "2000");
+  refuse("--corners", a.corners != "auto");
+  refuse("--component", a.component != "the only one");
+  refuse("--order unordered", a.order == "unordered");
+  if (a.closed == "yes" && !(a.start_tangent.empty() && a.end_tangent.empty()))
+    throw UsageError("--closed yes leaves no ends for --start-tangent and --end-tangent");
+}
+
+std::optional<Eigen::Vector3d> ToDirection(const std::string& flag, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::vector<double> numbers = ParseNumbers(flag, text);
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  if (numbers.size() < 2 || numbers.size() > 3)
+    throw UsageError(flag + ": '" + text + "' is not a direction x,y or x,y,z");
+  for (size_t k = 0; k < numbers.size(); ++k) direction[static_cast<Eigen::Index>(k)] = numbers[k];
+  if (direction.isZero(0)) throw UsageError(flag + ": '" + text + "' has no length");
+  return direction;
+}
+
+PointOrder ToOrder(const std::string& word) {
+  if (word == "given") return PointOrder::kGiven;
+  if (word == "unordered") return PointOrder::kUnordered;
+  return PointOrder::kAuto;
+}
+
+ClosedChoice ToClosed(const std::string& word) {
+  if (word == "yes") return ClosedChoice::kYes;
+  if (word == "no") return ClosedChoice::kNo;
+  return ClosedChoice::kAuto;
+}
+
+CurveParameterization ToParameterization(const std::string& word) {
+  if (word == "given") return CurveParameterization::kGiven;
+  if (word == "uniform") return CurveParameterization::kUniform;
+  if (word == "centripetal") return CurveParameterization::kCentripetal;
+  if (word == "foley") return CurveParameterization::kFoley;
+  if (word == "universal") return CurveParameterization::kUniversal;
+  return CurveParameterization::kChord;
+}
+
+CurveDistance ToDistance(const std::string& word) {
+  if (word == "parameter") return CurveDistance::kParameter;
+  if (word == "point") return CurveDistance::kPoint;
+  if (word == "tangent") return CurveDistance::kTangent;
+  if (word == "squared") return CurveDistance::kSquared;
+  return CurveDistance::kAuto;
+}
+
+// Which of several curves: one by its number, all, or the only one there is.
+struct Component {
+  bool all = false;
+  std::optional<int> number = std::nullopt;
+};
+
+Component ToComponent(const std::string& text) {
+  if (text == "the only one") return {};
+  if (text == "all") return {.all = true};
+  constexpr int kMost = 1000000;
+  return {.number = static_cast<int>(ParseWhole("--component", text, 1, kMost))};
+}
+
+// What several fits of one cloud say together: every point has the distance from the nearest curve.
+template <int Dim>
+struct JointFit {
+  CurveFit<Dim> fit;
+  std::vector<int> owners;  // the number of that curve; empty: there is one only
+};
+
+template <int Dim>
+JointFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<double> tolerance) {
+  CurveFit<Dim> joint = fits.front();
+  std::vector<int> owners(static_cast<std::size_t>(joint.residuals.size()), 0);
+  if (fits.size() == 1) return {std::move(joint), {}};
+  FitReport& report = joint.report;
+  for (size_t k = 1; k < fits.size(); ++k) {
+    const CurveFit<Dim>& fit = fits[k];
+    for (Eigen::Index i = 0; i < joint.residuals.size(); ++i) {
+      if (fit.residuals[i] >= joint.residuals[i]) continue;
+      joint.residuals[i] = fit.residuals[i];
+      joint.parameters[i] = fit.parameters[i];
+      owners[static_cast<std::size_t>(i)] = static_cast<int>(k);
+    }
+    joint.outliers = joint.outliers || fit.outliers;
+    report.Join(fit.report);
+  }
+  report.error = Summarise(joint.residuals, tolerance, !joint.outliers);
+  report.error_all = Summarise(joint.residuals, tolerance);
+  report.input.used = report.error.points;
+  report.input.outliers = joint.outliers.count();
+  return {std::move(joint), std::move(owners)};
+}
+
+CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
+  constexpr int kMostControlPoints = 1000000;
+  CurveFitOptions options;
+  options.degree = static_cast<int>(ParseWhole("--degree", a.degree, 1, kMaxDegree));
+  const auto fewest = static_cast<std::uint64_t>(options.degree) + 1;
+  options.tolerance = a.tolerance;
+  if (a.control_points != "chosen") {
+    options.control_points = static_cast<int>(
+        ParseWhole("--control-points", a.control_points, fewest, kMostControlPoints));
+  }
+  options.max_control_points = static_cast<int>(
+      ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  options.parameterization = ToParameterization(a.parameterization);
+  options.order = ToOrder(a.order);
+  options.closed = ToClosed(a.closed);
+  options.corners = a.corners == "auto";
+  options.distance = ToDistance(a.distance);
+  options.smoothing = ToSmoothing(a.smoothing);
+  options.loss = ToLoss(a.loss);
+  options.loss_scale = ToLossScale(a.loss_scale);
+  options.optimize = ToFreedom(a.optimize);
+  return WithWork(std::move(options), a);
+}
+
+template <int Dim>
+int Fit(const FitFiles& files,
+        const PointCloud& cloud,
+        const CurveFitOptions& options,
+        const Component& component) {
+  std::vector<CurveFit<Dim>> fits = files.Explained([&] {
+    if (component.all) return FitCurves<Dim>(cloud, options);
+    std::vector<CurveFit<Dim>> one;
+    one.push_back(component.number ? FitComponent<Dim>(cloud, *component.number, options)
+                                   : FitCurve<Dim>(cloud, options));
+    return one;
+  });
+  auto [joint, owners] = Together(fits, options.tolerance);
+  std::vector<Geometry> curves;
+  for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
+  return files.Write(curves,
+                     joint.residuals,
+                     joint.parameters.transpose(),
+                     joint.outliers,
+                     joint.report,
+                     std::move(owners));
+}
+
+template <int Dim>
+int Interpolate(const FitFiles& files, const PointCloud& cloud, const FitCurveArguments& a) {
+  CloudInterpolationOptions options;
+  options.degree = static_cast<int>(ParseWhole("--degree", a.degree, 1, kMaxDegree));
+  options.parameterization = ToParameterization(a.parameterization);
+  options.keep_order = a.order == "given";
+  options.start_tangent = ToDirection("--start-tangent", a.start_tangent);
+  options.end_tangent = ToDirection("--end-tangent", a.end_tangent);
+  options.closed =
+      a.closed == "yes" || (a.closed == "auto" && !options.start_tangent && !options.end_tangent &&
+                            options.parameterization != CurveParameterization::kGiven &&
+                            JudgeEnds(cloud.points(), 0).repeated);
+  options.tolerance = a.tolerance;
+  options.shift = files.shift();
+  CurveFit<Dim> fit = files.Explained([&] { return InterpolateCloud<Dim>(cloud, options); });
+  const EndGap ends = JudgeEnds(cloud.points(), 0);
+  if (a.closed == "yes" && !ends.closed) {
+    fit.report.warnings.push_back("the ends of the points are " + fmt::format("{:.4g}", ends.gap) +
+                                  " apart: the curve bridges that gap");
+  }
+  return files.Write(
+      {fit.curve}, fit.residuals, fit.parameters.transpose(), fit.outliers, fit.report);
+}
+
+int RunFitCurve(const FitCurveArguments& a) {
+  CheckFitCurve(a);
+  CurveFitOptions options = ToFitCurveOptions(a);
+  const Component component = ToComponent(a.component);
+  FitFiles files(a);
+  const bool given = options.parameterization == CurveParameterization::kGiven;
+  const PointCloud& cloud = files.Read(given);
+  if (given && cloud.parameters().cols() == 0) {
+    files.Refuse("has no column u, which --parameterization given needs (--columns u=1 names one)");
+  }
+  options.shift = files.shift();
+  if (a.interpolate) {
+    return cloud.dimension() == 2 ? Interpolate<2>(files, cloud, a)
+                                  : Interpolate<3>(files, cloud, a);
+  }
+  return cloud.dimension() == 2 ? Fit<2>(files, cloud, options, component)
+                                : Fit<3>(files, cloud, options, component);
+}
+
+}  // namespace
+
+void AddFitCurveCommand(CLI::App& fit, Action& action) {
+  auto a = std::make_shared<FitCurveArguments>();
+  CLI::App& command = *fit.add_subcommand("curve", "Fit a NURBS curve to points along it");
+  const auto add = [&](const char* flag, std::string& value, const char* help, const char* type) {
+    return command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+  };
+  AddFitArguments(
+      command,
+      *a,
+      {"POINTS",
+       "N",
+       "1e-10",
+       "auto none huber cauchy tukey truncated; auto leaves out points far off their neighbours, "
+       "and is "
+       "tukey where there are many",
+       "Where parameters come from: chord centripetal uniform foley universal given; given is a "
+       "column u",
+       {"chord", "centripetal", "uniform", "foley", "universal", "given"}});
+  add("--degree", a->degree, "Degree of the curve", "P");
+  command.add_flag("--interpolate", a->interpolate, "Go through every point, in their order");
+  const auto direction = [&](const char* flag, std::string& value, const char* help) {
+    command.add_option(flag, value, help)->type_name("x,y[,z]");
+  };
+  direction("--start-tangent", a->start_tangent, "Direction of an interpolating curve's start");
+  direction("--end-tangent", a->end_tangent, "Direction of its end");
+  Allow(*add("--order",
+             a->order,
+             "Order of the points: auto (the file's if it follows a curve), given (the file's), "
+             "unordered "
+             "(found from where they lie)",
+             "ORDER"),
+        {"auto", "given", "unordered"});
+  Allow(*add("--closed", a->closed, "auto (found), yes (any gap is bridged), no (open)", "CLOSED"),
+        {"auto", "yes", "no"});
+  Suggest(*add("--component",
+               a->component,
+               "Which of several separate curves: a number, 1 the longest, or all (one OUT for "
+               "them all)",
+               "K"),
+          {"all"});
+  Allow(*add("--distance",
+             a->distance,
+             "What is fitted: point (the nearest), tangent or squared (the same, by steps that "
+             "converge "
+             "faster), parameter (at the point's own); auto is point, or parameter with parameters "
+             "given",
+             "KIND"),
+        {"auto", "point", "tangent", "squared", "parameter"});
+  Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
+        {"auto", "none"});
+  command.footer(
+      "Examples:\n"
+      "  batten fit curve section.xyz -o section.step\n"
+      "  batten fit curve outline.csv -o outline.json --tolerance 0.01 --report "
+      "outline-report.json\n"
+      "  batten fit curve slice.xy -o slice.step --component all\n"
+      "  batten fit curve knots.xyz -o knots.step --interpolate --start-tangent 1,0,0\n"
+      "  batten fit curve ring.xyz -o ring.json --order unordered --closed yes --loss tukey\n"
+      "  batten fit curve heat.xy -o heat.json --parameterization given --columns u=1,x=1,y=2 "
+      "--control-points 9\n"
+      "  batten fit curve arc.xy -o arc.step --degree 2 --optimize params,weights\n"
+      "Points may come in any order; the curve closes where its points do, smoothly or at a "
+      "corner.\n"
+      "Without a tolerance it has as many control points as the data can tell apart from fewer.\n"
+      "Where parameters are given and residuals exceed the noise, auto moves the knots.\n"
+      "Two columns are a plane curve.\n"
+      "Exit code 3 says the best curve is written but the tolerance is not reached.");
+  command.callback([a, &action] { action = [a] { return RunFitCurve(*a); }; });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// batten fit primitive: points in, an exact line, circle, plane, sphere, cylinder, cone or torus
+// and its report out.
+#include <memory>
+#include <utility>
+
+#include "batten/fitting/fit_primitive.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/fit_arguments.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+struct FitPrimitiveArguments : FitArguments {
+  std::string kind;
+};
+
+PrimitiveKind ToKind(const std::string& word) {
+  constexpr PrimitiveKind kKinds[] = {PrimitiveKind::kAuto,
+                                      PrimitiveKind::kLine,
+                                      PrimitiveKind::kCircle,
+                                      PrimitiveKind::kPlane,
+                                      PrimitiveKind::kSphere,
+                                      PrimitiveKind::kCylinder,
+                                      PrimitiveKind::kCone,
+                                      PrimitiveKind::kTorus};
+  for (const PrimitiveKind kind : kKinds) {
+    if (word == Name(kind)) return kind;
+  }
+  return PrimitiveKind::kAuto;
+}
+
+PrimitiveFitOptions ToFitPrimitiveOptions(const FitPrimitiveArguments& a) {
+  PrimitiveFitOptions options;
+  options.kind = ToKind(a.kind);
+  options.tolerance = a.tolerance;
+  options.loss = ToLoss(a.loss);
+  options.loss_scale = ToLossScale(a.loss_scale);
+  return WithWork(std::move(options), a);
+}
+
+int RunFitPrimitive(const FitPrimitiveArguments& a) {
+  PrimitiveFitOptions options = ToFitPrimitiveOptions(a);
+  FitFiles files(a);
+  const PointCloud& cloud = files.Read(false);
+  options.shift = files.shift();
+  PrimitiveFit fit = files.Explained([&] { return FitPrimitive(cloud, options); });
+  const Geometry geometry =
+      std::visit([](const auto& shape) { return Geometry(shape); }, fit.geometry);
+  return files.Write({geometry}, fit.residuals, fit.parameters, fit.outliers, fit.report);
+}
+
+}  // namespace
+
+void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
+  auto a = std::make_shared<FitPrimitiveArguments>();
+  CLI::App& command = *fit.add_subcommand(
+      "primitive", "Fit an exact line, circle, plane, sphere, cylinder, cone or torus to points");
+  AddEveryFitsArguments(
+      command,
+      *a,
+      "CLOUD",
+      "auto none huber cauchy tukey truncated; none takes all points; auto does so for lines and "
+      "circles, and for surfaces leaves out what stands farther off than noise explains");
+  CLI::Option& kind =
+      *command
+           .add_option(
+               "--kind",
+               a->kind,
+               "auto line circle plane sphere cylinder cone torus; auto is the simplest that the "
+               "points do not reject")
+           ->required()
+           ->type_name("KIND");
+  Allow(kind, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
+  command.footer(
+      "Examples:\n"
+      "  batten fit primitive part.xyz -o part.step --kind cylinder\n"
+      "  batten fit primitive scan.ply -o shape.step --kind auto --report shape-report.json\n"
+      "  batten fit primitive hole.xyz -o hole.step --kind circle\n"
+      "  batten fit primitive pipe-section.xyz -o section.step --kind circle --loss tukey "
+      "--tolerance 0.05\n"
+      "Two columns are points of the plane: lines and circles only. Distances are orthogonal; a "
+      "circle in space is found with its plane.\n"
+      "The part that the points cover is written, all round where they go all round; STEP gets the "
+      "exact shape.\n"
+      "Radii, axis, centre or apex with standard deviations and covariance are in the report, "
+      "under "
+      "geometry, primitive.\n"
+      "A warning says where the points do not determine them.\n"
+      "Exit code 3 says the best shape is written but the tolerance is not reached.");
+  command.callback([a, &action] { action = [a] { return RunFitPrimitive(*a); }; });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// batten fit surface: points in, a surface and its report out.
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "batten/fitting/fit_surface.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/fit_arguments.h"
+#include "cli/arguments/fit_grid.h"
+#include "cli/arguments/surface_conditions.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+struct FitSurfaceArguments : FitArguments {
+  FitSurfaceArguments() {
+    max_control_points = "20000";
+    parameterization = "auto";
+  }
+  std::string degree = "3,3", base = "auto", closed = "auto", trim = "auto", normals = "auto";
+  bool keep_outliers = false, snap = false;
+  ConditionArguments conditions;
+  std::string grid, grid_method = "auto";
+  std::optional<double> thin;
+};
+
+// Flags that do not go together.
+void CheckFitSurface(const FitSurfaceArguments& a) {
+  if (a.parameterization == "given" && a.base != "auto") {
+    throw UsageError("--base " + a.base + ": given parameters need no base");
+  }
+  if (a.parameterization == "given" && a.snap) {
+    throw UsageError("--snap: over given parameters the surface stays free-form");
+  }
+  if (a.parameterization == "given" && (a.conditions.any() || !a.conditions.domain.empty())) {
+    throw UsageError(
+        "--parameterization given: --boundary, --meet, --symmetric and --domain need a base of the "
+        "fit's own");
+  }
+  if (a.grid.empty() && a.grid_method != "auto")
+    throw UsageError("--grid-method " + a.grid_method + ": needs --grid N,M");
+  if (!a.grid.empty() &&
+      (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
+       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.thin)) {
+    throw UsageError(
+        "--grid: the points' rows and columns are met as they are; --base, --snap, --loss, "
+        "--smoothing, "
+        "--optimize, --thin, --boundary, --meet, --symmetric and --domain are for scattered "
+        "points");
+  }
+  if (a.snap && a.conditions.any()) {
+    throw UsageError(
+        "--snap: an exact shape meets no conditions (--boundary, --meet, --symmetric)");
+  }
+  if (a.parameterization == "given" && a.closed != "auto" && a.closed != "none") {
+    throw UsageError("--closed " + a.closed + ": over given parameters a surface stays open");
+  }
+}
+
+// The value of a word that is among the choices, else that of "auto".
+template <typename Choice>
+Choice Named(const std::string& word, const std::map<std::string, Choice>& choices) {
+  const auto found = choices.find(word);
+  return found == choices.end() ? Choice::kAuto : found->second;
+}
+
+SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
+  SurfaceFitOptions options;
+  std::tie(options.degree_u, options.degree_v) = ParsePair("--degree", a.degree, 1, kMaxDegree);
+  options.tolerance = a.tolerance;
+  constexpr int kMostControlPoints = 1000000;  // in all
+  if (a.control_points != "chosen") {
+    const auto [n, m] = ParsePair("--control-points", a.control_points, 2, kMostControlPoints);
+    if (n <= options.degree_u || m <= options.degree_v) {
+      throw UsageError("--control-points: '" + a.control_points + "' must exceed the degree " +
+                       std::to_string(options.degree_u) + "," + std::to_string(options.degree_v));
+    }
+    if (std::int64_t{n} * m > kMostControlPoints) {
+      throw UsageError("--control-points: '" + a.control_points +
+                       "' is more than a million in all");
+    }
+    options.control_points = {n, m};
+  }
+  const int fewest = (options.degree_u + 1) * (options.degree_v + 1);
+  options.max_control_points = static_cast<int>(
+      ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  options.smoothing = ToSmoothing(a.smoothing);
+  options.loss = ToLoss(a.loss);
+  options.loss_scale = ToLossScale(a.loss_scale);
+  options.optimize = ToFreedom(a.optimize);
+  options.base = Named<BaseShape>(a.base,
+                                  {{"plane", BaseShape::kPlane},
+                                   {"sheet", BaseShape::kSheet},
+                                   {"revolution", BaseShape::kRevolution},
+                                   {"sphere", BaseShape::kSphere},
+                                   {"torus", BaseShape::kTorus}});
+  options.closed = Named<Closing>(
+      a.closed,
+      {{"none", Closing::kNone}, {"u", Closing::kU}, {"v", Closing::kV}, {"uv", Closing::kBoth}});
+  options.trim = a.trim == "none" ? Trimming::kNone : Trimming::kAuto;
+  TakeConditions(a.conditions, options);
+  options.given_parameters = a.parameterization == "given";
+  options.side_of_normals = a.normals == "file";
+  options.keep_outliers = a.keep_outliers;
+  options.snap = a.snap;
+  options.thin = a.thin;
+  return WithWork(std::move(options), a);
+}
+
+int RunFitSurface(const FitSurfaceArguments& a) {
+  CheckFitSurface(a);
+  SurfaceFitOptions options = ToFitSurfaceOptions(a);
+  FitFiles files(a, a.conditions.Files());
+  if (!a.grid.empty())
+    return RunGridFit(
+        files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
+  const PointCloud& cloud = files.Read(options.given_parameters);
+  if (cloud.dimension() == 2) {
+    files.Refuse("holds points in the plane (two columns); a surface needs x y z");
+  }
+  if (options.given_parameters && cloud.parameters().cols() == 0) {
+    files.Refuse(
+        "has no columns u and v, which --parameterization given needs (--columns u=4,v=5 names "
+        "them)");
+  }
+  options.shift = files.shift();
+  SurfaceFit fit = files.Explained([&] { return FitSurface(cloud, options); });
+  return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
+}
+
+}  // namespace
+
+void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
+  auto a = std::make_shared<FitSurfaceArguments>();
+  CLI::App& command = *fit.add_subcommand("surface", "Fit a NURBS surface to scattered points");
+  const auto add = [&](const char* flag, std::string& value, const char* help, const char* type) {
+    return command.add_option(flag, value, help)->capture_default_str()->type_name(type);
+  };
+  AddFitArguments(command,
+                  *a,
+                  {"CLOUD",
+                   "N,M",
+                   "1e-4",
+                   "auto none huber cauchy tukey truncated; auto is robust when outliers are found",
+                   "Where parameters come from: auto (the base), given (columns u and v)",
+                   {"auto", "given"}});
+  add("--degree", a->degree, "Degree in u and v: P or P,Q", "P[,Q]");
+  Allow(*add("--base",
+             a->base,
+             "Shape the parameters come from: auto plane sheet (bent, or a tube, laid out flat) "
+             "revolution "
+             "sphere torus",
+             "BASE"),
+        {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
+  Allow(*add("--closed",
+             a->closed,
+             "Directions that close without a seam: auto none u v uv",
+             "CLOSED"),
+        {"auto", "none", "u", "v", "uv"});
+  Allow(*add("--trim",
+             a->trim,
+             "auto: cut back to the outline and the holes of the points; none: the whole rectangle",
+             "TRIM"),
+        {"auto", "none"});
+  Allow(*add("--normals",
+             a->normals,
+             "file: the surface's normal looks to the side the points' normals do; auto none",
+             "FROM"),
+        {"auto", "file", "none"});
+  AddConditionArguments(command, a->conditions);
+  command
+      .add_option("--grid",
+                  a->grid,
+                  "The points are N rows of M, one row after the other: interpolated, or, with "
+                  "--tolerance or --control-points, approximated. Points nan are missing cells")
+      ->type_name("N,M");
+  Allow(*add("--grid-method", a->grid_method, "auto interpolate local least-squares", "METHOD"),
+        {"auto", "interpolate", "local", "least-squares"});
+  command
+      .add_option_function<std::string>(
+          "--thin",
+          [a](const std::string& text) { a->thin = ParseNumber("--thin", text, Sign::kPositive); },
+          "Fit one point in each cube of side D, the one nearest to the middle of its points; all "
+          "are measured")
+      ->type_name("D");
+  command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
+  command.add_flag(
+      "--snap",
+      a->snap,
+      "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
+  command.footer(
+      "Examples:\n"
+      "  batten fit surface scan.ply -o part.step\n"
+      "  batten fit surface scan.pcd -o part.step --tolerance 0.05 --report part.html\n"
+      "  batten fit surface hull.ply -o hull.step --base sheet --residuals off.ply\n"
+      "  batten fit surface bush.ply -o bush.step --snap --report bush.json\n"
+      "  batten fit surface vase.ply -o vase.step --base revolution --closed u\n"
+      "  batten fit surface ground.xyz -o ground.step --where label=1 --tolerance 0.5 --unit m\n"
+      "  batten fit surface a.xyz b.xyz -o both.json --degree 5 --control-points 24,16 --residuals "
+      "off.csv\n"
+      "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
+      "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
+      "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
+      "  batten fit surface half.xyz -o hull.step --symmetric y\n"
+      "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "
+      "params,weights\n"
+      "  batten fit surface ridge.xyz -o ridge.step --control-points 12,8 --optimize knots\n"
+      "  batten fit surface mapped.txt -o mapped.step --parameterization given --columns u=4,v=5\n"
+      "Exit code 3 says the best surface is written but the tolerance is not reached.");
+  command.callback([a, &action] { action = [a] { return RunFitSurface(*a); }; });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// batten info: what a file holds.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "batten/fitting/cloud_statistics.h"
+#include "batten/geometry/classify_shape.h"
+#include "batten/io/file_format.h"
+#include "batten/io/geometry_file.h"
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/cloud_arguments.h"
+#include "cli/arguments/geometry_summary.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/common_flags.h"
+#include "cli/terminal/exit_codes.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoArguments {
+  std::vector<std::string> paths;
+  CloudArguments cloud;
+  CommonFlags flags;
+  WorkFlags work;
+};
+
+Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); }
+
+Json CloudInfo(const InfoArguments& a) {
+  BeginReading(a.paths, a.flags.quiet);
+  const CloudFile file = ReadCloud(a.paths, ToReadOptions(a.cloud, a.flags.quiet));
+  const PointCloud& cloud = file.cloud;
+  const MergedCloud merged = MergeDuplicates(cloud);
+  ThreadPool pool(a.work.threads);
+  CloudStatisticsOptions options;
+  options.seed = a.work.seed;
+  const CloudStatistics statistics = MeasureCloud(merged.cloud.points(),
+                                                  NeighbourIndex(merged.cloud.points()),
+                                                  options,
+                                                  pool,
+                                                  MakeProgress(a.flags.quiet));
+  Json info;
+  info["kind"] = "cloud";
+  info["points"] = file.points_in_file - file.filtered;
+  info["non_finite"] = file.non_finite;
+  info["duplicates"] = merged.duplicates;
+  info["fields"] = file.fields;
+  if (!file.scale.isZero(0)) info["scale"] = ToJson(file.scale);
+  info["bounding_box"] =
+      Json::array({ToJson(cloud.origin() + cloud.points().rowwise().minCoeff()),
+                   ToJson(cloud.origin() + cloud.points().rowwise().maxCoeff())});
+  info["origin"] = ToJson(cloud.origin());
+  info["spacing"] = statistics.spacing;
+  info["noise"] = statistics.noise;
+  info["outliers"] = statistics.outlier_count;
+  return info;
+}
+
+int RunInfo(const InfoArguments& a) {
+  Json info;
+  if (IsGeometryFormat(FormatOf(a.paths.front(), a.cloud.format))) {
+    if (a.paths.size() > 1) {
+      throw UsageError(a.paths.front() + " holds geometry: one such file at a time");
+    }
+    BeginReading(a.paths, a.flags.quiet);
+    info = SummaryOf(ReadGeometryContents(a.paths.front(), {a.cloud.format}),
+                     ClassifyOptions().tolerance);
+  } else {
+    info = CloudInfo(a);
+  }
+  ClearProgress();
+  if (a.flags.json) {
+    fmt::print("{}\n", JsonText(info, 2));
+  } else if (!a.flags.quiet) {
+    PrintAligned(info);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddInfoCommand(CLI::App& app, Action& action) {
+  auto a = std::make_shared<InfoArguments>();
+  CLI::App& command = *app.add_subcommand("info", "Say what a cloud or geometry file holds");
+  command
+      .add_option("FILE",
+                  a->paths,
+                  std::string("Geometry (.json .step .iges), or a cloud (") + kCloudFormats +
+                      "); several are one cloud")
+      ->required();
+  AddCloudArguments(command, a->cloud);
+  AddWorkFlags(command, a->work);
+  AddCommonFlags(command, a->flags);
+  command.footer(
+      "Examples:\n  batten info scan.pcd\n  batten info ground.xyzl --where label=1 --json\n  "
+      "batten info tile_1.las tile_2.las --las-class 2,6\n  "
+      "batten info part.step");
+  command.callback([a, &action] { action = [a] { return RunInfo(*a); }; });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "cli/commands/program.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/progress.h"
+#include "batten/io/read_error.h"
+#include "cli/commands/commands.h"
+#include "cli/commands/completion.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/exit_codes.h"
+#include "cli/terminal/interrupt.h"
+#include "cli/terminal/nearest_name.h"
+#include "cli/terminal/terminal.h"
+#include "cli/terminal/this_run.h"
+
+namespace batten::internal {
+namespace {
+
+// Commands of the contract that later versions will have.
+const std::vector<std::string> kLaterCommands = {};
+const std::vector<std::string> kLaterFits = {"scan"};
+const std::vector<std::string> kLaterKinds = {
+    "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
+const std::vector<std::string> kLaterFlags = {"--uncertainty", "--certify", "--stream"};
+
+bool Contains(const std::vector<std::string>& list, const std::string& word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+// The command that was being parsed when an argument was left over.
+const CLI::App* Deepest(const CLI::App& app) {
+  const CLI::App* deepest = &app;
+  while (!deepest->get_subcommands().empty()) deepest = deepest->get_subcommands().front();
+  return deepest;
+}
+
+// "batten fit surface": the command as one types it.
+std::string TypedName(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* sub = &app; !sub->get_subcommands().empty();) {
+    sub = sub->get_subcommands().front();
+    name += " " + sub->get_name();
+  }
+  return name;
+}
+
+std::vector<std::string> FlagNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::vector<std::string> CommandNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(sub->get_name());
+  }
+  return names;
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+// The commands that have a flag: "'batten fit surface', 'batten compare'".
+std::string HavingFlag(const CLI::App& command, const std::string& path, const std::string& flag) {
+  std::string having = Contains(FlagNames(command), flag) ? "'" + path + "'" : "";
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::string below = HavingFlag(*sub, path + " " + sub->get_name(), flag);
+    having += (having.empty() || below.empty() ? "" : ", ") + below;
+  }
+  return having;
+}
+
+std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
+  std::vector<std::string> names = FlagNames(*Deepest(app));
+  const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
+  const std::string having = HavingFlag(app, app.get_name(), flag);
+  if (!having.empty())
+    return text + having + (having.find(',') == std::string::npos ? " has" : " have") + " it";
+  if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
+  // One letter is taken for the first of a name.
+  if (flag.size() == 2) {
+    const auto found = std::find_if(
+        names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
+    if (found != names.end()) return text + "did you mean '" + *found + "'?";
+  }
+  const std::string near = NearestName(flag, names);
+  if (!near.empty()) return text + "did you mean '" + near + "'?";
+  return text + "the nearest known is '" + NearestNameOfAll(flag, names) + "' (--help lists all)";
+}
+
+std::string ExplainWord(const CLI::App& app, const std::string& word) {
+  const CLI::App* command = Deepest(app);
+  const std::vector<std::string> commands = CommandNames(*command);
+  if (commands.empty()) {
+    return "unexpected argument '" + word + "' for '" + TypedName(app) +
+           "' (--help shows what it takes)";
+  }
+  const std::vector<std::string>& later = command == &app                 ? kLaterCommands
+                                          : command->get_name() == "make" ? kLaterKinds
+                                                                          : kLaterFits;
+  if (Contains(later, word)) {
+    return "'" + TypedName(app) + " " + word + "' is not in this version";
+  }
+  const std::string near = NearestName(word, commands);
+  return "unknown command '" + TypedName(app) + " " + word + "'; " +
+         (near.empty() ? "known are " + Listed(commands) : "did you mean '" + near + "'?");
+}
+
+std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
+  const bool flag = extra.size() > 1 && extra[0] == '-';
+  return flag ? ExplainFlag(app, extra.substr(0, extra.find('='))) : ExplainWord(app, extra);
+}
+
+// Why the command line can't be used, in one sentence.
+std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
+  // A word nobody knows is the better explanation where there is one.
+  const std::vector<std::string> extras = app.remaining(true);
+  if (!extras.empty()) return ExplainExtra(app, extras.front());
+  const std::vector<std::string> commands = CommandNames(*Deepest(app));
+  if (!commands.empty()) {
+    return "usage: " + TypedName(app) + " COMMAND ...; commands are " + Listed(commands) + " (" +
+           TypedName(app) + " --help says more)";
+  }
+  return std::string(error.what()) + " ('" + TypedName(app) + " --help' lists what there is)";
+}
+
+int Parse(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    // Help on a command that is not there is no help.
+    const std::vector<std::string> extras = app.remaining(true);
+    const bool wants_command = !CommandNames(*Deepest(app)).empty();
+    if (wants_command && !extras.empty()) throw UsageError(ExplainExtra(app, extras.front()));
+    std::fputs(app.help().c_str(), stdout);
+    return -1;
+  } catch (const CLI::CallForVersion&) {
+    std::printf("batten %s\n", Version());
+    return -1;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(Explain(app, error));
+  }
+  return 0;
+}
+
+// Buffered output that does not arrive is an error too.
+int Flushed(int code) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  PrintError(std::string("standard output: can't be written: ") + std::strerror(errno));
+  return kBadInput;
+}
+
+}  // namespace
+
+int RunProgram(int argc, char** argv) {
+  KeepCommandLine(argc, argv);
+  Action action;
+  CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
+               "batten");
+  app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
+  app.set_help_flag("-h,--help", "Print this help");
+  app.footer(
+      "From a scan to CAD:\n"
+      "  batten info scan.ply                              how many points, how dense, how noisy\n"
+      "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
+      "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.html\n"
+      "  batten compare part.step scan.ply --tolerance 0.05\n"
+      "                                                    how well it fits, measured again\n"
+      "  batten tessellate part.step -o part.stl           triangles for viewers and printers\n"
+      "Curves, exact shapes, changes:\n"
+      "  batten fit curve section.xyz -o section.step      one or several curves along points\n"
+      "  batten fit primitive bore.xyz -o bore.step --kind cylinder\n"
+      "  batten make cylinder -o pin.step --radius 3 --height 20\n"
+      "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
+      "  batten analyze part.step                          degree, area, curvature, which shape\n"
+      "  batten COMMAND --help                             flags, defaults and more examples\n"
+      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; '-' "
+      "is\n"
+      "standard input or output, with --format. --json makes the result one JSON object.\n"
+      "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
+      "reached;\n"
+      "130 interrupted. Results go to standard output, everything else to standard error.");
+  app.require_subcommand(1);
+  CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");
+  fit.require_subcommand(1);
+  fit.footer(
+      "Examples:\n  batten fit surface scan.ply -o part.step\n"
+      "  batten fit curve section.xyz -o section.step\n  batten fit surface --help");
+  AddFitSurfaceCommand(fit, action);
+  AddFitCurveCommand(fit, action);
+  AddFitPrimitiveCommand(fit, action);
+  AddCompareCommand(app, action);
+  AddEvaluateCommand(app, action);
+  AddProjectCommand(app, action);
+  AddEditCommand(app, action);
+  AddSectionCommand(app, action);
+  AddMakeCommand(app, action);
+  AddConvertCommand(app, action);
+  AddAnalyzeCommand(app, action);
+  AddInfoCommand(app, action);
+  AddSampleCommand(app, action);
+  AddTessellateCommand(app, action);
+  AddCompletionCommand(app, action);
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    command->fallthrough(false);
+  }
+  // Not a command of its own: only the script that completes words asks.
+  if (argc > 1 && std::strcmp(argv[1], "__complete") == 0) {
+    PrintCompletion(app, {argv + 2, argv + argc});
+    return Flushed(kDone);
+  }
+  try {
+    if (Parse(app, argc, argv) < 0) return Flushed(kDone);
+    WatchForInterrupt();
+    const int code = action();  // what is done when Ctrl-C comes too late is done
+    ClearProgress();
+    return Flushed(code);
+  } catch (const UsageError& error) {
+    PrintError(error.what());
+    return kBadUsage;
+  } catch (const Cancelled&) {
+    PrintError("interrupted; nothing was written");
+    return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    PrintError("not enough memory for this input");
+    return kBadInput;
+  } catch (const std::exception& error) {
+    PrintError(Interrupted() ? "interrupted; nothing was written" : error.what());
+    return Interrupted() ? kInterrupted : kBadInput;
+  }
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// Ctrl-C and SIGTERM as a wish that work looks at.
+#pragma once
+
+namespace batten::internal {
+
+// From here on Ctrl-C and SIGTERM do no more than make Interrupted() true.
+void CatchSignals();
+bool Interrupted();
+
+}  // namespace batten::internal

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/cloud/cloud_outliers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "fitting/neighbours/local_quadric.h"
+#include "fitting/cloud/place_screen.h"
+#include "batten/fitting/statistics.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kPlaneNeighbours = 24;
+constexpr int kReachNeighbour = 6;
+constexpr double kAgrees = 3;         // a trusted point's offset in deviations of its neighbours
+constexpr double kUsualScales = 2.5;  // a trusted place's deviation from its plane, …
+constexpr double kFlat = 0.1;         // … or this share of its neighbours' reach
+constexpr double kSparser = 2;        // than the points around it, or than the nearest surface
+constexpr double kExact = 0.03;       // of the reach: less deviation is none
+constexpr int kQuadricNeighbours = 30;
+constexpr int kLookedAt = 48;  // points, for so many trusted ones
+constexpr int kOthers[] = {
+    3, 6, 10, 15, 21};              // of the nearest points, whose surroundings are asked
+constexpr double kOff = 4.5;        // deviations that make an outlier
+constexpr double kResolved = 0.06;  // of the reach: less is no deviation
+constexpr int kCompanions = 2;      // trusted ones among the nearest
+constexpr double kAway = 2.5;       // reaches from the nearest trusted point
+constexpr double kLonelier = 3;
+constexpr double kFillsSpace = 0.2;
+constexpr double kMostNeighbourLeverage = 4;  // beyond, a quadric says nothing of the place
+
+constexpr Eigen::Index kTypical = 4096;  // points that usual values are taken from
+constexpr std::ptrdiff_t kAskedPerTask = 256;
+constexpr double kPays = 0.5;  // of the points, that a screen must pass
+
+// How a point stands to its neighbours.
+struct Standing {
+  double offset = 0;         // off the plane of its neighbours
+  double scale = 0;          // of the neighbours' own deviations from that plane
+  double reach = 0;          // distance of its sixth neighbour
+  double nearest_reach = 0;  // of the nearest other point, or one nearly so
+  int nearest = 0;           // that point
+};
+
+Eigen::Matrix3Xd PointsAt(const Eigen::Matrix3Xd& points, std::span<const int> chosen) {
+  Eigen::Matrix3Xd picked(3, std::ssize(chosen));
+  for (Eigen::Index i = 0; i < picked.cols(); ++i) picked.col(i) = points.col(chosen[i]);
+  return picked;
+}
+
+// The standings of the points asked for, and reaches of all.
+class Standings {
+ public:
+  Standings(const Eigen::Matrix3Xd& points, const NeighbourIndex& index)
+      : points_(points), index_(index) {}
+
+  // Points that stay at their places in the list.
+  const std::vector<int>& asked() const { return asked_; }
+  const Standing& operator[](size_t i) const { return standings_[i]; }
+
+  // Asks for points not asked for yet, without the reaches of those nearest to them.
+  void Ask(std::span<const int> chosen, ThreadPool& pool, const Progress& progress) {
+    const auto old = std::ssize(asked_);
+    asked_.insert(asked_.end(), chosen.begin(), chosen.end());
+    standings_.resize(asked_.size());
+    if (rank_.empty()) rank_.assign(static_cast<size_t>(points_.cols()), -1);
+    for (auto i = old; i < std::ssize(asked_); ++i) rank_[asked_[i]] = static_cast<int>(i);
+    constexpr std::ptrdiff_t kChunk = 1 << 16;
+    for (auto start = old; start < std::ssize(asked_); start += kChunk) {
+      const auto count = std::min<std::ptrdiff_t>(kChunk, std::ssize(asked_) - start);
+      pool.For(count, kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+        Measure(start + begin, start + end);
+      });
+      Report(progress,
+             "prepare",
+             0.4 + 0.4 * static_cast<double>(start + count) / static_cast<double>(points_.cols()));
+    }
+  }
+
+  // Adds the reaches of the nearest points.
+  void AskNearest(ThreadPool& pool) {
+    pool.For(std::ssize(asked_), kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      std::vector<int> nearest;
+      for (auto i = begin; i < end; ++i) nearest.push_back(standings_[i].nearest);
+      const std::vector<double> reaches = Reaches(nearest);
+      for (auto i = begin; i < end; ++i) standings_[i].nearest_reach = reaches[i - begin];
+    });
+  }
+
+  // The distances of the sixth neighbours of points.
+  std::vector<double> Reaches(std::span<const int> chosen) const {
+    std::vector<double> reaches(chosen.size());
+    std::vector<int> unknown;
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const int rank = rank_[chosen[i]];
+      if (rank >= 0) reaches[i] = standings_[rank].reach;
+      if (rank < 0) unknown.push_back(chosen[i]);
+    }
+    if (unknown.empty()) return reaches;
+    const int k = kReachNeighbour + 1;
+    const std::vector<int> near = index_.Nearest(PointsAt(points_, unknown), k);
+    auto row = near.begin();
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      if (rank_[chosen[i]] >= 0) continue;
+      reaches[i] = (points_.col(row[kReachNeighbour]) - points_.col(chosen[i])).norm();
+      row += k;
+    }
+    return reaches;
+  }
+
+ private:
+  void Measure(std::ptrdiff_t begin, std::ptrdiff_t end) {
+    const std::span<const int> chosen(asked_.data() + begin, static_cast<size_t>(end - begin));
+    const int k = static_cast<int>(std::min<Eigen::Index>(kPlaneNeighbours + 1, points_.cols()));
+    const std::vector<int> near = index_.Nearest(PointsAt(points_, chosen), k);
+    Eigen::Matrix3Xd local(3, k - 1);
+    for (std::ptrdiff_t i = begin; i < end; ++i) {
+      const int point = asked_[i];
+      const int* row = near.data() + (i - begin) * k;
+      Eigen::Index others = 0;  // the point itself stays out of its own plane
+      for (int j = 0; j < k && others < k - 1; ++j) {
+        if (row[j] != point) local.col(others++) = points_.col(row[j]) - points_.col(point);
+      }
+      const AgreedPlane agreed = PlaneMostAgreeOn(local);
+      Standing& standing = standings_[i];
+      standing.offset = std::abs(agreed.plane.centre.dot(agreed.plane.normal));
+      standing.scale = agreed.scale;
+      standing.nearest = row[row[0] == point ? 1 : 0];
+      standing.reach = (points_.col(row[kReachNeighbour]) - points_.col(point)).norm();
+    }
+  }
+
+  const Eigen::Matrix3Xd& points_;
+  const NeighbourIndex& index_;
+  std::vector<int> asked_, rank_;
+  std::vector<Standing> standings_;
+};
+
+// What is usual of the points.
+struct Usual {
+  double scale = 0, reach = 0;
+};
+
+// Of the points under a mask `sampled` only were asked for, each of them stands for `stands_for`
+// such points; of the others all.
+Usual UsualOf(const Standings& standings, const PointMask& sampled, double stands_for) {
+  std::vector<std::pair<double, double>> scales, reaches;
+  for (size_t i = 0; i < standings.asked().size(); ++i) {
+    const double weight = sampled[standings.asked()[i]] ? stands_for : 1;
+    scales.emplace_back(standings[i].scale, weight);
+    reaches.emplace_back(standings[i].reach, weight);
+  }
+  return {WeightedMedian(std::move(scales)), WeightedMedian(std::move(reaches))};
+}
+
+// Judges doubted points by the trusted ones.
+class Tribunal {
+ public:
+  // Trusted are points `plainly_good` and, of those whose standings were asked for, those that
+  // agree with their neighbours.
+  Tribunal(const Eigen::Matrix3Xd& points,
+           const NeighbourIndex& index,
+           const Standings& standings,
+           const Usual& usual,
+           PointMask plainly_good,
+           double noise)
+      : points_(points),
+        index_(index),
+        standings_(standings),
+        noise_(noise),
+        usual_scale_(kUsualScales * usual.scale),
+        usual_reach_(usual.reach),
+        trusted_(std::move(plainly_good)) {
+    for (size_t i = 0; i < standings.asked().size(); ++i) {
+      const Standing& own = standings[i];
+      const double least =
+          std::max(usual.scale, kExact * std::min(own.nearest_reach, kLonelier * usual.reach));
+      trusted_[standings.asked()[i]] = own.scale <= kUsualScales * least &&
+                                       own.offset <= kAgrees * std::max(least, own.scale) &&
+                                       own.reach <= kSparser * own.nearest_reach;
+    }
+  }
+
+  PointMask Outliers(ThreadPool& pool) {
+    TrustCurvedPlaces(pool);
+    std::vector<int> doubted;  // places in the list of those asked
+    for (size_t i = 0; i < standings_.asked().size(); ++i) {
+      if (!trusted_[standings_.asked()[i]] || standings_[i].reach > kLonelier * usual_reach_)
+        doubted.push_back(static_cast<int>(i));
+    }
+    PointMask outliers = PointMask::Constant(points_.cols(), false);
+    if (trusted_.count() <= kQuadricNeighbours || doubted.empty()) return outliers;
+    const std::vector<char> verdicts = JudgeAll(doubted, pool);
+    for (size_t i = 0; i < doubted.size(); ++i)
+      outliers[PointOf(doubted[i])] = verdicts[i] != kGood;
+    // Several off together, as dense as the surface, are structure.
+    PointMask kept = outliers;
+    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t i = begin; i < end; ++i) {
+        if (verdicts[i] == kOffSurface && InCompany(doubted[i], outliers))
+          kept[PointOf(doubted[i])] = false;
+      }
+    });
+    return kept;
+  }
+
+ private:
+  enum Verdict { kGood, kOffSurface, kAlone };
+
+  int PointOf(int place) const { return standings_.asked()[static_cast<size_t>(place)]; }
+
+  // Where a surface bends much within a few spacings, its points agree with quadrics. So do, by
+  // chance, some of the points scattered far from it: trust spreads from neighbour to neighbour.
+  void TrustCurvedPlaces(ThreadPool& pool) {
+    std::vector<int> doubted;
+    for (size_t i = 0; i < standings_.asked().size(); ++i) {
+      if (!trusted_[standings_.asked()[i]]) doubted.push_back(static_cast<int>(i));
+    }
+    struct Nearest {
+      int point[kReachNeighbour];
+      bool as_dense[kReachNeighbour];
+    };
+    std::vector<char> agrees(doubted.size());
+    std::vector<Nearest> near(doubted.size());
+    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t i = begin; i < end; ++i) {
+        agrees[i] = AgreesWithOwnQuadric(doubted[i], near[i].point);
+        if (!agrees[i]) continue;
+        const std::vector<double> reaches = standings_.Reaches(near[i].point);
+        for (int j = 0; j < kReachNeighbour; ++j)
+          near[i].as_dense[j] = standings_[doubted[i]].reach <= kSparser * reaches[j];
+      }
+    });
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (size_t i = 0; i < doubted.size(); ++i) {
+        const int point = PointOf(doubted[i]);
+        if (!agrees[i] || trusted_[point]) continue;
+        int companions = 0;
+        for (int j = 0; j < kReachNeighbour; ++j)
+          companions += trusted_[near[i].point[j]] && near[i].as_dense[j] ? 1 : 0;
+        if (companions < kCompanions) continue;
+        trusted_[point] = true;
+        grown = true;
+      }
+    }
+  }
+
+  bool AgreesWithOwnQuadric(int place, int* nearest) const {
+    const int point = PointOf(place);
+    const Eigen::Vector3d p = points_.col(point);
+    const Standing& standing = standings_[place];
+    std::vector<int> near = index_.Nearest(p, kPlaneNeighbours + 1);
+    near.erase(std::remove(near.begin(), near.end(), point), near.end());
+    std::copy_n(near.begin(), kReachNeighbour, nearest);
+    const double reach = standing.nearest_reach;
+    if (standing.reach > kSparser * reach) return false;
+    const LocalQuadric quadric = LocalQuadric::MostAgreeOn(Around(p, near));
+    const double scale = quadric.scale_of_most();
+    if (scale > std::max(usual_scale_, kFlat * reach)) return false;
+    return std::abs(quadric.Offset(Eigen::Vector3d::Zero())) <=
+           kAgrees * std::max({noise_, kFlat / 2 * reach, scale}) *
+               std::sqrt(1 + quadric.Leverage(Eigen::Vector3d::Zero()));
+  }
+
+  // Points relative to a place.
+  Eigen::Matrix3Xd Around(const Eigen::Vector3d& place, const std::vector<int>& chosen) const {
+    Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(chosen.size()));
+    for (Eigen::Index j = 0; j < local.cols(); ++j) local.col(j) = points_.col(chosen[j]) - place;
+    return local;
+  }
+
+  // Of every doubted point. Nearly all find their trusted points among those around them; the ones
+  // deep among their like find theirs in an index of these.
+  std::vector<char> JudgeAll(const std::vector<int>& doubted, ThreadPool& pool) const {
+    constexpr char kUnjudged = -1;
+    std::vector<char> verdicts(doubted.size(), kUnjudged);
+    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t i = begin; i < end; ++i) {
+        std::vector<int> near = TrustedAround(PointOf(doubted[i]));
+        if (std::ssize(near) == kQuadricNeighbours)
+          verdicts[i] = static_cast<char>(Judge(doubted[i], near));
+      }
+    });
+    std::vector<size_t> deep;
+    for (size_t i = 0; i < doubted.size(); ++i) {
+      if (verdicts[i] == kUnjudged) deep.push_back(i);
+    }
+    if (deep.empty()) return verdicts;
+    std::vector<int> list;
+    for (const int point : index_.order()) {
+      if (trusted_[point]) list.push_back(point);
+    }
+    const NeighbourIndex index(PointsAt(points_, list), pool);
+    pool.For(std::ssize(deep), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t i = begin; i < end; ++i) {
+        const int place = doubted[deep[i]];
+        std::vector<int> near = index.Nearest(points_.col(PointOf(place)), kQuadricNeighbours + 1);
+        for (int& j : near) j = list[j];
+        near.erase(std::remove(near.begin(), near.end(), PointOf(place)), near.end());
+        if (std::ssize(near) > kQuadricNeighbours) near.pop_back();
+        verdicts[deep[i]] = static_cast<char>(Judge(place, near));
+      }
+    });
+    return verdicts;
+  }
+
+  // The trusted points nearest to a point without itself, fewer where it is deep among others.
+  std::vector<int> TrustedAround(int point) const {
+    std::vector<int> near = index_.Nearest(points_.col(point), kLookedAt);
+    const auto last =
+        std::remove_if(near.begin(), near.end(), [&](int j) { return j == point || !trusted_[j]; });
+    near.resize(std::min<size_t>(last - near.begin(), kQuadricNeighbours));
+    return near;
+  }
+
+  // `near` are the trusted points nearest to a point.
+  Verdict Judge(int place, const std::vector<int>& near) const {
+    const int point = PointOf(place);
+    const Eigen::Vector3d p = points_.col(point);
+    const double reach = Median(standings_.Reaches({near.data(), kReachNeighbour}));
+    const double own = standings_[place].reach;
+    const double away = (points_.col(near[0]) - p).norm();
+    if (own > kLonelier * reach) return kAlone;
+    if (away > kAway * reach) return own > kSparser * reach ? kAlone : kOffSurface;
+    if (trusted_[point]) return kGood;
+    // Beside an edge it belongs to the neighbourhood of some point farther away.
+    bool judged = false;
+    for (const int other : kOthers) {
+      const LocalQuadric quadric =
+          LocalQuadric::MostAgreeOn(Around(p, NearestOthers(points_.col(near[other]), point)));
+      const double leverage = quadric.Leverage(Eigen::Vector3d::Zero());
+      if (leverage > kMostNeighbourLeverage) continue;
+      judged = true;
+      const double deviation = std::max({noise_, kResolved * reach, quadric.robust_scale()});
+      if (std::abs(quadric.Offset(Eigen::Vector3d::Zero())) <=
+          kOff * deviation * std::sqrt(1 + leverage)) {
+        return kGood;
+      }
+    }
+    return judged ? kOffSurface : kGood;
+  }
+
+  // The points nearest to a place, without one of them.
+  std::vector<int> NearestOthers(const Eigen::Vector3d& place, int without) const {
+    std::vector<int> near = index_.Nearest(place, kQuadricNeighbours + 1);
+    near.erase(std::remove(near.begin(), near.end(), static_cast<int>(without)), near.end());
+    return near;
+  }
+
+  // Whether most of the points nearest to a point that is off are off too, and form something
+  // thinner than space.
+  bool InCompany(int place, const PointMask& outliers) const {
+    const int point = PointOf(place);
+    if (standings_[place].scale > kFillsSpace * standings_[place].reach) return false;
+    const std::vector<int> near = index_.Nearest(points_.col(point), kReachNeighbour + 1);
+    return std::count_if(near.begin(), near.end(), [&](int j) {
+             return j != point && outliers[j];
+           }) > kReachNeighbour / 2;
+  }
+
+  const Eigen::Matrix3Xd& points_;
+  const NeighbourIndex& index_;
+  const Standings& standings_;
+  double noise_, usual_scale_, usual_reach_;
+  PointMask trusted_;
+};
+
+// The plainly good points of a cloud, or none where they are few: such a cloud is rough, its plain
+// places would vouch for what is off them, and would save little.
+PointMask Screened(const Eigen::Matrix3Xd& points,
+                   const NeighbourIndex& index,
+                   const Usual& usual,
+                   ThreadPool& pool) {
+  PointMask good = PlainlyGood(points, index, usual.scale, usual.reach, pool);
+  if (static_cast<double>(good.count()) < kPays * static_cast<double>(points.cols()))
+    good.setConstant(false);
+  return good;
+}
+
+}  // namespace
+
+PointMask FindOutliers(const Eigen::Matrix3Xd& points,
+                       const NeighbourIndex& index,
+                       double spacing,
+                       double noise,
+                       ThreadPool& pool,
+                       const Progress& progress) {
+  // Exact data: deviations are rounding or curvature.
+  const double rounding = 1e-9 * spacing;
+  const auto order = index.order();
+  Standings standings(points, index);
+  std::vector<int> sample;
+  for (const Eigen::Index i : SampleIndices(points.cols(), kTypical, 1)) sample.push_back(order[i]);
+  standings.Ask(sample, pool, progress);
+  PointMask good = PointMask::Constant(points.cols(), false);
+  Usual usual = UsualOf(standings, good, 1);
+  if (points.cols() > kTypical) {
+    good = Screened(points, index, {std::max(usual.scale, rounding), usual.reach}, pool);
+    PointMask asked = good;
+    Eigen::Index good_asked = 0;
+    for (const int point : sample) {
+      good_asked += good[point] ? 1 : 0;
+      asked[point] = true;
+    }
+    std::vector<int> rest;
+    for (const int point : order) {
+      if (!asked[point]) rest.push_back(point);
+    }
+    standings.Ask(rest, pool, progress);
+    // The sample alone is a coarse judge, and of all but plain places every point is known now.
+    usual = UsualOf(standings,
+                    good,
+                    static_cast<double>(good.count()) /
+                        static_cast<double>(std::max<Eigen::Index>(1, good_asked)));
+  }
+  usual.scale = std::max(usual.scale, rounding);
+  standings.AskNearest(pool);
+  return Tribunal(points, index, standings, usual, std::move(good), std::max(noise, rounding))
+      .Outliers(pool);
+}
+
+}  // namespace batten::internal

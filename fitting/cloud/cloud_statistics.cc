@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/cloud_statistics.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "fitting/cloud/cloud_outliers.h"
+#include "fitting/neighbours/local_quadric.h"
+#include "batten/fitting/statistics.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+constexpr int kFewPoints = 20;
+constexpr int kNarrowBall = 14, kWideBall = 30, kWidestBall = 480;  // points
+constexpr double kClearlyLess = 0.7;
+constexpr double kOnALine = 0.2;    // breadth over length: such balls see one scan line
+constexpr double kNearlyAll = 0.1;  // this share of the balls may be as narrow
+constexpr double kThick = 0.2;      // deviation over radius: larger balls are asked
+
+Eigen::Matrix3Xd Neighbourhood(const Eigen::Matrix3Xd& points,
+                               const Eigen::Vector3d& centre,
+                               const int* neighbours,
+                               int count) {
+  Eigen::Matrix3Xd local(3, count);
+  for (int j = 0; j < count; ++j) local.col(j) = points.col(neighbours[j]) - centre;
+  return local;
+}
+
+// How broad points are over their length.
+double BreadthOf(const Eigen::Matrix3Xd& local) {
+  const Eigen::Matrix3Xd centred = local.colwise() - Eigen::Vector3d(local.rowwise().mean());
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(centred * centred.transpose(), Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0);
+  return spread[2] > 0 ? std::sqrt(spread[1] / spread[2]) : 0;
+}
+
+// Medians over the samples: deviations from the quadrics through k neighbours each, the radii of
+// the balls these lie in, and the breadth of nearly all.
+struct BallNoise {
+  double deviation = 0, radius = 0, breadth = 0;
+
+  double Thickness() const { return radius > 0 ? deviation / radius : 0; }
+  // A ball holds only the middle of a cloud that is thick for it. The factor that gives the
+  // standard deviation was measured on planes with normal noise and any number of neighbours; good
+  // to 3 % where the thickness is below kMostThickness.
+  double Corrected() const {
+    const double x2 = std::pow(std::min(Thickness(), kMostThickness), 2);
+    return deviation * (1 + 1.6 * x2 + 170 * x2 * x2 * x2);
+  }
+
+  static constexpr double kMostThickness = 0.29;
+};
+
+BallNoise NoiseAt(const Eigen::Matrix3Xd& points,
+                  const NeighbourIndex& index,
+                  const std::vector<Eigen::Index>& samples,
+                  int k,
+                  ThreadPool& pool) {
+  std::vector<double> deviations(samples.size()), radii(samples.size()), breadths(samples.size());
+  pool.For(static_cast<std::ptrdiff_t>(samples.size()), 64, [&](auto begin, auto end) {
+    Eigen::Matrix3Xd queries(3, end - begin);
+    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(samples[i]);
+    const std::vector<int> near = index.Nearest(queries, k);
+    for (auto i = begin; i < end; ++i) {
+      const Eigen::Matrix3Xd local =
+          Neighbourhood(points, points.col(samples[i]), near.data() + (i - begin) * k, k);
+      deviations[i] = LocalQuadric(local).deviation();
+      radii[i] = local.col(k - 1).norm();
+      breadths[i] = BreadthOf(local);
+    }
+  });
+  return {Median(std::move(deviations)),
+          Median(std::move(radii)),
+          Quantile(std::move(breadths), kNearlyAll)};
+}
+
+double MeasureNoise(const Eigen::Matrix3Xd& points,
+                    const NeighbourIndex& index,
+                    const CloudStatisticsOptions& options,
+                    ThreadPool& pool) {
+  const Eigen::Index m = points.cols();
+  const auto noise_at = [&](int k) {
+    const Eigen::Index count = std::max<Eigen::Index>(300, options.samples * Eigen::Index{30} / k);
+    return NoiseAt(points,
+                   index,
+                   SampleIndices(m, std::min<Eigen::Index>(count, options.samples), options.seed),
+                   k,
+                   pool);
+  };
+  int ball = kNarrowBall;
+  BallNoise narrow = noise_at(ball);
+  // Along one line any plane serves: balls must reach over several, and have more than a point or
+  // two of the next one.
+  const auto may_grow = [&] { return 2 * ball <= kWidestBall && 2 * ball < m / 10; };
+  bool on_lines = false;
+  for (; narrow.breadth < kOnALine && may_grow(); on_lines = true) narrow = noise_at(ball *= 2);
+  if (on_lines && may_grow()) narrow = noise_at(ball *= 2);
+  if (m < 2 * kWideBall) return narrow.deviation;
+  const int wider_ball = ball == kNarrowBall ? kWideBall : 2 * ball;
+  BallNoise wide = noise_at(wider_ball);
+  // Where a smaller neighbourhood deviates clearly less, the larger one measured shape, not noise.
+  if (narrow.deviation < kClearlyLess * wide.deviation) return narrow.deviation;
+  for (int k = 2 * wider_ball; wide.Thickness() > kThick && k <= kWidestBall && k < m / 10;
+       k *= 2) {
+    const BallNoise wider = noise_at(k);
+    if (wide.Thickness() < BallNoise::kMostThickness &&
+        wide.Corrected() < kClearlyLess * wider.Corrected()) {
+      break;
+    }
+    wide = wider;
+  }
+  return wide.Corrected();
+}
+
+}  // namespace
+
+CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
+                             const NeighbourIndex& index,
+                             const CloudStatisticsOptions& options,
+                             ThreadPool& pool,
+                             const Progress& progress) {
+  const Eigen::Index m = points.cols();
+  CloudStatistics result;
+  result.outliers = PointMask::Constant(m, false);
+  if (m < 2) return result;
+  const std::vector<Eigen::Index> samples = SampleIndices(m, options.samples, options.seed);
+
+  // N points a disc of radius r: the area a point owns is πr²/N, and spacing its root.
+  const int around =
+      static_cast<int>(std::min<Eigen::Index>(std::clamp<Eigen::Index>(m / 4, 3, 16), m - 1));
+  std::vector<double> radii(samples.size());
+  pool.For(static_cast<std::ptrdiff_t>(samples.size()), 64, [&](auto begin, auto end) {
+    Eigen::Matrix3Xd queries(3, end - begin);
+    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(samples[i]);
+    const std::vector<int> near = index.Nearest(queries, around + 1);
+    for (auto i = begin; i < end; ++i) {
+      const int farthest = near[(i - begin) * (around + 1) + around];
+      radii[i] = (points.col(farthest) - points.col(samples[i])).norm();
+    }
+  });
+  const double radius = Median(std::move(radii));
+  result.spacing = radius * std::sqrt(std::numbers::pi / around);
+  if (m < kFewPoints) return result;
+  Report(progress, "prepare", 0.1);
+
+  result.noise = MeasureNoise(points, index, options, pool);
+  // A thick cloud's points are farther apart than their places on the surface: measured as above.
+  const double thickness = radius > 0 ? result.noise / radius : 0;
+  result.spacing /= std::sqrt(1 + 2.1 * thickness * thickness);
+  Report(progress, "prepare", 0.3);
+  if (!options.find_outliers) return result;
+
+  result.outliers = FindOutliers(points, index, result.spacing, result.noise, pool, progress);
+  result.outlier_count = result.outliers.count();
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// The base of a surface that is to meet curves and points exactly.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "fitting/parameterization/choose_base.h"
+#include "fitting/constraints/lay_between_sides.h"
+#include "fitting/constraints/surface_constraints.h"
+
+namespace batten::internal {
+
+// A point that the surface meets exactly at given parameters, or a tangent plane there, or both; in
+// the cloud's local coordinates.
+struct MetPoint {
+  Eigen::Vector3d place;
+  std::optional<Eigen::Vector3d> normal;
+  Eigen::Vector2d parameters;
+};
+
+// What a surface over a base is to meet.
+struct SurfaceConditions {
+  std::vector<LaidSide> sides;
+  std::vector<MetPoint> points;
+  bool any() const { return !sides.empty() || !points.empty(); }
+};
+
+// The same for the linear stage; the tangent planes of neighbours included.
+SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions);
+
+struct ConditionedBase {
+  BaseChoice choice;
+  SurfaceConditions conditions;
+};
+
+// ChooseBase for the points together with places along the curves of options.boundary and the
+// points of options.meet, which then get their places in it; the rectangle ends in the curves. A
+// sheet with nothing given ends in the points' own outline where that is nearly a rectangle; with
+// options.domain the rectangle is that. Throws as ChooseBase, and where a condition cannot be
+// placed.
+ConditionedBase ChooseConditionedBase(const PointCloud& points,
+                                      const NeighbourIndex& index,
+                                      const CloudStatistics& statistics,
+                                      const SurfaceFitOptions& options,
+                                      ThreadPool& pool);
+
+}  // namespace batten::internal

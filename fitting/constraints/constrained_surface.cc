@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/constraints/constrained_surface.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "fitting/linear/bordered_system.h"
+#include "fitting/linear/coefficient_order.h"
+#include "fitting/constraints/edge_energy.h"
+#include "fitting/constraints/edge_rows.h"
+#include "fitting/constraints/edge_values.h"
+#include "fitting/linear/independent_rows.h"
+#include "fitting/constraints/net_conditions.h"
+#include "fitting/least_squares/penalised_system.h"
+#include "fitting/constraints/thin_axis.h"
+#include "geometry/numeric/number_text.h"
+#include "geometry/numeric/reject.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kMissedLength = 1e-9;  // of the data's and the edges' size
+constexpr double kMissedAngle = 1e-6;
+constexpr double kMissedAlong = 1e-4;    // along an edge: what thinning may leave, and some
+constexpr double kFirmSmoothing = 1e-7;  // from here on what is singular stays singular
+constexpr double kLeastSmoothing = 1e-12;
+constexpr double kSingularInJitters = 16;
+constexpr int kAttempts = 16;
+
+// Replaces rows and columns by those of the identity times `pivot`.
+void Pin(BlockBandedMatrix& matrix, const std::vector<Eigen::Index>& rows, double pivot) {
+  const int size = matrix.block_size();
+  for (const Eigen::Index row : rows) {
+    const int block = static_cast<int>(row) / size, inside = static_cast<int>(row) % size;
+    for (int below = 0; below <= std::min(block, matrix.bandwidth()); ++below) {
+      matrix.at(block, below).row(inside).setZero();
+    }
+    for (int below = 0; below <= matrix.bandwidth() && block + below < matrix.blocks(); ++below) {
+      matrix.at(block + below, below).col(inside).setZero();
+    }
+    matrix.at(block, 0)(inside, inside) = pivot;
+  }
+}
+
+// The part of a vector across a unit direction.
+Eigen::Vector3d Across(const Eigen::Vector3d& vector, const Eigen::Vector3d& direction) {
+  return vector - direction.dot(vector) * direction;
+}
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+std::string MissedConstraint::Text() const {
+  return condition + " contradicts the other constraints: missed by " +
+         (angle ? RoundedText(amount * 180 / std::numbers::pi) + " degrees" : RoundedText(amount));
+}
+
+struct ConstrainedSystem::Parts {
+  Parts(const SplineBasis& basis_u,
+        const SplineBasis& basis_v,
+        const SurfaceConstraints& constraints,
+        const Eigen::Vector3d& middle)
+      : centre(middle),
+        points(constraints.points),
+        edges(EdgeRowsOf(basis_u, basis_v, constraints.edges, middle)),
+        conditions(ConditionsOf(edges, points, middle)),
+        columns(conditions.Columns()),
+        rows(conditions.Rows(columns)),
+        independent(rows, conditions.scales) {}
+
+  // What points ask of the edges' unknowns, and the values that are left for the inner ones.
+  struct Data {
+    Eigen::MatrixXd values;
+    std::array<Eigen::MatrixXd, 3> border;  // solver's rows × t
+    Eigen::MatrixXd corner;
+    Eigen::VectorXd right;
+  };
+
+  void Check(const FittingProblem& problem) const;
+  Eigen::MatrixXd ValuesLess(const FittingProblem& problem) const;
+  Data Gathered(const FittingProblem& problem,
+                const PenalisedSystem& system,
+                Eigen::MatrixXd values) const;
+  BorderedSystem Assembled(const Data& data,
+                           const PenalisedSystem& system,
+                           const EdgeEnergy& energy,
+                           double lambda) const;
+  void Meet(BorderedSolution& solution, const PenalisedSystem& system) const;
+  NurbsSurface SurfaceOf(const BorderedSolution& solution, const PenalisedSystem& system) const;
+  std::vector<MissedConstraint> MissedBy(const NurbsSurface& surface,
+                                         const BorderedSolution& solution,
+                                         const PenalisedSystem& system,
+                                         double size,
+                                         double& widest) const;
+  Eigen::VectorXd LeftSides(const BorderedSolution& solution, const PenalisedSystem& system) const;
+  std::vector<Eigen::Index> PinnedRows(const PenalisedSystem& system) const;
+
+  bool Taken(int i, int j) const {
+    return edges.taken_u[static_cast<size_t>(i)] || edges.taken_v[static_cast<size_t>(j)];
+  }
+  Eigen::Index InnerCount(const PenalisedSystem& system) const {
+    return system.unknowns() - static_cast<Eigen::Index>(PinnedRows(system).size());
+  }
+
+  Eigen::Vector3d centre;
+  std::vector<FixedPoint> points;
+  EdgeRows edges;
+  NetConditions conditions;
+  std::vector<Eigen::Index> columns;  // coarse control points in conditions
+  Eigen::MatrixXd rows;               // the conditions by these, and t
+  IndependentRows independent;
+};
+
+void ConstrainedSystem::Parts::Check(const FittingProblem& problem) const {
+  if (problem.is_curve() || problem.data().values.rows() != 3)
+    Reject("SolveConstrained", "the data must be points in space over two parameters");
+  if (!(problem.basis_u() == edges.u.coarse) || !(problem.basis_v() == edges.v.coarse))
+    Reject("SolveConstrained", "the problem has other bases than the system was built for");
+  if (problem.poles().any()) Reject("SolveConstrained", "a surface with poles takes no constraints");
+}
+
+// The data less the centre and what is given of the surface there.
+Eigen::MatrixXd ConstrainedSystem::Parts::ValuesLess(const FittingProblem& problem) const {
+  const FittingData& data = problem.data();
+  Eigen::MatrixXd values = data.values.colwise() - centre;
+  for (Eigen::Index k = 0; k < values.cols() && !edges.rows.empty(); ++k) {
+    AxisValues u(edges.u, data.parameters(0, k), 0), v(edges.v, data.parameters(1, k), 0);
+    VisitEdges(edges, u, v, [&](int unknown, int d, double value) {
+      if (unknown < 0) values(d, k) -= value;
+    });
+  }
+  return values;
+}
+
+ConstrainedSystem::Parts::Data ConstrainedSystem::Parts::Gathered(const FittingProblem& problem,
+                                                                  const PenalisedSystem& system,
+                                                                  Eigen::MatrixXd values) const {
+  const int unknowns = edges.unknowns;
+  Data gathered;
+  gathered.values = std::move(values);
+  gathered.corner = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  gathered.right = Eigen::VectorXd::Zero(unknowns);
+  gathered.border.fill(Eigen::MatrixXd::Zero(system.unknowns(), unknowns));
+  if (unknowns == 0) return gathered;
+  const FittingData& data = problem.data();
+  std::array<Eigen::VectorXd, 3> acting;
+  acting.fill(Eigen::VectorXd::Zero(unknowns));
+  std::vector<int> touched;
+  std::vector<char> known(static_cast<size_t>(unknowns), 0);
+  const int size_v = edges.v.coarse.size();
+  for (Eigen::Index k = 0; k < data.parameters.cols(); ++k) {
+    const double weight = data.weights.size() > 0 ? data.weights[k] : 1.0;
+    if (weight == 0) continue;
+    AxisValues u(edges.u, data.parameters(0, k), 0), v(edges.v, data.parameters(1, k), 0);
+    VisitEdges(edges, u, v, [&](int unknown, int d, double value) {
+      if (unknown < 0) return;
+      acting[d][unknown] += value;
+      if (!std::exchange(known[static_cast<size_t>(unknown)], 1)) touched.push_back(unknown);
+    });
+    if (touched.empty()) continue;
+    for (int d = 0; d < 3; ++d) {
+      for (const int a : touched) {
+        const double value = weight * acting[d][a];
+        gathered.right[a] += value * gathered.values(d, k);
+        for (const int b : touched) gathered.corner(a, b) += value * acting[d][b];
+        for (int i = u.first(); i <= u.first() + edges.u.coarse.degree(); ++i) {
+          for (int j = v.first(); j <= v.first() + edges.v.coarse.degree(); ++j) {
+            if (Taken(i, j)) continue;
+            gathered.border[d](system.RowOf(Eigen::Index{i} * size_v + j), a) +=
+                value * u.Coarse(i) * v.Coarse(j);
+          }
+        }
+      }
+    }
+    for (const int a : touched) {
+      for (auto& coordinate : acting) coordinate[a] = 0;
+      known[static_cast<size_t>(a)] = 0;
+    }
+    touched.clear();
+  }
+  return gathered;
+}
+
+std::vector<Eigen::Index> ConstrainedSystem::Parts::PinnedRows(
+    const PenalisedSystem& system) const {
+  std::vector<Eigen::Index> pinned;
+  for (int i = 0; i < edges.u.coarse.size(); ++i) {
+    for (int j = 0; j < edges.v.coarse.size(); ++j) {
+      if (Taken(i, j)) pinned.push_back(system.RowOf(Eigen::Index{i} * edges.v.coarse.size() + j));
+    }
+  }
+  std::sort(pinned.begin(), pinned.end());
+  pinned.erase(std::unique(pinned.begin(), pinned.end()), pinned.end());
+  return pinned;
+}
+
+// The equations at one smoothing.
+BorderedSystem ConstrainedSystem::Parts::Assembled(const Data& data,
+                                                   const PenalisedSystem& system,
+                                                   const EdgeEnergy& energy,
+                                                   double lambda) const {
+  const int unknowns = edges.unknowns;
+  BorderedSystem bordered;
+  bordered.right = system.rhs();
+  bordered.border = data.border;
+  for (int i = 0; i < edges.u.coarse.size(); ++i) {
+    for (int j = 0; j < edges.v.coarse.size(); ++j) {
+      if (Taken(i, j)) continue;
+      const Eigen::Index c = Eigen::Index{i} * edges.v.coarse.size() + j, row = system.RowOf(c);
+      for (int d = 0; d < 3; ++d) {
+        bordered.border[d].row(row) += lambda * energy.inner[d].row(c).head(unknowns);
+        bordered.right(row, d) -= lambda * energy.inner[d](c, unknowns);
+      }
+    }
+  }
+  for (const Eigen::Index row : PinnedRows(system)) bordered.right.row(row).setZero();
+  bordered.corner = data.corner + lambda * energy.edges.topLeftCorner(unknowns, unknowns);
+  bordered.corner_right = data.right - lambda * energy.edges.col(unknowns).head(unknowns);
+  const std::vector<Eigen::Index>& kept = independent.kept();
+  bordered.functionals = Eigen::MatrixXd::Zero(system.unknowns(), conditions.functionals.cols());
+  for (int f = 0; f < conditions.functionals.cols(); ++f) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(conditions.functionals, f); it; ++it) {
+      bordered.functionals(system.RowOf(it.row()), f) += it.value();
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  bordered.directions.resize(3, count);
+  bordered.condition_rows.resize(count, unknowns);
+  bordered.condition_right.resize(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index from = kept[static_cast<size_t>(k)];
+    bordered.functional.push_back(conditions.functional[static_cast<size_t>(from)]);
+    bordered.directions.col(k) = conditions.directions.col(from);
+    bordered.condition_rows.row(k) = conditions.unknowns.row(from);
+    bordered.condition_right[k] = conditions.right[from];
+  }
+  return bordered;
+}
+
+Eigen::VectorXd ConstrainedSystem::Parts::LeftSides(const BorderedSolution& solution,
+                                                    const PenalisedSystem& system) const {
+  const auto width = static_cast<Eigen::Index>(columns.size());
+  Eigen::VectorXd all(3 * width + edges.unknowns);
+  for (Eigen::Index c = 0; c < width; ++c) {
+    const Eigen::Index row = system.RowOf(columns[static_cast<size_t>(c)]);
+    for (int d = 0; d < 3; ++d) all[d * width + c] = solution.inner(row, d);
+  }
+  all.tail(edges.unknowns) = solution.border;
+  return rows * all;
+}
+
+// Takes away what rounding left of the conditions that are kept, by the smallest step.
+void ConstrainedSystem::Parts::Meet(BorderedSolution& solution,
+                                    const PenalisedSystem& system) const {
+  const std::vector<Eigen::Index>& kept = independent.kept();
+  if (kept.empty()) return;
+  const auto width = static_cast<Eigen::Index>(columns.size());
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::VectorXd missing = conditions.right - LeftSides(solution, system);
+    const Eigen::VectorXd step = independent.LeastSolution(missing(kept));
+    for (Eigen::Index c = 0; c < width; ++c) {
+      const Eigen::Index row = system.RowOf(columns[static_cast<size_t>(c)]);
+      for (int d = 0; d < 3; ++d) solution.inner(row, d) += step[d * width + c];
+    }
+    solution.border += step.tail(edges.unknowns);
+  }
+}
+
+NurbsSurface ConstrainedSystem::Parts::SurfaceOf(const BorderedSolution& solution,
+                                                 const PenalisedSystem& system) const {
+  const int size_u = edges.u.coarse.size(), size_v = edges.v.coarse.size();
+  const ThinAxis u = Thinned(edges, true, solution.border),
+                 v = Thinned(edges, false, solution.border);
+  Eigen::Matrix3Xd net(3, Eigen::Index{u.basis.size()} * v.basis.size());
+  for (int d = 0; d < 3; ++d) {
+    Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(size_u, size_v);
+    for (int i = 0; i < size_u; ++i) {
+      for (int j = 0; j < size_v; ++j) {
+        if (!Taken(i, j))
+          coarse(i, j) = solution.inner(system.RowOf(Eigen::Index{i} * size_v + j), d);
+      }
+    }
+    Eigen::MatrixXd fine = (u.raised * coarse) * v.raised.transpose();
+    for (const EdgeRow& row : edges.rows) {
+      Eigen::VectorXd amounts(row.count + 1);
+      amounts << solution.border.segment(row.first, row.count), 1;
+      const Eigen::VectorXd curve =
+          (row.along_u ? u : v).thinned * Eigen::VectorXd(row.curves[d] * amounts);
+      const Eigen::VectorXd profile = (row.along_u ? v : u).raised.col(row.profile);
+      if (row.along_u) {
+        fine += curve * profile.transpose();
+      } else {
+        fine += profile * curve.transpose();
+      }
+    }
+    net.row(d) = fine.transpose().reshaped().transpose().array() + centre[d];
+  }
+  // Edges by their own control points: rounding of the sums moves none of them.
+  const Eigen::Index last_u = u.basis.size() - 1, last_v = v.basis.size() - 1;
+  for (const ReadyEdge& edge : edges.edges) {
+    const bool along_u = edge.edge.direction == Direction::kV;
+    const Eigen::Matrix3Xd ends =
+        RefinedTo((along_u ? u : v).basis, edge.plain).control_points().colwise() + centre;
+    for (Eigen::Index k = 0; k < ends.cols(); ++k) {
+      const Eigen::Index i = along_u ? k : (edge.edge.upper ? last_u : 0);
+      const Eigen::Index j = along_u ? (edge.edge.upper ? last_v : 0) : k;
+      net.col(i * (last_v + 1) + j) = ends.col(k);
+    }
+  }
+  // Around a closed direction the first rows come again, bit by bit.
+  for (Eigen::Index i = 0; i <= last_u; ++i) {
+    for (Eigen::Index j = 0; j <= last_v; ++j) {
+      const Eigen::Index from =
+          Eigen::Index{DistinctIndex(u.basis, static_cast<int>(i))} * (last_v + 1) +
+          DistinctIndex(v.basis, static_cast<int>(j));
+      net.col(i * (last_v + 1) + j) = net.col(from);
+    }
+  }
+  return NurbsSurface(u.basis, v.basis, std::move(net));
+}
+
+std::vector<MissedConstraint> ConstrainedSystem::Parts::MissedBy(const NurbsSurface& surface,
+                                                                 const BorderedSolution& solution,
+                                                                 const PenalisedSystem& system,
+                                                                 double size,
+                                                                 double& widest) const {
+  using Kind = ConditionBlock::Kind;
+  std::vector<MissedConstraint> missed;
+  const Eigen::VectorXd misses = LeftSides(solution, system) - conditions.right;
+  for (const ConditionBlock& block : conditions.blocks) {
+    const Eigen::VectorXd miss = misses.segment(block.first, block.count);
+    MissedConstraint result{block.name, miss.norm(), false};
+    if (block.kind == Kind::kCornerPlane) {
+      result = {block.name, std::atan2(miss.norm(), block.length), true};
+    } else if (block.kind == Kind::kNormal) {
+      const FixedPoint& point = points[static_cast<size_t>(block.from)];
+      const SurfaceJet jet = surface.JetAt(point.u, point.v);
+      const Eigen::Vector3d asked = point.normal->normalized(), normal = jet.du.cross(jet.dv);
+      result = {
+          block.name, std::min(AngleBetween(normal, asked), AngleBetween(-normal, asked)), true};
+    }
+    if (result.amount > (result.angle ? kMissedAngle : kMissedLength * size))
+      missed.push_back(std::move(result));
+  }
+  for (const ReadyEdge& edge : edges.edges) {
+    if (!edge.across) continue;
+    const bool along_u = edge.edge.direction == Direction::kV;
+    const SplineBasis& along = along_u ? edges.u.fine : edges.v.fine;
+    const SplineBasis& across = along_u ? edges.v.fine : edges.u.fine;
+    const double side = edge.edge.upper ? across.upper() : across.lower();
+    MissedConstraint worst{"", 0, true};
+    for (const int span : along.Spans()) {
+      for (int k = 0; k <= 4; ++k) {
+        const double a = along.knots()[span], b = along.knots()[span + 1], s = a + (b - a) * k / 4;
+        const SurfaceJet jet = along_u ? surface.JetAt(s, side) : surface.JetAt(side, s);
+        const Eigen::Vector3d direction = edge.curve.Derivatives(s, 1).col(1).normalized();
+        const double angle = AngleBetween(Across(along_u ? jet.dv : jet.du, direction),
+                                          Across(edge.across->At(s), direction));
+        if (angle > worst.amount)
+          worst = {"the tangent plane along " + edge.name + " at " + NumberText(s), angle, true};
+      }
+    }
+    widest = std::max(widest, worst.amount);
+    if (worst.amount > kMissedAlong) missed.push_back(worst);
+  }
+  return missed;
+}
+
+ConstrainedSystem::ConstrainedSystem(const SplineBasis& basis_u,
+                                     const SplineBasis& basis_v,
+                                     const SurfaceConstraints& constraints,
+                                     const Eigen::Vector3d& centre)
+    : parts_(std::make_unique<Parts>(basis_u, basis_v, constraints, centre)) {}
+ConstrainedSystem::~ConstrainedSystem() = default;
+ConstrainedSystem::ConstrainedSystem(ConstrainedSystem&&) noexcept = default;
+ConstrainedSystem& ConstrainedSystem::operator=(ConstrainedSystem&&) noexcept = default;
+
+ConstrainedSolution ConstrainedSystem::Solve(const FittingProblem& problem,
+                                             ThreadPool& pool) const {
+  parts_->Check(problem);
+  const Eigen::Matrix2Xd& parameters = problem.data().parameters;
+  Eigen::MatrixXd values = parts_->ValuesLess(problem);
+  const PenalisedSystem system(problem.basis_u(),
+                               &problem.basis_v(),
+                               parameters.row(0),
+                               parameters.row(1),
+                               values,
+                               problem.data().weights,
+                               problem.energy(),
+                               pool);
+  const Parts::Data data = parts_->Gathered(problem, system, std::move(values));
+  const EdgeEnergy energy = EnergyOf(parts_->edges, problem.energy());
+  const std::vector<Eigen::Index> pinned = parts_->PinnedRows(system);
+  double smoothing = problem.smoothing();
+  for (int attempt = 0; attempt <= kAttempts; ++attempt) {
+    BlockBandedMatrix matrix = system.Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5)));
+    Pin(matrix, pinned, matrix.Trace() / matrix.size());
+    if (matrix.Factor() && (smoothing >= kFirmSmoothing ||
+                            matrix.SmallestPivot() > kSingularInJitters * system.jitter())) {
+      BorderedSolution solution =
+          internal::Solve(parts_->Assembled(data, system, energy, system.Lambda(smoothing)),
+                          matrix);
+      parts_->Meet(solution, system);
+      if (solution.inner.allFinite() && solution.border.allFinite()) {
+        NurbsSurface surface = parts_->SurfaceOf(solution, system);
+        ConstrainedSolution result{
+            std::move(surface), 0, 0, smoothing != problem.smoothing(), 0, {}};
+        const FittingProblem fine =
+            problem.WithBases(result.surface.basis_u(), result.surface.basis_v());
+        const Eigen::VectorXd errors =
+            (EvaluateAt(fine, result.surface.control_points(), pool) - problem.data().values)
+                .colwise()
+                .squaredNorm();
+        const Eigen::VectorXd& weights = problem.data().weights;
+        result.residual_squares = weights.size() > 0 ? weights.dot(errors) : errors.sum();
+        result.unknowns =
+            static_cast<int>(3 * parts_->InnerCount(system) + parts_->edges.unknowns -
+                             static_cast<Eigen::Index>(parts_->independent.kept().size()));
+        const Eigen::Matrix3Xd& net = result.surface.control_points();
+        result.missed =
+            parts_->MissedBy(result.surface,
+                             solution,
+                             system,
+                             (net.rowwise().maxCoeff() - net.rowwise().minCoeff()).norm(),
+                             result.angle_gap);
+        return result;
+      }
+    }
+    smoothing = std::max(10 * smoothing, kLeastSmoothing);
+  }
+  Reject("SolveConstrained", 
+      "the points do not determine the control points: too few carry weight, or the degree is "
+      "too high for them");
+}
+
+ConstrainedSolution SolveConstrained(const FittingProblem& problem,
+                                     const SurfaceConstraints& constraints,
+                                     ThreadPool& pool) {
+  if (problem.is_curve() || problem.data().values.rows() != 3)
+    Reject("SolveConstrained", "the data must be points in space over two parameters");
+  const Eigen::Vector3d centre = problem.size() > 0
+                                     ? Eigen::Vector3d(problem.data().values.rowwise().mean())
+                                     : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  return ConstrainedSystem(problem.basis_u(), problem.basis_v(), constraints, centre)
+      .Solve(problem, pool);
+}
+
+}  // namespace batten::internal

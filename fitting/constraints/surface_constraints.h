@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// What a surface has to meet exactly, whatever the points say.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/geometry/joins.h"
+#include "batten/geometry/nurbs_curve.h"
+
+namespace batten::internal {
+
+// An edge of the surface given as a curve: S(u, lower) = curve(u), and so on. Along it the surface
+// may also have to be tangent to a neighbour.
+struct FixedEdge {
+  SurfaceEdge edge;  // where `direction` is at the end of its domain
+  // Over the domain of the basis along the edge, in the direction of its parameter; no weights,
+  // degree at most the basis'; any knots; periodic where the basis is.
+  NurbsCurve<3> curve;
+  // A spline vector field T over the same domain that spans the tangent planes with the curve's own
+  // derivative E: the surface's derivative across the edge, in the direction of the rising
+  // parameter, is a·T + b·E, b any and a > 0. The derivative across a neighbour's edge is one.
+  std::optional<NurbsCurve<3>> across = std::nullopt;
+};
+
+// At (u, v) the surface has this place, or this normal (either sign), or both.
+struct FixedPoint {
+  double u = 0, v = 0;
+  std::optional<Eigen::Vector3d> place = std::nullopt;
+  std::optional<Eigen::Vector3d> normal = std::nullopt;  // of any length but zero
+};
+
+struct SurfaceConstraints {
+  std::vector<FixedEdge> edges;  // at most one each
+  std::vector<FixedPoint> points;
+
+  bool any() const { return !edges.empty() || !points.empty(); }
+};
+
+// A condition that contradicts those before it, and what the surface misses it by.
+struct MissedConstraint {
+  std::string condition;  // which
+  double amount = 0;      // the data's units; an angle in radians
+  bool angle = false;
+
+  std::string Text() const;  // "…: missed by …"
+};
+
+}  // namespace batten::internal

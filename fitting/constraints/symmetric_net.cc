@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/constraints/symmetric_net.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace batten::internal {
+namespace {
+
+constexpr double kSymmetricKnots = 1e-9;  // of the domain
+
+SplineBasis SymmetricBasis(const SplineBasis& basis) {
+  const std::vector<double>& old = basis.knots();
+  const double sum = basis.lower() + basis.upper();
+  std::vector<double> knots = old;
+  for (size_t i = 0; i < old.size(); ++i) {
+    const double mirrored = sum - old[old.size() - 1 - i];
+    if (!(std::abs(mirrored - old[i]) <= kSymmetricKnots * (basis.upper() - basis.lower())))
+      throw std::invalid_argument("SymmetricNet: the knots are not symmetric");
+    // The lower half decides, so that equal knots stay equal.
+    if (2 * i >= old.size()) knots[i] = sum - old[old.size() - 1 - i];
+  }
+  std::sort(knots.begin(), knots.end());
+  return basis.periodic() ? SplineBasis::Periodic(basis.degree(), std::move(knots))
+                          : SplineBasis(basis.degree(), std::move(knots));
+}
+
+// Column of control point i of the direction, j of the other.
+Eigen::Index ColumnOf(const NurbsSurface& surface, Direction direction, int i, int j) {
+  return direction == Direction::kU ? Eigen::Index{i} * surface.size_v() + j
+                                    : Eigen::Index{j} * surface.size_v() + i;
+}
+
+struct Net {
+  Eigen::Matrix3Xd points;
+  Eigen::VectorXd weights;
+};
+
+Net Symmetric(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane) {
+  const bool u = direction == Direction::kU;
+  const SplineBasis& basis = u ? surface.basis_u() : surface.basis_v();
+  const int size = basis.size(), other = u ? surface.size_v() : surface.size_u();
+  Net net{surface.control_points(), surface.weights()};
+  for (int j = 0; j < other; ++j) {
+    for (int i = 0; 2 * i < size; ++i) {
+      const Eigen::Index a = ColumnOf(surface, direction, i, j),
+                         b = ColumnOf(surface, direction, size - 1 - i, j);
+      const Eigen::Vector3d first = net.points.col(a), last = net.points.col(b);
+      net.points.col(a) = first + (plane.Mirrored(last) - first) / 2;
+      net.points.col(b) = a == b ? net.points.col(a) : plane.Mirrored(net.points.col(a));
+      net.weights[a] = net.weights[b] = (net.weights[a] + net.weights[b]) / 2;
+    }
+    for (int i = 0; basis.periodic() && i < basis.degree(); ++i) {
+      const Eigen::Index from = ColumnOf(surface, direction, i, j),
+                         to = ColumnOf(surface, direction, size - basis.degree() + i, j);
+      net.points.col(to) = net.points.col(from);
+      net.weights[to] = net.weights[from];
+    }
+  }
+  return net;
+}
+
+}  // namespace
+
+NurbsSurface SymmetricNet(const NurbsSurface& surface,
+                          Direction direction,
+                          const MirrorPlane& plane) {
+  const bool u = direction == Direction::kU;
+  Net net = Symmetric(surface, direction, plane);
+  return NurbsSurface(u ? SymmetricBasis(surface.basis_u()) : surface.basis_u(),
+                      u ? surface.basis_v() : SymmetricBasis(surface.basis_v()),
+                      std::move(net.points),
+                      std::move(net.weights))
+      .WithTrims(surface.trims());
+}
+
+double Asymmetry(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane) {
+  return (Symmetric(surface, direction, plane).points - surface.control_points())
+      .colwise()
+      .norm()
+      .maxCoeff();
+}
+
+}  // namespace batten::internal

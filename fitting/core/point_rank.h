@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Whether points fill space, a plane, a line or a place.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+namespace batten::internal {
+
+// The number of directions (0 … d) in which columns spread by more than 1e-6 of the widest spread:
+// squares of less drown in rounding. O(m).
+inline int PointRank(const Eigen::Ref<const Eigen::MatrixXd>& points) {
+  constexpr double kFlat = 1e-6;
+  if (points.cols() == 0) return 0;
+  const Eigen::VectorXd low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff(),
+                        middle = low + (high - low) / 2;
+  const double size = (high - middle).maxCoeff();
+  if (!(size > 0)) return 0;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(points.rows()), p(points.rows());
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(points.rows(), points.rows());
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    p = (points.col(k) - middle) / size;
+    sum += p;
+    scatter.noalias() += p * p.transpose();
+  }
+  scatter -= sum * sum.transpose() / static_cast<double>(points.cols());
+  const Eigen::VectorXd spreads =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  return static_cast<int>((spreads.array() > kFlat * kFlat * spreads.maxCoeff()).count());
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// The stages of one curve's fit, from ordered points to the curve and its report.
+#pragma once
+
+#include "batten/fitting/curve_options.h"
+#include "batten/fitting/ordered_points.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// Fits the points of one component of a cloud. `strays` belong to no component. Errors as FitCurve.
+template <int Dim>
+CurveFit<Dim> FitOrdered(const PointCloud& cloud,
+                         const OrderedPoints& ordered,
+                         const PointMask& strays,
+                         const CurveFitOptions& options,
+                         ThreadPool& pool);
+
+extern template CurveFit<2> FitOrdered<2>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+extern template CurveFit<3> FitOrdered<3>(
+    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+
+}  // namespace batten::internal

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/curve/curve_outcome.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "batten/fitting/curve_parameterization.h"
+#include "fitting/foot_points/curve_distances.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kExcessToSayNoise = 2;
+constexpr double kExactFit = 1e-9;  // of the cloud's size: rounding
+
+// The points of this curve.
+PointMask Own(const OrderedPoints& ordered) {
+  PointMask own(static_cast<Eigen::Index>(ordered.place.size()));
+  for (Eigen::Index k = 0; k < own.size(); ++k) own[k] = ordered.place[static_cast<size_t>(k)] >= 0;
+  return own;
+}
+
+// Strays, and the points that a loss gives no weight.
+PointMask Forgotten(const CurveGrounds& grounds) {
+  PointMask forgotten = grounds.strays;
+  for (Eigen::Index k = 0; k < forgotten.size() && grounds.weights.size() > 0; ++k) {
+    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
+    if (place >= 0 && grounds.weights[place] == 0) forgotten[k] = true;
+  }
+  return forgotten;
+}
+
+// A parameter near the foot point of every point of the curve, NaN for others.
+Eigen::VectorXd KnownPlaces(const CurveGrounds& grounds) {
+  Eigen::VectorXd places(grounds.cloud.size());
+  for (Eigen::Index k = 0; k < places.size(); ++k) {
+    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
+    places[k] = place < 0 ? std::numeric_limits<double>::quiet_NaN() : grounds.parameters[place];
+  }
+  return places;
+}
+
+template <int Dim>
+NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve, const Eigen::Matrix<double, Dim, 1>& move) {
+  if (move.isZero(0)) return curve;
+  return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + move, curve.weights());
+}
+
+// Of every point from the curve at its own parameter; zero for those of no curve.
+template <int Dim>
+Eigen::VectorXd OffsetsAtParameters(const CurveGrounds& grounds, const NurbsCurve<Dim>& curve) {
+  Eigen::VectorXd offsets = Eigen::VectorXd::Zero(grounds.cloud.size());
+  for (Eigen::Index k = 0; k < offsets.size(); ++k) {
+    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
+    if (place < 0) continue;
+    offsets[k] = (curve.At(grounds.ordered.parameters[place]) -
+                  grounds.cloud.points().col(k).template head<Dim>())
+                     .norm();
+  }
+  return offsets;
+}
+
+Termination Judged(const CurveGrounds& grounds, const FitReport& report) {
+  const ErrorSummary& error = report.judged_error();
+  const CurveFitOptions& options = grounds.options;
+  const double rounding = kExactFit * (report.input.box_max - report.input.box_min).norm();
+  if (report.termination == Termination::kCancelled) return report.termination;
+  if (options.tolerance) {
+    if (error.out_of_tolerance == 0) return Termination::kToleranceReached;
+    if (report.termination == Termination::kMaxControlPoints) return report.termination;
+    const bool noisy = grounds.noise > 0 && error.rms <= kExcessToSayNoise * grounds.noise;
+    return noisy ? Termination::kNoiseReached : Termination::kStalled;
+  }
+  if (options.control_points) return Termination::kMaxControlPoints;
+  const bool at_noise = error.rms <= std::max(kExcessToSayNoise * grounds.noise, rounding);
+  if (!at_noise && report.termination == Termination::kMaxControlPoints) return report.termination;
+  return at_noise ? Termination::kNoiseReached : Termination::kStalled;
+}
+
+}  // namespace
+
+template <int Dim>
+CurveFit<Dim> MeasuredCurve(const CurveGrounds& grounds,
+                            const NurbsCurve<Dim>& curve,
+                            const Eigen::Matrix<double, Dim, 1>& middle,
+                            FitReport report,
+                            ThreadPool& pool) {
+  const CurveFitOptions& options = grounds.options;
+  const Eigen::Matrix<double, Dim, 1> move =
+      (grounds.cloud.origin() - options.shift).template head<Dim>();
+  NurbsCurve<Dim> written = Moved<Dim>(curve, middle + move);
+  const NurbsCurve<Dim> measured = Moved<Dim>(written, -move);
+  const PointDistances found =
+      DistancesNear<Dim>(measured, grounds.cloud.points(), KnownPlaces(grounds), pool);
+  CurveFit<Dim> fit{std::move(written),
+                    found.parameters.row(0).transpose(),
+                    found.distances,
+                    Forgotten(grounds),
+                    {}};
+  const PointMask own = Own(grounds.ordered), used = own && !fit.outliers;
+  report.error = Summarise(fit.residuals, options.tolerance, used);
+  report.error_all = used.all()
+                         ? report.error
+                         : Summarise(fit.residuals, options.tolerance, own || grounds.strays);
+  if (grounds.distance == CurveDistance::kParameter) {
+    report.parameter_error =
+        Summarise(OffsetsAtParameters<Dim>(grounds, measured), options.tolerance, used);
+    report.judged_at_parameters = true;
+  }
+  report.input.used = report.error.points;
+  report.input.outliers = fit.outliers.count();
+  report.geometry.kind = "curve";
+  report.geometry.base = Name(options.parameterization);
+  report.geometry.degree = {options.degree};
+  report.geometry.control_points = {grounds.control_points};
+  report.geometry.rational = fit.curve.rational();
+  report.geometry.closed = {grounds.ordered.closed};
+  if (grounds.control_points > grounds.ordered.cloud.size()) {
+    report.warnings.push_back(
+        "there are more control points than points: fairness decides the rest");
+  }
+  report.termination = Judged(grounds, report);
+  fit.report = std::move(report);
+  return fit;
+}
+
+template CurveFit<2> MeasuredCurve<2>(
+    const CurveGrounds&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
+template CurveFit<3> MeasuredCurve<3>(
+    const CurveGrounds&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
+
+}  // namespace batten::internal

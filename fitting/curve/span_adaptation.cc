@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/curve/span_adaptation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "fitting/curve/curve_feet.h"
+#include "fitting/curve/knot_costs.h"
+#include "fitting/curve/knot_relocation.h"
+#include "fitting/core/point_rank.h"
+#include "fitting/core/stopwatch.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kAdaptationSteps = 2, kMostFeetSteps = 12;
+constexpr Eigen::Index kManyAdaptedPoints = 100000;  // for steps beyond the first ones
+constexpr int kMostAdaptationRounds = 40;
+constexpr int kMoreToBeFair = 5;  // of the spans, one more
+constexpr int kAdaptationRoundsOfDistance = 20;
+constexpr double kGainInVariances = 4;  // a span is halved for
+constexpr double kCostInVariances = 3;  // a knot stays for
+constexpr double kCostRelocated = 2;    // in variances, of each knot [Akaike 1974]
+constexpr int kPointsInHalf = 6;        // where residuals are noise,
+constexpr int kPointsWhereFar = 2;      // and where they are far above it
+constexpr double kFarInNoise = 2;
+constexpr double kExactAgainst = 0.05;  // noise against the tolerance
+constexpr double kMargin = 0.85;        // of the tolerance: fewer knots shall not bend more
+constexpr size_t kFewestForNoise = 12;
+constexpr int kFewInSpan = 20;
+constexpr double kLeastShare = 0.25;  // of the degrees of freedom left for the noise
+
+// Around a closed curve no fewer than its functions can tell apart.
+int FewestSpans(const SpanLayout& layout) { return layout.closed() ? layout.degree() + 1 : 1; }
+
+// Noise is not to be followed; where a tolerance is to be kept parameters settle.
+int FeetSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
+  if (!options.feet || !options.tolerance) return options.feet ? kAdaptationSteps : 0;
+  const Eigen::Index affordable = kManyAdaptedPoints / std::max<Eigen::Index>(1, problem.size());
+  return static_cast<int>(std::clamp<Eigen::Index>(affordable, kAdaptationSteps, kMostFeetSteps));
+}
+
+double SquaresAcross(const FittingProblem& problem,
+                     const Eigen::MatrixXd& coefficients,
+                     bool feet,
+                     ThreadPool& pool) {
+  const Eigen::ArrayXd squares = DistancesAt(problem, coefficients, feet, pool).array().square();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? (weights.array() * squares).sum() : squares.sum();
+}
+
+class Adapter {
+ public:
+  Adapter(const FittingProblem& problem,
+          const SpanLayout& start,
+          const SpanAdaptOptions& options,
+          ThreadPool& pool)
+      : options_(options),
+        pool_(pool),
+        layout_(start),
+        problem_(problem),
+        first_(problem),
+        rank_(PointRank(problem.data().values)),
+        exact_(options.tolerance && options.noise < kExactAgainst * *options.tolerance) {}
+
+  SpanAdaptation Run() {
+    Fit();
+    for (int round = 0; round < kMostAdaptationRounds; ++round) {
+      Report(options_.progress, "solve", 0.9 * round / kMostAdaptationRounds);
+      if (!Halve()) break;
+      Fit();
+    }
+    if (options_.tolerance) {
+      PruneWithinTolerance();
+    } else {
+      Prune();
+    }
+    return {layout_, problem_, solution_, std::sqrt(variance_ / Directions()), full_, rounds_};
+  }
+
+ private:
+  double Directions() const { return std::max(1, rank_ - (at_feet_ ? 1 : 0)); }
+
+  double Weight(Eigen::Index k) const {
+    return problem_.data().weights.size() > 0 ? problem_.data().weights[k] : 1.0;
+  }
+
+  void Fit() {
+    Stopwatch watch;
+    FeetFit fit = FitAtFeet(
+        first_.WithBasis(layout_.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
+    problem_ = std::move(fit.problem);
+    solution_ = std::move(fit.solution);
+    at_feet_ = fit.steps > 0;
+    Measure();
+    RoundSummary round;
+    round.stage = options_.tolerance ? "refine" : "adapt";
+    round.control_points_u = layout_.control_points();
+    round.control_points_v = 1;
+    round.rms = std::sqrt(distances_.squaredNorm() / static_cast<double>(problem_.size()));
+    round.max = distances_.maxCoeff();
+    round.score = std::sqrt(variance_ / Directions());
+    round.seconds = watch.Lap();
+    rounds_.push_back(round);
+  }
+
+  // Distances at the present solution, and tangents to measure across.
+  void Measure() {
+    samples_ = CurveAt(problem_, solution_.coefficients, pool_);
+    if (!at_feet_) samples_.tangents.setZero();
+    distances_ = Across(problem_.data().values - samples_.points, samples_.tangents)
+                     .colwise()
+                     .norm()
+                     .transpose();
+    for (Eigen::Index k = 0; k < distances_.size(); ++k) {
+      if (Weight(k) == 0) distances_[k] = 0;
+    }
+  }
+
+  // Halves the spans that ask for it; false where none does.
+  bool Halve() {
+    const std::vector<bool> can = Divisible();
+    if (std::find(can.begin(), can.end(), true) == can.end()) return false;
+    const SpanLayout finer = layout_.Halved(can);
+    const FeetFit fine = FitAtFeet(
+        first_.WithBasis(finer.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
+    const Eigen::MatrixXd points = EvaluateAt(fine.problem, fine.solution.coefficients, pool_);
+    variance_ = Variance(Across(problem_.data().values - points, samples_.tangents),
+                         finer.control_points());
+    const Eigen::MatrixXd change = Across(points - samples_.points, samples_.tangents);
+    std::vector<double> gains(can.size(), 0.0);
+    std::vector<bool> missed(can.size(), !options_.tolerance);
+    for (Eigen::Index k = 0; k < change.cols(); ++k) {
+      const auto span = static_cast<size_t>(layout_.SpanOf(problem_.data().parameters(0, k)));
+      gains[span] += Weight(k) * change.col(k).squaredNorm();
+      if (options_.tolerance && distances_[k] > *options_.tolerance) missed[span] = true;
+    }
+    const double least = kGainInVariances * variance_, alike = options_.exact * options_.exact;
+    std::vector<double> held(can.size(), 0.0);
+    for (Eigen::Index k = 0; k < change.cols(); ++k)
+      held[static_cast<size_t>(layout_.SpanOf(problem_.data().parameters(0, k)))] += Weight(k);
+    std::vector<std::pair<double, size_t>> chosen;
+    for (size_t span = 0; span < can.size(); ++span) {
+      if (can[span] && missed[span] && gains[span] > std::max(least, held[span] * alike))
+        chosen.emplace_back(-gains[span], span);
+    }
+    const auto room = static_cast<size_t>(std::max(0, Limit() - layout_.control_points()));
+    if (chosen.size() > room) {
+      full_ = Limit() == options_.max_control_points;
+      std::sort(chosen.begin(), chosen.end());
+      chosen.resize(room);
+    }
+    if (chosen.empty()) return false;
+    std::vector<bool> where(can.size(), false);
+    for (const auto& [gain, span] : chosen) where[span] = true;
+    layout_ = layout_.Halved(where);
+    return true;
+  }
+
+  // As many control points as there are data, at most.
+  int Limit() const {
+    const Eigen::VectorXd& weights = problem_.data().weights;
+    const Eigen::Index data = weights.size() > 0 ? (weights.array() > 0).count() : problem_.size();
+    return static_cast<int>(std::min<Eigen::Index>(options_.max_control_points, data));
+  }
+
+  // The spans both halves of which hold data enough.
+  std::vector<bool> Divisible() const {
+    const std::vector<double>& breaks = layout_.breaks();
+    std::vector<int> left(breaks.size() - 1, 0), right(left);
+    std::vector<double> squares(left.size(), 0.0), worst(squares);
+    for (Eigen::Index k = 0; k < problem_.size(); ++k) {
+      if (Weight(k) == 0) continue;
+      const double u = problem_.data().parameters(0, k);
+      const auto span = static_cast<size_t>(layout_.SpanOf(u));
+      squares[span] += distances_[k] * distances_[k];
+      worst[span] = std::max(worst[span], distances_[k]);
+      ++(u < breaks[span] + (breaks[span + 1] - breaks[span]) / 2 ? left : right)[span];
+    }
+    // Of few points what looks like noise may be their distance: the finer curve knows better.
+    const double exact = Directions() * options_.exact * options_.exact;
+    double noise = Directions() * options_.noise * options_.noise;
+    if (variance_ > 0) noise = std::min(noise, variance_);
+    std::vector<bool> can(left.size());
+    for (size_t span = 0; span < can.size(); ++span) {
+      const double expected = (left[span] + right[span]) * std::max(noise, exact);
+      const bool far = squares[span] > kFarInNoise * kFarInNoise * expected;
+      const bool missed =
+          options_.tolerance && squares[span] > 0 && worst[span] > *options_.tolerance;
+      const bool few_are_enough = exact_ || options_.noise == 0;
+      const int needed = far && few_are_enough ? 1
+                         : far || missed       ? kPointsWhereFar
+                                               : kPointsInHalf;
+      can[span] = std::min(left[span], right[span]) >= needed;
+    }
+    return can;
+  }
+
+  // Half the mean squared difference of neighbouring residuals, all directions together.
+  double Variance(const Eigen::MatrixXd& residuals, int control_points) const {
+    std::vector<Eigen::Index> order(static_cast<size_t>(residuals.cols()));
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    const auto u = problem_.data().parameters.row(0);
+    if (!std::is_sorted(u.begin(), u.end())) {
+      std::stable_sort(
+          order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return u[a] < u[b]; });
+    }
+    double sum = 0, weights = 0;
+    for (size_t k = 1; k < order.size(); ++k) {
+      const double weight = std::min(Weight(order[k - 1]), Weight(order[k]));
+      sum += weight * (residuals.col(order[k]) - residuals.col(order[k - 1])).squaredNorm();
+      weights += weight;
+    }
+    const double used = static_cast<double>(control_points) / static_cast<double>(order.size());
+    // So few points do not tell what noise is.
+    if (options_.noise == 0 && order.size() < kFewestForNoise) return 0;
+    return weights > 0 ? 0.5 * sum / weights / std::max(kLeastShare, 1 - used) : 0;
+  }
+
+  // The knots that may go, cheapest first: (cost, break).
+  std::vector<std::pair<double, int>> Costs() const {
+    std::vector<int> inner;
+    std::vector<double> knots;
+    for (int k = 1; k < layout_.spans(); ++k) {
+      if (layout_.IsCorner(k)) continue;
+      inner.push_back(k);
+      knots.push_back(layout_.breaks()[static_cast<size_t>(k)]);
+    }
+    const std::vector<double> costs = RemovalCosts(problem_, solution_.coefficients, knots, pool_);
+    std::vector<std::pair<double, int>> sorted;
+    for (size_t k = 0; k < knots.size(); ++k) sorted.emplace_back(costs[k], inner[k]);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }
+
+  // The layout without `most` of these knots at most, first ones first, none near another.
+  SpanLayout Thinned(const std::vector<std::pair<double, int>>& cheap, size_t most) const {
+    std::vector<int> gone;
+    for (const auto& [cost, k] : cheap) {
+      if (gone.size() == most ||
+          layout_.spans() - static_cast<int>(gone.size()) <= FewestSpans(layout_))
+        break;
+      const bool apart = std::all_of(gone.begin(), gone.end(), [&, at = k](int other) {
+        return std::abs(at - other) > layout_.degree();
+      });
+      if (apart) gone.push_back(k);
+    }
+    std::sort(gone.rbegin(), gone.rend());
+    SpanLayout thinner = layout_;
+    for (const int k : gone) thinner = thinner.Without(k);
+    return thinner;
+  }
+
+  // Removes the knots that are worth nothing.
+  void Prune() {
+    for (int round = 0; round < kMostAdaptationRounds; ++round) {
+      Report(options_.progress, "solve", 0.9 + 0.1 * round / kMostAdaptationRounds);
+      std::vector<std::pair<double, int>> cheap = Costs();
+      const double held = static_cast<double>(problem_.size()) / layout_.spans();
+      const double least =
+          std::max(kCostInVariances * variance_, held * options_.exact * options_.exact);
+      cheap.erase(std::partition_point(
+                      cheap.begin(), cheap.end(), [&](const auto& c) { return c.first < least; }),
+                  cheap.end());
+      const SpanLayout thinner = Thinned(cheap, cheap.size());
+      if (thinner.spans() == layout_.spans()) return;
+      layout_ = thinner;
+      Fit();
+    }
+  }
+
+  // Removes knots, cheapest first, as long as the tolerance is kept; where a batch is too many,
+  // half of it.
+  void PruneWithinTolerance() {
+    if (distances_.maxCoeff() > *options_.tolerance) return;
+    const double limit = std::max(kMargin * *options_.tolerance, distances_.maxCoeff());
+    size_t most = layout_.breaks().size();
+    for (int round = 0; round < kMostAdaptationRounds && most > 0; ++round) {
+      Report(options_.progress, "refine", 0.9 + 0.1 * round / kMostAdaptationRounds);
+      const SpanLayout thinner = Thinned(Costs(), most);
+      const auto fewer = static_cast<size_t>(layout_.spans() - thinner.spans());
+      if (fewer == 0) return;
+      Adapter before = *this;
+      layout_ = thinner;
+      Fit();
+      if (distances_.maxCoeff() <= limit) continue;
+      Restore(std::move(before));
+      most = fewer / 2;
+    }
+  }
+
+  void Restore(Adapter&& other) {
+    layout_ = std::move(other.layout_);
+    problem_ = std::move(other.problem_);
+    solution_ = std::move(other.solution_);
+    samples_ = std::move(other.samples_);
+    distances_ = std::move(other.distances_);
+    at_feet_ = other.at_feet_;
+  }
+
+  const SpanAdaptOptions& options_;
+  ThreadPool& pool_;
+  SpanLayout layout_;
+  FittingProblem problem_;
+  FittingProblem first_;  // at the parameters given
+  int rank_;              // of the data: noise is in so many directions
+  bool exact_;            // against the tolerance
+  LinearSolution solution_;
+  CurveSamples samples_;
+  Eigen::VectorXd distances_;
+  double variance_ = 0;
+  bool full_ = false, at_feet_ = false;
+  std::vector<RoundSummary> rounds_;
+};
+
+}  // namespace
+
+SpanAdaptation AdaptSpans(const FittingProblem& problem,
+                          const SpanLayout& start,
+                          const SpanAdaptOptions& options,
+                          ThreadPool& pool) {
+  return Adapter(problem, start, options, pool).Run();
+}
+
+namespace {
+
+// The same data over other layouts, with knots relocated.
+class Relocation {
+ public:
+  Relocation(const SpanAdaptation& adapted, const SpanAdaptOptions& options, ThreadPool& pool)
+      : start_(adapted.layout),
+        problem_(adapted.problem),
+        options_(options),
+        pool_(pool),
+        trials_(adapted.problem, adapted.layout.spans()) {}
+
+  // Relocated layouts of so many spans each: from even ones and from the adapted ones. Where
+  // distances count more than squares, those themselves too.
+  std::vector<SpanLayout> Layouts(const std::vector<int>& counts) const {
+    std::vector<SpanLayout> layouts;
+    std::vector<size_t> relocated;
+    const std::vector<double>& breaks = start_.breaks();
+    for (const int spans : counts) {
+      if (spans < FewestSpans(start_)) continue;
+      for (const SpanLayout& from : {SpanLayout::Equal(start_.degree(),
+                                                       spans,
+                                                       breaks.front(),
+                                                       breaks.back(),
+                                                       start_.corners(),
+                                                       start_.closed()),
+                                     start_.Resampled(spans)}) {
+        if (options_.tolerance) layouts.push_back(from);
+        relocated.push_back(layouts.size());
+        layouts.push_back(from);
+      }
+    }
+    Report(options_.progress, "solve", 0.95);
+    pool_.For(std::ssize(relocated), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        SpanLayout& layout = layouts[relocated[static_cast<size_t>(k)]];
+        layout = RelocateKnots(trials_, layout);
+      }
+    });
+    return layouts;
+  }
+
+  // Where a tolerance is to be kept, distances as low as they get.
+  FeetFit Fit(const SpanLayout& layout) const {
+    FeetFit fit = FitAtFeet(problem_.WithBasis(layout.Basis()),
+                            FeetSteps(problem_, options_),
+                            pool_,
+                            options_.anchored);
+    const bool lower = options_.tolerance && options_.feet && options_.anchored.empty();
+    return lower ? AtLeastDistance(fit, {.max_rounds = kAdaptationRoundsOfDistance}, pool_) : fit;
+  }
+
+ private:
+  const SpanLayout start_;
+  const FittingProblem problem_;
+  const SpanAdaptOptions& options_;
+  ThreadPool& pool_;
+  LayoutTrials trials_;
+};
+
+RoundSummary Relocated(const SpanLayout& layout, const FeetFit& fit, double score) {
+  RoundSummary round;
+  round.stage = "relocate";
+  round.control_points_u = layout.control_points();
+  round.control_points_v = 1;
+  round.rms = std::sqrt(fit.solution.residual_squares / static_cast<double>(fit.problem.size()));
+  round.score = score;
+  return round;
+}
+
+void Adopt(const SpanLayout& layout, FeetFit&& fit, SpanAdaptation& adapted) {
+  adapted.layout = layout;
+  adapted.problem = std::move(fit.problem);
+  adapted.solution = std::move(fit.solution);
+}
+
+}  // namespace
+
+SpanAdaptation RelocatedSpans(SpanAdaptation adapted,
+                              const SpanAdaptOptions& options,
+                              ThreadPool& pool) {
+  const double directions =
+      std::max(1, PointRank(adapted.problem.data().values) - (options.feet ? 1 : 0));
+  const double per_knot = kCostRelocated * directions *
+                          std::max(adapted.noise * adapted.noise, options.exact * options.exact);
+  const auto score = [&](const FittingProblem& problem, const LinearSolution& solution) {
+    return SquaresAcross(problem, solution.coefficients, options.feet, pool) +
+           per_knot * problem.unknowns();
+  };
+  const Relocation relocation(adapted, options, pool);
+  const int spans = adapted.layout.spans();
+  double best = score(adapted.problem, adapted.solution);
+  // Where data are few, halving stops early: as many knots in better places help too, and some
+  // more.
+  std::vector<double> shares{0.7, 0.8, 0.9};
+  if (adapted.problem.size() < kFewInSpan * spans) shares.insert(shares.end(), {1.0, 1.15, 1.3});
+  std::vector<int> counts;
+  for (const double share : shares) counts.push_back(static_cast<int>(std::lround(share * spans)));
+  for (const SpanLayout& layout : relocation.Layouts(counts)) {
+    FeetFit fit = relocation.Fit(layout);
+    const double found = score(fit.problem, fit.solution);
+    adapted.rounds.push_back(Relocated(layout, fit, found));
+    if (!(found < best)) continue;
+    best = found;
+    Adopt(layout, std::move(fit), adapted);
+  }
+  return adapted;
+}
+
+SpanAdaptation RelocatedWithinTolerance(SpanAdaptation adapted,
+                                        const SpanAdaptOptions& options,
+                                        ThreadPool& pool) {
+  const double asked = options.tolerance.value();
+  const auto worst = [&](const FittingProblem& problem, const LinearSolution& solution) {
+    return DistancesAt(problem, solution.coefficients, options.feet, pool).maxCoeff();
+  };
+  const Relocation relocation(adapted, options, pool);
+  const int spans = adapted.layout.spans();
+  const bool kept = worst(adapted.problem, adapted.solution) <= asked;
+  const double tolerance = kept ? kMargin * asked : asked;
+  const int most = kept ? spans - 1 : spans + std::max(2, spans / 4);
+  int tried = 0, last = most;
+  std::optional<int> fewest;  // inflections
+  for (double share = kept ? 0.6 : 1.0; tried < last; share *= 1.06) {
+    tried = std::max(tried + 1, static_cast<int>(std::lround(share * spans)));
+    if (tried > last) break;
+    for (const SpanLayout& layout : relocation.Layouts({tried})) {
+      if (layout.control_points() > options.max_control_points) continue;
+      FeetFit fit = relocation.Fit(layout);
+      const double found = worst(fit.problem, fit.solution);
+      adapted.rounds.push_back(Relocated(layout, fit, found));
+      if (!(found <= tolerance)) continue;
+      // A few knots more may bend the curve to and fro less.
+      if (!fewest) last = std::min(last, tried + std::max(2, tried / kMoreToBeFair));
+      const int inflections = Inflections(layout.Basis(), fit.solution.coefficients);
+      if (fewest && inflections >= *fewest) continue;
+      fewest = inflections;
+      Adopt(layout, std::move(fit), adapted);
+    }
+  }
+  return adapted;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/flattening/sheet_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fitting/flattening/sheet_graph.h"
+#include "fitting/flattening/sheet_nodes.h"
+#include "fitting/flattening/sheet_spread.h"
+#include "fitting/flattening/sheet_unfolding.h"
+#include "geometry/numeric/smallest_rectangle.h"
+#include "batten/fitting/statistics.h"
+#include "geometry/numeric/number_text.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr Eigen::Index kLeastNodes = 12;
+constexpr double kNear = 1;        // reaches in the plane between nodes that lie on each other …
+constexpr double kFarApart = 3.5;  // … and more than so many in space
+constexpr double kTornApart = 4;   // reaches in the plane between ends of a contradicting edge …
+constexpr int kLeastTorn = 5;      // … of which a few are slips
+constexpr double kThin = 0.05;     // breadth over length of neighbourhoods on a line
+
+// One way to look at the cloud.
+struct Look {
+  SheetNodeOptions nodes;
+  SheetGraphOptions graph;
+};
+
+std::vector<Look> Looks(Eigen::Index nodes) {
+  Look first;
+  first.nodes.most = nodes;
+  Look strict;
+  strict.nodes.most = 4 * nodes;
+  strict.nodes.most_neighbours = 24;
+  strict.nodes.own_neighbours = true;
+  strict.graph.longest = 2.2;
+  strict.graph.steepest = 0.35;
+  strict.graph.least_cosine = 0.7;
+  Look close = strict;
+  close.nodes.most = 16 * nodes;
+  close.nodes.most_neighbours = 16;
+  close.graph.steepest = 0.25;
+  return {first, strict, close};
+}
+
+struct Flattened {
+  SheetGraph graph;
+  Unfolding unfolding;
+};
+
+// Share of the nodes on which others lie that are far away in space.
+double OverlapOf(const SheetGraph& graph, const Unfolding& unfolding) {
+  const Eigen::Index n = graph.nodes.size();
+  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, n);
+  plan.row(0) = unfolding.places.real();
+  plan.row(1) = unfolding.places.imag();
+  constexpr int kLookedAt = 9;
+  const std::vector<int> near = NeighbourIndex(plan).Nearest(plan, kLookedAt);
+  const auto each = static_cast<Eigen::Index>(near.size()) / n;
+  Eigen::Index covered = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const bool lies_on_another =
+        std::any_of(near.begin() + i * each, near.begin() + (i + 1) * each, [&](int j) {
+          return (plan.col(j) - plan.col(i)).norm() < kNear * graph.nodes.reach[i] &&
+                 (graph.nodes.places.col(j) - graph.nodes.places.col(i)).norm() >
+                     kFarApart * graph.nodes.reach[i];
+        });
+    if (lies_on_another) ++covered;
+  }
+  return static_cast<double>(covered) / static_cast<double>(n);
+}
+
+// Whether edges whose ends disagree about the upper side join parts that are far from each other
+// in the plane: a way round that turns the sheet over.
+bool IsOneSided(const SheetGraph& graph, const Unfolding& unfolding) {
+  const auto torn = [&](const SheetEdge& e) {
+    return std::abs(unfolding.places[e.second] - unfolding.places[e.first]) >
+           kTornApart * (graph.nodes.reach[e.first] + graph.nodes.reach[e.second]) / 2;
+  };
+  return std::count_if(graph.contradictions.begin(), graph.contradictions.end(), torn) >=
+         kLeastTorn;
+}
+
+std::string RefusalOf(const SheetBase& base, const SheetBaseOptions& options) {
+  constexpr const char* kTakePart = "; fit a part of the cloud that is an open sheet";
+  if (base.share < options.least_share) {
+    return "the points hang together in several sheets, or in none: the largest part holds " +
+           Percent(base.share) + " of them; fit one part of the cloud at a time";
+  }
+  if (!base.orientation_consistent) {
+    return std::string("the sheet is one-sided, as a Moebius band") + kTakePart;
+  }
+  if (base.overlap > options.most_overlap) {
+    return Percent(base.overlap) +
+           " of the sheet comes to lie over another part of it when it is laid out flat: it is "
+           "closed, or several layers touch" +
+           kTakePart;
+  }
+  if (base.distortion > options.most_distortion) {
+    return "lengths change by " + Percent(base.distortion) +
+           " when the sheet is laid out flat: it is closed or too strongly curved" + kTakePart;
+  }
+  if (base.folded > options.most_folded) {
+    return "the sheet folds over itself when it is laid out flat" + std::string(kTakePart);
+  }
+  return {};
+}
+
+// How bad an attempt that does not serve is.
+double Badness(const SheetBase& base, const SheetBaseOptions& options) {
+  return base.distortion / options.most_distortion + base.folded / options.most_folded +
+         base.overlap / options.most_overlap + (1 - base.share) / (1 - options.least_share) +
+         (base.orientation_consistent ? 0 : 1);
+}
+
+// Seen from the side to which the normals look on the whole.
+void LookFromAbove(SheetGraph& graph) {
+  const Eigen::Vector3d mean = graph.nodes.normals.rowwise().sum();
+  Eigen::Index largest;
+  mean.cwiseAbs().maxCoeff(&largest);
+  if (mean[largest] >= 0) return;
+  for (Eigen::Index i = 0; i < graph.nodes.size(); ++i) graph.nodes.Flip(i);
+}
+
+// The corners of the hull of the places reached.
+std::vector<Eigen::Vector2d> HullOf(const SpreadPlaces& spread, ThreadPool& pool) {
+  constexpr Eigen::Index kBlock = 1 << 15;
+  const Eigen::Index m = spread.places.cols(), blocks = (m + kBlock - 1) / kBlock;
+  std::vector<std::vector<Eigen::Vector2d>> hulls(static_cast<size_t>(blocks));
+  pool.For(blocks, 1, [&](std::ptrdiff_t block, std::ptrdiff_t) {
+    std::vector<Eigen::Vector2d> places;
+    const Eigen::Index end = std::min(m, (block + 1) * kBlock);
+    for (Eigen::Index k = block * kBlock; k < end; ++k) {
+      if (spread.reached[k]) places.emplace_back(spread.places.col(k));
+    }
+    hulls[block] = ConvexHullOf(std::move(places));
+  });
+  std::vector<Eigen::Vector2d> corners;
+  for (const auto& hull : hulls) corners.insert(corners.end(), hull.begin(), hull.end());
+  return ConvexHullOf(std::move(corners));
+}
+
+// Turns the axis by right angles: u along the longer side, and growing with the coordinate it has
+// most to do with.
+void ChooseAxes(TurnedRectangle& rectangle,
+                const SpreadPlaces& spread,
+                const Eigen::Matrix3Xd& points) {
+  const Eigen::Vector2d sides = rectangle.high - rectangle.low;
+  if (sides[1] > sides[0]) {
+    rectangle.axis = {-rectangle.axis[1], rectangle.axis[0]};
+    const Eigen::Vector2d low = rectangle.low, high = rectangle.high;
+    rectangle.low = {low[1], -high[0]};
+    rectangle.high = {high[1], -low[0]};
+  }
+  const Eigen::Vector3d middle = points.rowwise().mean();
+  const Eigen::Vector3d grows =
+      (points.colwise() - middle) * (rectangle.axis.transpose() * spread.places).transpose();
+  Eigen::Index largest;
+  grows.cwiseAbs().maxCoeff(&largest);
+  if (grows[largest] >= 0) return;
+  rectangle.axis *= -1;
+  std::swap(rectangle.low, rectangle.high);
+  rectangle.low *= -1;
+  rectangle.high *= -1;
+}
+
+void PutIntoRectangle(const SpreadPlaces& spread,
+                      const Eigen::Matrix3Xd& points,
+                      double margin,
+                      ThreadPool& pool,
+                      SheetBase& base) {
+  TurnedRectangle rectangle = SmallestRectangleAround(HullOf(spread, pool));
+  ChooseAxes(rectangle, spread, points);
+  const Eigen::Vector2d sides = rectangle.high - rectangle.low;
+  base.length_u = sides[0] + 2 * margin;
+  base.length_v = sides[1] + 2 * margin;
+  base.parameters.resize(2, points.cols());
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const Eigen::Vector2d q = rectangle.ToFrame(spread.places.col(k)) - rectangle.low;
+    base.parameters(0, k) = std::clamp(q[0] + margin, 0.0, base.length_u);
+    base.parameters(1, k) = std::clamp(q[1] + margin, 0.0, base.length_v);
+  }
+  base.reached = spread.reached;
+}
+
+// Parameters where nothing could be laid out.
+void PutAnywhere(Eigen::Index count, double spacing, double margin, SheetBase& base) {
+  base.length_u = base.length_v = spacing + 2 * margin;
+  base.parameters.setConstant(2, count, base.length_u / 2);
+  base.reached = PointMask::Constant(count, false);
+}
+
+void Check(const Eigen::Matrix3Xd& points,
+           const NeighbourIndex& index,
+           double spacing,
+           double noise,
+           double margin) {
+  if (points.cols() == 0) throw std::invalid_argument("FlattenSheet: no points");
+  if (index.size() != points.cols()) {
+    throw std::invalid_argument("FlattenSheet: index must hold the points; it holds " +
+                                std::to_string(index.size()) + " of " +
+                                std::to_string(points.cols()));
+  }
+  const auto rule = [](const char* name, double value, bool holds) {
+    if (holds && std::isfinite(value)) return;
+    throw std::invalid_argument(std::string("FlattenSheet: ") + name +
+                                " must not be negative; it is " + std::to_string(value));
+  };
+  rule("spacing", spacing, spacing >= 0);
+  rule("noise", noise, noise >= 0);
+  rule("margin", margin, margin >= 0);
+}
+
+// Why so few or such nodes cannot carry a sheet; empty where they may.
+std::string RefusalOfNodes(const SheetNodes& nodes) {
+  if (nodes.size() < kLeastNodes) {
+    return "too few points, or too much noise, for a bent sheet: only " +
+           std::to_string(nodes.size()) + " places of it can be told apart, and " +
+           std::to_string(kLeastNodes) + " are needed";
+  }
+  if (Median({nodes.breadth.begin(), nodes.breadth.end()}) < kThin) {
+    return "the points lie along lines: nothing tells how a sheet runs between them; fit a curve, "
+           "or a cloud with points in all directions";
+  }
+  return {};
+}
+
+// Connects the nodes and lays them out; fills in what the base tells of it.
+Flattened LayOut(const SheetNodes& nodes,
+                 const SheetGraphOptions& graph_options,
+                 const SheetBaseOptions& options,
+                 SheetBase& base) {
+  Flattened flattened;
+  flattened.graph = ConnectSheet(nodes, graph_options);
+  base.share = flattened.graph.share;
+  base.nodes = flattened.graph.nodes.size();
+  base.distortion = 1;
+  if (!flattened.graph.edges.empty()) {
+    LookFromAbove(flattened.graph);
+    flattened.unfolding = Unfold(flattened.graph);
+    base.distortion = flattened.unfolding.distortion;
+    base.folded = flattened.unfolding.folded;
+    base.overlap = OverlapOf(flattened.graph, flattened.unfolding);
+    base.orientation_consistent = !IsOneSided(flattened.graph, flattened.unfolding);
+  }
+  base.refusal = RefusalOf(base, options);
+  return flattened;
+}
+
+}  // namespace
+
+SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
+                         const NeighbourIndex& index,
+                         double spacing,
+                         double noise,
+                         double margin,
+                         const SheetBaseOptions& options,
+                         ThreadPool& pool,
+                         const Progress& progress)
+    : points_(points),
+      index_(index),
+      spacing_(spacing),
+      noise_(noise),
+      margin_(margin),
+      options_(options),
+      pool_(pool),
+      progress_(progress) {
+  Check(points, index, spacing, noise, margin);
+  Attempt();
+}
+
+void SheetLayout::LookCloser() {
+  while (!best_.serves() && !given_up_) Attempt();
+}
+
+void SheetLayout::Attempt() {
+  const std::vector<Look> looks = Looks(options_.nodes);
+  const Look& look = looks[static_cast<size_t>(attempts_)];
+  Report(progress_, "parameterize", 0.1);
+  SheetNodes nodes = ChooseSheetNodes(points_, index_, noise_, look.nodes, pool_);
+  const bool first = attempts_ == 0;
+  given_up_ = ++attempts_ == std::ssize(looks);
+  if (std::string refusal = RefusalOfNodes(nodes); !refusal.empty()) {
+    if (best_.nodes == 0) best_.refusal = std::move(refusal);
+    given_up_ = true;
+  } else {
+    Report(progress_, "parameterize", 0.3);
+    SheetBase base;
+    Flattened flattened = LayOut(nodes, look.graph, options_, base);
+    if (first || base.serves() || Badness(base, options_) < Badness(best_, options_)) {
+      best_ = std::move(base);
+      graph_ = std::move(flattened.graph);
+      unfolding_ = std::move(flattened.unfolding);
+    }
+  }
+  if (first) nodes_ = std::move(nodes);
+}
+
+SheetBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
+  Report(progress_, "parameterize", 0.6);
+  SheetBase base = best_;
+  if (graph_.edges.empty()) {
+    PutAnywhere(some.cols(), spacing_, margin_, base);
+  } else {
+    PutIntoRectangle(
+        SpreadOverPoints(graph_, unfolding_, some, noise_, pool_), some, margin_, pool_, base);
+  }
+  Report(progress_, "parameterize", 1);
+  return base;
+}
+
+SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
+                       const NeighbourIndex& index,
+                       double spacing,
+                       double noise,
+                       double margin,
+                       const SheetBaseOptions& options,
+                       ThreadPool& pool,
+                       const Progress& progress) {
+  SheetLayout layout(points, index, spacing, noise, margin, options, pool, progress);
+  layout.LookCloser();
+  return layout.Over(points);
+}
+
+}  // namespace batten::internal

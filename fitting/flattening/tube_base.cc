@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/flattening/tube_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fitting/flattening/planar_edges.h"
+#include "fitting/flattening/sheet_graph.h"
+#include "fitting/flattening/sheet_nodes.h"
+#include "fitting/flattening/sheet_spread.h"
+#include "batten/fitting/statistics.h"
+#include "fitting/flattening/tube_ends.h"
+#include "fitting/flattening/tube_loops.h"
+#include "fitting/flattening/tube_settling.h"
+#include "fitting/flattening/tube_unfolding.h"
+#include "geometry/numeric/number_text.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr Eigen::Index kLeastTubeNodes = 40;
+constexpr double kFilledLoop = 10;       // reaches round a gap between nodes that is no hole
+constexpr int kMostTubeLoops = 64;           // so many holes are too many
+constexpr double kHole = 0.5;            // of the longest loop: shorter ones go round holes
+constexpr double kSpacingOfNodes = 1.3;  // in reaches
+constexpr double kLeastRound = 16;       // nodes
+constexpr double kOpenAngle = 2.1;       // between neighbours of a node at an edge
+constexpr double kTubeNear = 1;         // reaches in the plane between nodes that lie on each other …
+constexpr double kTubeFarApart = 3.5;   // … and more than so many in space
+constexpr int kTubeTornApart = 7;       // edges between ends of a contradicting edge …
+constexpr int kLeastTubeTorn = 5;       // … of which a few are slips
+constexpr double kLeastLeft = 0.3;  // of a tube's length where its ends come nearest to each other
+
+// One way to look at the cloud.
+struct Attempt {
+  SheetNodeOptions nodes;
+  SheetGraphOptions graph;
+};
+
+std::vector<Attempt> Attempts(Eigen::Index nodes) {
+  Attempt first;
+  first.nodes.most = nodes;
+  Attempt strict;
+  strict.nodes.most = 4 * nodes;
+  strict.nodes.most_neighbours = 24;
+  strict.nodes.own_neighbours = true;
+  strict.graph.longest = 2.2;
+  strict.graph.steepest = 0.35;
+  strict.graph.least_cosine = 0.7;
+  Attempt close = strict;
+  close.nodes.most = 16 * nodes;
+  close.nodes.most_neighbours = 16;
+  close.graph.steepest = 0.25;
+  return {first, strict, close};
+}
+
+struct RolledOff {
+  SheetGraph graph;
+  Unfolding unfolding;
+};
+
+// Places of the plane on a cylinder as long round as the period: neighbours across the seam are
+// neighbours there.
+Eigen::Matrix3Xd OnCylinder(const Eigen::VectorXcd& places, double period) {
+  const double radius = period / (2 * std::numbers::pi);
+  Eigen::Matrix3Xd round(3, places.size());
+  for (Eigen::Index i = 0; i < places.size(); ++i) {
+    const double angle = places[i].real() / radius;
+    round.col(i) << radius * std::cos(angle), radius * std::sin(angle), places[i].imag();
+  }
+  return round;
+}
+
+// Share of the nodes on which others lie that are far away in space.
+double TubeOverlapOf(const SheetGraph& graph, const Unfolding& unfolding) {
+  const Eigen::Index n = graph.nodes.size();
+  const Eigen::Matrix3Xd plan = OnCylinder(unfolding.places, unfolding.period);
+  constexpr int kLookedAt = 9;
+  const std::vector<int> near = NeighbourIndex(plan).Nearest(plan, kLookedAt);
+  const auto each = static_cast<Eigen::Index>(near.size()) / n;
+  Eigen::Index covered = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const bool lies_on_another =
+        std::any_of(near.begin() + i * each, near.begin() + (i + 1) * each, [&](int j) {
+          return (plan.col(j) - plan.col(i)).norm() < kTubeNear * graph.nodes.reach[i] &&
+                 (graph.nodes.places.col(j) - graph.nodes.places.col(i)).norm() >
+                     kTubeFarApart * graph.nodes.reach[i];
+        });
+    if (lies_on_another) ++covered;
+  }
+  return static_cast<double>(covered) / static_cast<double>(n);
+}
+
+// Whether edges whose ends disagree about the upper side join parts that are far from each other
+// along the others: a way round that turns the sheet over.
+bool IsOneSided(const SheetGraph& graph) {
+  const std::vector<std::vector<int>> neighbours = NeighboursOf(graph.nodes.size(), graph.edges);
+  const auto torn = [&](const SheetEdge& edge) {
+    std::vector<int> seen{edge.first}, front = seen;
+    for (int step = 0; step < kTubeTornApart; ++step) {
+      std::vector<int> next;
+      for (const int i : front) next.insert(next.end(), neighbours[i].begin(), neighbours[i].end());
+      std::sort(next.begin(), next.end());
+      next.erase(std::unique(next.begin(), next.end()), next.end());
+      front.clear();
+      std::set_difference(
+          next.begin(), next.end(), seen.begin(), seen.end(), std::back_inserter(front));
+      seen.insert(seen.end(), front.begin(), front.end());
+      std::sort(seen.begin(), seen.end());
+      if (std::binary_search(front.begin(), front.end(), edge.second)) return false;
+    }
+    return true;
+  };
+  return std::count_if(graph.contradictions.begin(), graph.contradictions.end(), torn) >=
+         kLeastTubeTorn;
+}
+
+// How many nodes have no neighbour over a wide angle.
+Eigen::Index NodesAtEdges(Eigen::Index n, const std::vector<PlanarEdge>& edges) {
+  std::vector<std::vector<double>> angles(static_cast<size_t>(n));
+  for (const PlanarEdge& e : edges) {
+    angles[e.first].push_back(std::arg(e.from_first));
+    angles[e.second].push_back(std::arg(e.from_second));
+  }
+  return std::count_if(angles.begin(), angles.end(), [](std::vector<double>& around) {
+    std::sort(around.begin(), around.end());
+    double widest = around.front() + 2 * std::numbers::pi - around.back();
+    for (size_t k = 1; k < around.size(); ++k) widest = std::max(widest, around[k] - around[k - 1]);
+    return widest > kOpenAngle;
+  });
+}
+
+double MedianReach(const SheetNodes& nodes) {
+  return Median({nodes.reach.begin(), nodes.reach.end()});
+}
+
+// How many nodes would be needed to have enough of them round a tube as curved as the nodes say.
+Eigen::Index NodesNeeded(const SheetNodes& nodes) {
+  std::vector<double> bends;
+  for (Eigen::Index i = 0; i < nodes.size(); ++i) {
+    const double half = (nodes.curvature(0, i) + nodes.curvature(2, i)) / 2;
+    const double spread =
+        std::hypot((nodes.curvature(0, i) - nodes.curvature(2, i)) / 2, nodes.curvature(1, i));
+    bends.push_back((std::abs(half) + spread) * nodes.reach[i]);
+  }
+  const double round =
+      2 * std::numbers::pi / (kSpacingOfNodes * std::max(1e-9, Median(std::move(bends))));
+  const double more = std::pow(std::max(1.0, kLeastRound / round), 2);
+  return static_cast<Eigen::Index>(static_cast<double>(nodes.size()) * std::min(more, 16.0));
+}
+
+// Why the loops found are not those of a tube with two ends; empty where they are.
+std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
+                           Eigen::Index at_edges,
+                           const SheetNodes& nodes) {
+  const auto long_ones = std::count_if(loops.begin(), loops.end(), [&](const SheetLoop& loop) {
+    return loop.length > kHole * loops.front().length;
+  });
+  const double edge = static_cast<double>(at_edges) * kSpacingOfNodes * MedianReach(nodes);
+  const bool has_ends = loops.empty() ? at_edges * 100 > nodes.size()
+                                      : edge > loops.front().length;  // two ends have twice that
+  if (loops.empty() && has_ends) {
+    return "the sheet does not close round: every way along it can be drawn together; fit it as an "
+           "open sheet";
+  }
+  if (loops.empty()) {
+    return "the points close on all sides, as a ball: one NURBS surface cannot cover that as a "
+           "tube; fit a part of the cloud, or a sphere or a surface of revolution";
+  }
+  if (!has_ends) {
+    return "the points close in more than one direction, as a torus or something with handles, and "
+           "have no ends: one NURBS surface cannot cover that as a tube; fit a part of the cloud";
+  }
+  if (static_cast<int>(loops.size()) == kMostTubeLoops) {
+    return "there are many ways round: the sheet has many large holes, or its points lie along "
+           "lines; fit a part of the cloud";
+  }
+  if (long_ones > 1) {
+    return "the tube branches, or has a hole nearly as large as its section: one NURBS surface "
+           "cannot cover it; cut the cloud into tubes with two ends each";
+  }
+  return {};
+}
+
+std::string RefusalOfRoll(const TubeBase& base, const TubeBaseOptions& options) {
+  constexpr const char* kTakePart = "; fit a part of the cloud";
+  if (base.overlap > options.most_overlap) {
+    return Percent(base.overlap) +
+           " of the tube comes to lie over another part of it when it is rolled off: it has "
+           "pockets or branches" +
+           kTakePart;
+  }
+  if (base.distortion > options.most_distortion) {
+    return "lengths change by " + Percent(base.distortion) +
+           " when the tube is rolled off: it widens or bends too strongly" + kTakePart;
+  }
+  if (base.folded > options.most_folded) {
+    return "the tube folds over itself when it is rolled off" + std::string(kTakePart);
+  }
+  return {};
+}
+
+// Turned over, so that normals look the other way.
+void Mirror(RolledOff& rolled) {
+  Unfolding& u = rolled.unfolding;
+  for (Eigen::Index i = 0; i < rolled.graph.nodes.size(); ++i) rolled.graph.nodes.Flip(i);
+  u.places = u.places.conjugate().eval();
+  // y changes its sign in the tangent planes too: conj(a conj(q) + b q) = conj(a) q + conj(b)
+  // conj(q).
+  u.conformal = u.conformal.conjugate().eval();
+  u.anticonformal = u.anticonformal.conjugate().eval();
+}
+
+// Whether normals look away from what lies on the other side of the tube.
+bool LooksOutwards(const RolledOff& rolled) {
+  const Eigen::VectorXcd& places = rolled.unfolding.places;
+  const double period = rolled.unfolding.period;
+  const SheetNodes& nodes = rolled.graph.nodes;
+  const std::vector<int> opposite =
+      NeighbourIndex(OnCylinder(places, period))
+          .Nearest(OnCylinder(places.array() + period / 2, period), 1);
+  Eigen::Index outwards = 0;
+  for (Eigen::Index i = 0; i < nodes.size(); ++i) {
+    if (nodes.normals.col(i).dot(nodes.places.col(i) - nodes.places.col(opposite[i])) > 0) {
+      ++outwards;
+    }
+  }
+  return 2 * outwards >= nodes.size();
+}
+
+// v grows with the coordinate it has most to do with, and normals look outwards.
+void ChooseAxes(RolledOff& rolled) {
+  if (!LooksOutwards(rolled)) Mirror(rolled);
+  Unfolding& u = rolled.unfolding;
+  const Eigen::Matrix3Xd& places = rolled.graph.nodes.places;
+  const Eigen::Vector3d grows = (places.colwise() - places.rowwise().mean()) * u.places.imag();
+  Eigen::Index largest;
+  grows.cwiseAbs().maxCoeff(&largest);
+  if (grows[largest] >= 0) return;
+  u.places *= -1;
+  u.conformal *= -1;
+  u.anticonformal *= -1;
+}
+
+double Wrapped(double u, double period) {
+  const double rest = u - period * std::floor(u / period);
+  return rest < period ? rest : 0.0;
+}
+
+// Lays both ends on lines of constant v, lengths along the tube shared out between them.
+void Straighten(double spacing, TubeBase& base) {
+  const TubeEnds ends = EndsOf(base.parameters, base.reached, base.length_u, spacing);
+  const double length = ends.high.coefficients[0] - ends.low.coefficients[0];
+  constexpr int kLooks = 256;
+  double least = length;
+  for (int k = 0; k < kLooks; ++k) {
+    const double u = base.length_u * k / kLooks;
+    least = std::min(least, ends.high.At(u) - ends.low.At(u));
+  }
+  if (!(least > kLeastLeft * length)) return;
+  base.straight_ends = true;
+  for (Eigen::Index k = 0; k < base.parameters.cols(); ++k) {
+    const double low = ends.low.At(base.parameters(0, k)),
+                 high = ends.high.At(base.parameters(0, k));
+    base.parameters(1, k) = (base.parameters(1, k) - low) / (high - low) * length;
+  }
+}
+
+void PutIntoStrip(const RolledOff& rolled,
+                  const Eigen::Matrix3Xd& points,
+                  double spacing,
+                  double noise,
+                  double margin,
+                  ThreadPool& pool,
+                  TubeBase& base) {
+  SpreadPlaces spread = SpreadOverPoints(rolled.graph, rolled.unfolding, points, noise, pool);
+  base.parameters = std::move(spread.places);
+  base.reached = std::move(spread.reached);
+  base.length_u = rolled.unfolding.period;
+  for (double& u : base.parameters.row(0)) u = Wrapped(u, base.length_u);
+  Straighten(spacing, base);
+  double low = 0, high = 0;
+  bool any = false;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    if (!base.reached[k]) continue;
+    const double v = base.parameters(1, k);
+    low = any ? std::min(low, v) : v;
+    high = any ? std::max(high, v) : v;
+    any = true;
+  }
+  base.length_v = high - low + 2 * margin;
+  for (double& v : base.parameters.row(1)) v = std::clamp(v - low + margin, 0.0, base.length_v);
+}
+
+// The parameters on a smooth surface through the points.
+void Settle(const Eigen::Matrix3Xd& points,
+            double most_distortion,
+            ThreadPool& pool,
+            TubeBase& base) {
+  TubeParameters settled =
+      SettledTube({std::move(base.parameters), base.length_u, base.length_v, base.distortion},
+                  points,
+                  base.reached,
+                  most_distortion,
+                  pool);
+  base.parameters = std::move(settled.parameters);
+  base.length_u = settled.length_u;
+  base.length_v = settled.length_v;
+  base.distortion = settled.distortion;
+}
+
+// Parameters where nothing could be rolled off.
+void PutAnywhere(Eigen::Index count, double spacing, double margin, TubeBase& base) {
+  base.length_u = base.length_v = spacing + 2 * margin;
+  base.parameters.setConstant(2, count, base.length_u / 2);
+  base.reached = PointMask::Constant(count, false);
+}
+
+void CheckTubeInput(const Eigen::Matrix3Xd& points,
+           const NeighbourIndex& index,
+           double spacing,
+           double noise,
+           double margin) {
+  if (points.cols() == 0) throw std::invalid_argument("FlattenTube: no points");
+  if (index.size() != points.cols()) {
+    throw std::invalid_argument("FlattenTube: index must hold the points; it holds " +
+                                std::to_string(index.size()) + " of " +
+                                std::to_string(points.cols()));
+  }
+  const auto rule = [](const char* name, double value, bool holds) {
+    if (holds && std::isfinite(value)) return;
+    throw std::invalid_argument(std::string("FlattenTube: ") + name +
+                                " must not be negative; it is " + std::to_string(value));
+  };
+  rule("spacing", spacing, spacing >= 0);
+  rule("noise", noise, noise >= 0);
+  rule("margin", margin, margin >= 0);
+}
+
+// Connects the nodes and rolls them off; fills in what the base tells of it.
+RolledOff RollOff(const SheetNodes& nodes,
+                  const SheetGraphOptions& graph_options,
+                  const TubeBaseOptions& options,
+                  TubeBase& base) {
+  RolledOff rolled;
+  rolled.graph = ConnectSheet(nodes, graph_options);
+  base.share = rolled.graph.share;
+  base.nodes = rolled.graph.nodes.size();
+  base.distortion = 1;
+  if (base.share < options.least_share) {
+    base.refusal =
+        "the points hang together in several sheets, or in none: the largest part holds " +
+        Percent(base.share) + " of them; fit one part of the cloud at a time";
+    return rolled;
+  }
+  base.orientation_consistent = !IsOneSided(rolled.graph);
+  if (!base.orientation_consistent) {
+    base.refusal = "the sheet is one-sided, as a Moebius band; fit a part of the cloud";
+    return rolled;
+  }
+  const std::vector<PlanarEdge> edges = PlanarEdges(rolled.graph);
+  const std::vector<SheetLoop> loops = LoopsOf(rolled.graph.nodes, edges, kFilledLoop, kMostTubeLoops);
+  base.loops = static_cast<int>(loops.size());
+  base.refusal = RefusalOfLoops(loops, NodesAtEdges(base.nodes, edges), rolled.graph.nodes);
+  if (!base.refusal.empty()) return rolled;
+  rolled.unfolding = UnfoldTube(rolled.graph, edges, loops.front().crossings);
+  base.distortion = rolled.unfolding.distortion;
+  base.folded = rolled.unfolding.folded;
+  base.overlap = TubeOverlapOf(rolled.graph, rolled.unfolding);
+  base.refusal = RefusalOfRoll(base, options);
+  if (base.serves()) ChooseAxes(rolled);
+  return rolled;
+}
+
+}  // namespace
+
+TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
+                     const NeighbourIndex& index,
+                     double spacing,
+                     double noise,
+                     double margin,
+                     const TubeBaseOptions& options,
+                     ThreadPool& pool,
+                     const Progress& progress) {
+  CheckTubeInput(points, index, spacing, noise, margin);
+  TubeBase base;
+  RolledOff rolled;
+  for (Attempt attempt : Attempts(options.nodes)) {
+    Report(progress, "parameterize", 0.1);
+    SheetNodes nodes = ChooseSheetNodes(points, index, noise, attempt.nodes, pool);
+    base = {};
+    if (nodes.size() < kLeastTubeNodes) {
+      base.refusal = "too few points, or too much noise, for a tube: only " +
+                     std::to_string(nodes.size()) + " places of it can be told apart, and " +
+                     std::to_string(kLeastTubeNodes) + " are needed";
+      break;
+    }
+    if (const Eigen::Index needed = NodesNeeded(nodes); needed > nodes.size()) {
+      attempt.nodes.most = std::max(attempt.nodes.most, needed);
+      nodes = ChooseSheetNodes(points, index, noise, attempt.nodes, pool);
+    }
+    Report(progress, "parameterize", 0.3);
+    rolled = RollOff(nodes, attempt.graph, options, base);
+    if (base.serves()) break;
+  }
+  Report(progress, "parameterize", 0.6);
+  if (base.serves()) {
+    PutIntoStrip(rolled, points, spacing, noise, margin, pool, base);
+    Settle(points, options.most_distortion, pool, base);
+    base.why = "closed round with two open ends, lengths change by " + Percent(base.distortion);
+  } else {
+    PutAnywhere(points.cols(), spacing, margin, base);
+  }
+  Report(progress, "parameterize", 1);
+  return base;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Where a tube rolled off into the plane begins and ends.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "batten/fitting/point_mask.h"
+
+namespace batten::internal {
+
+// A function of the way round a tube: c0 + Σ c_k cos(2πku/P) + d_k sin(2πku/P).
+class PeriodicWave {
+ public:
+  PeriodicWave(double period, int harmonics);
+  // Its terms at u: 1, cos, sin, cos 2, sin 2, …
+  Eigen::VectorXd TermsAt(double u) const;
+  double At(double u) const;
+  Eigen::VectorXd coefficients;
+
+ private:
+  double period_;
+};
+
+// The smooth waves under and over the places (u round, v along) that the mask lets count, as close
+// to the outermost as these are to each other; where the edge of the cloud is ragged, or has a gap,
+// through most of it. `spacing` is that of the places. O(m).
+struct TubeEnds {
+  PeriodicWave low, high;
+};
+TubeEnds EndsOf(const Eigen::Matrix2Xd& places,
+                const PointMask& mask,
+                double period,
+                double spacing);
+
+}  // namespace batten::internal

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// A polynomial curve span by span, for foot points of points near it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fitting/foot_points/curve_foot_kernel.h"
+#include "batten/geometry/nurbs_curve.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// The table of LocalCurveFeet. The curve must have no weights and a degree of kMaxFootDegree at
+// most. O(n p²).
+template <int Dim>
+class CurvePieces {
+ public:
+  static bool Covers(const NurbsCurve<Dim>& curve) {
+    return !curve.rational() && curve.basis().degree() <= kMaxFootDegree;
+  }
+
+  explicit CurvePieces(const NurbsCurve<Dim>& curve);
+
+  CurvePieceTable table() const;
+  int size() const { return static_cast<int>(breaks_.size()) - 1; }
+  const std::vector<double>& breaks() const { return breaks_; }
+
+ private:
+  int degree_;
+  bool periodic_;
+  std::vector<double> breaks_, powers_;
+};
+
+extern template class CurvePieces<2>;
+extern template class CurvePieces<3>;
+
+// Foot points from starts in the domain, a local minimum each: many at once by LocalCurveFeet where
+// that does, by CurveFootPoints::Near elsewhere. Points are Dim × m. About 30 million a second and
+// core. The same for every number of threads.
+template <int Dim>
+Eigen::VectorXd LocalFeet(const NurbsCurve<Dim>& curve,
+                          const Eigen::MatrixXd& points,
+                          const Eigen::VectorXd& starts,
+                          ThreadPool& pool);
+
+extern template Eigen::VectorXd LocalFeet<2>(const NurbsCurve<2>&,
+                                             const Eigen::MatrixXd&,
+                                             const Eigen::VectorXd&,
+                                             ThreadPool&);
+extern template Eigen::VectorXd LocalFeet<3>(const NurbsCurve<3>&,
+                                             const Eigen::MatrixXd&,
+                                             const Eigen::VectorXd&,
+                                             ThreadPool&);
+
+}  // namespace batten::internal

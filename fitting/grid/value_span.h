@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// A vector's values as a span.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+namespace batten::internal {
+
+inline std::span<const double> Values(const Eigen::VectorXd& t) {
+  return {t.data(), static_cast<size_t>(t.size())};
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Bézier pieces between two points with given directions.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "fitting/interpolation/bezier_chain.h"
+
+namespace batten::internal {
+
+// A point and the unit vector in which the curve passes through it.
+template <int Dim>
+struct DirectedPoint {
+  Eigen::Matrix<double, Dim, 1> place, direction;
+};
+
+// Where the tangents at both ends meet, ahead of the first and behind the second: the triangle of a
+// conic arc. None where they do not lie in a plane, meet on the wrong side, or so that the arc
+// would turn by more than 150° or shrink to a corner. Straight on: the middle.
+template <int Dim>
+std::optional<Eigen::Matrix<double, Dim, 1>> TangentCorner(const DirectedPoint<Dim>& start,
+                                                           const DirectedPoint<Dim>& end);
+
+// One conic arc where the triangle exists; otherwise two, joined smoothly, that turn by half as
+// much or have an inflection between them, in space each in a plane of its own. Rational arcs
+// have the weight that makes them circular where triangles are isosceles; otherwise they are
+// parabolas. [Piegl & Tiller 1997, §9.3.2, §9.3.3]
+template <int Dim>
+std::vector<ChainPiece<Dim>> ConicPieces(const DirectedPoint<Dim>& start,
+                                         const DirectedPoint<Dim>& end,
+                                         bool rational);
+
+// The cubic that is equally fast at both ends and in the middle. [Piegl & Tiller 1997, §9.3.4]
+template <int Dim>
+ChainPiece<Dim> CubicPiece(const DirectedPoint<Dim>& start, const DirectedPoint<Dim>& end);
+
+}  // namespace batten::internal

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/knots/knot_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+namespace batten::internal {
+namespace {
+
+// Limits that only many knots meet: spans that an insertion is tried in, and knots exchanged.
+constexpr size_t kTriedSpans = 16, kExchanged = 12;
+
+constexpr double kRoom = 1e-9;  // of the domain, between a knot that is tried and its neighbours
+
+// Indices of the least costs, in increasing order of cost, then of index.
+std::vector<size_t> Cheapest(const std::vector<double>& costs, size_t count) {
+  std::vector<size_t> order(costs.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(
+      order.begin(), order.end(), [&](size_t a, size_t b) { return costs[a] < costs[b]; });
+  while (!order.empty() && !std::isfinite(costs[order.back()])) order.pop_back();
+  if (order.size() > count) order.resize(count);
+  return order;
+}
+
+KnotGaps WithKnot(const KnotGaps& gaps, double knot) {
+  std::vector<double> interior = InteriorKnots(gaps.basis());
+  interior.insert(std::upper_bound(interior.begin(), interior.end(), knot), knot);
+  return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+}
+
+KnotGaps WithoutKnot(const KnotGaps& gaps, size_t index) {
+  std::vector<double> interior = InteriorKnots(gaps.basis());
+  interior.erase(interior.begin() + static_cast<std::ptrdiff_t>(index));
+  return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+}
+
+size_t CountInterior(const KnotGaps& gaps) { return InteriorKnots(gaps.basis()).size(); }
+
+// How many knots are still to be inserted.
+size_t MissingIn(const MovingKnots& knots, const MovingKnots& wanted, bool u) {
+  if (u) return wanted.move_u ? CountInterior(wanted.u) - CountInterior(knots.u) : 0;
+  return wanted.v && wanted.move_v ? CountInterior(*wanted.v) - CountInterior(*knots.v) : 0;
+}
+
+size_t Missing(const MovingKnots& knots, const MovingKnots& wanted) {
+  return MissingIn(knots, wanted, true) + MissingIn(knots, wanted, false);
+}
+
+// The best results that differ in cost by a thousandth, at most `count`.
+std::vector<MovingKnots> BestOf(const std::vector<Descent>& results, int count) {
+  std::vector<double> costs;
+  for (const Descent& result : results) costs.push_back(result.cost);
+  std::vector<MovingKnots> best;
+  double last = -1;
+  for (const size_t i : Cheapest(costs, costs.size())) {
+    if (static_cast<int>(best.size()) == count) break;
+    if (last >= 0 && results[i].cost <= last * 1.001) continue;
+    best.push_back(results[i].knots);
+    last = results[i].cost;
+  }
+  return best;
+}
+
+double UniformReal(std::mt19937_64& generator) {
+  return static_cast<double>(generator() >> 11) * 0x1p-53;
+}
+
+// As many increasing random numbers in the open domain as the basis has interior knots.
+KnotGaps RandomKnots(const KnotGaps& gaps, std::mt19937_64& generator) {
+  std::vector<double> interior = InteriorKnots(gaps.basis());
+  for (;;) {
+    for (double& t : interior) t = gaps.basis().lower() + gaps.length() * UniformReal(generator);
+    std::sort(interior.begin(), interior.end());
+    double last = gaps.basis().lower();
+    bool apart = true;
+    for (const double t : interior) {
+      apart = apart && t > last && t < gaps.basis().upper();
+      last = t;
+    }
+    if (apart) return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+  }
+}
+
+}  // namespace
+
+std::vector<double> InteriorKnots(const SplineBasis& basis) {
+  std::vector<double> interior;
+  for (const double t : basis.knots()) {
+    if (t > basis.lower() && t < basis.upper()) interior.push_back(t);
+  }
+  return interior;
+}
+
+SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double>& interior) {
+  std::vector<double> knots;
+  for (const double t : basis.knots()) {
+    if (t <= basis.lower()) knots.push_back(t);
+  }
+  knots.insert(knots.end(), interior.begin(), interior.end());
+  for (const double t : basis.knots()) {
+    if (t >= basis.upper()) knots.push_back(t);
+  }
+  return SplineBasis(basis.degree(), std::move(knots));
+}
+
+KnotSearch::KnotSearch(const KnotProjection& projection,
+                       const DescentOptions& descent,
+                       bool parallel_starts,
+                       ThreadPool& pool)
+    : projection_(projection), options_(descent), parallel_starts_(parallel_starts), pool_(pool) {}
+
+std::vector<Descent> KnotSearch::DescendAll(const std::vector<MovingKnots>& starts,
+                                            const DescentOptions& options) {
+  std::vector<Descent> results;
+  for (const MovingKnots& start : starts)
+    results.push_back({start, std::numeric_limits<double>::infinity(), 0});
+  if (parallel_starts_) {
+    pool_.For(static_cast<std::ptrdiff_t>(starts.size()), 1, [&](std::ptrdiff_t i, std::ptrdiff_t) {
+      ThreadPool own(1);
+      results[i] = Descend(projection_, starts[i], options, own);
+    });
+  } else {
+    for (size_t i = 0; i < starts.size(); ++i)
+      results[i] = Descend(projection_, starts[i], options, pool_);
+  }
+  for (const Descent& result : results) iterations_ += result.iterations;
+  starts_ += static_cast<int>(starts.size());
+  return results;
+}
+
+std::vector<double> KnotSearch::CostOf(const std::vector<Trial>& trials) {
+  std::vector<double> costs(trials.size(), std::numeric_limits<double>::infinity());
+  const auto cost = [&](size_t i, ThreadPool& pool) {
+    const auto value = projection_.Evaluate(trials[i].knots, pool);
+    if (value) costs[i] = value->cost;
+  };
+  if (parallel_starts_) {
+    pool_.For(static_cast<std::ptrdiff_t>(costs.size()),
+              4,
+              [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+                ThreadPool own(1);
+                for (std::ptrdiff_t i = begin; i < end; ++i) cost(static_cast<size_t>(i), own);
+              });
+  } else {
+    for (size_t i = 0; i < costs.size(); ++i) cost(i, pool_);
+  }
+  return costs;
+}
+
+void KnotSearch::AddTrials(const MovingKnots& knots,
+                           size_t state,
+                           bool in_u,
+                           bool in_v,
+                           size_t count,
+                           std::vector<Trial>& trials) {
+  const auto errors = projection_.Errors(knots, pool_);
+  if (!errors) return;
+  const auto add = [&](const std::vector<KnotProjection::SpanError>& spans, bool u) {
+    const double room = kRoom * (u ? knots.u : *knots.v).length();
+    std::vector<double> order;
+    for (const auto& span : spans) order.push_back(-span.squares);
+    std::vector<size_t> worst = Cheapest(order, count);
+    std::sort(worst.begin(), worst.end());
+    for (const size_t s : worst) {
+      const double middle = (spans[s].lower + spans[s].upper) / 2;
+      for (const double t : {spans[s].centroid, middle}) {
+        if (!(t - spans[s].lower > room) || !(spans[s].upper - t > room)) continue;
+        trials.push_back({state, u, static_cast<int>(s), t, knots});
+        KnotGaps& gaps = u ? trials.back().knots.u : *trials.back().knots.v;
+        gaps = WithKnot(gaps, t);
+      }
+    }
+  };
+  if (in_u) add(errors->u, true);
+  if (in_v) add(errors->v, false);
+}
+
+std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int tried) {
+  constexpr size_t kLevels = 16;
+  MovingKnots none = wanted;
+  if (wanted.move_u) none.u = KnotGaps(WithInteriorKnots(wanted.u.basis(), {}));
+  if (wanted.v && wanted.move_v) none.v = KnotGaps(WithInteriorKnots(wanted.v->basis(), {}));
+  const size_t a_level = std::max<size_t>(1, Missing(none, wanted) / kLevels);
+  std::vector<MovingKnots> states{none};
+  for (;;) {
+    std::vector<Trial> trials;
+    for (size_t s = 0; s < states.size(); ++s) {
+      AddTrials(states[s],
+                s,
+                MissingIn(states[s], wanted, true) > 0,
+                MissingIn(states[s], wanted, false) > 0,
+                std::max(kTriedSpans, 2 * a_level),
+                trials);
+    }
+    const std::vector<size_t> ranking = Cheapest(CostOf(trials), trials.size());
+    if (ranking.empty()) return {};
+    std::vector<MovingKnots> chosen;
+    for (size_t c = 0; c < std::min(ranking.size(), static_cast<size_t>(tried)); ++c) {
+      const Trial& first = trials[ranking[c]];
+      chosen.push_back(first.knots);
+      // More of them, in other spans of the same state.
+      std::vector<std::pair<bool, int>> used{{first.in_u, first.span}};
+      for (const size_t i : ranking) {
+        const Trial& next = trials[i];
+        if (used.size() == a_level) break;
+        if (next.state != first.state || MissingIn(chosen.back(), wanted, next.in_u) == 0 ||
+            std::find(used.begin(), used.end(), std::pair(next.in_u, next.span)) != used.end())
+          continue;
+        KnotGaps& gaps = next.in_u ? chosen.back().u : *chosen.back().v;
+        gaps = WithKnot(gaps, next.knot);
+        used.emplace_back(next.in_u, next.span);
+      }
+    }
+    const bool last = Missing(chosen[0], wanted) == 0;
+    DescentOptions coarse = options_;
+    coarse.tolerance = last ? 1e-6 : 1e-3;
+    coarse.max_iterations = std::min(options_.max_iterations, last ? 100 : 30);
+    const std::vector<Descent> results = DescendAll(chosen, coarse);
+    if (last) {
+      std::vector<Descent> whole = results;
+      std::erase_if(whole, [&](const Descent& d) { return Missing(d.knots, wanted) > 0; });
+      return whole;
+    }
+    states = BestOf(results, kept);
+    if (states.empty() || (options_.stop && options_.stop())) return {};
+  }
+}
+
+std::vector<MovingKnots> KnotSearch::RandomStarts(const MovingKnots& wanted,
+                                                  int count,
+                                                  std::uint64_t seed) {
+  constexpr int kDraws = 8;
+  std::vector<MovingKnots> starts;
+  for (int s = 0; s < count; ++s) {
+    // Every start has numbers of its own, so that the first of many are those of few.
+    std::mt19937_64 generator(seed * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(s));
+    for (int draw = 0; draw < kDraws; ++draw) {
+      MovingKnots knots = wanted;
+      if (wanted.free_u() > 0) knots.u = RandomKnots(wanted.u, generator);
+      if (wanted.free_v() > 0) knots.v = RandomKnots(*wanted.v, generator);
+      if (!projection_.Evaluate(knots, pool_)) continue;
+      starts.push_back(std::move(knots));
+      break;
+    }
+  }
+  return starts;
+}
+
+std::vector<MovingKnots> KnotSearch::Exchanges(const MovingKnots& knots, bool in_u) {
+  const KnotGaps& gaps = in_u ? knots.u : *knots.v;
+  const std::vector<double> interior = InteriorKnots(gaps.basis());
+  std::vector<MovingKnots> exchanges;
+  std::vector<Trial> without;
+  for (size_t i = 0; i < interior.size(); ++i) {
+    if (i > 0 && interior[i] == interior[i - 1]) continue;
+    without.push_back({0, in_u, 0, interior[i], knots});
+    KnotGaps& fewer = in_u ? without.back().knots.u : *without.back().knots.v;
+    fewer = WithoutKnot(gaps, i);
+  }
+  for (const size_t i : Cheapest(CostOf(without), kExchanged)) {
+    std::vector<Trial> trials;
+    AddTrials(without[i].knots, 0, in_u, !in_u, kTriedSpans, trials);
+    for (const size_t t : Cheapest(CostOf(trials), 1)) exchanges.push_back(trials[t].knots);
+  }
+  return exchanges;
+}
+
+namespace {
+
+// The knots with one pair of neighbours merged, for the narrowest pairs, all nearer than `share` of
+// the domain.
+std::vector<MovingKnots> Merges(const MovingKnots& knots, double share) {
+  std::vector<MovingKnots> merges;
+  std::vector<double> widths;
+  for (const bool in_u : {true, false}) {
+    if ((in_u ? knots.free_u() : knots.free_v()) == 0) continue;
+    const KnotGaps& gaps = in_u ? knots.u : *knots.v;
+    for (int g = 0; g + 1 < gaps.groups(); ++g) {
+      const double width = (gaps.knot(g + 1) - gaps.knot(g)) / gaps.length();
+      auto merged = gaps.Merged(g);
+      if (!(width < share) || !merged) continue;
+      merges.push_back(knots);
+      (in_u ? merges.back().u : *merges.back().v) = std::move(*merged);
+      widths.push_back(width);
+    }
+  }
+  std::vector<MovingKnots> narrowest;
+  for (const size_t i : Cheapest(widths, kExchanged)) narrowest.push_back(merges[i]);
+  return narrowest;
+}
+
+// The first of the least, or none.
+const Descent* Least(const std::vector<Descent>& results) {
+  const auto least =
+      std::min_element(results.begin(), results.end(), [](const Descent& a, const Descent& b) {
+        return a.cost < b.cost;
+      });
+  return least == results.end() ? nullptr : &*least;
+}
+
+// Enough to see whether a place is any good.
+constexpr int kFewIterations = 10;
+
+// What counts as lower, and what as no higher.
+constexpr double kLower = 1e-4;
+
+}  // namespace
+
+Descent KnotSearch::Improve(Descent best, int most_iterations) {
+  DescentOptions coarse = options_;
+  coarse.tolerance = 1e-6;
+  const int end = iterations_ + most_iterations;
+  while (iterations_ < end && !(options_.stop && options_.stop())) {
+    std::vector<MovingKnots> starts = Merges(best.knots, 1);
+    for (const bool in_u : {true, false}) {
+      if ((in_u ? best.knots.free_u() : best.knots.free_v()) == 0) continue;
+      for (auto& exchange : Exchanges(best.knots, in_u)) starts.push_back(std::move(exchange));
+    }
+    const int each = most_iterations / std::max(1, static_cast<int>(starts.size()));
+    coarse.max_iterations = std::min(options_.max_iterations, std::max(kFewIterations, each));
+    const std::vector<Descent> results = DescendAll(starts, coarse);
+    const Descent* least = Least(results);
+    if (!least || !(least->cost < best.cost * (1 - kLower))) break;
+    best = *least;
+  }
+  return best;
+}
+
+Descent KnotSearch::CloseGaps(Descent best, double share) {
+  while (!(options_.stop && options_.stop())) {
+    const std::vector<Descent> results = DescendAll(Merges(best.knots, share), options_);
+    const Descent* least = Least(results);
+    if (!least || !(least->cost <= best.cost * (1 + kLower))) break;
+    best = *least;
+  }
+  return best;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// From where knots are sent downhill: insertion, random starts, exchange. Used by the free-knot
+// search only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "fitting/knots/knot_descent.h"
+
+namespace batten::internal {
+
+// Interior knots of a basis replaced by others (increasing, inside the domain); those at the ends
+// of the domain and outside stay.
+SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double>& interior);
+
+// Those inside the open domain, with repetition.
+std::vector<double> InteriorKnots(const SplineBasis& basis);
+
+// A search over one set of data. Everything it returns is the same on any number of threads.
+class KnotSearch {
+ public:
+  // `parallel_starts`: descents run side by side, each on one thread; else one after another, each
+  // on the whole pool. `stop` is asked often and from any thread.
+  KnotSearch(const KnotProjection& projection,
+             const DescentOptions& descent,
+             bool parallel_starts,
+             ThreadPool& pool);
+
+  // Descends from every start; one result a start.
+  std::vector<Descent> DescendAll(const std::vector<MovingKnots>& starts,
+                                  const DescentOptions& options);
+
+  // From no free knots to as many as `wanted` has, one at a time (a sixteenth of them at a time
+  // when they are many): the worst spans, all of them while they are few, are tried at the middle
+  // and at the centroid of the squared residuals, the best `tried` are sent downhill and the best
+  // `kept` of them go on.
+  std::vector<Descent> Insert(const MovingKnots& wanted, int kept, int tried);
+
+  // `count` sets of as many simple knots as `wanted` has, uniformly random. Fewer where the data do
+  // not determine the coefficients even after several draws.
+  std::vector<MovingKnots> RandomStarts(const MovingKnots& wanted, int count, std::uint64_t seed);
+
+  // Merges the nearest neighbours, and takes out the knots that are missed least to put them
+  // elsewhere, as long as that lowers Φ after descending and until about `most_iterations` of
+  // descents.
+  Descent Improve(Descent best, int most_iterations);
+
+  // Closes gaps that are narrower than `share` of the domain where that raises Φ by no more than a
+  // ten-thousandth after descending.
+  Descent CloseGaps(Descent best, double share);
+
+  int iterations() const { return iterations_; }
+  int starts() const { return starts_; }
+
+ private:
+  // A knot put into span number `span` of a state's u or v.
+  struct Trial {
+    size_t state;
+    bool in_u;
+    int span;
+    double knot;
+    MovingKnots knots;  // the state with the knot
+  };
+
+  std::vector<double> CostOf(const std::vector<Trial>& trials);
+  // Adds a knot in each of the `count` worst spans of the directions named.
+  void AddTrials(const MovingKnots& knots,
+                 size_t state,
+                 bool in_u,
+                 bool in_v,
+                 size_t count,
+                 std::vector<Trial>& trials);
+  // The knots that are missed least, each put where it serves best.
+  std::vector<MovingKnots> Exchanges(const MovingKnots& knots, bool in_u);
+
+  const KnotProjection& projection_;
+  DescentOptions options_;
+  bool parallel_starts_;
+  ThreadPool& pool_;
+  int iterations_ = 0, starts_ = 0;
+};
+
+}  // namespace batten::internal

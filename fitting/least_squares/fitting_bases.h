@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// The bases a fit chooses between: so many cells on a domain, open or round.
+#pragma once
+
+#include <vector>
+
+#include "batten/fitting/fitting_problem.h"
+#include "batten/geometry/spline_basis.h"
+
+namespace batten::internal {
+
+// A clamped basis of `cells` spans, equal but for the first and last, which are 1.6 times as wide
+// where there are three or more: at an edge a cell has data on one side only.
+SplineBasis FittingBasis(int degree, int cells, double lower, double upper);
+
+// That on the domain of another basis; of a periodic one the periodic basis of equal spans, at
+// least LeastCells.
+SplineBasis FittingBasisLike(const SplineBasis& like, int degree, int cells);
+
+// Round a circle fewer than degree + 1 cells would meet themselves.
+int LeastCells(const SplineBasis& like, int degree);
+
+// How many different coefficients a basis like this one has over so many cells.
+int FreedomOfCells(const SplineBasis& like, int degree, int cells);
+
+// The basis with simple knots added inside its domain, or without some of its simple inner knots;
+// a periodic one stays periodic, its seam where it was.
+SplineBasis WithInnerKnots(const SplineBasis& basis, const std::vector<double>& more);
+SplineBasis WithoutInnerKnots(const SplineBasis& basis, const std::vector<double>& gone);
+
+// The number of points whose weight is not zero.
+double PointCount(const FittingProblem& problem);
+
+}  // namespace batten::internal

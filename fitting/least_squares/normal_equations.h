@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// The normal equations of a scattered least-squares problem, gathered knot cell by knot cell.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fitting/linear/block_banded_matrix.h"
+#include "batten/fitting/point_rows.h"
+#include "batten/geometry/spline_basis.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// Points in the order of the knot cells their parameters lie in.
+class CellOrder {
+ public:
+  // `outer` and `inner` hold one parameter a point, inside the bases' domains. A curve has no inner
+  // basis (null): its only inner span is 0. O(m).
+  CellOrder(const SplineBasis& outer_basis,
+            const SplineBasis* inner_basis,
+            const Eigen::VectorXd& outer,
+            const Eigen::VectorXd& inner);
+
+  struct Cell {
+    int outer_span, inner_span;
+    Eigen::Index begin, end;  // in points()
+  };
+  const std::vector<Cell>& cells() const { return cells_; }  // those that hold points
+  const std::vector<Eigen::Index>& points() const {
+    return points_;
+  }                                               // sorted by cell, then by index
+  int cell_count() const { return cell_count_; }  // empty ones included
+
+ private:
+  std::vector<Cell> cells_;
+  std::vector<Eigen::Index> points_;
+  int cell_count_;
+};
+
+// A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis
+// functions at a point's parameters and z its values. Gathered as moments of knot cells, each of
+// which is turned once into products of basis functions: all factors are positive, so that the
+// matrix is as exact as the plain sum. The sums do not depend on the number of threads.
+// O(m (2p+1)(2q+1)) and a few points' worth for every cell; memory of the moments besides.
+class NormalEquations {
+ public:
+  // inner basis: null for a curve, whose points have no inner parameters. Parameters must lie in
+  // the bases' domains.
+  NormalEquations(const SplineBasis& outer_basis,
+                  const SplineBasis* inner_basis,
+                  const PointRows& points,
+                  ThreadPool& pool);
+
+  // Adds A to a matrix of EmptyMatrix' sizes. O(n (p+1)(2q+1)).
+  void AddTo(BlockBandedMatrix& matrix) const;
+
+  // Rows as in the matrix: those of the outer basis in its CoefficientOrder, inside each the
+  // different inner coefficients.
+  const Eigen::MatrixXd& rhs() const { return rhs_; }  // n × d
+  double squares() const { return squares_; }          // Σ w |z|²
+  double trace() const { return trace_; }              // of A, repeated coefficients apart
+
+ private:
+  std::vector<int> outer_rows_, inner_rows_;
+  int degree_outer_, degree_inner_;
+  // Σ w N_i N_{i+a} M_j M_{j+b} at ((i(p+1) + a) n_inner + j)(q+1) + b.
+  std::vector<double> band_;
+  Eigen::MatrixXd rhs_;
+  double squares_ = 0, trace_ = 0;
+};
+
+// Points of m parameters each (inner: empty for a curve), values d × m, weights empty for ones.
+// What it is made of must live as long as it is used.
+PointRows RowsOf(const Eigen::VectorXd& outer,
+                 const Eigen::VectorXd& inner,
+                 const Eigen::MatrixXd& values,
+                 const Eigen::VectorXd& weights);
+
+// A zero matrix for the coefficients of a tensor-product spline that differ; inner basis null for a
+// curve.
+BlockBandedMatrix EmptyMatrix(const SplineBasis& outer_basis, const SplineBasis* inner_basis);
+
+}  // namespace batten::internal

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// The conditions of poles in the order of the solver.
+#pragma once
+
+#include "batten/fitting/poles.h"
+#include "fitting/linear/tied_system.h"
+#include "batten/geometry/spline_basis.h"
+
+namespace batten::internal {
+
+// What PoleConditions leave free, on the rows of the normal matrix: those of the outer basis in its
+// CoefficientOrder, inside each the different inner coefficients.
+NetTies PoleTies(const SplineBasis& basis_u,
+                 const SplineBasis& basis_v,
+                 const Poles& poles,
+                 bool u_outside);
+
+}  // namespace batten::internal

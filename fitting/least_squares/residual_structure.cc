@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/least_squares/residual_structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "batten/fitting/point_mask.h"
+#include "fitting/neighbours/local_quadric.h"
+#include "batten/fitting/neighbours.h"
+#include "fitting/cloud/sheet_layers.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr Eigen::Index kPlaces = 400;
+constexpr Eigen::Index kMostForLayers = 100000;
+constexpr Eigen::Index kFewest = 24, kMost = 240;  // points around a place
+
+Eigen::Matrix3Xd InPlane(const Eigen::Matrix2Xd& parameters) {
+  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, parameters.cols());
+  plan.topRows<2>() = parameters;
+  return plan;
+}
+
+}  // namespace
+
+double StructuredShare(const SurfaceResiduals& given, int control_points, ThreadPool& pool) {
+  const Eigen::Index m = given.residuals.size();
+  if (m < 2 * kFewest) return 1;
+  const auto around =
+      static_cast<int>(std::clamp(m / (2 * std::max(control_points, 1)), kFewest, kMost));
+  const Eigen::Matrix3Xd plan = InPlane(given.parameters);
+  const NeighbourIndex index(plan, pool);
+  const std::vector<Eigen::Index> places = SampleIndices(m, kPlaces, given.seed);
+  std::vector<double> left(places.size()), all(places.size());
+  pool.For(static_cast<std::ptrdiff_t>(places.size()), 16, [&](auto begin, auto end) {
+    for (auto i = begin; i < end; ++i) {
+      const std::vector<int> near = index.Nearest(plan.col(places[i]), around);
+      const auto count = static_cast<Eigen::Index>(near.size());
+      Eigen::Matrix3Xd local(3, count);
+      for (Eigen::Index j = 0; j < count; ++j) {
+        local.col(j) << given.parameters.col(near[j]), given.residuals[near[j]];
+      }
+      all[i] = local.row(2).squaredNorm() / static_cast<double>(count);
+      const LocalPlane chart{local.rowwise().mean(), Eigen::Vector3d::UnitZ()};
+      left[i] = std::pow(LocalQuadric::Over(chart, local).deviation(), 2);
+    }
+  });
+  double sum_left = 0, sum_all = 0;
+  for (size_t i = 0; i < places.size(); ++i) {
+    sum_left += left[i];
+    sum_all += all[i];
+  }
+  return sum_all > 0 ? 1 - sum_left / sum_all : 0;
+}
+
+double LayeredShareOf(const SurfaceResiduals& given, ThreadPool& pool) {
+  // Of very many points, two sheets show in a part of them.
+  const std::vector<Eigen::Index> some =
+      SampleIndices(given.residuals.size(), kMostForLayers, given.seed);
+  Eigen::Matrix3Xd raised = InPlane(given.parameters(Eigen::all, some));
+  const NeighbourIndex index(raised, pool);
+  raised.row(2) = given.residuals(some).transpose();
+  return LayeredShare(
+      raised, index, {.seed = given.seed, .heights = Eigen::Vector3d(0, 0, 1)}, pool);
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/ordering/curve_nodes.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "batten/fitting/neighbours.h"
+#include "fitting/neighbours/point_grid.h"
+#include "batten/fitting/statistics.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr Eigen::Index kNodeSample = 2000;  // points looked at for the scale
+constexpr Eigen::Index kAsked = 300;    // of which so many are asked
+constexpr int kFewestAround = 10;
+constexpr int kManyAround = 64;  // are enough mostly
+constexpr int kMostAround = 500;
+constexpr double kThinNodes = 0.03;  // squared thickness against squared length of a thin neighbourhood
+constexpr int kShifts = 5;
+constexpr double kReachInNoise = 6;  // radius of the ball whose middle is taken
+constexpr double kRidgeInNoise = 3;
+constexpr double kOffRidge = 0.35;
+constexpr double kLonelyBelow = 0.04;  // of the median number of points around
+constexpr double kCrowd = 12;          // that median must be at least this
+
+struct Thickness {
+  double ratio = 1;  // squared, against the length
+  double noise = 0;
+};
+
+// What a parabola across the main direction leaves of these points.
+Thickness ThicknessOf(const Eigen::Matrix3Xd& around) {
+  const Eigen::Vector3d middle = around.rowwise().mean();
+  const Eigen::Matrix3Xd local = around.colwise() - middle;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(local * local.transpose());
+  const double along = axes.eigenvalues()[2];
+  if (!(along > 0)) return {};
+  const Eigen::VectorXd x = local.transpose() * axes.eigenvectors().col(2) / std::sqrt(along);
+  Eigen::MatrixXd powers(x.size(), 3);
+  powers << Eigen::VectorXd::Ones(x.size()), x, x.cwiseAbs2();
+  const Eigen::Matrix3d gram = powers.transpose() * powers;
+  const Eigen::MatrixX2d across = local.transpose() * axes.eigenvectors().leftCols<2>();
+  const Eigen::MatrixX2d rest = across - powers * gram.ldlt().solve(powers.transpose() * across);
+  const auto freedom = static_cast<double>(x.size() - 3);
+  return {rest.squaredNorm() / along, std::sqrt(rest.col(1).squaredNorm() / freedom)};
+}
+
+struct RowNoise {
+  double noise = 0;
+  bool sure = false;
+};
+
+// Of the first of these neighbours that are longer than thick. Few points can look like a row by
+// chance; twice they hardly do.
+RowNoise NoiseAround(const Eigen::Matrix3Xd& sample, const int* nearest, int most) {
+  Thickness thickness;
+  int thin = 0;
+  for (int k = kFewestAround; k <= most && thin < 2; k += k / 4) {
+    thickness = ThicknessOf(sample(Eigen::all, std::vector<int>(nearest, nearest + k)));
+    thin = thickness.ratio <= kThinNodes ? thin + 1 : 0;
+  }
+  return {thin > 0 ? thickness.noise : 0, thin == 2};
+}
+
+// The middle of the points in a ball and the direction in which they run.
+struct Middle {
+  Eigen::Vector3d place, direction;
+  double count = 0;
+};
+
+Middle MiddleOf(const PointGrid& grid,
+                const Eigen::Matrix3Xd& points,
+                const Eigen::Vector3d& centre,
+                double radius) {
+  double total = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  Middle middle;
+  grid.ForBall(centre, radius, [&](int k, double square) {
+    const double bell = 1 - square / (radius * radius), weight = bell * bell;
+    const Eigen::Vector3d arm = points.col(k) - centre;
+    total += weight;
+    first += weight * arm;
+    second.noalias() += weight * arm * arm.transpose();
+    ++middle.count;
+  });
+  middle.place = centre;
+  middle.direction.setZero();
+  if (!(total > 0)) return middle;
+  first /= total;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(second / total - first * first.transpose());
+  middle.direction = axes.eigenvectors().col(2);
+  middle.place += first - middle.direction * middle.direction.dot(first);
+  return middle;
+}
+
+// How many points are near each node, against the most near any node around it: little between two
+// curves, a half at an end.
+Eigen::VectorXd OnRidge(const PointGrid& grid,
+                        const Eigen::Matrix3Xd& nodes,
+                        double near,
+                        double around) {
+  Eigen::VectorXd counts(nodes.cols()), most(nodes.cols());
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
+    double count = 0;
+    grid.ForBall(nodes.col(i), near, [&](int, double) { ++count; });
+    counts[i] = count;
+  }
+  const PointGrid node_grid(nodes, around);
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
+    double largest = 1;
+    node_grid.ForBall(
+        nodes.col(i), around, [&](int k, double) { largest = std::max(largest, counts[k]); });
+    most[i] = largest;
+  }
+  return counts.cwiseQuotient(most);
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most) {
+  const Eigen::Index count = std::min(points.cols(), most);
+  Eigen::Matrix3Xd few(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) few.col(k) = points.col(k * points.cols() / count);
+  return few;
+}
+
+CurveScale ScaleOfCurves(const Eigen::Matrix3Xd& points) {
+  CurveScale scale;
+  if (points.cols() < 2) return scale;
+  const Eigen::Matrix3Xd sample = EveryFew(points, kNodeSample);
+  const Eigen::Matrix3Xd asked = EveryFew(sample, kAsked);
+  const NeighbourIndex index(sample);
+  std::vector<double> noises(static_cast<size_t>(asked.cols()), 0.0), spacings;
+  std::vector<Eigen::Index> open(static_cast<size_t>(asked.cols()));
+  std::iota(open.begin(), open.end(), Eigen::Index{0});
+  for (const int around : {kManyAround, kMostAround}) {
+    const int most = static_cast<int>(std::min<Eigen::Index>(around, sample.cols()));
+    const std::vector<int> nearest = index.Nearest(asked(Eigen::all, open), most);
+    std::vector<Eigen::Index> undecided;
+    for (size_t i = 0; i < open.size(); ++i) {
+      const int* const row = &nearest[i * static_cast<size_t>(most)];
+      if (around == kManyAround)
+        spacings.push_back((sample.col(row[std::min(2, most - 1)]) - asked.col(open[i])).norm());
+      const RowNoise found = NoiseAround(sample, row, most);
+      noises[static_cast<size_t>(open[i])] = found.noise;
+      if (!found.sure && most < sample.cols()) undecided.push_back(open[i]);
+    }
+    open = std::move(undecided);
+    if (open.empty()) break;
+  }
+  scale.spacing = Median(std::move(spacings)) * static_cast<double>(sample.cols()) /
+                  static_cast<double>(points.cols());
+  if (sample.cols() >= kFewestAround + 2) scale.noise = Median(std::move(noises));
+  return scale;
+}
+
+Eigen::Matrix3Xd CurveNodes(const Eigen::Matrix3Xd& points,
+                            double noise,
+                            double radius,
+                            ThreadPool& pool) {
+  std::vector<int> order(points.cols());
+  std::iota(order.begin(), order.end(), 0);
+  if (!(noise > 0)) return points(Eigen::all, Thinned(points, radius, order));
+  Eigen::Matrix3Xd nodes =
+      points(Eigen::all, Thinned(points, std::min(radius / 2, noise * 1.5), order));
+  const double reach = kReachInNoise * noise;
+  const PointGrid grid(points, reach / 2);
+  std::vector<double> counts(nodes.cols());
+  pool.For(nodes.cols(), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t i = begin; i < end; ++i) {
+      for (int round = 0; round < kShifts; ++round) {
+        const Middle middle = MiddleOf(grid, points, nodes.col(i), reach);
+        nodes.col(i) = middle.place;
+        counts[i] = middle.count;
+      }
+    }
+  });
+  const double typical = Median(counts);
+  const Eigen::VectorXd ridge = OnRidge(grid, nodes, kRidgeInNoise * noise, reach);
+  order.clear();
+  for (int i = 0; i < nodes.cols(); ++i) {
+    const bool lonely = typical >= kCrowd && counts[i] <= std::max(2.0, kLonelyBelow * typical);
+    if (!lonely && ridge[i] >= kOffRidge) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return counts[a] > counts[b]; });
+  return nodes(Eigen::all, Thinned(nodes, radius, order));
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The border of what points in the plane cover.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// The boundary of the union of all Delaunay triangles of the points (2 × m, finite) with a
+// circumradius of at most `radius` > 0, times `stretch` ≥ 1 at the mean of their vertices: simple
+// closed polygons (2 × k, the last vertex is joined to the first), what is covered on their left,
+// so counter-clockwise outside and clockwise round holes; vertices are points of the cloud.
+// Polygons may touch in vertices, never cross. Equal up to rounding (2^-31 of the extent) in
+// whatever order points come. Only points near empty discs of that radius can matter, so only those
+// are triangulated: O(m) and O(b log b) for b points near the border. [Edelsbrunner, Kirkpatrick &
+// Seidel 1983]
+std::vector<Eigen::Matrix2Xd> AlphaShape(
+    const Eigen::Matrix2Xd& points,
+    double radius,
+    const std::function<double(const Eigen::Vector2d&)>& stretch,
+    ThreadPool& pool);
+
+}  // namespace batten::internal

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/outline/outline_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace batten::internal {
+namespace {
+
+constexpr double kDeepest = 4;     // of a border that fills, ragged as it is
+constexpr double kFarthestFromEdges = 3.5;  // of a stretch put on an edge
+constexpr double kMeanDepth = 1.5;
+constexpr size_t kEdgeWindow = 12;  // samples: over so many the border runs along the edge on average
+constexpr double kWindowDepth = 2;
+
+double Depth(const Eigen::Vector2d& place, int edge, const Eigen::Vector2d& sides) {
+  const int axis = edge / 2;
+  return edge % 2 == 0 ? place[axis] : sides[axis] - place[axis];
+}
+
+double EdgeAt(int edge, const Eigen::Vector2d& sides) {
+  return edge % 2 == 0 ? 0.0 : sides[edge / 2];
+}
+
+// The greatest mean depth of so many samples in a row: a border that bends away is no edge.
+double DeepestWindow(
+    const BorderLoop& loop, size_t first, size_t count, int edge, const Eigen::Vector2d& sides) {
+  double sum = 0, deepest = 0;
+  for (size_t k = 0; k < count; ++k) {
+    sum += Depth(loop[(first + k) % loop.size()].measured, edge, sides);
+    if (k >= kEdgeWindow) sum -= Depth(loop[(first + k - kEdgeWindow) % loop.size()].measured, edge, sides);
+    if (k + 1 >= kEdgeWindow) deepest = std::max(deepest, sum / static_cast<double>(kEdgeWindow));
+  }
+  return deepest;
+}
+
+// Of the edge along which samples first … last run, −1 if none.
+int EdgeOf(const BorderLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
+  for (int edge = 0; edge < 4; ++edge) {
+    double deepest = 0, sum = 0;
+    for (size_t k = 0; k < count; ++k) {
+      const BorderSample& sample = loop[(first + k) % loop.size()];
+      deepest = std::max(deepest, Depth(sample.measured, edge, sides));
+      sum += Depth(sample.measured, edge, sides);
+    }
+    if (deepest < kFarthestFromEdges && sum < kMeanDepth * static_cast<double>(count) &&
+        DeepestWindow(loop, first, count, edge, sides) < kWindowDepth) {
+      return edge;
+    }
+  }
+  return -1;
+}
+
+}  // namespace
+
+bool FillsRectangle(const BorderLoop& outer,
+                    const LocalSpacing& spacing,
+                    const Eigen::Vector2d& sides) {
+  Eigen::Vector2d low = sides, high = Eigen::Vector2d::Zero();
+  for (const BorderSample& sample : outer) {
+    double depth = sides.maxCoeff();
+    for (int edge = 0; edge < 4; ++edge)
+      depth = std::min(depth, Depth(sample.measured, edge, sides));
+    if (depth > kDeepest && depth > kDeepest * spacing.At(sample.measured)) return false;
+    low = low.cwiseMin(sample.measured);
+    high = high.cwiseMax(sample.measured);
+  }
+  const Eigen::Array2d inner = (sides.array() - 4 * kDeepest).max(0.0);
+  return (low.array() <= 2 * kDeepest).all() &&
+         (high.array() >= sides.array() - 2 * kDeepest).all() &&
+         SignedArea(PolygonOf(outer)) >= inner.prod();
+}
+
+void PutOnEdges(BorderLoop& loop, const Eigen::Vector2d& sides) {
+  const size_t n = loop.size();
+  const auto first = static_cast<size_t>(
+      std::find_if(loop.begin(), loop.end(), [](const auto& s) { return s.corner; }) -
+      loop.begin());
+  if (first == n) return;
+  BorderLoop result;
+  std::vector<std::pair<size_t, int>> onto;  // corners of the result and the edges they go on
+  for (size_t k = 0; k < n;) {
+    const size_t start = first + k;
+    size_t end = k + 1;
+    while (end < n && !loop[(first + end) % n].corner) ++end;
+    BorderSample corner = loop[start % n];
+    const int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, sides);
+    if (edge >= 0) {
+      corner.along_cut = true;
+      onto.emplace_back(result.size(), edge);
+    }
+    result.push_back(corner);
+    if (!corner.along_cut)
+      for (size_t i = k + 1; i < end; ++i) result.push_back(loop[(first + i) % n]);
+    k = end;
+  }
+  for (const auto& [corner, edge] : onto) {
+    result[corner].place[edge / 2] = EdgeAt(edge, sides);
+    size_t next = corner + 1;
+    if (next == result.size()) next = 0;
+    result[next].place[edge / 2] = EdgeAt(edge, sides);
+  }
+  for (BorderSample& sample : result)
+    if (sample.corner) sample.place = sample.place.cwiseMax(0.0).cwiseMin(sides);
+  loop = std::move(result);
+}
+
+void FixOnEdges(BorderSpline& spline) {
+  constexpr int kDegree = 3;
+  for (size_t c = 0; c < spline.corners.size(); ++c) {
+    if (spline.straight[c] == 0) continue;
+    const int span = spline.basis.Span(spline.corners[c]);
+    const int first = spline.unknown[span - kDegree], last = spline.unknown[span];
+    for (int i = 1; i < kDegree; ++i)
+      spline.fixed[spline.unknown[span - kDegree + i]] = {true, true};
+    const Eigen::Vector2d way = (spline.points.col(last) - spline.points.col(first)).cwiseAbs();
+    const int axis = way[0] < way[1] ? 0 : 1;
+    spline.fixed[first][axis] = spline.fixed[last][axis] = true;
+  }
+}
+
+void MatchSeam(std::vector<BorderLoop>& loops, int axis, double period) {
+  std::vector<double*> heights[2];
+  for (BorderLoop& loop : loops)
+    for (BorderSample& sample : loop)
+      if (sample.corner && (sample.place[axis] == 0 || sample.place[axis] == period))
+        heights[sample.place[axis] != 0].push_back(&sample.place[1 - axis]);
+  if (heights[0].size() != heights[1].size()) return;
+  for (auto& side : heights)
+    std::sort(side.begin(), side.end(), [](const double* a, const double* b) { return *a < *b; });
+  for (size_t k = 0; k < heights[0].size(); ++k)
+    *heights[0][k] = *heights[1][k] = (*heights[0][k] + *heights[1][k]) / 2;
+}
+
+bool MatchSeams(std::vector<BorderSpline>& splines,
+                const OutlineOptions& options,
+                const Eigen::Vector2d& sides) {
+  constexpr int kDegree = 3;
+  bool moved = false;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!(axis == 0 ? options.periodic_u : options.periodic_v)) continue;
+    struct End {
+      double height, outward;
+      BorderSpline* spline;
+      int column;
+    };
+    std::vector<End> ends[2];
+    for (BorderSpline& spline : splines) {
+      for (size_t c = 0; c < spline.corners.size(); ++c) {
+        if (spline.straight[c] == 0) continue;
+        const int span = spline.basis.Span(spline.corners[c]);
+        const int first = spline.unknown[span - kDegree], last = spline.unknown[span];
+        const double at = spline.points(axis, first);
+        if (at != spline.points(axis, last) || (at != 0 && at != sides[axis])) continue;
+        const double a = spline.points(1 - axis, first), b = spline.points(1 - axis, last);
+        ends[at != 0].push_back({a, a - b, &spline, first});
+        ends[at != 0].push_back({b, b - a, &spline, last});
+      }
+    }
+    if (ends[0].size() != ends[1].size()) continue;
+    for (auto& side : ends)
+      std::stable_sort(
+          side.begin(), side.end(), [](const End& a, const End& b) { return a.height < b.height; });
+    for (size_t k = 0; k < ends[0].size(); ++k) {
+      const End &a = ends[0][k], &b = ends[1][k];
+      const double outer =
+          a.outward > 0 ? std::max(a.height, b.height) : std::min(a.height, b.height);
+      for (const End& end : {a, b}) {
+        end.spline->points(1 - axis, end.column) = outer;
+        end.spline->fixed[end.column] = {true, true};
+      }
+      moved = true;
+    }
+  }
+  return moved;
+}
+
+namespace {
+
+// The greatest value of `sign` times a coordinate over a span.
+double Greatest(const BorderSpline& spline, int span, int axis, int sign) {
+  constexpr int kSamples = 24, kHalvings = 40;
+  const auto value = [&](double t) { return sign * spline.At(t)[axis]; };
+  const auto& knots = spline.basis.knots();
+  const double begin = knots[span], end = knots[span + 1], step = (end - begin) / kSamples;
+  int best = 0;
+  for (int k = 1; k <= kSamples; ++k)
+    if (value(std::min(end, begin + step * k)) > value(begin + step * best)) best = k;
+  double low = std::max(begin, begin + step * (best - 1));
+  double high = std::min(end, begin + step * (best + 1));
+  const double greatest = value(std::min(end, begin + step * best));
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    (value(a) < value(b) ? low : high) = value(a) < value(b) ? a : b;
+  }
+  return std::max(greatest, value(low));
+}
+
+double Greatest(const BorderSpline& spline, int axis, int sign) {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (const int span : spline.basis.Spans())
+    greatest = std::max(greatest, Greatest(spline, span, axis, sign));
+  return greatest;
+}
+
+// Control points of what is far outside.
+void ClampSpans(BorderSpline& spline, int axis, double side, double trifle) {
+  for (const int span : spline.basis.Spans()) {
+    if (-Greatest(spline, span, axis, -1) >= -trifle &&
+        Greatest(spline, span, axis, 1) <= side + trifle)
+      continue;
+    for (int i = span - spline.basis.degree(); i <= span; ++i) {
+      double& x = spline.points(axis, spline.unknown[i]);
+      x = std::clamp(x, 0.0, side);
+    }
+  }
+}
+
+}  // namespace
+
+void KeepInRectangle(BorderSpline& spline, const Eigen::Vector2d& sides) {
+  constexpr int kRounds = 6;
+  constexpr double kRounding = 1e-9, kTrifle = 0.5;
+  for (int axis = 0; axis < 2; ++axis) {
+    ClampSpans(spline, axis, sides[axis], kTrifle);
+    for (int round = 0; round < kRounds; ++round) {
+      const double low = -Greatest(spline, axis, -1), high = Greatest(spline, axis, 1);
+      if (low >= 0 && high <= sides[axis]) break;
+      const double from = low < 0 ? low - kRounding : 0;
+      const double to = high > sides[axis] ? high + kRounding : sides[axis];
+      for (Eigen::Index i = 0; i < spline.points.cols(); ++i) {
+        double& x = spline.points(axis, i);
+        if (!spline.fixed[i][axis]) x = sides[axis] * ((x - from) / (to - from));
+      }
+    }
+    if (-Greatest(spline, axis, -1) < 0 || Greatest(spline, axis, 1) > sides[axis])
+      ClampSpans(spline, axis, sides[axis], 0);
+  }
+}
+
+BorderSpline RectangleSpline(const Eigen::Vector2d& sides) {
+  BorderLoop loop;
+  for (const auto& [u, v] :
+       {std::pair(0.0, 0.0), {sides[0], 0.0}, {sides[0], sides[1]}, {0.0, sides[1]}}) {
+    BorderSample sample;
+    sample.place = sample.measured = Eigen::Vector2d(u, v);
+    sample.corner = sample.along_cut = true;
+    loop.push_back(sample);
+  }
+  return SmoothedBorder(loop, 0);
+}
+
+}  // namespace batten::internal

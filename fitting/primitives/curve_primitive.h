@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// The line or circle of FitPrimitive. Used by it only.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fitting/primitives/circle_fit.h"
+#include "fitting/primitives/line_fit.h"
+#include "fitting/primitives/primitive_input.h"
+#include "batten/fitting/primitive_options.h"
+#include "fitting/primitives/sample_consensus.h"
+
+namespace batten::internal {
+
+class CurvePrimitive {
+ public:
+  // Solves for a line, a circle or both and chooses, as FitPrimitive says. `kind` is kLine, kCircle
+  // or kAuto.
+  CurvePrimitive(PrimitiveInput& input, PrimitiveKind kind);
+
+  // Minus twice the logarithm of how likely the points are, as normal noise about places spread
+  // evenly along the curve, plus Schwarz's penalty; points left out lie anywhere in a cube of the
+  // size. Lengths in units of input.unit.
+  double Surprise() const;
+
+  // Standard deviation of a component of the good points' distances, in units of input.unit, and
+  // with how many freedoms it is known.
+  double Sigma() const;
+  double FreedomsLeft() const;
+
+  // The outcome; once.
+  PrimitiveFit Fit();
+
+ private:
+  template <typename Shape>
+  Shape StartOf(std::optional<double> scale) const;
+  template <typename Shape>
+  SettledShape<Shape> Solved();
+  template <typename Shape>
+  int Freedoms() const;
+  template <typename Shape>
+  double FreedomsLeftOf() const;
+  double Components() const;
+  bool robust() const { return loss_ != Loss::kNone; }
+  void SolveCircle();
+  double CostOf(const auto& shape, double scale) const;
+  void Choose();
+  double Evidence() const;
+  double Threshold() const;
+  template <typename Place>
+  std::vector<double> PlacesOf(const std::vector<Eigen::Index>& used, Place place) const;
+  template <int Dim>
+  NurbsCurve<Dim> LocalSegment();
+  template <int Dim>
+  NurbsCurve<Dim> LocalArc();
+  bool Clockwise() const;
+  template <int Dim>
+  PrimitiveFit Measure();
+  PointMask Forgotten() const;
+  PrimitiveSummary Summary(double scale) const;
+
+  PrimitiveInput& input_;
+  PrimitiveKind kind_;
+  Loss loss_;
+  ShapeData data_;  // (points − middle) / unit
+  std::optional<SettledShape<FittedLine>> line_;
+  std::optional<SettledShape<FittedCircle>> circle_;
+  std::string why_;
+  double sweep_ = 0;
+};
+
+}  // namespace batten::internal

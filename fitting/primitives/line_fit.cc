@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/primitives/line_fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+#include <vector>
+
+namespace batten::internal {
+namespace {
+
+// Σ w, Σ w x, Σ w x xᵀ, x taken from a point of the line.
+struct Moments {
+  double sum = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+};
+
+// Weights are multiplied by the loss's at the distances from `line`. Block by block, so that sums
+// do not depend on the number of threads.
+Moments MomentsOf(const FittedLine& line,
+                  const ShapeData& data,
+                  const ShapeLoss& loss,
+                  ThreadPool& pool) {
+  constexpr Eigen::Index kBlock = 4096;
+  const Eigen::Index count = data.points.cols();
+  std::vector<Moments> parts(static_cast<size_t>((count + kBlock - 1) / kBlock));
+  pool.For(count, kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    Moments& part = parts[static_cast<size_t>(begin / kBlock)];
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const Eigen::Vector3d from = data.points.col(k) - line.point;
+      double weight = data.weights[k];
+      if (loss.loss != Loss::kNone) {
+        weight *= LossWeight(loss.loss, line.Distance(data.points.col(k)), loss.scale);
+      }
+      part.sum += weight;
+      part.first += weight * from;
+      part.second += weight * from * from.transpose();
+    }
+  });
+  Moments moments;
+  for (const Moments& part : parts) {
+    moments.sum += part.sum;
+    moments.first += part.first;
+    moments.second += part.second;
+  }
+  return moments;
+}
+
+// The axis of least inertia.
+FittedLine LineOf(const FittedLine& from, const Moments& moments, bool plane) {
+  const Eigen::Vector3d mean = moments.first / moments.sum;
+  const Eigen::Matrix3d inertia = moments.second - moments.sum * mean * mean.transpose();
+  FittedLine line;
+  line.point = from.point + mean;
+  if (plane) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(inertia.topLeftCorner<2, 2>());
+    line.direction << axes.eigenvectors().col(1), 0;
+  } else {
+    line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvectors().col(2);
+  }
+  line.direction.normalize();
+  if (line.direction.dot(from.direction) < 0) line.direction = -line.direction;
+  return line;
+}
+
+}  // namespace
+
+std::optional<FittedLine> FittedLine::Through(const Eigen::Matrix3Xd& sample) {
+  const Eigen::Vector3d along = sample.col(1) - sample.col(0);
+  const double length = along.norm();
+  if (!(length > 0)) return std::nullopt;
+  return FittedLine{sample.col(0), along / length};
+}
+
+FittedLine FittedLine::Start(const ShapeData& data, ThreadPool& pool) {
+  const FittedLine axis{data.points.col(0), Eigen::Vector3d::UnitX()};
+  // Once more from its own centroid, so that nothing cancels.
+  const FittedLine rough = LineOf(axis, MomentsOf(axis, data, {}, pool), data.plane);
+  return LineOf(rough, MomentsOf(rough, data, {}, pool), data.plane);
+}
+
+FittedLine FittedLine::Minimised(const ShapeData& data,
+                                 const ShapeLoss& loss,
+                                 int most_steps,
+                                 ThreadPool& pool) const {
+  if (loss.loss == Loss::kNone) return Start(data, pool);
+  constexpr double kStill = 4 * std::numeric_limits<double>::epsilon();
+  FittedLine line = *this;
+  for (int step = 0; step < most_steps; ++step) {
+    const Moments moments = MomentsOf(line, data, loss, pool);
+    if (!(moments.sum > 0)) break;
+    const FittedLine next = LineOf(line, moments, data.plane);
+    const double moved = (next.direction - line.direction).norm() + line.Distance(next.point);
+    line = next;
+    if (moved <= kStill) break;
+  }
+  return line;
+}
+
+}  // namespace batten::internal

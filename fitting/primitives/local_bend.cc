@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/primitives/local_bend.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+namespace batten::internal {
+namespace {
+
+// Of the quadric over the plane of the points nearest to `middle`.
+std::optional<Bend> BendNear(const Eigen::Vector3d& middle,
+                             const Eigen::Matrix3Xd& points,
+                             const std::vector<Eigen::Index>& nearest_first,
+                             Eigen::Index count) {
+  const std::vector<Eigen::Index> chosen(nearest_first.begin(), nearest_first.begin() + count);
+  const Eigen::Matrix3Xd near = points(Eigen::all, chosen).colwise() - middle;
+  const Eigen::Vector3d mean = near.rowwise().mean();
+  const Eigen::Matrix3Xd from = near.colwise() - mean;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> frame(
+      Eigen::Matrix3d(from * from.transpose()));
+  Eigen::Matrix3d axes;  // tangents, then the normal
+  axes << frame.eigenvectors().col(2), frame.eigenvectors().col(1), frame.eigenvectors().col(0);
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  const Eigen::Matrix3Xd local = axes.transpose() * near;
+  Eigen::MatrixXd design(count, 6);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double x = local(0, k), y = local(1, k);
+    design.row(k) << 1, x, y, x * x / 2, x * y, y * y / 2;
+  }
+  const Eigen::VectorXd c = design.colPivHouseholderQr().solve(local.row(2).transpose());
+  if (!c.allFinite()) return std::nullopt;
+  const Eigen::Matrix2d hessian{{c[3], c[4]}, {c[4], c[5]}};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal(hessian);
+  Bend bend;
+  bend.normal = (axes * Eigen::Vector3d(-c[1], -c[2], 1)).normalized();
+  bend.point = middle + c[0] * axes.col(2);
+  for (int i = 0; i < 2; ++i) {
+    Eigen::Vector3d direction = axes.leftCols<2>() * principal.eigenvectors().col(i);
+    direction -= direction.dot(bend.normal) * bend.normal;
+    bend.directions[i] = direction.normalized();
+    bend.curvatures[i] = -principal.eigenvalues()[i];
+  }
+  return bend;
+}
+
+}  // namespace
+
+std::vector<Bend> BendsNear(const Eigen::Vector3d& middle, const Eigen::Matrix3Xd& points) {
+  std::vector<double> squares(static_cast<size_t>(points.cols()));
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    squares[k] = (points.col(k) - middle).squaredNorm();
+  }
+  std::vector<Eigen::Index> order(squares.size());
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return squares[a] < squares[b];
+  });
+  constexpr Eigen::Index kFewest = 9;
+  std::vector<Bend> bends;
+  for (Eigen::Index count = points.cols(); count >= kFewest; count /= 4) {
+    if (const auto bend = BendNear(middle, points, order, count)) bends.push_back(*bend);
+  }
+  return bends;
+}
+
+}  // namespace batten::internal

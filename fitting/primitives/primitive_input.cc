@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/primitives/primitive_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "fitting/core/unit_of.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kExact = 1e-12;  // of the size: what rounding leaves of exact points
+constexpr double kSmallest = 1e-100, kLargest = 1e100;
+
+[[noreturn]] void Refuse(const std::string& reason) { throw std::invalid_argument(reason); }
+
+}  // namespace
+
+ShapeData PrimitiveInput::LocalData() const {
+  ShapeData data;
+  data.points = (points().colwise() - middle) / unit;
+  data.plane = plane();
+  const Eigen::VectorXd& weights = merged.cloud.weights();
+  data.weights = weights.size() > 0 ? (weights / weights.mean()).eval()
+                                    : Eigen::VectorXd::Ones(points().cols()).eval();
+  return data;
+}
+
+PrimitiveInput::PrimitiveInput(const PointCloud& given, const PrimitiveFitOptions& chosen)
+    : cloud(given), options(chosen), pool(chosen.threads) {
+  report.threads = pool.threads();
+  Report(options.progress, "prepare", 0);
+  InputSummary& summary = report.input;
+  summary.points = cloud.size();
+  if (cloud.size() == 0) Refuse("there are no points");
+  merged = MergeDuplicates(cloud);
+  summary.duplicates = merged.duplicates;
+  summary.origin = cloud.origin();
+  Eigen::Vector3d low = points().col(0), high = low;
+  for (const auto& p : points().colwise()) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  summary.box_min = cloud.origin() + low;
+  summary.box_max = cloud.origin() + high;
+  const double size = (high - low).maxCoeff();
+  if (points().cols() > 1 && !(size > kSmallest && size < kLargest)) {
+    Refuse("the points' extent is not between 1e-100 and 1e100");
+  }
+  unit = UnitOf((Eigen::Matrix<double, 3, 2>() << low, high).finished());
+  middle = (low + high) / 2;
+  move = cloud.origin() - options.shift;
+  const double far = summary.box_min.cwiseAbs().cwiseMax(summary.box_max.cwiseAbs()).maxCoeff();
+  rounding = std::max(kExact, 4 * std::numeric_limits<double>::epsilon() * far / size);
+  report.seconds.prepare = watch.Lap();
+}
+
+double PrimitiveInput::Anywhere(Eigen::Index count) const {
+  const double size = (report.input.box_max - report.input.box_min).maxCoeff() / unit;
+  return 6 * std::log(size) * static_cast<double>(count);
+}
+
+void PrimitiveInput::Require(const std::string& what, Eigen::Index fewest) const {
+  if (points().cols() >= fewest) return;
+  Refuse("a " + what + " needs at least " + std::to_string(fewest) + " different points; there " +
+         (points().cols() == 1 ? "is " : "are ") + std::to_string(points().cols()));
+}
+
+void FinishReport(PrimitiveInput& input,
+                  PrimitiveSummary primitive,
+                  const std::string& kind,
+                  PrimitiveFit& fit) {
+  FitReport& report = input.report;
+  const std::optional<double> tolerance = input.options.tolerance;
+  report.error = Summarise(fit.residuals, tolerance, !fit.outliers);
+  report.error_all = fit.outliers.any() ? Summarise(fit.residuals, tolerance) : report.error;
+  report.input.used = report.error.points;
+  report.input.outliers = fit.outliers.count();
+  report.input.noise = primitive.scale;
+  report.termination = report.tolerance_reached().value_or(false) ? Termination::kToleranceReached
+                       : tolerance                                ? Termination::kStalled
+                                                                  : Termination::kNoiseReached;
+  report.geometry.kind = kind;
+  report.geometry.base = primitive.kind;
+  report.geometry.primitive = std::move(primitive);
+  report.seconds.project = input.watch.Lap();
+  report.seconds.total = input.total.Lap();
+  fit.report = std::move(report);
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// What the fits of primitives share: the points without duplicates, and the report begun.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/primitive_options.h"
+#include "fitting/primitives/shape_data.h"
+#include "fitting/core/stopwatch.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// One fit's input and what its stages hand on.
+struct PrimitiveInput {
+  // Throws std::invalid_argument, with a sentence for the user, where there are no points or, two
+  // of which differ, their extent is no number to compute with. O(m).
+  PrimitiveInput(const PointCloud& given, const PrimitiveFitOptions& chosen);
+
+  const PointCloud& cloud;
+  const PrimitiveFitOptions& options;
+  ThreadPool pool;
+  Stopwatch watch, total;
+  FitReport report;
+  MergedCloud merged;
+  double unit = 1;         // about the points' size
+  Eigen::Vector3d middle;  // of their box, in the cloud's local coordinates
+  double rounding = 0;     // of the size: distances below mean nothing
+  Eigen::Vector3d move;    // from local coordinates to those of the result
+
+  const Eigen::Matrix3Xd& points() const { return merged.cloud.points(); }
+  bool plane() const { return cloud.dimension() == 2; }
+
+  // (points − middle) / unit, with weights of mean one.
+  ShapeData LocalData() const;
+
+  // Minus twice the logarithm of how likely points are that lie anywhere in a cube of the size, in
+  // units of `unit`.
+  double Anywhere(Eigen::Index points) const;
+
+  // Throws std::invalid_argument, with a sentence for the user, where fewer points differ.
+  void Require(const std::string& what, Eigen::Index fewest) const;
+};
+
+// Errors and termination of what was measured, and the times; ends the report and hands it to
+// `fit`.
+void FinishReport(PrimitiveInput& input,
+                  PrimitiveSummary primitive,
+                  const std::string& kind,
+                  PrimitiveFit& fit);
+
+}  // namespace batten::internal

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// The plane, sphere, cylinder, cone or torus nearest to points.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "batten/fitting/point_mask.h"
+#include "fitting/primitives/fitted_surface.h"
+#include "fitting/primitives/shape_data.h"
+#include "fitting/primitives/surface_minimum.h"
+#include "fitting/primitives/surface_starts.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+struct ShapeFitOptions {
+  // Absent: plain squares, without the points that stand farther off than noise of the size the
+  // others show can explain.
+  std::optional<Loss> loss = std::nullopt;
+  std::optional<double> scale = std::nullopt;  // of the loss, the data's units; found when absent
+  double rounding = 1e-12;                     // of the size: distances below mean nothing
+  std::uint64_t seed = 1;                      // chooses samples
+};
+
+// A shape that explains the points almost as well as the one fitted.
+struct RivalShape {
+  FittedSurface shape;
+  double excess = 0;  // of Σ w ρ(d), over σ²/2: the square of a number of standard deviations
+};
+
+struct ShapeFit {
+  SurfaceKind kind = SurfaceKind::kPlane;
+  FittedSurface local;        // in the fitter's unit about its middle
+  SurfaceShape shape;         // in the points' coordinates
+  Eigen::VectorXd distances;  // signed, of every point, the data's units
+  PointMask outliers;         // points that do not count
+  Eigen::Index used = 0;      // the others' number
+  double squares = 0;         // Σ w d² over those that count, weights of mean one
+  int freedoms = 0;
+  double sigma = 0;  // standard deviation of good points from the shape
+  ShapeLoss loss;    // minimised over those that count, in the fitter's unit
+  // Other shapes that the points do not reject, in the fitter's unit: minima elsewhere, and simpler
+  // kinds that are this one's limits.
+  std::vector<RivalShape> rivals;
+  int steps = 0;  // over all points
+};
+
+// Fits shapes of several kinds to one cloud; what they share is made once.
+class ShapeFitter {
+ public:
+  // Points (3 × m) with positive weights (empty: ones), m ≥ 1, of extent > 0.
+  ShapeFitter(const Eigen::Matrix3Xd& points,
+              const Eigen::VectorXd& weights,
+              const ShapeFitOptions& options,
+              ThreadPool& pool);
+
+  // The shape of this kind with the least Σ w ρ(d). Candidates by closed formulas and from random
+  // samples take a few steps on some hundreds of points; the best go on with some thousands, from
+  // which noise and outliers are known too; two to four steps over all points end it. Throws
+  // std::invalid_argument with a sentence for the user where the points are fewer than the shape's
+  // freedoms. O(m).
+  ShapeFit Fit(SurfaceKind kind);
+
+  // The data with weight zero where a point does not count in the fit; until the next call.
+  const ShapeData& Counting(const ShapeFit& fit);
+
+  double unit() const { return unit_; }
+  const Eigen::Vector3d& middle() const { return middle_; }
+  const StartData& starts() const { return start_; }
+
+ private:
+  struct Candidate {
+    FittedSurface shape;
+    double scale = 0;                                       // of the points about it
+    double cost = std::numeric_limits<double>::infinity();  // on the sample
+  };
+  // Minima on the sample, the lowest first.
+  using Minima = std::vector<Candidate>;
+
+  bool Robust(SurfaceKind kind) const;
+  std::vector<FittedSurface> StartsOf(SurfaceKind kind);
+  Candidate Settled(
+      const FittedSurface& start, const ShapeData& points, int rounds, int steps, bool robust);
+  Minima Ranked(Minima candidates, const ShapeData& points, bool robust, bool last, size_t most);
+  const Minima& MinimaOf(SurfaceKind kind);
+  void AddRivals(ShapeFit& fit);
+  ShapeLoss Rejecting(double scale, SurfaceKind kind) const;
+  void Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit);
+
+  const Eigen::Matrix3Xd& points_;
+  ShapeFitOptions options_;
+  ThreadPool& pool_;
+  ThreadPool alone_{1};
+  double unit_ = 1;
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
+  ShapeData data_;           // (points − middle) / unit
+  Eigen::VectorXd weights_;  // before any were set to zero
+  StartData start_;
+  std::array<Minima, kSurfaceKinds.size()> minima_;
+};
+
+}  // namespace batten::internal

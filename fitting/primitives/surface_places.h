@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Two coordinates of every point on a shape. Used by the patches of fitted surfaces only.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+template <typename Place>
+Eigen::Matrix2Xd PlacesOf(const Eigen::Matrix3Xd& points, ThreadPool& pool, const Place& place) {
+  constexpr Eigen::Index kBlock = 8192;
+  Eigen::Matrix2Xd places(2, points.cols());
+  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) places.col(k) = place(points.col(k));
+  });
+  return places;
+}
+
+}  // namespace batten::internal

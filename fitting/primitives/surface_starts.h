@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Where the search for the nearest plane, sphere, cylinder, cone or torus may start.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "fitting/primitives/fitted_surface.h"
+#include "fitting/primitives/oriented_points.h"
+#include "fitting/primitives/shape_data.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// What starts are made of, once for all kinds.
+struct StartData {
+  ShapeData sample;                      // some thousands of the points
+  ShapeData judges;                      // some hundreds of them
+  std::vector<OrientedPoints> oriented;  // at a few widths
+  Eigen::Vector3d centroid, middle;      // `middle` is a point near the centroid
+  Eigen::Matrix3d inertia_axes;          // columns, the longest first
+};
+
+// `most` points are enough for the sample. O(m + most·log most).
+StartData MakeStartData(const ShapeData& data,
+                        Eigen::Index most,
+                        std::uint64_t seed,
+                        ThreadPool& pool);
+
+// Candidates by closed formulas: from the points' moments, the normals' (the direction all are
+// across, the line all meet, the point all tangent planes contain) and quadrics about the middle.
+// [Taubin 1991; Pottmann & Randrup 1998; Lukács, Martin & Marshall 1998]
+std::vector<FittedSurface> MomentStarts(SurfaceKind kind, const StartData& data);
+
+// Of shapes through random samples of as few oriented points as determine one, the two with the
+// least median distance: half of the points may lie anywhere. Empty for tori, and without
+// normals. [Rousseeuw 1984; Schnabel, Wahl & Klein 2007]
+std::vector<FittedSurface> ConsensusStarts(SurfaceKind kind,
+                                           const StartData& data,
+                                           std::uint64_t seed);
+
+// The cones and tori that a fitted cylinder may be on the way to: opened a little to either side,
+// and bent as its points are.
+std::vector<FittedSurface> StartsFromCylinder(SurfaceKind kind,
+                                              const FittedSurface& cylinder,
+                                              const StartData& data);
+
+}  // namespace batten::internal

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/fit_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/distances.h"
+#include "fitting/surface/finish_draft.h"
+#include "fitting/surface/given_parameters.h"
+#include "fitting/core/stopwatch.h"
+#include "fitting/surface/surface_fitter.h"
+#include "fitting/surface/surface_outcome.h"
+#include "fitting/surface/surface_preparation.h"
+#include "fitting/cloud/thinned_cloud.h"
+#include "batten/geometry/surface_evaluator.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+constexpr double kExplains = 0.1;  // share of the misfit that a feature leaves
+
+// Distances of the used points from the surface at their own parameters.
+ErrorSummary AtParameters(const SurfaceFit& fit,
+                          const PointCloud& cloud,
+                          const SurfaceFitOptions& options) {
+  const Eigen::Vector3d move = cloud.origin() - options.shift;
+  Eigen::VectorXd offsets(cloud.size());
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const auto at = cloud.parameters().col(k);
+    offsets[k] = (fit.surface.At(at[0], at[1]) - move - cloud.points().col(k)).norm();
+  }
+  return Summarise(offsets, options.tolerance, !fit.outliers);
+}
+
+// One cloud, its base found, to be fitted once or twice and measured.
+class SurfaceRoad {
+ public:
+  SurfaceRoad(const PointCloud& cloud,
+              const SurfaceFitOptions& options,
+              std::optional<CloudSymmetry> symmetry = std::nullopt)
+      : cloud_(cloud), pool_(options.threads) {
+    if (options.given_parameters) {
+      given_ = PrepareGiven(cloud, options, pool_);
+    } else {
+      prepared_ = PrepareCloud(cloud, options, pool_, std::move(symmetry));
+    }
+    prepare_seconds_ = watch_.Lap();
+  }
+
+  // Whether the last fit set points aside or bounded them, unasked.
+  bool doubted() const { return doubted_; }
+
+  SurfaceFit Fit(const SurfaceFitOptions& asked) {
+    const SurfaceFitOptions options = WithDegreesOfSides(asked);
+    const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
+    FittedDraft fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
+    const double so_far = prepared_.base_seconds;
+    if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_)) {
+      prepare_seconds_ += prepared_.base_seconds - so_far;
+      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
+    }
+    doubted_ = fitted.doubted;
+    if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
+    if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
+    TrimToUsed(fitted, prepared, options, pool_);
+    if (options.domain) TakeParametersOf(*options.domain, fitted.draft);
+    if (options.side_of_normals) TakeSideOfNormals(fitted.draft);
+    watch_.Lap();
+    SurfaceFit fit =
+        MeasureFit(given_ ? given_->InUsersUnits(fitted.draft.surface) : fitted.draft.surface,
+                   cloud_,
+                   prepared.merged,
+                   fitted.used,
+                   options,
+                   prepared.base.shape,
+                   pool_,
+                   std::move(fitted.report),
+                   nullptr,
+                   given_ ? nullptr : &fitted.draft.parameters);
+    const bool kept =
+        !fit.report.optimize.ran || (options.optimize && !options.optimize->parameters);
+    if (given_ && kept) fit.report.parameter_error = AtParameters(fit, cloud_, options);
+    fit.report.seconds.project += watch_.Lap();
+    fit.report.seconds.total = total_.Lap();
+    return fit;
+  }
+
+  // The same with every point that has a place taken for a good one.
+  SurfaceFit FitAll(SurfaceFitOptions options) {
+    options.keep_outliers = true;
+    prepared_.used = prepared_.reached;
+    prepared_.statistics.outliers.setConstant(false);
+    prepared_.statistics.outlier_count = 0;
+    return Fit(options);
+  }
+
+ private:
+  // Degrees that hold the curves given for edges.
+  SurfaceFitOptions WithDegreesOfSides(SurfaceFitOptions options) const {
+    for (const LaidSide& laid : prepared_.conditions.sides) {
+      int& degree = laid.edge.direction == Direction::kU ? options.degree_v : options.degree_u;
+      degree = std::max(degree, laid.side.curve.basis().degree());
+    }
+    return options;
+  }
+
+  FitReport StartReport(const PreparedCloud& prepared) const {
+    FitReport report;
+    report.threads = pool_.threads();
+    report.input = SummariseInput(cloud_, prepared.merged.duplicates, prepared.statistics);
+    report.geometry.base = prepared.base.name;
+    report.geometry.base_why = prepared.base.why;
+    if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
+    report.warnings = prepared.warnings;
+    report.seconds.parameterize = prepared.base_seconds;
+    report.seconds.prepare = prepare_seconds_ - prepared.base_seconds;
+    return report;
+  }
+
+  const PointCloud& cloud_;
+  ThreadPool pool_;
+  Stopwatch watch_, total_;
+  PreparedCloud prepared_;
+  std::optional<GivenParameters> given_;
+  double prepare_seconds_ = 0;
+  bool doubted_ = false;
+};
+
+// Of a fit that set points aside and one of all points: what stands out of equal knots may be a
+// narrow feature, which free knots follow; outliers nothing follows.
+SurfaceFit Explained(SurfaceFit without, SurfaceFit with_all) {
+  if (!(with_all.report.error_all.rms < kExplains * without.report.error_all.rms)) return without;
+  with_all.report.warnings.push_back(
+      "points that stand out of a shape with equal knots were kept: free knots follow them");
+  return with_all;
+}
+
+// The fit of a cloud and its mirror image, as one of the cloud.
+SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& options) {
+  MirrorPlane plane = *options.symmetric;
+  const double length = plane.normal.norm();
+  plane = {plane.normal / length, plane.offset / length};
+  SymmetricCloud both = WithMirrorImage(cloud, plane);
+  SurfaceRoad road(
+      both.cloud, options, CloudSymmetry{plane.From(both.cloud.origin()), std::move(both.twins)});
+  SurfaceFit fit = road.Fit(options);
+  const Eigen::Index own = cloud.size();
+  fit.parameters.conservativeResize(2, own);
+  fit.residuals.conservativeResize(own);
+  fit.outliers.conservativeResize(own);
+  FitReport& report = fit.report;
+  report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
+  report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.input.points = own;
+  report.input.duplicates = MergeDuplicates(cloud).duplicates;
+  report.input.used = report.error.points;
+  report.input.outliers = fit.outliers.count();
+  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  return fit;
+}
+
+// Distances of all points of a cloud from the fit of some of them.
+PointDistances AllDistances(const PointCloud& cloud,
+                            const ThinnedCloud& thinned,
+                            const SurfaceFit& fit,
+                            const SurfaceFitOptions& options) {
+  Eigen::Matrix2Xd near(2, cloud.size());
+  for (Eigen::Index k = 0; k < cloud.size(); ++k)
+    near.col(k) = fit.parameters.col(thinned.stands[static_cast<std::size_t>(k)]);
+  ThreadPool pool(options.threads);
+  return DistancesTo(
+      fit.surface.Translated(options.shift - cloud.origin()), cloud.points(), near, pool);
+}
+
+// The points left out by thinning that lie beyond the border of the fit, by less than a cell: a
+// thinned cloud ends some way inside its points.
+std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
+                                          const ThinnedCloud& thinned,
+                                          const SurfaceFit& fit,
+                                          const PointDistances& found,
+                                          const SurfaceFitOptions& options) {
+  constexpr double kAside = 0.5;  // of the way to the foot: not along the normal
+  const double reach = std::sqrt(3.0) * *options.thin;
+  const SurfaceEvaluator surface(fit.surface.Translated(options.shift - cloud.origin()));
+  std::vector<Eigen::Index> beyond;
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const double distance = std::abs(found.distances[k]);
+    if (thinned.kept[static_cast<std::size_t>(thinned.stands[static_cast<std::size_t>(k)])] == k ||
+        distance > reach || distance <= 3 * fit.report.error.rms) {
+      continue;
+    }
+    const double u = found.parameters(0, k), v = found.parameters(1, k);
+    const auto normal = surface.NormalAt(u, v);
+    if (!normal) continue;
+    const Eigen::Vector3d off = cloud.points().col(k) - surface.At(u, v);
+    if ((off - normal->dot(off) * *normal).norm() > kAside * distance) beyond.push_back(k);
+  }
+  return beyond;
+}
+
+// The fit of a thinned cloud, as one of the cloud: every point is measured.
+SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options) {
+  Stopwatch watch;
+  ThinnedCloud thinned = Thinned(cloud, *options.thin);
+  SurfaceFitOptions plain = options;
+  plain.thin.reset();
+  SurfaceFit fit = FitSurface(thinned.cloud, plain);
+  PointDistances found = AllDistances(cloud, thinned, fit, options);
+  if (const auto beyond = BeyondTheBorder(cloud, thinned, fit, found, options); !beyond.empty()) {
+    thinned = WithPoints(cloud, std::move(thinned), beyond);
+    fit = FitSurface(thinned.cloud, plain);
+    found = AllDistances(cloud, thinned, fit, options);
+  }
+  const Eigen::Index all = cloud.size(), stayed = thinned.cloud.size();
+  PointMask outliers = PointMask::Constant(all, false), left_out = !outliers;
+  for (Eigen::Index k = 0; k < stayed; ++k) {
+    outliers[thinned.kept[static_cast<std::size_t>(k)]] = fit.outliers[k];
+    left_out[thinned.kept[static_cast<std::size_t>(k)]] = false;
+  }
+  fit.parameters = std::move(found.parameters);
+  fit.residuals = std::move(found.distances);
+  fit.outliers = std::move(outliers);
+  FitReport& report = fit.report;
+  report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.input.points = all;
+  report.input.duplicates = MergeDuplicates(cloud).duplicates;
+  report.input.thinned_to = stayed;
+  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  if (options.tolerance) {
+    const Eigen::Index out = Summarise(fit.residuals, options.tolerance, left_out).out_of_tolerance;
+    if (out > 0) {
+      report.warnings.push_back(std::to_string(out) +
+                                " points that thinning left out are out of tolerance and are not "
+                                "counted (error_all counts them)");
+    }
+  }
+  const double seconds = watch.Lap();
+  report.seconds.prepare += std::max(0.0, seconds - report.seconds.total);
+  report.seconds.total = seconds;
+  return fit;
+}
+
+}  // namespace
+
+SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
+  Check(options);
+  if (options.thin) return FitThinned(cloud, options);
+  if (options.symmetric) return FitSymmetric(cloud, options);
+  SurfaceRoad road(cloud, options);
+  SurfaceFit fit = road.Fit(options);
+  const bool free_knots = options.optimize && options.optimize->knots && !options.given_parameters;
+  if (!road.doubted() || !free_knots) return fit;
+  return Explained(std::move(fit), road.FitAll(options));
+}
+
+}  // namespace batten

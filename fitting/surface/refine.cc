@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/refine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "batten/fitting/distances.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/knots/grid_selection.h"
+#include "fitting/parameterization/height_field.h"
+#include "fitting/knots/line_removal.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/surface/voids.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kPointsPerControlPoint = 2.1;
+constexpr double kGrowth = 1.25;      // control points a round, at most
+constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait for a later round
+constexpr double kNarrowestInSpacings = 0.65;  // no cell is cut into narrower ones
+constexpr int kReweightingRounds = 15;
+constexpr int kMaxRounds = 200;
+constexpr int kMostRefinementForGaps = 16;  // times the control points
+
+struct Line {
+  bool in_u;
+  double knot;
+  double score;
+};
+
+// Error above half the tolerance, capped so that no single point decides, gathered span by span.
+std::vector<double> SpanScores(const SplineBasis& basis,
+                               const Eigen::VectorXd& parameters,
+                               const Eigen::VectorXd& distances,
+                               double tolerance) {
+  std::vector<double> scores(static_cast<size_t>(basis.size()), 0.0);
+  for (Eigen::Index k = 0; k < distances.size(); ++k) {
+    const double r = std::abs(distances[k]);
+    if (r > tolerance / 2)
+      scores[basis.Span(parameters[k])] += std::min(r * r, 9 * tolerance * tolerance);
+  }
+  return scores;
+}
+
+// How much more a point counts in the next round: more near the tolerance, where it can be brought
+// in; less far beyond it, where it can't.
+double Emphasis(double distance, double tolerance) {
+  const double a = std::abs(distance) / tolerance;
+  if (a < 1.6) return std::pow(std::clamp(a, 0.3, 2.0), 2);
+  return std::max(0.05, 2.56 * std::exp(-2 * (a - 1.6)));
+}
+
+class Refinement {
+ public:
+  Refinement(const FittingProblem& problem,
+             const PlaneBase* base,
+             const Eigen::Matrix3Xd& points,
+             const RefineOptions& options,
+             ThreadPool& pool)
+      : problem_(problem), base_(base), points_(points), options_(options), pool_(pool) {
+    limit_ = std::min<double>(options.max_control_points,
+                              static_cast<double>(points.cols()) / kPointsPerControlPoint);
+  }
+
+  // Solves, measures, remembers the best. Returns how many points are out of tolerance.
+  Eigen::Index Round(const char* stage) {
+    const auto start = std::chrono::steady_clock::now();
+    const LinearSolution solution = SolveLinear(problem_, pool_);
+    const auto points = static_cast<double>(points_.cols());
+    const double freedom = std::max(1.0, points - kFreedomFactor * problem_.unknowns());
+    validation_ = points * solution.residual_squares / (freedom * freedom);
+    return Measure(stage, solution, start);
+  }
+
+  // Generalised cross-validation of the last round: rises once refinement follows noise.
+  double validation() const { return validation_; }
+
+  // The present state as the one to return to, and back.
+  void Remember() { remembered_ = {best_, best_parameters_, best_problem_}; }
+  void Return() { std::tie(best_, best_parameters_, best_problem_) = remembered_; }
+
+  // The best bases and weights once more, held within the range of the data where there are none.
+  void Calm() {
+    const auto start = std::chrono::steady_clock::now();
+    CalmOptions calm_options;
+    calm_options.spacing = options_.spacing;
+    calm_options.measured = points_.cols();
+    calm_options.most_control_points =
+        std::min(static_cast<int>(limit_), kMostRefinementForGaps * best_problem_->unknowns());
+    calm_options.gives_way = false;  // what is within the tolerance stays there
+    const CalmResult calm = SolveCalmly(*best_problem_, calm_options, pool_);
+    empty_share_ = calm.empty_share;
+    if (calm.places_held == 0) return;
+    problem_ = calm.problem;
+    best_.reset();
+    Measure("calm", calm.solution, start);
+  }
+
+ private:
+  NurbsSurface SurfaceOf(const FittingProblem& problem, const LinearSolution& solution) const {
+    const SplineBasis &basis_u = problem.basis_u(), &basis_v = problem.basis_v();
+    return base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
+                 : NurbsSurface(
+                       basis_u,
+                       basis_v,
+                       WithPolesClosed(solution.coefficients, basis_u, basis_v, problem.poles()));
+  }
+
+  // Knot lines without which the tolerance is kept too go.
+  void RemoveLines() {
+    const auto start = std::chrono::steady_clock::now();
+    const int before = best_problem_->unknowns();
+    const auto kept = [&](const FittingProblem& problem, const LinearSolution& solution) {
+      const Eigen::Matrix2Xd places = problem.data().parameters.leftCols(points_.cols());
+      return DistancesFrom(SurfaceOf(problem, solution), points_, places, pool_)
+                 .distances.cwiseAbs()
+                 .maxCoeff() <= options_.tolerance;
+    };
+    const FittingProblem fewer = WithoutLines(*best_problem_, kept, pool_);
+    if (fewer.unknowns() == before) return;
+    problem_ = fewer;
+    best_.reset();
+    Measure("fewer lines", SolveLinear(problem_, pool_), start);
+  }
+
+  Eigen::Index Measure(const char* stage,
+                       const LinearSolution& solution,
+                       std::chrono::steady_clock::time_point start) {
+    NurbsSurface surface = SurfaceOf(problem_, solution);
+    PointDistances found =
+        DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
+    distances_ = found.distances;
+    const ErrorSummary error = Summarise(distances_, options_.tolerance);
+    RoundSummary round;
+    round.stage = stage;
+    round.control_points_u = problem_.basis_u().size();
+    round.control_points_v = problem_.basis_v().size();
+    round.rms = error.rms;
+    round.max = error.max;
+    round.score = static_cast<double>(error.out_of_tolerance);
+    round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    rounds_.push_back(round);
+    if (!best_ || std::pair(error.out_of_tolerance, error.rms) < best_score_) {
+      best_score_ = {error.out_of_tolerance, error.rms};
+      best_ = std::move(surface);
+      best_problem_ = problem_;
+      best_parameters_ = std::move(found.parameters);
+    }
+    return error.out_of_tolerance;
+  }
+
+ public:
+  // Inserts the knot lines that pay most. Returns whether there was one.
+  bool InsertLines() {
+    std::vector<Line> lines;
+    Collect(true, lines);
+    Collect(false, lines);
+    std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
+      return a.score != b.score ? a.score > b.score
+                                : std::pair(a.in_u, a.knot) < std::pair(b.in_u, b.knot);
+    });
+    std::vector<double> in_u, in_v;
+    const double size_u = problem_.basis_u().size(), size_v = problem_.basis_v().size();
+    const double round_limit = std::min(
+        limit_, std::max(kGrowth * size_u * size_v, size_u * size_v + std::max(size_u, size_v)));
+    for (const Line& line : lines) {
+      if (line.score < kWorthOfBest * lines.front().score) break;
+      const double nu = size_u + static_cast<double>(in_u.size()) + (line.in_u ? 1 : 0);
+      const double nv = size_v + static_cast<double>(in_v.size()) + (line.in_u ? 0 : 1);
+      if (nu * nv > round_limit) continue;
+      (line.in_u ? in_u : in_v).push_back(line.knot);
+    }
+    if (in_u.empty() && in_v.empty()) return false;
+    problem_ = problem_.WithBases(WithInnerKnots(problem_.basis_u(), in_u),
+                                  WithInnerKnots(problem_.basis_v(), in_v));
+    return true;
+  }
+
+  // Weights of measured points by where they stand against the tolerance; data behind them keep
+  // theirs.
+  void Reweight() {
+    const Eigen::VectorXd& given = problem_.data().weights;
+    if (original_.size() == 0) {
+      original_ = given.size() > 0 ? given : Eigen::VectorXd::Ones(problem_.size()).eval();
+      emphasis_ = Eigen::VectorXd::Ones(problem_.size());
+    }
+    for (Eigen::Index k = 0; k < points_.cols(); ++k) {
+      emphasis_[k] = std::sqrt(emphasis_[k] * Emphasis(distances_[k], options_.tolerance));
+    }
+    problem_ = problem_.WithWeights(original_.cwiseProduct(emphasis_));
+  }
+
+  // What normal noise of the estimated size leaves outside the tolerance on a perfect surface.
+  double NoiseOut() const {
+    if (!(options_.noise > 0)) return 0;
+    const double beyond = std::erfc(options_.tolerance / (options_.noise * std::sqrt(2.0)));
+    return static_cast<double>(points_.cols()) * beyond;
+  }
+
+  RefineResult Finish(Termination termination) {
+    if (termination == Termination::kToleranceReached) RemoveLines();
+    Calm();
+    return {std::move(*best_),
+            std::move(best_parameters_),
+            termination,
+            empty_share_,
+            std::move(rounds_)};
+  }
+
+ private:
+  void Collect(bool in_u, std::vector<Line>& lines) const {
+    const SplineBasis& basis = in_u ? problem_.basis_u() : problem_.basis_v();
+    const int added = in_u ? problem_.basis_v().size() : problem_.basis_u().size();
+    const std::vector<double> scores = SpanScores(
+        basis, problem_.data().parameters.row(in_u ? 0 : 1), distances_, options_.tolerance);
+    for (const int span : basis.Spans()) {
+      const double a = basis.knots()[span], b = basis.knots()[span + 1];
+      if (scores[span] > 0 && (b - a) / 2 >= kNarrowestInSpacings * options_.spacing) {
+        lines.push_back({in_u, (a + b) / 2, scores[span] / added});
+      }
+    }
+  }
+
+  FittingProblem problem_;
+  const PlaneBase* base_;
+  const Eigen::Matrix3Xd& points_;
+  const RefineOptions& options_;
+  ThreadPool& pool_;
+  double limit_;
+  Eigen::VectorXd distances_, original_, emphasis_;
+  std::optional<NurbsSurface> best_;
+  std::optional<FittingProblem> best_problem_;
+  double empty_share_ = 0;
+  double validation_ = 0;
+  std::tuple<std::optional<NurbsSurface>, Eigen::Matrix2Xd, std::optional<FittingProblem>>
+      remembered_;
+  Eigen::Matrix2Xd best_parameters_;
+  std::pair<Eigen::Index, double> best_score_{};
+  std::vector<RoundSummary> rounds_;
+};
+
+}  // namespace
+
+RefineResult RefineToTolerance(const FittingProblem& problem,
+                               const PlaneBase* base,
+                               const Eigen::Matrix3Xd& points,
+                               const RefineOptions& options,
+                               ThreadPool& pool,
+                               const Progress& progress) {
+  Refinement refinement(problem, base, points, options, pool);
+  const auto cancelled = [&](double fraction) { return progress && !progress("refine", fraction); };
+  double validation = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const Eigen::Index out = refinement.Round("refine");
+    if (out == 0) return refinement.Finish(Termination::kToleranceReached);
+    // No more points out than noise alone would leave: go on only while left-out points gain by it,
+    // for the noise of sparse exact points is easily thought too large.
+    const double noise_out = refinement.NoiseOut();
+    const bool as_noise = static_cast<double>(out) <= noise_out + 2 * std::sqrt(noise_out);
+    if (as_noise && refinement.validation() >= validation) {
+      refinement.Return();
+      return refinement.Finish(Termination::kNoiseReached);
+    }
+    if (as_noise) refinement.Remember();
+    validation = as_noise ? refinement.validation() : std::numeric_limits<double>::infinity();
+    if (cancelled(0.02 * std::min(round, 40))) return refinement.Finish(Termination::kCancelled);
+    if (!refinement.InsertLines()) break;
+  }
+  for (int round = 0; round < kReweightingRounds; ++round) {
+    refinement.Reweight();
+    if (refinement.Round("reweight") == 0) return refinement.Finish(Termination::kToleranceReached);
+    if (cancelled(0.8 + 0.2 * round / kReweightingRounds))
+      return refinement.Finish(Termination::kCancelled);
+  }
+  return refinement.Finish(Termination::kMaxControlPoints);
+}
+
+}  // namespace batten::internal

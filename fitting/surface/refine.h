@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Refinement of a surface until it keeps a tolerance, as far as the data carry it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/fitting_problem.h"
+#include "fitting/parameterization/plane_base.h"
+#include "batten/fitting/progress.h"
+#include "batten/geometry/nurbs_surface.h"
+
+namespace batten::internal {
+
+struct RefineOptions {
+  double tolerance = 0;  // orthogonal distance, the data's units
+  double noise = 0;      // standard deviation: below what it explains nothing is refined
+  double spacing = 0;    // of the points: no cell gets narrower than two thirds of it
+  int max_control_points = 20000;
+};
+
+struct RefineResult {
+  NurbsSurface surface;
+  Eigen::Matrix2Xd parameters;  // foot points of the data
+  Termination termination;
+  double empty_share = 0;  // of the domain without points
+  std::vector<RoundSummary> rounds;
+};
+
+// Rounds of: solve, measure orthogonal distances, insert knot lines through the spans where most
+// error above half the tolerance is removed per control point added. Never more control points than
+// one for every 2.1 points. When lines are used up, rounds of reweighting trade small errors for
+// points brought within the tolerance. The surface with the fewest points out of tolerance is
+// returned; where all are within it, without the lines that it does not take. The problem's values
+// are heights over `base`, `points` its first data in space; data behind those only steady the
+// solution. Without a base (null) the values are the points themselves.
+RefineResult RefineToTolerance(const FittingProblem& problem,
+                               const PlaneBase* base,
+                               const Eigen::Matrix3Xd& points,
+                               const RefineOptions& options,
+                               ThreadPool& pool,
+                               const Progress& progress = {});
+
+}  // namespace batten::internal

@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/surface_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fitting/least_squares/choose_smoothing.h"
+#include "fitting/cloud/company.h"
+#include "fitting/constraints/constrained_surface.h"
+#include "batten/fitting/distances.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "batten/fitting/fitting_problem.h"
+#include "fitting/knots/grid_selection.h"
+#include "fitting/knots/line_removal.h"
+#include "fitting/surface/refine.h"
+#include "fitting/least_squares/residual_noise.h"
+#include "fitting/least_squares/residual_structure.h"
+#include "fitting/least_squares/reweighting.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/core/stopwatch.h"
+#include "fitting/cloud/strangers.h"
+#include "fitting/surface/voids.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kSmoothing = 1e-4;
+constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
+constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
+constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
+constexpr int kOutlierPasses = 5;
+constexpr double kFewChanges = 0.01;
+constexpr double kHardlyAny = 1e-3;  // of the points and of their squares: no grid asks for them
+constexpr int kLargeGrid = 1500;     // searching its size anew takes long …
+constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
+constexpr Eigen::Index kFewestPoints = 4;
+constexpr double kMisses = 3;            // residuals against the noise
+constexpr double kBeyondStructure = 2;   // spacings
+constexpr double kSpoilt = 5;            // times the misfit of a plain fit
+constexpr double kLayersToRefuse = 0.4;  // rough scenes have layers here and there
+
+// One fit, stage by stage; members are what the stages hand on.
+class SurfaceFitter {
+ public:
+  SurfaceFitter(const PreparedCloud& prepared,
+                const SurfaceFitOptions& options,
+                FitReport report,
+                ThreadPool& pool)
+      : prepared_(prepared),
+        own_base_(prepared.reached.all() ? SurfaceBase{} : prepared.base),
+        base_(prepared.reached.all() ? prepared.base : own_base_),
+        points_(prepared.merged.cloud),
+        options_(options),
+        pool_(pool),
+        report_(std::move(report)),
+        used_(prepared.used) {}
+
+  FittedDraft Run() {
+    RequireRoomToClose();
+    DecideWhoCounts();
+    if (options_.tolerance) {
+      Refine();
+    } else {
+      Solve();
+    }
+    if (prepared_.conditions.any()) MeetConditions();
+    if (noise_is_shared_) {
+      report_.warnings.push_back(
+          "neighbouring points share their noise: blocks of left-out points are predicted better "
+          "with fewer control points than single ones ask for, and those were taken");
+    }
+    Eigen::VectorXd weights = problem_->data().weights;
+    SurfaceDraft draft{std::move(*surface_),
+                       std::move(used_cloud_),
+                       std::move(parameters_),
+                       std::move(weights),
+                       base_.poles,
+                       robust_,
+                       noise_is_shared_};
+    ReleaseData();
+    if (prepared_.conditions.any()) {
+      report_.optimize.why = "the surface meets conditions, which free points would leave";
+    } else {
+      OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+    }
+    report_.geometry.distortion = DistortionAt(draft.surface, draft.parameters);
+    report_.geometry.poles = {base_.poles.start != PoleKind::kNone,
+                              base_.poles.end != PoleKind::kNone};
+    const bool doubted = !options_.loss && !options_.keep_outliers && (robust_ || !used_.all());
+    return {std::move(draft), std::move(used_), empty_share_, doubted, std::move(report_)};
+  }
+
+ private:
+  // What only the stages before the draft need, of very many points not little.
+  void ReleaseData() {
+    problem_.reset();
+    solution_.reset();
+    distances_.resize(0);
+  }
+
+  FittingProblem ProblemOf(const PointMask& mask) const {
+    return base_.ProblemOf(points_,
+                           mask,
+                           options_.degree_u,
+                           options_.degree_v,
+                           options_.smoothing.value_or(kSmoothing));
+  }
+
+  // Equal cells over given parameters: whoever gives those knows of uniform knots.
+  SplineBasis Cells(const SplineBasis& like, int degree, int cells) const {
+    return base_.exact ? SplineBasis::Uniform(degree, degree + cells, like.lower(), like.upper())
+                       : FittingBasisLike(like, degree, cells);
+  }
+
+  FittingProblem WithCells(const FittingProblem& problem, int cells_u, int cells_v) const {
+    return problem.WithBases(Cells(problem.basis_u(), options_.degree_u, cells_u),
+                             Cells(problem.basis_v(), options_.degree_v, cells_v));
+  }
+
+  // Round a closed direction the last control points repeat the first.
+  void RequireRoomToClose() const {
+    const auto least = [](bool periodic, int degree) {
+      return periodic ? 2 * degree + 1 : degree + 1;
+    };
+    const int least_u = least(base_.periodic_u, options_.degree_u),
+              least_v = least(base_.periodic_v, options_.degree_v);
+    const auto reject = [](const std::string& what, int degree, int count) {
+      throw std::invalid_argument(what + " are too few: in a closed direction the last " +
+                                  std::to_string(degree) + " repeat the first, so at least " +
+                                  std::to_string(count) + " are needed");
+    };
+    if (!options_.control_points) {
+      if (options_.max_control_points >= least_u * least_v) return;
+      reject("max_control_points: " + std::to_string(options_.max_control_points),
+             base_.periodic_u ? options_.degree_u : options_.degree_v,
+             least_u * least_v);
+    }
+    const auto require = [&](int count, int degree, int needed) {
+      if (count >= needed) return;
+      reject("control_points: " + std::to_string(count) + " of degree " + std::to_string(degree),
+             degree,
+             needed);
+    };
+    require(options_.control_points->first, options_.degree_u, least_u);
+    require(options_.control_points->second, options_.degree_v, least_v);
+  }
+
+  // The bases for a problem, told or chosen; near those of a similar problem where there is one.
+  FittingProblem WithChosenBases(const FittingProblem& problem, const FittingProblem* similar) {
+    if (options_.control_points) {
+      return WithCells(problem,
+                       options_.control_points->first - options_.degree_u,
+                       options_.control_points->second - options_.degree_v);
+    }
+    GridLimits limits;
+    limits.degree_u = options_.degree_u;
+    limits.degree_v = options_.degree_v;
+    limits.max_control_points = options_.max_control_points;
+    if (!base_.exact && prepared_.statistics.noise > 0) limits.noise = prepared_.statistics.noise;
+    if (similar != nullptr) {
+      limits.near_cells_u = similar->basis_u().size() - options_.degree_u;
+      limits.near_cells_v = similar->basis_v().size() - options_.degree_v;
+    }
+    const GridChoice choice = ChooseGrid(problem, limits, pool_, options_.progress);
+    Record(choice.rounds);
+    noise_is_shared_ = choice.blocks_disagree;
+    return WithCells(problem, choice.cells_u, choice.cells_v);
+  }
+
+  // Which points count is decided by their neighbours before there is a surface, then by their
+  // distance from it, until the two agree. The bases are chosen anew each time.
+  void DecideWhoCounts() {
+    robust_ = options_.loss ? *options_.loss != Loss::kNone
+                            : !options_.keep_outliers &&
+                                  static_cast<double>(prepared_.statistics.outlier_count) >
+                                      kOutlierShareForLoss * static_cast<double>(points_.size());
+    used_ = WithoutStrays(used_);
+    bool settled = false;     // so few points changed sides that the grid can't be far off
+    bool hardly_any = false;  // so few, and so near to the surface, that it is the same
+    for (int pass = 1; pass <= kOutlierPasses; ++pass) {
+      used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
+      const bool search_near =
+          settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
+      FittingProblem problem = ProblemOf(used_);
+      Take(hardly_any ? problem.WithBases(problem_->basis_u(), problem_->basis_v())
+                      : WithChosenBases(problem, search_near ? &*problem_ : nullptr));
+      if (pass == 1) RefuseTwoSheets();
+      if (robust_) ReweightWhereItHelps();
+      if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
+      if (options_.keep_outliers) {
+        PlaceTheRest(Surface());
+        used_.setConstant(true);
+        continue;
+      }
+      const PointMask now = WithoutStrays(SpokenFor());
+      if (now.count() < kFewestPoints) break;
+      if (!robust_ && !loss_spoils_ && !options_.loss && (now != used_).any() && !now.all()) {
+        robust_ = true;  // what stands out from a plain fit has bent it
+        continue;
+      }
+      const Eigen::Index changed = (now != used_).count();
+      if (changed == 0) break;
+      settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
+      hardly_any = !robust_ && HardlyAny(now != used_);
+      used_ = now;
+    }
+    if (options_.tolerance && robust_ && !options_.loss) {
+      // A tolerance is the user's own word on which residuals matter: bounded weights chose the
+      // bases only.
+      Take(ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v()));
+    }
+    report_.seconds.solve = watch_.Lap();
+  }
+
+  // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
+  PointMask WithoutStrays(PointMask mask) const {
+    if (!robust_ || base_.exact || options_.keep_outliers) return mask;
+    return HaveCompany(points_.points(), mask, pool_);
+  }
+
+  // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
+  // is so small that a tip or a crease which it follows less well looks foreign, is let go of, and
+  // then looks the more foreign.
+  void ReweightWhereItHelps() {
+    if (options_.loss) return Reweight();
+    const FittingProblem plain = *problem_;
+    const SurfaceResiduals before = Residuals();
+    const PointMask spoken = CloseEnough(before.parameters,
+                                         before.residuals,
+                                         FarthestGood(RobustScale(before.residuals)),
+                                         prepared_.statistics.spacing,
+                                         pool_);
+    Reweight();
+    const Eigen::VectorXd after = Residuals().residuals;
+    const double misfit_before = spoken.select(before.residuals.array(), 0).matrix().norm();
+    const double misfit_after = spoken.select(after.array(), 0).matrix().norm();
+    if (misfit_after <= kSpoilt * misfit_before) return;
+    Take(plain);
+    robust_ = false;
+    loss_spoils_ = true;
+  }
+
+  void Reweight() {
+    Take(Reweighted(
+        *problem_,
+        {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
+        [&](const FittingProblem& problem, const LinearSolution& solution) {
+          return base_.Residuals(problem, solution.coefficients, pool_);
+        },
+        pool_,
+        report_.iterations));
+  }
+
+  // Makes this the present problem.
+  void Take(FittingProblem problem) {
+    problem_ = std::move(problem);
+    solution_.reset();
+  }
+
+  // Of the present problem; solved once.
+  const LinearSolution& Solution() {
+    if (!solution_) solution_ = SolveLinear(*problem_, pool_);
+    return *solution_;
+  }
+  NurbsSurface Surface() {
+    return base_.Surface(problem_->basis_u(), problem_->basis_v(), Solution().coefficients);
+  }
+  SurfaceResiduals Residuals() {
+    return {problem_->data().parameters,
+            base_.Residuals(*problem_, Solution().coefficients, pool_),
+            options_.seed};
+  }
+
+  void RefuseTwoSheets() {
+    if (base_.exact) return;
+    const double share = LayeredShareOf(Residuals(), pool_);
+    if (share <= kLayersToRefuse) return;
+    throw std::invalid_argument(
+        "in " + std::to_string(std::lround(100 * share)) +
+        " % of places the points lie on two sheets, one above the other: one "
+        "surface would run between them; fit one of them (--box, --where)");
+  }
+
+  // Points the base has no place for get one from the surface: their foot on it.
+  void PlaceTheRest(const NurbsSurface& surface) {
+    if (prepared_.reached.all()) return;
+    std::vector<Eigen::Index> rest;
+    for (Eigen::Index k = 0; k < prepared_.reached.size(); ++k)
+      if (!prepared_.reached[k]) rest.push_back(k);
+    const Eigen::Matrix3Xd points = points_.points()(Eigen::all, rest);
+    own_base_.parameters(Eigen::all, rest) = DistancesTo(surface, points, pool_).parameters;
+  }
+
+  // Whether a point's place is not on the domain's border.
+  bool IsInside(Eigen::Index k) const {
+    const auto place = base_.parameters.col(k);
+    return (base_.periodic_u || (place[0] > 0 && place[0] < base_.length_u)) &&
+           (base_.periodic_v ||
+            ((place[1] > 0 || base_.poles.start != PoleKind::kNone) &&
+             (place[1] < base_.length_v || base_.poles.end != PoleKind::kNone)));
+  }
+
+  // How far off a point may be where distances from a surface have this scale.
+  double FarthestGood(double scale) const {
+    // A surface that misses the shape only tells what is far beyond structure between points.
+    const bool misses = loss_spoils_ || scale > kMisses * prepared_.statistics.noise;
+    return std::max({kOutlierInScales * scale,
+                     (misses ? kBeyondStructure : kLeastScale) * prepared_.statistics.spacing,
+                     options_.tolerance.value_or(0)});
+  }
+
+  // Whether points are few, and hold a small part of the squares of the last distances.
+  bool HardlyAny(const PointMask& points) const {
+    const Eigen::ArrayXd squares = distances_.array().square();
+    return static_cast<double>(points.count()) < kHardlyAny * static_cast<double>(points.size()) &&
+           points.select(squares, 0).sum() < kHardlyAny * used_.select(squares, 0).sum();
+  }
+
+  // The points the present solution speaks for, of all.
+  PointMask SpokenFor() {
+    const NurbsSurface surface = Surface();
+    PlaceTheRest(surface);
+    distances_ = DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
+    const Eigen::VectorXd& distances = distances_;
+    Eigen::VectorXd of_used(used_cloud_.size());
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < distances.size(); ++k) {
+      if (used_[k]) of_used[count++] = distances[k];
+    }
+    const double scale = options_.loss_scale.value_or(RobustScale(of_used));
+    const double limit = FarthestGood(scale);
+    PointMask close =
+        CloseEnough(base_.parameters, distances, limit, prepared_.statistics.spacing, pool_);
+    // What the base had no place for must be on the surface: it has no company that could tell.
+    for (Eigen::Index k = 0; k < close.size(); ++k) {
+      if (!prepared_.reached[k]) close[k] = std::abs(distances[k]) <= limit && IsInside(k);
+    }
+    return close;
+  }
+
+  // The coarsest grid that cross-validation has tried, up to the one it chose, that keeps the
+  // tolerance; else the chosen one.
+  FittingProblem CoarsestWithin() const {
+    for (const RoundSummary& round : report_.iterations) {
+      if (!round.stage.starts_with("cross-validation") || round.rms > *options_.tolerance) continue;
+      if (round.control_points_u * round.control_points_v >= problem_->unknowns()) continue;
+      const FittingProblem coarse = WithCells(*problem_,
+                                              round.control_points_u - options_.degree_u,
+                                              round.control_points_v - options_.degree_v);
+      const NurbsSurface surface = base_.Surface(
+          coarse.basis_u(), coarse.basis_v(), SolveLinear(coarse, pool_).coefficients);
+      const PointDistances found =
+          DistancesFrom(surface, used_cloud_.points(), coarse.data().parameters, pool_);
+      if (found.distances.cwiseAbs().maxCoeff() <= *options_.tolerance) return coarse;
+    }
+    return *problem_;
+  }
+
+  void Refine() {
+    if (!options_.control_points) Take(CoarsestWithin());
+    RefineOptions refine;
+    refine.tolerance = *options_.tolerance;
+    refine.noise = prepared_.statistics.noise;
+    refine.spacing = prepared_.statistics.spacing;
+    refine.max_control_points =
+        options_.control_points ? problem_->unknowns() : options_.max_control_points;
+    RefineResult refined = RefineToTolerance(*problem_,
+                                             base_.plane ? &*base_.plane : nullptr,
+                                             used_cloud_.points(),
+                                             refine,
+                                             pool_,
+                                             options_.progress);
+    Record(refined.rounds);
+    report_.termination = refined.termination;
+    surface_ = std::move(refined.surface);
+    // Where parameters are part of the data the joint stage starts from those.
+    parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
+    empty_share_ = refined.empty_share;
+    report_.seconds.refine = watch_.Lap();
+  }
+
+  // The weight of fairness by the data.
+  double Smoothing() {
+    if (options_.smooth_by == SmoothBy::kCrossValidation)
+      return SmoothingByCrossValidation(*problem_, pool_, options_.progress);
+    // The noise of the values themselves: that along the normal is less on slopes than heights',
+    // and over a sheet parameters take up what is off along it.
+    const Eigen::MatrixXd off =
+        problem_->data().values - EvaluateAt(*problem_, Solution().coefficients, pool_);
+    const auto count = static_cast<double>(problem_->size());
+    const double left = count - EffectiveFreedom(*problem_, pool_);
+    const double variance =
+        ResidualNoise(problem_->data().parameters).Variance(off, problem_->data().weights) * count /
+        std::max(1.0, left);
+    const double noise = std::sqrt(variance / static_cast<double>(off.rows()));
+    if (!(noise > 0)) return problem_->smoothing();
+    return SmoothingFromNoise(*problem_, noise, pool_, options_.progress);
+  }
+
+  void Solve() {
+    if (!options_.control_points) {
+      // Finer grids would follow what neighbours share of their noise.
+      Take(noise_is_shared_ ? WithoutIdleLines(*problem_, pool_)
+                            : WithLinesThatPay(*problem_, options_.max_control_points, pool_));
+    }
+    if (options_.smooth_by != SmoothBy::kWeight) Take(problem_->WithSmoothing(Smoothing()));
+    CalmOptions calm_options;
+    calm_options.spacing = prepared_.statistics.spacing;
+    calm_options.measured = used_cloud_.size();
+    calm_options.most_control_points =
+        options_.control_points
+            ? problem_->unknowns()
+            : std::min(options_.max_control_points, kMostForVoids * problem_->unknowns());
+    CalmResult calm = SolveCalmly(*problem_, calm_options, pool_);
+    Take(calm.problem);
+    const LinearSolution& solution = calm.solution;
+    empty_share_ = calm.empty_share;
+    if (solution.regularised) {
+      report_.warnings.push_back(
+          "the points do not determine every control point: fairness was raised");
+    }
+    report_.termination = Termination::kNoiseReached;
+    surface_ = base_.Surface(problem_->basis_u(), problem_->basis_v(), solution.coefficients);
+    parameters_ = problem_->data().parameters;
+    report_.seconds.solve += watch_.Lap();
+  }
+
+  // The bases that serve without conditions serve with them: the least sum under these.
+  void MeetConditions() {
+    const FittingProblem problem =
+        options_.tolerance ? ProblemOf(used_).WithBases(surface_->basis_u(), surface_->basis_v())
+                           : *problem_;
+    const SurfaceConstraints constraints = ConstraintsOf(prepared_.conditions);
+    ConstrainedSolution solution = SolveConstrained(problem, constraints, pool_);
+    for (const MissedConstraint& missed : solution.missed)
+      report_.warnings.push_back(missed.Text());
+    if (options_.control_points && solution.surface.control_points().cols() > problem.net_size()) {
+      report_.warnings.push_back(
+          "the curves given for edges have more knots than the control points asked for allow: "
+          "theirs were taken too");
+    }
+    surface_ = std::move(solution.surface);
+    parameters_ = problem.data().parameters;
+    report_.seconds.solve += watch_.Lap();
+  }
+
+  void Record(const std::vector<RoundSummary>& rounds) {
+    report_.iterations.insert(report_.iterations.end(), rounds.begin(), rounds.end());
+  }
+
+  const PreparedCloud& prepared_;
+  SurfaceBase own_base_;  // with places for points that the given one does not reach
+  const SurfaceBase& base_;
+  const PointCloud& points_;
+  const SurfaceFitOptions& options_;
+  ThreadPool& pool_;
+  Stopwatch watch_;
+  FitReport report_;
+  PointMask used_;                          // of the merged points: those the fit rests on
+  PointCloud used_cloud_;                   // they
+  bool robust_ = false;                     // losses bound residuals
+  bool loss_spoils_ = false;                // what it was tried on
+  bool noise_is_shared_ = false;            // by neighbours, as blocks of left-out points tell
+  std::optional<FittingProblem> problem_;   // of the used points, with chosen bases
+  std::optional<LinearSolution> solution_;  // of that, once asked for
+  Eigen::VectorXd distances_;               // of all points, when last asked who counts
+  std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
+  Eigen::Matrix2Xd parameters_;             // of the used points
+  double empty_share_ = 0;                  // of the domain
+};
+
+}  // namespace
+
+FittedDraft FitOverBase(const PreparedCloud& prepared,
+                        const SurfaceFitOptions& options,
+                        FitReport report,
+                        ThreadPool& pool) {
+  return SurfaceFitter(prepared, options, std::move(report), pool).Run();
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/surface_preparation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fitting/cloud/company.h"
+#include "batten/fitting/neighbours.h"
+#include "fitting/core/stopwatch.h"
+
+namespace batten::internal {
+
+namespace {
+
+// Indices in the order of their keys, of equal ones the lesser index first. O(n) where the keys are
+// below a few times their number, O(n log n) else.
+std::vector<Eigen::Index> OrderOf(const std::vector<std::int64_t>& keys, std::int64_t key_end) {
+  constexpr std::int64_t kCountersPerKey = 2;
+  const auto size = std::ssize(keys);
+  std::vector<Eigen::Index> order(keys.size());
+  if (key_end > kCountersPerKey * size) {
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return keys[static_cast<size_t>(a)] < keys[static_cast<size_t>(b)];
+    });
+    return order;
+  }
+  std::vector<Eigen::Index> next(static_cast<size_t>(key_end) + 1);
+  for (const std::int64_t key : keys) ++next[static_cast<size_t>(key) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (Eigen::Index k = 0; k < size; ++k)
+    order[static_cast<size_t>(next[static_cast<size_t>(keys[static_cast<size_t>(k)])]++)] = k;
+  return order;
+}
+
+}  // namespace
+
+void SortByPlace(PreparedCloud& prepared) {
+  const PointCloud& cloud = prepared.merged.cloud;
+  const SurfaceBase& base = prepared.base;
+  constexpr double kPointsPerPlace = 16;
+  constexpr double kMostPlaces = 1e9;  // along a side, however long and narrow the domain is
+  const double side = std::sqrt(base.length_u) * std::sqrt(base.length_v) *
+                      std::sqrt(kPointsPerPlace / static_cast<double>(cloud.size()));
+  const auto place = [&](double length) {
+    return static_cast<std::int64_t>(std::clamp(length / side, 0.0, kMostPlaces));
+  };
+  const std::int64_t columns = place(base.length_v) + 1;
+  std::vector<std::int64_t> keys(static_cast<size_t>(cloud.size()));
+  std::int64_t rows = 0;
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const std::int64_t row = place(base.parameters(0, k));
+    const std::int64_t column = std::min(columns - 1, place(base.parameters(1, k)));
+    rows = std::max(rows, row + 1);
+    keys[static_cast<size_t>(k)] = row * columns + (row % 2 == 0 ? column : columns - 1 - column);
+  }
+  const std::vector<Eigen::Index> order = OrderOf(keys, rows * columns);
+  std::vector<std::int64_t>& rank = keys;  // no longer needed
+  for (size_t i = 0; i < order.size(); ++i)
+    rank[static_cast<size_t>(order[i])] = static_cast<std::int64_t>(i);
+  prepared.merged.cloud = cloud.Picked(order);
+  for (Eigen::Index& at : prepared.merged.place) at = rank[static_cast<size_t>(at)];
+  prepared.base.parameters = base.parameters(Eigen::all, order).eval();
+  prepared.reached = prepared.reached(order).eval();
+  prepared.used = prepared.used(order).eval();
+  prepared.statistics.outliers = prepared.statistics.outliers(order).eval();
+}
+
+namespace {
+
+constexpr double kClearlySmaller = 0.98;  // of the area
+
+// Gives the base parameters that mirror themselves.
+void MakeSymmetric(CloudSymmetry& symmetry, const MergedCloud& merged, BaseChoice& choice) {
+  std::vector<Eigen::Index> twins(static_cast<size_t>(merged.cloud.size()));
+  for (size_t k = 0; k < merged.place.size(); ++k)
+    twins[static_cast<size_t>(merged.place[k])] =
+        merged.place[static_cast<size_t>(symmetry.twins[k])];
+  SymmetricBase symmetric =
+      SymmetricParameters(choice.base, merged.cloud, choice.reached, symmetry.plane, twins);
+  symmetric.base.why += "; symmetric about the plane given";
+  choice.base = std::move(symmetric.base);
+  symmetry.reflected = symmetric.reflected;
+}
+
+void TakeBase(PreparedCloud& prepared,
+              const NeighbourIndex& index,
+              const SurfaceFitOptions& options,
+              ThreadPool& pool) {
+  Stopwatch watch;
+  auto [choice, conditions] =
+      ChooseConditionedBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
+  prepared.conditions = std::move(conditions);
+  if (prepared.symmetry) MakeSymmetric(*prepared.symmetry, prepared.merged, choice);
+  prepared.base = std::move(choice.base);
+  prepared.reached = std::move(choice.reached);
+  prepared.warnings = std::move(choice.warnings);
+  prepared.used = prepared.reached && !prepared.statistics.outliers;
+  SortByPlace(prepared);
+  prepared.base_seconds += watch.Lap();
+}
+
+// Where there are outliers, those beside the shape's edges look like its continuation: they are
+// told by standing alone.
+void FlagStrays(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
+  if (static_cast<double>(statistics.outlier_count) <=
+      kOutlierShareForLoss * static_cast<double>(points.size())) {
+    return;
+  }
+  statistics.outliers = !HaveCompany(points.points(), !statistics.outliers, pool);
+  statistics.outlier_count = statistics.outliers.count();
+}
+
+// Of the parameters under a mask: what they reach over, closed directions all round.
+double AreaReached(const SurfaceBase& base, const PointMask& mask) {
+  double low[2] = {base.length_u, base.length_v}, high[2] = {0, 0};
+  for (Eigen::Index k = 0; k < mask.size(); ++k) {
+    for (int d = 0; mask[k] && d < 2; ++d) {
+      low[d] = std::min(low[d], base.parameters(d, k));
+      high[d] = std::max(high[d], base.parameters(d, k));
+    }
+  }
+  return (base.periodic_u ? base.length_u : high[0] - low[0]) *
+         (base.periodic_v ? base.length_v : high[1] - low[1]);
+}
+
+}  // namespace
+
+bool TakeSmallerBase(PreparedCloud& prepared,
+                     const PointMask& used,
+                     const SurfaceFitOptions& options,
+                     ThreadPool& pool) {
+  if (AreaReached(prepared.base, used) >=
+      kClearlySmaller * AreaReached(prepared.base, prepared.used)) {
+    return false;
+  }
+  PreparedCloud again = prepared;
+  again.statistics.outliers = again.statistics.outliers || (prepared.used && !used);
+  again.statistics.outlier_count = again.statistics.outliers.count();
+  try {
+    TakeBase(again, NeighbourIndex(again.merged.cloud.points(), pool), options, pool);
+  } catch (const std::invalid_argument&) {
+    return false;  // by themselves the points left carry no base
+  }
+  prepared = std::move(again);
+  return true;
+}
+
+PreparedCloud PrepareCloud(const PointCloud& cloud,
+                           const SurfaceFitOptions& options,
+                           ThreadPool& pool,
+                           std::optional<CloudSymmetry> symmetry) {
+  PreparedCloud prepared;
+  prepared.symmetry = std::move(symmetry);
+  Report(options.progress, "prepare", 0);
+  if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
+  prepared.merged = MergeDuplicates(cloud);
+  const PointCloud& points = prepared.merged.cloud;
+  if (points.size() < 4) {
+    throw std::invalid_argument("a surface needs at least 4 different points; there are " +
+                                std::to_string(points.size()));
+  }
+  const NeighbourIndex index(points.points(), pool);
+  CloudStatisticsOptions statistics;
+  statistics.seed = options.seed;
+  prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
+  if (!options.keep_outliers) FlagStrays(points, prepared.statistics, pool);
+  Report(options.progress, "parameterize", 0);
+  TakeBase(prepared, index, options, pool);
+  return prepared;
+}
+
+}  // namespace batten::internal

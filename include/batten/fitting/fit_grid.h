@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// A NURBS surface from points that were measured in rows and columns.
+#pragma once
+
+#include "batten/fitting/grid_options.h"
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/surface_options.h"
+
+namespace batten {
+
+// The surface over the grid's own parameters, in lengths (given ones in their own range): global or
+// local interpolation, least squares with the control points given, or approximation with as few as
+// are found to keep the tolerance, which always is kept between the points too: the interpolant
+// itself is the answer where fewer control points do not suffice. Neighbouring lines that agree
+// exactly are taken once, with a warning; missing cells are filled fairly beforehand and are no
+// part of what is measured. Distances are orthogonal, from the foot points near the grid's own
+// parameters. Throws std::invalid_argument, with a sentence for the user, where the cloud does not
+// hold one point for each cell, or the points carry no surface; Cancelled when progress stops it.
+SurfaceFit FitGrid(const PointCloud& cloud, const GridFitOptions& options);
+
+}  // namespace batten

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// What is asked of a file of points: which columns mean what, which rows are kept.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace batten {
+
+// Keeps the rows whose column holds exactly the value (in the column's own precision).
+struct RowFilter {
+  std::string column;  // 1-based number, or name in the header
+  double value = 0;
+};
+
+struct CloudReadOptions {
+  // A format word as FormatOf takes it; empty: by extension. Needed for standard input.
+  std::string format;
+
+  // Role (x y z u v nx ny nz w red green blue) → column, by 1-based number or by name in the
+  // header. Roles left out are found by their usual names; x y z else are the first three columns
+  // of a text file. With x and y given but no z the cloud is plane.
+  std::map<std::string, std::string> columns;
+
+  // Take u and v by their names from PCD and PLY too; text always does.
+  bool parameters = false;
+
+  // Rows must match all of these.
+  std::vector<RowFilter> where;
+
+  // Only points of these classes (2 is ground); LAS files only, empty: all.
+  std::vector<int> las_classes;
+
+  // Only points inside, borders included. World coordinates, the data's units.
+  std::optional<Eigen::AlignedBox3d> box;
+
+  // Gets the fraction read from time to time; may throw to cancel, and what it throws passes
+  // through.
+  std::function<void(double fraction)> progress;
+};
+
+}  // namespace batten

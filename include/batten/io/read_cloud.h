@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Point clouds from files.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/point_cloud.h"
+#include "batten/io/cloud_options.h"
+
+namespace batten {
+
+// What was read. A normal that is not finite, missing, or beyond 1e18 is zero, which means none;
+// its point is kept. points_in_file = cloud.size() + non_finite + filtered.
+struct CloudFile {
+  PointCloud cloud;                 // finite points only, in the order of the files
+  Eigen::Index points_in_file = 0;  // rows or vertices, kept or not; of STL distinct corners
+  Eigen::Index non_finite = 0;  // dropped because a number they need is NaN, infinite or missing
+  Eigen::Index filtered = 0;    // dropped by `where`, `las_classes` or `box`
+  // Places of those not finite among all rows that match `where`, from 0: holes of a grid
+  std::vector<Eigen::Index> missing;
+  std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
+  // Step between neighbouring coordinates where the first file says it (LAS), else zero
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();
+};
+
+// Reads PCD, PLY, LAS, text, and the vertices of OBJ, STL and OFF. Several files become one cloud
+// that keeps what all of them hold (normals, weights, colours, parameters). Coordinates stay double
+// from the file on; the origin is split off at the end (PointCloud::FromWorld). The path "-" is
+// standard input.
+//
+// Memory grows with the points that have been read, never with what a header promises.
+//
+// Throws ReadError where a file can't be used, a coordinate is beyond 1e18, a weight is not
+// positive, or no point is left; UsageError where the options ask for a column or format that is
+// not there.
+CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options = {});
+
+}  // namespace batten

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/read_cloud.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "batten/io/file_format.h"
+#include "batten/io/read_error.h"
+#include "io/cloud/cloud_filter.h"
+#include "io/cloud/las_reader.h"
+#include "io/cloud/obj_reader.h"
+#include "io/cloud/off_reader.h"
+#include "io/cloud/pcd_reader.h"
+#include "io/cloud/ply_reader.h"
+#include "io/cloud/stl_reader.h"
+#include "io/cloud/text_reader.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+CloudPart ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions& options) {
+  switch (format) {
+    case FileFormat::kPcd:
+      return ReadPcd(source, options);
+    case FileFormat::kPly:
+      return ReadPly(source, options);
+    case FileFormat::kLas:
+      return ReadLas(source, options);
+    case FileFormat::kObj:
+      return ReadObj(source, options);
+    case FileFormat::kStl:
+      return ReadStl(source, options);
+    case FileFormat::kOff:
+      return ReadOff(source, options);
+    default:
+      return ReadText(source, options);
+  }
+}
+
+CloudPart ReadPart(const std::string& path,
+                   FileFormat format,
+                   const CloudReadOptions& options,
+                   std::function<void(double)> progress) {
+  ByteSource source(path, std::move(progress));
+  if (source.Peek(1).empty()) throw ReadError(source.name(), "is empty");
+  CloudPart part = ReadBody(source, format, options);
+  if (part.rows == 0) throw ReadError(source.name(), "holds no usable point: it has no rows");
+  return part;
+}
+
+// Every path must be a file of points before the first is read.
+std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
+                                     const CloudReadOptions& options) {
+  std::vector<FileFormat> formats;
+  for (const std::string& path : paths) {
+    formats.push_back(FormatOf(path, options.format));
+    if (!IsCloudFormat(formats.back())) {
+      throw UsageError(path + ": a " + FormatName(formats.back()) +
+                       " file holds geometry, not points");
+    }
+    if (!options.las_classes.empty() && formats.back() != FileFormat::kLas) {
+      throw UsageError(path + ": only LAS files have LAS classes; --where keeps rows of others");
+    }
+  }
+  return formats;
+}
+
+}  // namespace
+
+CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options) {
+  if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
+  const std::vector<FileFormat> formats = CloudFormats(paths, options);
+  CloudFile file;
+  Eigen::Index matched = 0;
+  std::vector<CloudPart> parts;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    std::function<void(double)> progress;
+    if (options.progress) {
+      progress = [&, k](double fraction) {
+        options.progress((static_cast<double>(k) + fraction) / static_cast<double>(paths.size()));
+      };
+    }
+    parts.push_back(ReadPart(paths[k], formats[k], options, std::move(progress)));
+    for (const Eigen::Index at : parts.back().missing) file.missing.push_back(matched + at);
+    matched += parts.back().matched;
+    file.points_in_file += parts.back().rows;
+    file.non_finite += parts.back().non_finite;
+    file.filtered += parts.back().filtered;
+  }
+  file.fields = parts.front().fields;
+  file.scale = parts.front().scale;
+  if (file.non_finite + file.filtered == file.points_in_file) {
+    throw ReadError(paths.front() == "-" ? "standard input" : paths.front(),
+                    fmt::format("{} no usable point ({} rows, {} not finite, {} filtered out)",
+                                paths.size() > 1 ? "this and the other files hold" : "holds",
+                                file.points_in_file,
+                                file.non_finite,
+                                file.filtered));
+  }
+  file.cloud = JoinParts(std::move(parts));
+  return file;
+}
+
+}  // namespace batten

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/geometry_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "batten/io/atomic_file.h"
+#include "batten/io/geometry_json.h"
+#include "batten/io/iges_reader.h"
+#include "batten/io/iges_writer.h"
+#include "batten/io/length_unit.h"
+#include "batten/io/read_error.h"
+#include "batten/io/step_reader.h"
+#include "batten/io/step_writer.h"
+#include "io/base/whole_file.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+enum class Format { kJson, kStep, kIges };
+
+// From the format word, or else the extension.
+Format FormatOf(const std::string& path, const std::string& word) {
+  std::string name = word;
+  if (word.empty()) {
+    if (path == "-") throw UsageError("-: a format (json, step or iges) must be named");
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (extension.size() > 1) name = extension.substr(1);
+  }
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  if (name == "json") return Format::kJson;
+  if (name == "step" || name == "stp") return Format::kStep;
+  if (name == "iges" || name == "igs") return Format::kIges;
+  const std::string what =
+      word.empty() ? (name.empty() ? "a name without an extension" : "the extension ." + name)
+                   : "the format \"" + word + "\"";
+  throw UsageError(path + ": " + what + " is not one of geometry; use .json, .step or .iges");
+}
+
+GeometryContents ReadAny(const std::string& path, Format format) {
+  switch (format) {
+    case Format::kJson:
+      return ParseJsonContents(ReadWholeFile(path), path == "-" ? "standard input" : path);
+    case Format::kStep:
+      return ReadStepContents(path);
+    case Format::kIges:
+      return ReadIgesContents(path);
+  }
+  return {};
+}
+
+Geometry Scaled(const NurbsSurface& surface, double times, double over) {
+  return NurbsSurface(surface.basis_u(),
+                      surface.basis_v(),
+                      surface.control_points() * times / over,
+                      surface.weights())
+      .WithTrims(surface.trims());
+}
+template <int Dim>
+Geometry Scaled(const NurbsCurve<Dim>& curve, double times, double over) {
+  return NurbsCurve<Dim>(curve.basis(), curve.control_points() * times / over, curve.weights());
+}
+
+// Either factor is 1, so that a coordinate is rounded once, and not at all from m to mm.
+void ChangeUnit(GeometryContents& contents, const std::string& unit) {
+  if (contents.unit.empty()) {
+    contents.unit = unit;
+    return;
+  }
+  const double from = LengthUnitOf(contents.unit).millimetres;
+  const double to = LengthUnitOf(unit).millimetres;
+  contents.unit = unit;
+  if (from == to) return;
+  const double times = from > to ? from / to : 1, over = from > to ? 1 : to / from;
+  for (Geometry& one : contents.geometry) {
+    one = std::visit([&](const auto& shape) { return Scaled(shape, times, over); }, one);
+  }
+}
+
+}  // namespace
+
+GeometryContents ReadGeometryContents(const std::string& path, const GeometryReadOptions& options) {
+  if (!options.unit.empty()) LengthUnitOf(options.unit);
+  GeometryContents contents = ReadAny(path, FormatOf(path, options.format));
+  if (!options.unit.empty()) ChangeUnit(contents, options.unit);
+  return contents;
+}
+
+std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options) {
+  return ReadGeometryContents(path, options).geometry;
+}
+
+void CheckGeometryFormat(const std::string& path, const std::string& format) {
+  FormatOf(path, format);
+}
+
+void WriteGeometry(const std::vector<Geometry>& geometry,
+                   const std::string& path,
+                   const GeometryWriteOptions& options) {
+  WriteGeometry(GeometryFile{path, geometry}, options);
+}
+
+void WriteGeometry(const GeometryFile& file, const GeometryWriteOptions& options) {
+  LengthUnitOf(options.unit);
+  if (!file.names.empty() && file.names.size() != file.geometry.size()) {
+    throw std::invalid_argument("WriteGeometry: there must be a name for every geometry, or none");
+  }
+  switch (FormatOf(file.path, options.format)) {
+    case Format::kJson: {
+      const std::string text = ToGeometryJson(file, options.unit);
+      AtomicFile target(file.path);
+      target.Write(text);
+      target.Commit();
+      return;
+    }
+    case Format::kStep:
+      return WriteStep(file, options);
+    case Format::kIges:
+      return WriteIges(file, options);
+  }
+}
+
+void WriteGeometryFiles(const std::vector<GeometryFile>& files,
+                        const GeometryWriteOptions& options) {
+  if (files.size() == 1) return WriteGeometry(files[0], options);
+  // Each is written whole under its temporary name; what is left for the end are renames.
+  std::vector<std::unique_ptr<AtomicFile>> targets;
+  for (const GeometryFile& file : files) {
+    const AtomicFile& target = *targets.emplace_back(std::make_unique<AtomicFile>(file.path));
+    const std::string& temporary = target.temporary_path();
+    if (temporary.empty()) throw WriteError(file.path, "is not a file that can be replaced");
+    try {
+      WriteGeometry(GeometryFile{temporary, file.geometry, file.names}, options);
+    } catch (const WriteError& error) {
+      const std::string what = error.what(), prefix = temporary + ": ";
+      throw WriteError(file.path, what.substr(what.find(prefix) == 0 ? prefix.size() : 0));
+    }
+  }
+  for (const auto& target : targets) target->Commit();
+}
+
+}  // namespace batten

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// OpenCASCADE's work behind pointers: what needs it lives in a module that is loaded at the first
+// call, for OpenCASCADE takes longer to load than most commands take to run.
+#pragma once
+
+#include <string>
+
+#include "batten/io/geometry_types.h"
+#include "batten/io/length_unit.h"
+
+namespace batten::internal {
+
+// What the module `libbatten_opencascade.so` does (io/opencascade). The module hands out the
+// address of one such table: `batten_opencascade_functions`.
+struct OpenCascadeFunctions {
+  // step_import.h
+  GeometryContents (*import_step)(std::string text, const std::string& name);
+  // step_export.h
+  std::string (*export_step)(const GeometryFile& file, const char* unit, const char* schema);
+  // iges_export.h
+  std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
+};
+
+// The functions of the module, which is loaded when it has not been yet, from any thread, and stays
+// until the process ends. Throws std::runtime_error as LoadOpenCascade does.
+const OpenCascadeFunctions& OpenCascade();
+
+}  // namespace batten::internal

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/step_reader.h"
+
+#include <utility>
+
+#include "io/base/whole_file.h"
+#include "io/exchange/opencascade_functions.h"
+#include "io/exchange/step_syntax.h"
+
+namespace batten {
+using namespace internal;
+
+GeometryContents ReadStepContents(const std::string& path) {
+  const std::string name = path == "-" ? "standard input" : path;
+  std::string text = ReadWholeFile(path);
+  PrepareStepText(text, name);
+  return OpenCascade().import_step(std::move(text), name);
+}
+
+std::vector<Geometry> ReadStep(const std::string& path) { return ReadStepContents(path).geometry; }
+
+}  // namespace batten

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/step_writer.h"
+
+#include <stdexcept>
+
+#include "batten/io/atomic_file.h"
+#include "batten/io/length_unit.h"
+#include "batten/io/read_error.h"
+#include "io/exchange/opencascade_functions.h"
+#include "io/exchange/step_text.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+// The word OpenCASCADE knows an application protocol by.
+const char* OcctSchema(const std::string& schema) {
+  if (schema == "ap214") return "AP214IS";
+  if (schema == "ap242") return "AP242DIS";
+  throw UsageError("STEP schema \"" + schema + "\" is not one of ap214, ap242");
+}
+
+}  // namespace
+
+void WriteStep(const std::vector<Geometry>& geometry,
+               const std::string& path,
+               const std::string& unit) {
+  WriteStep(GeometryFile{path, geometry}, {.unit = unit});
+}
+
+void WriteStep(const GeometryFile& file, const GeometryWriteOptions& options) {
+  if (file.geometry.empty()) throw std::invalid_argument("WriteStep: there is no geometry");
+  const char* unit = LengthUnitOf(options.unit).step;
+  const char* schema = OcctSchema(options.step_schema);
+  AtomicFile target(file.path);
+  target.Write(WithShortestReals(OpenCascade().export_step(file, unit, schema)));
+  target.Commit();
+}
+
+}  // namespace batten

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "io/opencascade/occt_face.h"
+
+#include <BRep_Tool.hxx>
+#include <GeomConvert.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_ConicalSurface.hxx>
+#include <Geom_CylindricalSurface.hxx>
+#include <Geom_Plane.hxx>
+#include <Geom_RectangularTrimmedSurface.hxx>
+#include <Geom_SphericalSurface.hxx>
+#include <Geom_ToroidalSurface.hxx>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/exchange/file_loops.h"
+#include "io/exchange/parameter_map.h"
+#include "io/opencascade/face_loops.h"
+#include "io/opencascade/occt_convert.h"
+#include "io/opencascade/occt_exact.h"
+#include "io/opencascade/parameter_rectangle.h"
+
+namespace batten::internal {
+namespace {
+
+using Wires = std::vector<std::vector<NurbsCurve<2>>>;
+
+constexpr double kMapping = 1e-8;  // of the domain
+
+// A surface with the maps of the face's parameters to its own.
+struct Mapping {
+  NurbsSurface surface;
+  ParameterMap u, v;
+};
+
+NurbsSurface Part(const Handle(Geom_Surface) & surface, const ParameterRectangle& box) {
+  Handle(Geom_BSplineSurface) bspline = GeomConvert::SurfaceToBSplineSurface(
+      new Geom_RectangularTrimmedSurface(surface, box.u0, box.u1, box.v0, box.v1));
+  if (bspline->IsUPeriodic()) bspline->SetUNotPeriodic();
+  if (bspline->IsVPeriodic()) bspline->SetVNotPeriodic();
+  double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  bspline->Bounds(u0, u1, v0, v1);
+  bspline->Segment(u0, u1, v0, v1);
+  return FromOcct(*bspline);
+}
+
+Handle(Geom_BSplineSurface) AsBSpline(const Handle(Geom_Surface) & surface) {
+  return Handle(Geom_BSplineSurface)::DownCast(surface);
+}
+
+NurbsSurface Untrimmed(const TopoDS_Face& face, const ParameterRectangle& box) {
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  if (const auto exact = FromAnalytic(surface, box, SeamsOf(face))) return ToNurbs(*exact);
+  const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
+  const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
+                     box == NaturalRectangle(*surface);
+  return whole ? FromOcct(*bspline) : Part(surface, box);
+}
+
+// Whether a rectangle is all of a B-spline surface, or the surface is of another kind.
+bool FillsIt(const Handle(Geom_Surface) & surface, const ParameterRectangle& box) {
+  if (AsBSpline(surface).IsNull()) return true;
+  const ParameterRectangle natural = NaturalRectangle(*surface);
+  const auto as_long = [](double length, double whole) { return length >= (1 - 1e-7) * whole; };
+  return as_long(box.u1 - box.u0, natural.u1 - natural.u0) &&
+         as_long(box.v1 - box.v0, natural.v1 - natural.v0);
+}
+
+// The wires moved by whole periods so that the box lies in the natural domain where it can.
+void MoveIntoDomain(const Geom_Surface& surface, Wires& wires) {
+  constexpr double kSlack = 1e-7;
+  const ParameterRectangle natural = NaturalRectangle(surface), box = BoxOf(wires);
+  const auto step = [](bool periodic, double from, double lower, double upper) {
+    if (!periodic) return 0.0;
+    const double period = upper - lower;
+    return -period * std::floor((from - lower) / period + kSlack);
+  };
+  const Eigen::Vector2d by(step(surface.IsUPeriodic(), box.u0, natural.u0, natural.u1),
+                           step(surface.IsVPeriodic(), box.v0, natural.v0, natural.v1));
+  if (by.isZero(0)) return;
+  for (auto& wire : wires) {
+    for (NurbsCurve<2>& curve : wire) {
+      curve = NurbsCurve<2>(curve.basis(), curve.control_points().colwise() + by, curve.weights());
+    }
+  }
+}
+
+// A B-spline keeps its domain unless a loop passes the end of a period.
+Mapping OfBSpline(const Handle(Geom_BSplineSurface) & surface, const ParameterRectangle& box) {
+  constexpr double kSlack = 1e-7;
+  ParameterRectangle part = NaturalRectangle(*surface);
+  if (surface->IsUPeriodic() && box.u1 > part.u1 + kSlack * (part.u1 - part.u0)) {
+    part.u0 = box.u0;
+    part.u1 = box.u1;
+  }
+  if (surface->IsVPeriodic() && box.v1 > part.v1 + kSlack * (part.v1 - part.v0)) {
+    part.v0 = box.v0;
+    part.v1 = box.v1;
+  }
+  NurbsSurface result =
+      surface->IsUPeriodic() || surface->IsVPeriodic() ? Part(surface, part) : FromOcct(*surface);
+  const ParameterMap u(part.u0, part.u1, result.basis_u(), false);
+  const ParameterMap v(part.v0, part.v1, result.basis_v(), false);
+  return {std::move(result), u, v};
+}
+
+Handle(Geom_Surface) BasisOf(const Handle(Geom_Surface) & surface) {
+  const auto part = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
+  return part.IsNull() ? surface : BasisOf(part->BasisSurface());
+}
+
+Mapping OfOther(const Handle(Geom_Surface) & surface,
+                const ParameterRectangle& box,
+                const Seams& seams) {
+  const auto exact = FromAnalytic(surface, box, seams);
+  NurbsSurface result = exact ? ToNurbs(*exact) : Part(surface, box);
+  const Handle(Geom_Surface) basis = BasisOf(surface);
+  const bool both = exact && (!Handle(Geom_SphericalSurface)::DownCast(basis).IsNull() ||
+                              !Handle(Geom_ToroidalSurface)::DownCast(basis).IsNull());
+  const bool round = exact && Handle(Geom_Plane)::DownCast(basis).IsNull();
+  const ParameterMap u(box.u0, box.u1, result.basis_u(), round);
+  const ParameterMap v(box.v0, box.v1, result.basis_v(), both);
+  return {std::move(result), u, v};
+}
+
+// That places of the wires are the same points of both surfaces.
+void CheckMapping(const Geom_Surface& surface, const Mapping& mapping, const Wires& wires) {
+  constexpr double kSamePoint = 1e-6;
+  constexpr int kPlaces = 16;
+  const Eigen::Matrix3Xd& net = mapping.surface.control_points();
+  const double size = (net.rowwise().maxCoeff() - net.rowwise().minCoeff()).norm();
+  for (const auto& wire : wires) {
+    for (const NurbsCurve<2>& curve : wire) {
+      const SplineBasis& basis = curve.basis();
+      for (int i = 0; i <= kPlaces; ++i) {
+        const double share = static_cast<double>(i) / kPlaces;
+        const Eigen::Vector2d at =
+            curve.At(basis.lower() + share * (basis.upper() - basis.lower()));
+        const gp_Pnt there = surface.Value(at[0], at[1]);
+        const Eigen::Vector3d here = mapping.surface.At(mapping.u.At(at[0]), mapping.v.At(at[1]));
+        if ((here - Eigen::Vector3d(there.X(), there.Y(), there.Z())).norm() <= kSamePoint * size) {
+          continue;
+        }
+        throw std::invalid_argument(
+            "is trimmed on a surface whose parameters are not those of a NURBS surface");
+      }
+    }
+  }
+}
+
+NurbsCurve<2> LoopOf(const std::vector<NurbsCurve<2>>& wire, const Mapping& mapping) {
+  const Eigen::Array2d sides = DomainSides(mapping.surface);
+  std::vector<NurbsCurve<2>> pieces;
+  for (const NurbsCurve<2>& curve : wire) {
+    pieces.push_back(Mapped(curve, mapping.u, mapping.v, sides, kMapping));
+  }
+  return Shut(Chained(std::move(pieces), sides, kCadGap, false), sides, kCadGap);
+}
+
+NurbsSurface Trimmed(const TopoDS_Face& face) {
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  Wires wires = WiresOf(face);
+  if (wires.empty()) throw std::invalid_argument("has no boundary");
+  MoveIntoDomain(*surface, wires);
+  const ParameterRectangle box = BoxOf(wires);
+  const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
+  const Mapping mapping =
+      bspline.IsNull() ? OfOther(surface, box, SeamsOf(face)) : OfBSpline(bspline, box);
+  CheckMapping(*surface, mapping, wires);
+  std::vector<NurbsCurve<2>> loops;
+  for (size_t i = 0; i < wires.size(); ++i) {
+    try {
+      loops.push_back(LoopOf(wires[i], mapping));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("loop " + std::to_string(i + 1) + ": " + error.what());
+    }
+  }
+  try {
+    return WithTurnedLoops(mapping.surface, std::move(loops), kCadGap);
+  } catch (const LoopError& error) {
+    throw std::invalid_argument("loop " + std::to_string(error.loop() + 1) + " " + error.what());
+  }
+}
+
+}  // namespace
+
+NurbsSurface FaceToNurbs(const TopoDS_Face& face) {
+  const auto box = RectangleOf(face);
+  if (box && FillsIt(BRep_Tool::Surface(face), *box)) return Untrimmed(face, *box);
+  return Trimmed(face);
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// A face of OpenCASCADE as a surface, trimmed where it is. Not installed; includes OpenCASCADE.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+
+#include "batten/geometry/nurbs_surface.h"
+
+namespace batten::internal {
+
+// A face that fills a rectangle of an analytic surface, or all of a B-spline one, comes untrimmed;
+// any other with a loop for every wire, over the B-spline as it stands or over the box of its
+// boundary on other surfaces. Throws std::invalid_argument naming the wire whose edges do not
+// follow one another to 1e-3 of the domain, for surfaces whose parameters are not those of a NURBS
+// form (swept ones, offsets), and where batten's constructors do; Standard_Failure where
+// OpenCASCADE does.
+NurbsSurface FaceToNurbs(const TopoDS_Face& face);
+
+}  // namespace batten::internal

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/interpolation/cubic_spline.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "fixtures.h"
+#include "random_splines.h"
+#include "tolerances.h"
+
+namespace batten::internal::cubic_spline_test {
+
+NurbsCurve<3> SplineOf(const fixtures::Json& input) {
+  const Eigen::Matrix3Xd points = fixtures::Columns(input.at("points"));
+  const Eigen::VectorXd parameters = fixtures::Vector(input.at("parameters"));
+  const std::string kind = input.at("end_condition");
+  if (kind == "periodic") {  // the first point is there again at the end
+    return ClosedCubicSplineCurve<3>(points.leftCols(points.cols() - 1), parameters);
+  }
+  CubicEndCondition<3> condition;
+  if (kind == "natural") condition.kind = CubicEnd::kNatural;
+  if (kind == "clamped") condition.kind = CubicEnd::kFirstDerivative;
+  return CubicSplineCurve<3>(points, parameters, condition, condition);
+}
+
+TEST(CubicSplineTest, AgreesWithOtherImplementations) {
+  int cases = 0;
+  fixtures::CheckAll(
+      "curve_interpolation.json",
+      [&](const fixtures::Json& input, const fixtures::Json& expected, double tolerance) {
+        if (!input.contains("end_condition")) return;
+        ++cases;
+        const NurbsCurve<3> curve = SplineOf(input);
+        const Eigen::VectorXd at = fixtures::Vector(expected.at("samples_u"));
+        Eigen::Matrix3Xd samples(3, at.size());
+        for (Eigen::Index k = 0; k < at.size(); ++k) samples.col(k) = curve.At(at[k]);
+        fixtures::ExpectClose(samples, fixtures::Columns(expected.at("samples")), tolerance);
+        const CurveJet<3> start = curve.JetAt(at[0]), end = curve.JetAt(at[at.size() - 1]);
+        Eigen::Matrix<double, 3, 2> first, second;
+        first << start.first, end.first;
+        second << start.second, end.second;
+        fixtures::ExpectClose(
+            first, fixtures::Columns(expected.at("first_derivative_ends")), tolerance);
+        // The natural ends' zeros come out of a cancellation of terms of 1e3.
+        const double scale = 1e3 * std::max(1.0, second.cwiseAbs().maxCoeff());
+        EXPECT_LE((second - fixtures::Columns(expected.at("second_derivative_ends"))).norm(),
+                  tolerance * scale);
+      });
+  EXPECT_EQ(cases, 8);
+}
+
+struct Data {
+  Eigen::Matrix3Xd points;
+  Eigen::VectorXd parameters;
+};
+
+Data RandomData(RandomSplines& random, int count) {
+  Data data{Eigen::Matrix3Xd(3, count), Eigen::VectorXd(count)};
+  double u = random.Real(-1, 1);
+  for (int k = 0; k < count; ++k) {
+    data.points.col(k) = random.Vector(1);
+    data.parameters[k] = u;
+    u += random.Real(0.1, 1);
+  }
+  return data;
+}
+
+TEST(CubicSplineTest, EveryPairOfEndsIsMet) {
+  for (unsigned seed = 1; seed <= 320; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const Data data = RandomData(random, random.Integer(2, 12));
+    const auto condition = [&](unsigned kind) {
+      return CubicEndCondition<3>{static_cast<CubicEnd>(kind % 4), random.Vector(5)};
+    };
+    const CubicEndCondition<3> ends[2] = {condition(seed), condition(seed / 4)};
+    const NurbsCurve<3> curve = CubicSplineCurve<3>(data.points, data.parameters, ends[0], ends[1]);
+    const double allowed = 1e2 * kRounding * (1 + SizeOf(curve));
+    for (Eigen::Index k = 0; k < data.points.cols(); ++k) {
+      EXPECT_LE((curve.At(data.parameters[k]) - data.points.col(k)).norm(), allowed);
+    }
+    for (const int side : {0, 1}) {
+      const CurveJet<3> jet =
+          curve.JetAt(side == 0 ? curve.basis().lower() : curve.basis().upper());
+      // Steps are not below 0.1: second derivatives are at most 1e3 times as large.
+      const CubicEndCondition<3>& end = ends[side];
+      if (end.kind == CubicEnd::kFirstDerivative) {
+        EXPECT_LE((jet.first - end.value).norm(), 1e2 * allowed);
+      } else if (end.kind == CubicEnd::kSecondDerivative) {
+        EXPECT_LE((jet.second - end.value).norm(), 1e3 * allowed);
+      } else if (end.kind == CubicEnd::kNatural) {
+        EXPECT_LE(jet.second.norm(), 1e3 * allowed);
+      }
+    }
+    // C² at every point by simple knots.
+    for (Eigen::Index k = 1; k + 1 < data.points.cols(); ++k) {
+      EXPECT_LE(curve.basis().Multiplicity(data.parameters[k]), 1);
+    }
+  }
+}
+
+TEST(CubicSplineTest, ACubicIsRecoveredWithoutEndConditions) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int count = random.Integer(2, 9), degree = std::min(3, count - 1);
+    Data data = RandomData(random, count);
+    Eigen::Matrix<double, 3, 4> cubic;
+    for (int j = 0; j < 4; ++j)
+      cubic.col(j) = j <= degree ? random.Vector(1) : Eigen::Vector3d(0, 0, 0);
+    const auto value = [&](double u) -> Eigen::Vector3d {
+      return cubic * Eigen::Vector4d(1, u, u * u, u * u * u);
+    };
+    for (int k = 0; k < count; ++k) data.points.col(k) = value(data.parameters[k]);
+    const NurbsCurve<3> curve = CubicSplineCurve<3>(data.points, data.parameters);
+    for (int k = 0; k <= 20; ++k) {
+      const double u =
+          curve.basis().lower() + (curve.basis().upper() - curve.basis().lower()) * k / 20;
+      EXPECT_LE((curve.At(u) - value(u)).norm(), 1e2 * kRounding * (1 + ExtentOf(curve)));
+    }
+  }
+}
+
+// The variational law: whatever is added that vanishes at the parameters makes ∫|C''|² larger.
+TEST(CubicSplineTest, TheNaturalSplineBendsLeast) {
+  RandomSplines random(7);
+  const Data data = RandomData(random, 8);
+  CubicEndCondition<3> natural{CubicEnd::kNatural};
+  const NurbsCurve<3> least = CubicSplineCurve<3>(data.points, data.parameters, natural, natural);
+  const auto bending = [&](const NurbsCurve<3>& curve) {
+    double sum = 0;  // |C''|² is a parabola between knots: Simpson's rule is exact
+    for (Eigen::Index k = 1; k < data.parameters.size(); ++k) {
+      const double a = data.parameters[k - 1], b = data.parameters[k], h = b - a;
+      const double inside = 1e-9 * h;  // the second derivative from this side of the knot
+      sum +=
+          h / 6 *
+          (curve.JetAt(a).second.squaredNorm() + 4 * curve.JetAt(a + h / 2).second.squaredNorm() +
+           curve.JetAt(b - inside).second.squaredNorm());
+    }
+    return sum;
+  };
+  for (int k = 0; k < 20; ++k) {
+    const CubicEndCondition<3> start{CubicEnd::kFirstDerivative, random.Vector(3)},
+        end{CubicEnd::kSecondDerivative, random.Vector(3)};
+    EXPECT_GT(bending(CubicSplineCurve<3>(data.points, data.parameters, start, end)),
+              bending(least) * (1 + kHalfDigits));
+  }
+}
+
+TEST(CubicSplineTest, SaysWhatItCannotDo) {
+  const auto error = [](const Eigen::Matrix2Xd& points, const Eigen::VectorXd& parameters) {
+    try {
+      CubicSplineCurve<2>(points, parameters);
+    } catch (const std::invalid_argument& e) {
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  const Eigen::Matrix2Xd points{{0, 1, 2}, {0, 1, 0}};
+  EXPECT_THAT(error(points.leftCols(1), Eigen::VectorXd::Zero(1)),
+              testing::HasSubstr("at least 2"));
+  EXPECT_THAT(error(points, Eigen::Vector2d(0, 1)), testing::HasSubstr("do not agree"));
+  EXPECT_THAT(error(points, Eigen::Vector3d(0, 1, 1)), testing::HasSubstr("not above"));
+}
+
+}  // namespace batten::internal::cubic_spline_test

@@ -1,0 +1,461 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/outline.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "outlined_clouds.h"
+
+namespace batten::internal::outline_test {
+
+constexpr double kTau = 2 * std::numbers::pi;
+
+OutlineOptions OptionsFor(const OutlinedCloud& cloud) {
+  OutlineOptions options;
+  options.spacing = 1;
+  options.length_u = cloud.length_u;
+  options.length_v = cloud.length_v;
+  return options;
+}
+
+std::vector<Places> PolygonsOf(const Outline& outline) {
+  std::vector<Places> polygons;
+  for (const OutlineCurve& curve : outline.loops) polygons.push_back(PolygonAlong(curve.loop));
+  return polygons;
+}
+
+int ControlPoints(const Outline& outline) {
+  int count = 0;
+  for (const OutlineCurve& curve : outline.loops) count += curve.loop.basis().size();
+  return count;
+}
+
+// What holds of every outline.
+void ExpectSound(const Outline& outline,
+                 const OutlineOptions& options,
+                 const Eigen::Matrix2Xd& points) {
+  const std::vector<Places> polygons = PolygonsOf(outline);
+  double last = 0;
+  for (size_t k = 0; k < outline.loops.size(); ++k) {
+    const NurbsCurve<2>& loop = outline.loops[k].loop;
+    EXPECT_TRUE(loop.basis().clamped());
+    EXPECT_EQ(loop.At(loop.basis().lower()), loop.At(loop.basis().upper()));
+    EXPECT_TRUE(std::is_sorted(outline.loops[k].corners.begin(), outline.loops[k].corners.end()));
+    for (const double corner : outline.loops[k].corners)
+      EXPECT_GE(loop.basis().Multiplicity(corner), loop.basis().degree());
+    const double area = AreaOf(polygons[k]);
+    EXPECT_GT(k == 0 ? area : -area, 0);
+    if (k > 1) {
+      EXPECT_LE(-area, last * 1.01);  // holes by falling area, smoothed a little
+    }
+    last = std::abs(area);
+    for (const Eigen::Vector2d& p : polygons[k]) {
+      EXPECT_TRUE((p.array() >= -1e-9).all()) << p.transpose();
+      EXPECT_TRUE(p.x() <= options.length_u + 1e-9 && p.y() <= options.length_v + 1e-9)
+          << p.transpose();
+    }
+  }
+  EXPECT_FALSE(Crossing(polygons));
+  // A polygon's side may cut a bulge by less than the hundredth that points are held by.
+  if (outline.warnings.empty() && !outline.fills) {
+    EXPECT_EQ(PointsBeyond(polygons, points), 0);
+  }
+}
+
+std::string Told(const OutlinedShape& shape, int count, Scatter scatter, unsigned seed) {
+  return shape.name + " of " + std::to_string(count) + ", scatter " +
+         std::to_string(static_cast<int>(scatter)) + ", seed " + std::to_string(seed);
+}
+
+// Loops in number and order, near the true ones. `smooth` and `corner` in spacings. The area is
+// right to 0.6 %, or of small clouds to a fifth of a spacing along the border: where a border lies
+// between the points and beyond is not known better.
+void ExpectOutline(const OutlinedShape& shape,
+                   int count,
+                   Scatter scatter,
+                   unsigned seed,
+                   double smooth,
+                   double corner) {
+  SCOPED_TRACE(Told(shape, count, scatter, seed));
+  const OutlinedCloud cloud = CloudIn(shape, count, scatter, seed, 0.0);
+  ThreadPool pool(2);
+  const OutlineOptions options = OptionsFor(cloud);
+  const Outline outline = FindOutline(cloud.points, options, pool);
+  ASSERT_FALSE(outline.fills);
+  ASSERT_EQ(outline.loops.size(), shape.loops.size());
+  EXPECT_EQ(outline.parts, 1);
+  ExpectSound(outline, options, cloud.points);
+  const std::vector<Places> polygons = PolygonsOf(outline);
+  const OutlineMisfit misfit = MisfitOf(cloud.shape, polygons);
+  EXPECT_LE(misfit.smooth, smooth);
+  EXPECT_LE(misfit.corner, corner);
+  const double area = cloud.shape.Area();
+  EXPECT_NEAR(
+      TotalArea(polygons), area, std::max(0.006 * area, 0.2 * PerimeterOf(cloud.shape.loops)));
+}
+
+std::vector<OutlinedShape> Shapes() {
+  return {
+      DiscShape(), RingShape(), LShape(), StarShape(), CrescentShape(), PlateShape(), WavyShape()};
+}
+
+// Scan lines are √3 spacings apart.
+double SmoothFor(Scatter scatter) { return scatter == Scatter::kScanLines ? std::sqrt(3.0) : 1.0; }
+
+// Of borders some hundred spacings long every random gap counts: 1.14 is met once in 63 clouds.
+TEST(FindOutlineTest, IsNearTheTrueOutline) {
+  for (const OutlinedShape& shape : Shapes())
+    for (const Scatter scatter :
+         {Scatter::kRandom, Scatter::kJittered, Scatter::kGrid, Scatter::kScanLines})
+      for (unsigned seed = 1; seed <= 3; ++seed)
+        ExpectOutline(shape, 2000, scatter, seed, 1.15 * SmoothFor(scatter), 3);
+}
+
+TEST(LongFindOutlineTest, IsNearTheTrueOutlineOfLargeClouds) {
+  for (const OutlinedShape& shape : Shapes())
+    for (const Scatter scatter :
+         {Scatter::kRandom, Scatter::kJittered, Scatter::kGrid, Scatter::kScanLines})
+      for (const int count : {20000, 100000})
+        for (unsigned seed = 1; seed <= 3; ++seed)
+          ExpectOutline(shape, count, scatter, seed, SmoothFor(scatter), 3);
+}
+
+TEST(LongFindOutlineTest, IsNearTheTrueOutlineOfAMillionPoints) {
+  for (const OutlinedShape& shape : {DiscShape(), LShape(), PlateShape()})
+    ExpectOutline(shape, 1000000, Scatter::kRandom, 1, 1, 3);
+}
+
+void ExpectFilled(int count, Scatter scatter, unsigned seed, double pad) {
+  SCOPED_TRACE(Told(RectangleShape(), count, scatter, seed));
+  const OutlinedCloud cloud = CloudIn(RectangleShape(), count, scatter, seed, pad);
+  ThreadPool pool(2);
+  const Outline outline = FindOutline(cloud.points, OptionsFor(cloud), pool);
+  EXPECT_TRUE(outline.fills);
+  EXPECT_TRUE(outline.loops.empty());
+  EXPECT_TRUE(outline.warnings.empty());
+}
+
+TEST(FindOutlineTest, FindsNothingToTrimInRectangles) {
+  for (const Scatter scatter :
+       {Scatter::kRandom, Scatter::kJittered, Scatter::kGrid, Scatter::kScanLines})
+    for (const double pad : {0.0, 0.5})
+      for (unsigned seed = 1; seed <= 3; ++seed) {
+        ExpectFilled(2000, scatter, seed, pad);
+        ExpectFilled(20000, scatter, seed, pad);
+      }
+}
+
+TEST(LongFindOutlineTest, FindsNothingToTrimInLargeRectangles) {
+  for (const Scatter scatter :
+       {Scatter::kRandom, Scatter::kJittered, Scatter::kGrid, Scatter::kScanLines})
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      ExpectFilled(100000, scatter, seed, 0.5);
+      ExpectFilled(1000000, scatter, seed, 0.5);
+    }
+}
+
+TEST(FindOutlineTest, RoundOutlinesTakeFewControlPoints) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const OutlinedCloud cloud = CloudIn(DiscShape(), 7854, Scatter::kRandom, seed);  // radius 50
+    ThreadPool pool(1);
+    const Outline outline = FindOutline(cloud.points, OptionsFor(cloud), pool);
+    EXPECT_LE(ControlPoints(outline), 24);
+    EXPECT_TRUE(outline.loops[0].corners.empty());
+  }
+}
+
+OutlinedShape DiscWithHole(double share) {
+  OutlinedShape shape = DiscShape();
+  shape.loops.push_back(EllipseLoop(0.6, 0.55, share, share));
+  return shape;
+}
+
+// A hole of eight spacings across is one; three missing points are chance.
+TEST(FindOutlineTest, TellsHolesFromChance) {
+  constexpr int kCount = 20000;
+  const double spacing = std::sqrt(DiscShape().Area() / kCount);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    ExpectOutline(DiscWithHole(4 * spacing), kCount, Scatter::kJittered, seed, 1.2, 0);
+    OutlinedCloud cloud = CloudIn(DiscShape(), kCount, Scatter::kGrid, seed);
+    const Eigen::Index third = cloud.points.cols() / 3;
+    cloud.points.middleCols(third, 3) = cloud.points.middleCols(0, 3);
+    ThreadPool pool(1);
+    EXPECT_EQ(FindOutline(cloud.points, OptionsFor(cloud), pool).loops.size(), 1);
+  }
+}
+
+TEST(FindOutlineTest, ALargerPartIsTakenAndSaid) {
+  OutlinedCloud large = CloudIn(DiscShape(), 3000, Scatter::kRandom, 1),
+                small = CloudIn(LShape(), 1000, Scatter::kRandom, 2);
+  Eigen::Matrix2Xd points(2, 4000);
+  points << large.points, (small.points.array() + 80).matrix();
+  OutlineOptions options = OptionsFor(large);
+  options.length_u = options.length_v = 120;
+  ThreadPool pool(1);
+  const Outline outline = FindOutline(points, options, pool);
+  EXPECT_EQ(outline.parts, 2);
+  ASSERT_EQ(outline.loops.size(), 1);
+  EXPECT_NEAR(AreaOf(PolygonAlong(outline.loops[0].loop)), 3000, 60);
+  EXPECT_EQ(outline.warnings.size(), 2);  // the parts, and the points of the other one
+}
+
+// --- Laws of scaling, turning and order.
+
+TEST(FindOutlineTest, ScalesWithTheUnit) {
+  const OutlinedCloud cloud = CloudIn(PlateShape(), 5000, Scatter::kRandom, 3);
+  ThreadPool pool(1);
+  const Outline plain = FindOutline(cloud.points, OptionsFor(cloud), pool);
+  for (const double unit : {1e-6, 1e6}) {
+    OutlineOptions options = OptionsFor(cloud);
+    options.spacing *= unit;
+    options.length_u *= unit;
+    options.length_v *= unit;
+    const Outline scaled = FindOutline(cloud.points * unit, options, pool);
+    ASSERT_EQ(scaled.loops.size(), plain.loops.size());
+    for (size_t k = 0; k < plain.loops.size(); ++k) {
+      const auto &a = plain.loops[k].loop.control_points(),
+                 b = scaled.loops[k].loop.control_points();
+      ASSERT_EQ(a.cols(), b.cols());
+      EXPECT_LE((a - b / unit).cwiseAbs().maxCoeff(), 1e-5);  // in spacings: steps that stop early
+    }
+  }
+}
+
+TEST(FindOutlineTest, TurnsWithTheCloud) {
+  const OutlinedCloud cloud = CloudIn(StarShape(), 5000, Scatter::kRandom, 4, 30.0);
+  ThreadPool pool(1);
+  const Outline plain = FindOutline(cloud.points, OptionsFor(cloud), pool);
+  const Eigen::Vector2d middle(cloud.length_u / 2, cloud.length_v / 2);
+  for (const double angle : {0.3, 1.7, 4.0}) {
+    Eigen::Matrix2d turn;
+    turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+    const Eigen::Matrix2Xd points = (turn * (cloud.points.colwise() - middle)).colwise() + middle;
+    const Outline turned = FindOutline(points, OptionsFor(cloud), pool);
+    ASSERT_EQ(turned.loops.size(), plain.loops.size());
+    EXPECT_EQ(turned.loops[0].corners.size(), plain.loops[0].corners.size());
+    Places back = PolygonAlong(turned.loops[0].loop);
+    for (Eigen::Vector2d& p : back) p = turn.transpose() * (p - middle) + middle;
+    OutlinedShape as_shape{"turned", {PolygonAlong(plain.loops[0].loop)}, {}};
+    for (const double corner : plain.loops[0].corners)
+      as_shape.corners.push_back(plain.loops[0].loop.At(corner));
+    // Samples along the ragged border begin elsewhere, so corners are found a little beside, and
+    // the sides between them; each is within one of the truth.
+    const OutlineMisfit misfit = MisfitOf(as_shape, {back});
+    EXPECT_LE(misfit.smooth, 1);
+    EXPECT_LE(misfit.corner, 1.5);
+  }
+}
+
+TEST(FindOutlineTest, IsTheSameForAnyThreadsAndOrder) {
+  const OutlinedCloud cloud = CloudIn(PlateShape(), 20000, Scatter::kRandom, 5);
+  ThreadPool one(1), three(3);
+  const Outline plain = FindOutline(cloud.points, OptionsFor(cloud), one);
+  const Outline threads = FindOutline(cloud.points, OptionsFor(cloud), three);
+  const Outline reversed = FindOutline(cloud.points.rowwise().reverse(), OptionsFor(cloud), one);
+  ASSERT_EQ(threads.loops.size(), plain.loops.size());
+  ASSERT_EQ(reversed.loops.size(), plain.loops.size());
+  for (size_t k = 0; k < plain.loops.size(); ++k) {
+    EXPECT_EQ(threads.loops[k].loop, plain.loops[k].loop);
+    const auto &a = plain.loops[k].loop.control_points(),
+               &b = reversed.loops[k].loop.control_points();
+    ASSERT_EQ(a.cols(), b.cols());
+    EXPECT_LE((a - b).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+// --- Round directions.
+
+constexpr double kRound = 200, kTall = 100;
+
+template <typename Inside>
+Eigen::Matrix2Xd OnCylinder(unsigned seed, const Inside& inside) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Places places;
+  for (int i = 0; i < kRound * kTall; ++i) {
+    const double u = kRound * uniform(engine), v = kTall * uniform(engine);
+    if (inside(u, v)) places.emplace_back(u, v);
+  }
+  Eigen::Matrix2Xd points(2, static_cast<Eigen::Index>(places.size()));
+  for (size_t k = 0; k < places.size(); ++k) points.col(static_cast<Eigen::Index>(k)) = places[k];
+  return points;
+}
+
+OutlineOptions RoundOptions(bool both = false) {
+  OutlineOptions options;
+  options.spacing = 1;
+  options.length_u = kRound;
+  options.length_v = kTall;
+  options.periodic_u = true;
+  options.periodic_v = both;
+  return options;
+}
+
+double Apart(double a, double b, double period) { return std::abs(std::remainder(a - b, period)); }
+
+double Rim(double u) { return 80 + 8 * std::sin(2 * kTau * u / kRound); }
+
+TEST(FindOutlineTest, TubesAndToriAndSpheresFill) {
+  const auto all = [](double, double) { return true; };
+  ThreadPool pool(1);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    EXPECT_TRUE(FindOutline(OnCylinder(seed, all), RoundOptions(), pool).fills);
+    EXPECT_TRUE(FindOutline(OnCylinder(seed, all), RoundOptions(true), pool).fills);
+  }
+}
+
+TEST(FindOutlineTest, ARaggedTubeHasOneLoopAlongTheSeam) {
+  ThreadPool pool(1);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const auto hole = [](double u, double v) {
+      return std::hypot(Apart(u, 5, kRound), v - 40) < 20;
+    };
+    const Eigen::Matrix2Xd points =
+        OnCylinder(seed, [&](double u, double v) { return v < Rim(u) && !hole(u, v); });
+    const Outline outline = FindOutline(points, RoundOptions(), pool);
+    ASSERT_EQ(outline.loops.size(), 1);
+    ExpectSound(outline, RoundOptions(), points);
+    const Places loop = PolygonAlong(outline.loops[0].loop);
+    EXPECT_NEAR(AreaOf(loop), 80 * kRound - 400 * std::numbers::pi, 100);
+    int on_seams = 0;
+    for (const Eigen::Vector2d& p : loop) {
+      const bool seam = p.x() == 0 || p.x() == kRound;
+      on_seams += seam;
+      const double off = std::min({std::abs(p.y() - Rim(p.x())),
+                                   p.y(),
+                                   std::abs(std::hypot(Apart(p.x(), 5, kRound), p.y() - 40) - 20)});
+      EXPECT_TRUE(seam || off <= 1) << p.transpose();
+    }
+    EXPECT_GT(on_seams, 20);
+    // Both sides of the seam end at the same heights.
+    for (const double corner : outline.loops[0].corners) {
+      const Eigen::Vector2d p = outline.loops[0].loop.At(corner);
+      if (p.x() != 0) continue;
+      double nearest = 1;
+      for (const double other : outline.loops[0].corners) {
+        const Eigen::Vector2d q = outline.loops[0].loop.At(other);
+        if (q.x() == kRound) nearest = std::min(nearest, std::abs(p.y() - q.y()));
+      }
+      EXPECT_LE(nearest, 1e-9);
+    }
+  }
+}
+
+TEST(FindOutlineTest, HolesInTubesAndToriKeepTheRectangle) {
+  ThreadPool pool(1);
+  for (const bool both : {false, true}) {
+    const Eigen::Matrix2Xd points =
+        OnCylinder(7, [](double u, double v) { return std::hypot(u - 100, v - 50) > 15; });
+    const Outline outline = FindOutline(points, RoundOptions(both), pool);
+    ASSERT_EQ(outline.loops.size(), 2);
+    EXPECT_EQ(outline.loops[0].loop.basis().degree(), 1);
+    EXPECT_EQ(outline.loops[0].loop.basis().size(), 5);
+    ExpectSound(outline, RoundOptions(both), points);
+    for (const Eigen::Vector2d& p : PolygonAlong(outline.loops[1].loop))
+      EXPECT_NEAR((p - Eigen::Vector2d(100, 50)).norm(), 15, 1);
+  }
+}
+
+TEST(FindOutlineTest, AHoleWhereBothSeamsMeetIsCutInFour) {
+  ThreadPool pool(1);
+  const Eigen::Matrix2Xd points = OnCylinder(8, [](double u, double v) {
+    return std::hypot(Apart(u, 0, kRound), Apart(v, 0, kTall)) > 15;
+  });
+  const Outline outline = FindOutline(points, RoundOptions(true), pool);
+  ASSERT_EQ(outline.loops.size(), 1);
+  ExpectSound(outline, RoundOptions(true), points);
+  EXPECT_EQ(outline.loops[0].corners.size(), 8);
+  EXPECT_NEAR(
+      AreaOf(PolygonAlong(outline.loops[0].loop)), kRound * kTall - 225 * std::numbers::pi, 20);
+}
+
+constexpr double kRadius = 50;
+
+Eigen::Matrix2Xd OnSphere(unsigned seed, double lowest) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Places places;
+  for (int i = 0; i < 2 * kTau * kRadius * kRadius; ++i) {
+    const double v = kRadius * std::acos(2 * uniform(engine) - 1),
+                 u = kTau * kRadius * uniform(engine);
+    if (v < lowest) places.emplace_back(u, v);
+  }
+  Eigen::Matrix2Xd points(2, static_cast<Eigen::Index>(places.size()));
+  for (size_t k = 0; k < places.size(); ++k) points.col(static_cast<Eigen::Index>(k)) = places[k];
+  return points;
+}
+
+TEST(FindOutlineTest, PolesAreNoHoles) {
+  OutlineOptions options;
+  options.spacing = 1;
+  options.periodic_u = options.pole_start = options.pole_end = true;
+  options.length_u = kTau * kRadius;
+  options.length_v = std::numbers::pi * kRadius;
+  options.stretch_u = [](double v) { return std::sin(v / kRadius); };
+  ThreadPool pool(1);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    EXPECT_TRUE(FindOutline(OnSphere(seed, 1e9), options, pool).fills);
+    const Eigen::Matrix2Xd bowl = OnSphere(seed, 110);
+    const Outline outline = FindOutline(bowl, options, pool);
+    ASSERT_EQ(outline.loops.size(), 1);
+    ExpectSound(outline, options, bowl);
+    for (const Eigen::Vector2d& p : PolygonAlong(outline.loops[0].loop))
+      EXPECT_LE(std::min({p.y(), std::abs(p.y() - 110), p.x(), std::abs(p.x() - options.length_u)}),
+                1);
+  }
+}
+
+// --- Little, odd and broken input.
+
+TEST(FindOutlineTest, PointsWithoutAreaHaveNoOutline) {
+  OutlineOptions options;
+  options.spacing = 1;
+  options.length_u = options.length_v = 100;
+  ThreadPool pool(1);
+  for (const int count : {1, 2, 3, 50}) {
+    Eigen::Matrix2Xd points = Eigen::Matrix2Xd::Constant(2, count, 10.0);
+    for (int line = 0; line < 2; ++line) {
+      const Outline outline = FindOutline(points, options, pool);
+      EXPECT_TRUE(outline.loops.empty());
+      EXPECT_EQ(outline.warnings.size(), 1);
+      for (int k = 0; k < count; ++k) points(0, k) += k;
+    }
+  }
+}
+
+TEST(FindOutlineTest, DuplicatesChangeNothing) {
+  const OutlinedCloud cloud = CloudIn(LShape(), 3000, Scatter::kRandom, 6);
+  Eigen::Matrix2Xd twice(2, 6000);
+  twice << cloud.points, cloud.points;
+  ThreadPool pool(1);
+  const Outline a = FindOutline(cloud.points, OptionsFor(cloud), pool),
+                b = FindOutline(twice, OptionsFor(cloud), pool);
+  ASSERT_EQ(a.loops.size(), b.loops.size());
+  EXPECT_EQ(a.loops[0].loop, b.loops[0].loop);
+}
+
+TEST(FindOutlineTest, NamesWhatIsWrong) {
+  ThreadPool pool(1);
+  const Eigen::Matrix2Xd points = Eigen::Matrix2Xd::Zero(2, 3);
+  OutlineOptions options;
+  EXPECT_THROW(FindOutline(points, options, pool), std::invalid_argument);
+  options.spacing = 1;
+  options.length_v = 0;
+  EXPECT_THROW(FindOutline(points, options, pool), std::invalid_argument);
+  options.length_v = 1;
+  options.noise = -1;
+  EXPECT_THROW(FindOutline(points, options, pool), std::invalid_argument);
+  options.noise = 0;
+  EXPECT_THROW(FindOutline(Eigen::Matrix2Xd(2, 0), options, pool), std::invalid_argument);
+}
+
+}  // namespace batten::internal::outline_test

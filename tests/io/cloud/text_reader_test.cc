@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "batten/io/read_cloud.h"
+#include "batten/io/read_error.h"
+#include "cloud_bytes.h"
+
+namespace batten::internal::text_reader_test {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr unsigned kSeed = 11;
+
+// The two points (1, 2, 3) and (−4, 5.5, 0.06) of every spelling below.
+const Eigen::Matrix3Xd& TwoPoints() {
+  static const Eigen::Matrix3Xd points =
+      (Eigen::Matrix3Xd(3, 2) << 1, -4, 2, 5.5, 3, 0.06).finished();
+  return points;
+}
+
+TEST(TextReaderTest, TakesAnySeparatorCommentAndLineEnd) {
+  for (const char* text : {"1 2 3\n-4 5.5 .06\n",
+                           "1\t2\t3\n-4\t5.5\t0.06",
+                           "1,2,3\r\n-4,5.5,6e-2\r\n",
+                           "1; 2 ;3\n  -4;+5.5;6E-02  \n\n",
+                           "# x y z\n1 2 3 # first\n// more\n-4 5.5 0.06//second\n",
+                           "\xEF\xBB\xBFx,y,z\n1,2,3\n-4,5.5,0.06\n",
+                           "\xEF\xBB\xBF"
+                           "1 2 3\n-4 5.5 0.06\n",
+                           "\"X\";\"Y\";\"Z\"\n\"1\";\"2\";\"3\"\n-4;5.5;0.06\n",
+                           "2\n1 2 3 99\n-4 5.5 0.06 98\n",
+                           "A title of some words\n1 2 3\n-4 5.5 0.06\n",
+                           "1 2 3 wall\n-4 5.5 0.06 floor\n"}) {
+    const CloudFile file = ReadBytes("a.txt", text);
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << text;
+    EXPECT_EQ(file.cloud.dimension(), 3);
+    EXPECT_EQ(file.points_in_file, 2);
+  }
+}
+
+TEST(TextReaderTest, ReadsEveryTextExtensionAlike) {
+  for (const char* name : {"a.xyz", "a.txt", "a.CSV", "a.asc", "a.pts", "a.dat"}) {
+    EXPECT_EQ(World(ReadBytes(name, "1 2 3\n-4 5.5 .06\n").cloud), TwoPoints()) << name;
+  }
+  CloudReadOptions options;
+  options.format = "text";
+  EXPECT_EQ(World(ReadBytes("a.points", "1 2 3 7\n-4 5.5 .06 8\n", options).cloud), TwoPoints());
+}
+
+TEST(TextReaderTest, FindsColumnsByTheHeaderWhateverTheirOrder) {
+  const CloudFile file = ReadBytes("a.csv",
+                                   "weight,Z,NX,ny,Normal_Z,Red,g,b,Y,x,v,U\n"
+                                   "2,3,0,0.6,0.8,255,128,0,2,1,0.2,0.1\n"
+                                   "4,0.06,1,0,0,1,2,3,5.5,-4,0.4,0.3\n");
+  const PointCloud& cloud = file.cloud;
+  EXPECT_EQ(World(cloud), TwoPoints());
+  EXPECT_EQ(cloud.normals().col(0), Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(cloud.weights(), Eigen::Vector2d(2, 4));
+  EXPECT_EQ(cloud.parameters().col(1), Eigen::Vector2d(0.3, 0.4));
+  EXPECT_EQ(cloud.colours().col(0).cast<int>(), Eigen::Vector3i(255, 128, 0));
+  EXPECT_THAT(file.fields, ::testing::Contains("Normal_Z"));
+}
+
+TEST(TextReaderTest, NamesFieldsByNumberWithoutAHeader) {
+  EXPECT_THAT(ReadBytes("a.xyz", "1 2 3 4\n").fields, ElementsAre("1", "2", "3", "4"));
+}
+
+TEST(TextReaderTest, ExtensionsThatNameTheColumnsAreTakenAtTheirWord) {
+  const CloudFile given = ReadBytes("a.uvxyz", "0.1 0.2 1 2 3\n0.3 0.4 -4 5.5 .06\n");
+  EXPECT_EQ(World(given.cloud), TwoPoints());
+  EXPECT_EQ(given.cloud.parameters().col(1), Eigen::Vector2d(0.3, 0.4));
+  EXPECT_THAT(given.fields, ElementsAre("u", "v", "x", "y", "z"));
+
+  CloudReadOptions ground;
+  ground.where = {{"label", 1}};
+  const CloudFile labelled =
+      ReadBytes("a.XYZL", "1 2 3 1 77\n9 9 9 0 77\n-4 5.5 .06 1 77\n", ground);
+  EXPECT_EQ(World(labelled.cloud), TwoPoints());
+  EXPECT_EQ(labelled.filtered, 1);
+  EXPECT_THAT(labelled.fields, ElementsAre("x", "y", "z", "label", "5"));
+
+  EXPECT_EQ(ReadBytes("a.xyzn", "1 2 3 0 0.6 0.8\n").cloud.normals().col(0),
+            Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(ReadBytes("a.xyzrgb", "1 2 3 255 128 0\n").cloud.colours().col(0).cast<int>(),
+            Eigen::Vector3i(255, 128, 0));
+  const CloudFile scanner = ReadBytes("a.pts", "2\n1 2 3 -700 255 128 0\n-4 5.5 .06 9 1 2 3\n");
+  EXPECT_EQ(World(scanner.cloud), TwoPoints());
+  EXPECT_EQ(scanner.cloud.colours().col(1).cast<int>(), Eigen::Vector3i(1, 2, 3));
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 3 255 128 0\n").cloud.colours().cols(), 0);
+}
+
+TEST(TextReaderTest, HeadersAndOptionsOverruleTheExtension) {
+  EXPECT_EQ(World(ReadBytes("a.uvxyz", "x y z u v\n1 2 3 .1 .2\n-4 5.5 .06 .3 .4\n").cloud),
+            TwoPoints());
+  EXPECT_EQ(World(ReadBytes("a.uvxyz", "# x y z u v\n1 2 3 .1 .2\n-4 5.5 .06 .3 .4\n").cloud),
+            TwoPoints());
+  CloudReadOptions options;
+  options.columns = {{"x", "2"}, {"y", "3"}, {"z", "4"}, {"u", "1"}, {"v", "5"}};
+  const CloudFile asked = ReadBytes("a.uvxyz", ".1 1 2 3 .2\n.3 -4 5.5 .06 .4\n", options);
+  EXPECT_EQ(World(asked.cloud), TwoPoints());
+  EXPECT_EQ(asked.cloud.parameters().col(0), Eigen::Vector2d(0.1, 0.2));
+}
+
+// Three columns named u v x y z would be a point in the wrong place.
+TEST(TextReaderTest, RefusesFewerColumnsThanTheExtensionNames) {
+  EXPECT_THAT(FailureOf("a.uvxyz", "1 2 3\n"),
+              AllOf(HasSubstr("u v x y z"), HasSubstr("first row has 3")));
+  EXPECT_THAT(FailureOf("a.xyzl", "1 2 3\n"), HasSubstr("x y z label"));
+}
+
+TEST(TextReaderTest, TakesColoursFromTheColumnsAskedFor) {
+  CloudReadOptions options;
+  options.columns = {{"red", "4"}, {"green", "5"}, {"blue", "6"}};
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 3 255 128 0\n", options).cloud.colours().col(0).cast<int>(),
+            Eigen::Vector3i(255, 128, 0));
+  options.columns.erase("blue");
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3 255 128 0\n", options), HasSubstr("red, green and blue"));
+}
+
+TEST(TextReaderTest, ColoursCountToOneWhereNoneIsAboveAndOneIsNotWhole) {
+  const auto colours = [](const std::string& text) -> Eigen::MatrixXi {
+    return ReadBytes("a.xyzrgb", text).cloud.colours().cast<int>();
+  };
+  EXPECT_EQ(colours("1 2 3 0.5 0.5 1\n1 2 3 0 1 0.1\n"),
+            (Eigen::MatrixXi(3, 2) << 128, 0, 128, 255, 255, 26).finished());
+  EXPECT_EQ(colours("1 2 3 0 0 1\n1 2 3 1 1 0\n"),
+            (Eigen::MatrixXi(3, 2) << 0, 1, 0, 1, 1, 0).finished());
+  EXPECT_EQ(colours("1 2 3 0 0.5 1\n1 2 3 1 1 2\n"),
+            (Eigen::MatrixXi(3, 2) << 0, 1, 1, 1, 1, 2).finished());
+  EXPECT_EQ(colours("1 2 3 0 nan 1\n"), Eigen::Vector3i(0, 0, 1));
+  // Whatever says so may come late.
+  std::string text;
+  for (int k = 0; k < 100'000; ++k) text += "1 2 3 0 1 1\n";
+  EXPECT_EQ(colours(text).col(99'999), Eigen::Vector3i(0, 1, 1));
+  EXPECT_EQ(colours(text + "1 2 3 0 0 0.5\n").col(0), Eigen::Vector3i(0, 255, 255));
+  EXPECT_EQ(colours(text + "1 2 3 0 0 7\n").col(0), Eigen::Vector3i(0, 1, 1));
+}
+
+TEST(TextReaderTest, TwoColumnsAreAPlaneCloud) {
+  const CloudFile file = ReadBytes("a.xy", "E387\n 1.0 0.5\n 0.25 -2\n");
+  EXPECT_EQ(file.cloud.dimension(), 2);
+  EXPECT_EQ(World(file.cloud).col(1), Eigen::Vector3d(0.25, -2, 0));
+  EXPECT_THAT(FailureOf("a.xy", "1 2\n3 4 5\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("2 columns")));
+}
+
+TEST(TextReaderTest, TakesTheColumnsAskedFor) {
+  CloudReadOptions options;
+  options.columns = {{"x", "4"}, {"y", "5"}, {"z", "2"}, {"u", "1"}, {"w", "3"}};
+  const CloudFile file = ReadBytes("a.xyz", "0.5 3 7 1 2\n0.25 0.06 8 -4 5.5\n", options);
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.cloud.parameters().row(0), Eigen::RowVector2d(0.5, 0.25));
+  EXPECT_EQ(file.cloud.parameters().row(1), Eigen::RowVector2d(0, 0));
+  EXPECT_EQ(file.cloud.weights(), Eigen::Vector2d(7, 8));
+
+  options.columns = {{"x", "b"}, {"y", "A"}};
+  const CloudFile plane = ReadBytes("a.csv", "a,b,c\n2,1,9\n", options);
+  EXPECT_EQ(plane.cloud.dimension(), 2);
+  EXPECT_EQ(World(plane.cloud).col(0), Eigen::Vector3d(1, 2, 0));
+}
+
+TEST(TextReaderTest, RefusesColumnsThatAreNotThereNamingThoseThatAre) {
+  const auto failure = [](std::map<std::string, std::string> columns,
+                          std::vector<RowFilter> where = {}) {
+    CloudReadOptions options;
+    options.columns = std::move(columns);
+    options.where = std::move(where);
+    const TemporaryFolder folder;
+    const std::string path = folder.With("a.csv", "east,north,label\n1,2,3\n");
+    try {
+      ReadCloud({path}, options);
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(failure({{"x", "4"}, {"y", "1"}}),
+              AllOf(HasSubstr("'4'"), HasSubstr("east, north, label")));
+  EXPECT_THAT(failure({{"x", "0"}, {"y", "1"}}), HasSubstr("'0'"));
+  EXPECT_THAT(failure({{"x", "up"}, {"y", "1"}}), HasSubstr("'up'"));
+  EXPECT_THAT(failure({{"x", "1"}}), HasSubstr("both x and y"));
+  EXPECT_THAT(failure({{"nx", "1"}}), HasSubstr("nx, ny and nz"));
+  EXPECT_THAT(failure({{"v", "1"}}), HasSubstr("column u"));
+  EXPECT_THAT(failure({{"q", "1"}}), HasSubstr("unknown role 'q'"));
+  EXPECT_THAT(failure({}, {{"class", 1}}), HasSubstr("'class'"));
+}
+
+TEST(TextReaderTest, DropsAndCountsRowsThatAreNotFinite) {
+  const CloudFile file =
+      ReadBytes("a.csv",
+                "x,y,z,nx,ny,nz\n1,2,3,0,0,1\nnan,2,3,0,0,1\n1,-inf,3,0,0,1\n1,,3,0,0,1\n"
+                "1,2,NaN,0,0,1\n-4,5.5,0.06,0,0,1\n");
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.non_finite, 4);
+  EXPECT_EQ(file.points_in_file, 6);
+}
+
+TEST(TextReaderTest, KeepsPointsWhoseNormalIsMissingOrAbsurdWithNone) {
+  for (const char* normal : {",,", "0,0,", "nan,0,1", "0,-inf,1", "0,0,1e19", "0,0,1e999"}) {
+    const CloudFile file = ReadBytes(
+        "a.csv", std::string("x,y,z,nx,ny,nz\n1,2,3,0,0.6,0.8\n-4,5.5,0.06,") + normal + "\n");
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << normal;
+    EXPECT_EQ(file.non_finite, 0);
+    EXPECT_EQ(file.cloud.normals().col(0), Eigen::Vector3d(0, 0.6, 0.8));
+    EXPECT_EQ(file.cloud.normals().col(1), Eigen::Vector3d::Zero()) << normal;
+  }
+}
+
+// A column that is also part of a normal keeps what it says about the place.
+TEST(TextReaderTest, ANormalThatSharesAColumnWithThePlaceLeavesThePlaceAlone) {
+  CloudReadOptions options;
+  options.columns = {{"nx", "4"}, {"ny", "1"}, {"nz", "2"}};
+  const CloudFile file = ReadBytes("a.xyz", "1 2 3 nan\n-4 5.5 .06 1\n", options);
+  EXPECT_EQ(World(file.cloud), TwoPoints());
+  EXPECT_EQ(file.cloud.normals().col(0), Eigen::Vector3d::Zero());
+  EXPECT_EQ(file.cloud.normals().col(1), Eigen::Vector3d(1, -4, 5.5));
+}
+
+TEST(TextReaderTest, EveryMixtureOfLineEndsGivesTheSamePoints) {
+  std::mt19937_64 random(kSeed);
+  SCOPED_TRACE(kSeed);
+  const std::array<std::string, 3> ends{"\n", "\r\n", "\r"};
+  constexpr int kRows = 40'000;                      // more than a block of the reader
+  for (std::size_t kinds = 1; kinds < 8; ++kinds) {  // a set of ends
+    std::string text;
+    for (int k = 0; k < kRows; ++k) {
+      std::size_t kind = random() % 3;
+      while ((kinds >> kind & 1) == 0) kind = (kind + 1) % 3;
+      text += std::to_string(k) + " " + std::string(random() % 9, ' ') + "2 3 label" + ends[kind];
+    }
+    const CloudFile file = ReadBytes("a.xyz", text);
+    ASSERT_EQ(file.points_in_file, kRows) << kinds;
+    for (int k = 0; k < kRows; ++k) ASSERT_EQ(file.cloud.World(k), Eigen::Vector3d(k, 2, 3));
+  }
+}
+
+TEST(TextReaderTest, NamesTheLineWhereLinesEndInReturnsOnly) {
+  EXPECT_THAT(FailureOf("a.xyz", "x y z\r1 2 3\r\r4 5x 6\r"),
+              AllOf(HasSubstr("line 4"), HasSubstr("'5x'")));
+}
+
+TEST(TextReaderTest, RefusesCommasThatMayBeDecimal) {
+  for (const char* row : {"-52,407;8,846;-2,601",
+                          "1,5 2,5 3,5",
+                          "1,5\t2,5\t3,5",
+                          "1;2;3,5",
+                          "1,5; 2,5 ; 3,5;",
+                          "\"1\";\"2\";\"3,5\"",
+                          "1,5e-3 2 -3 # a comment.",
+                          "1,2 3,4"}) {
+    for (const char* before : {"", "x;y;z\n", "x y z\n", "# x y z\n", "A title\n"}) {
+      const std::string failure = FailureOf("a.csv", std::string(before) + row + "\n4,5 5 6\n");
+      EXPECT_THAT(failure,
+                  AllOf(HasSubstr(*before == '\0' ? "line 1" : "line 2"),
+                        HasSubstr("decimal"),
+                        HasSubstr("write decimal points")))
+          << before << row;
+    }
+  }
+  // Whole numbers first.
+  EXPECT_THAT(FailureOf("a.csv", "1;2;3\n4;5;6\n1,5;2;3\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("decimal")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n1 2 3,5\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("decimal")));
+}
+
+TEST(TextReaderTest, CommasThatOnlySeparateAreStillSeparators) {
+  for (const char* text : {"1,2,3\n-4,5.5,.06\n",
+                           "1, 2, 3\n-4, 5.5, .06\n",
+                           "1 ,2 ,3\n-4 ,5.5 ,.06\n",
+                           "1,2,3,\n-4,5.5,.06,\n",
+                           "1,2,3 # 1,5 2,5\n-4,5.5,.06\n",
+                           "1 2 3 # 1,5 2,5\n-4 5.5 .06 # a,b\n",
+                           "1,2,3 wall,floor\n-4,5.5,.06 wall\n",
+                           "1;2;3;a,b\n-4;5.5;.06;1,2\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.csv", text).cloud), TwoPoints()) << text;
+  }
+  EXPECT_EQ(ReadBytes("a.xy", "52,407\n8,846\n").cloud.World(0), Eigen::Vector3d(52, 407, 0));
+}
+
+TEST(TextReaderTest, AHeaderThatNamesFewerColumnsThanTheRowHasIsRefused) {
+  for (const char* text : {"x,y,z\n1,2,3,4\n",
+                           "x y z\n0 1 2 3\n",
+                           "y\tx\n1\t2\t3\n",
+                           "z,x\n1,2,3\n",
+                           "northing,easting,height\n7,1,2,3\n"}) {
+    EXPECT_THAT(FailureOf("a.csv", text),
+                AllOf(HasSubstr("line 1"), HasSubstr("header names"), HasSubstr("--columns")))
+        << text;
+  }
+  EXPECT_THAT(FailureOf("a.csv", "x,y,z\n1,2,3,4\n"),
+              AllOf(HasSubstr("names 3 columns"), HasSubstr("has 4 fields")));
+  CloudReadOptions options;
+  options.columns = {{"x", "1"}, {"y", "2"}, {"z", "3"}};
+  EXPECT_EQ(World(ReadBytes("a.csv", "x,y,z\n1,2,3,4\n-4,5.5,.06,4\n", options).cloud),
+            TwoPoints());
+  for (const char* text : {"x,y,z\n1,2,3,\n-4,5.5,.06,\n",
+                           "x,y,z,\n1,2,3,\n-4,5.5,.06,\n",
+                           "x;y;z\n1;2;3;;\n-4;5.5;.06;;\n",
+                           "// x y z and more words\n1 2 3 4\n-4 5.5 .06 7\n",
+                           "# x y z\n1 2 3 4\n-4 5.5 .06 7\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.csv", text).cloud), TwoPoints()) << text;
+  }
+}
+
+// A blank may stand inside a name, and an empty cell between tabs leaves no trace.
+TEST(TextReaderTest, AHeaderWithMoreNamesIsRefusedWhereTheyMayHaveShifted) {
+  EXPECT_THAT(FailureOf("a.txt", "Point ID X Y Z R\n7 1 2 3 9\n"),
+              AllOf(HasSubstr("names 6 columns"), HasSubstr("has 5 fields")));
+  EXPECT_THAT(FailureOf("a.txt", "id\tname\tx\ty\tz\tq\n7\t\t1\t2\t3\t9\n"),
+              HasSubstr("names 6 columns"));
+  for (const char* text : {"x,y,z,comment\n1,2,3\n-4,5.5,.06,wall\n",
+                           "id,x,y,z,comment\n7,1,2,3\n7,-4,5.5,.06\n",
+                           "x y z Scan Angle\n1 2 3 7\n-4 5.5 .06 8\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", text).cloud), TwoPoints()) << text;
+  }
+}
+
+TEST(TextReaderTest, NamesThatLackXOrYAreNotPassedOver) {
+  EXPECT_THAT(FailureOf("a.csv", "z,x\n1,2\n"),
+              AllOf(HasSubstr("name x and z but not y"), HasSubstr("columns are z, x")));
+  EXPECT_THAT(FailureOf("a.csv", "x,z\n1,2\n"), HasSubstr("name x and z but not y"));
+  EXPECT_THAT(FailureOf("a.csv", "t,y,q\n1,2,3\n").empty(), true);
+  EXPECT_THAT(FailureOf("a.csv", "y,t,q\n1,2,3\n"), HasSubstr("name y but not x"));
+  EXPECT_THAT(FailureOf("a.csv", "time,lat,lon,height\n1,2,3,4\n"),
+              HasSubstr("name z but not x and y"));
+  const Eigen::Vector3d swapped = ReadBytes("a.csv", "y,x\n1,2\n").cloud.World(0);
+  EXPECT_EQ(swapped, Eigen::Vector3d(2, 1, 0));
+  EXPECT_EQ(World(ReadBytes("a.csv", "east,north,height\n1,2,3\n-4,5.5,.06\n").cloud), TwoPoints());
+  EXPECT_EQ(World(ReadBytes("a.csv", ",x,y,z\n0,1,2,3\n1,-4,5.5,.06\n").cloud), TwoPoints());
+}
+
+TEST(TextReaderTest, ADamagedFirstRowIsNoHeader) {
+  for (const char* row : {"0x10 2 3", "1\"2 3", "-52.4D+00 1 2", "l0 2 3", "N/A,2,3", "1,5x;2;3"}) {
+    for (const char* after : {"", "1 2 3\n4 5 6\n"}) {
+      const std::string failure =
+          FailureOf("a.xyz", "# first\n" + (row + ("\n" + std::string(after))));
+      EXPECT_THAT(failure, AllOf(HasSubstr("line 2"), HasSubstr("expected a number"))) << row;
+    }
+  }
+}
+
+TEST(TextReaderTest, TitlesMayHoldNumbers) {
+  for (const char* title :
+       {"E387", "NACA 0012", "3D scan 7", "Scan 5 of 10 on day 3", "2024-05-01"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", std::string(title) + "\n1 2 3\n-4 5.5 .06\n").cloud),
+              TwoPoints())
+        << title;
+    EXPECT_EQ(ReadBytes("a.dat", std::string(title) + "\n1 2\n3 4\n").cloud.size(), 2) << title;
+  }
+}
+
+TEST(TextReaderTest, RowsMayBeginWithAName) {
+  CloudReadOptions options;
+  options.columns = {{"x", "2"}, {"y", "3"}, {"z", "4"}};
+  for (const char* text : {"P1 1 2 3\nP2 -4 5.5 .06\n",
+                           "12:30:01,1,2,3\n12:30:02,-4,5.5,.06\n",
+                           "name,a,b,c\nP1,1,2,3\nP2,-4,5.5,.06\n"}) {
+    EXPECT_EQ(World(ReadBytes("a.txt", text, options).cloud), TwoPoints()) << text;
+  }
+  EXPECT_THAT(FailureOf("a.txt", "P1 1.0x 2 3\nP2 4 5 6\n", options),
+              AllOf(HasSubstr("line 1"), HasSubstr("'1.0x'")));
+  EXPECT_THAT(FailureOf("a.txt", "P1 1 2 3\nP2 4 5 6\n"),
+              AllOf(HasSubstr("line 1"), HasSubstr("'P1'")));
+}
+
+TEST(TextReaderTest, QuotesWhatIsNoNumberWithItsLine) {
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n\n4 5x 6\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("'5x'")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 +-5 6\n"), HasSubstr("'+-5'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 5/6 6\n"), HasSubstr("'5/6'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 5\n"), AllOf(HasSubstr("line 2"), HasSubstr("found 2")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n\x01\x02 5 6\n"), HasSubstr("'\\x01\\x02'"));
+  EXPECT_THAT(FailureOf("a.xyz", "1\n2\n3\n"), HasSubstr("one column"));
+  const std::string failure = FailureOf("a.xyz", "1 2 3\n" + std::string(5000, 'q') + " 5 6\n");
+  EXPECT_LT(failure.size(), 200u);
+  EXPECT_THAT(failure, Not(HasSubstr("\n")));
+}
+
+TEST(TextReaderTest, RefusesNumbersTooLargeToCalculateWith) {
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 1e308 6\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("1e+308")));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n4 -1e999 6\n"), HasSubstr("line 2"));
+  EXPECT_EQ(ReadBytes("a.xyz", "1 2 1e-999\n").cloud.World(0), Eigen::Vector3d(1, 2, 0));
+}
+
+TEST(TextReaderTest, RefusesWeightsThatAreNotPositive) {
+  EXPECT_THAT(FailureOf("a.csv", "x,y,z,w\n1,2,3,1\n1,2,3,0\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("weight 0")));
+}
+
+TEST(TextReaderTest, StopsEarlyInGarbage) {
+  EXPECT_THAT(FailureOf("a.xyz", std::string(1 << 22, 'a')), HasSubstr("longer than"));
+  EXPECT_THAT(FailureOf("a.xyz", std::string(1 << 22, '\0')), HasSubstr("line 1"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n" + std::string(1 << 22, ' ')), HasSubstr("line 2"));
+  EXPECT_THAT(FailureOf("a.xyz", std::string("\xFF\xFE") + "1"), HasSubstr("UTF-16"));
+  EXPECT_NE(FailureOf("a.xyz",
+                      std::string("\x7F"
+                                  "ELF\x02\x01\n\0\0\x13\n",
+                                  12)),
+            "");
+}
+
+TEST(TextReaderTest, HoldsAPtsCountAgainstItsRows) {
+  EXPECT_EQ(ReadBytes("a.pts", "2\n1 2 3\n-4 5.5 0.06\n").cloud.size(), 2);
+  EXPECT_THAT(FailureOf("a.pts", "1000000000\n1 2 3\n"), HasSubstr("1 of 1000000000 points"));
+}
+
+// Numbers across the border of the reader's blocks are whole.
+TEST(TextReaderTest, ReadsFilesOfManyBlocks) {
+  std::string text;
+  constexpr int kRows = 200'000;
+  for (int k = 0; k < kRows; ++k) {
+    text +=
+        std::to_string(k) + " " + std::to_string(k % 1013) + " " + std::string(k % 37, ' ') + "7\n";
+  }
+  const PointCloud cloud = ReadBytes("a.xyz", text).cloud;
+  ASSERT_EQ(cloud.size(), kRows);
+  for (int k = 0; k < kRows; ++k) ASSERT_EQ(cloud.World(k), Eigen::Vector3d(k, k % 1013, 7));
+}
+
+}  // namespace batten::internal::text_reader_test
