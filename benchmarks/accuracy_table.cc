@@ -22,12 +22,10 @@ void Row(const char* name,
          Eigen::Index count,
          double outliers,
          const SurfaceFitOptions& options) {
-  const auto cloud =
-      PointCloud::FromWorld(Scatter(height, count, kSigma, outliers, 20261121));
+  const auto cloud = PointCloud::FromWorld(Scatter(height, count, kSigma, outliers, 20261121));
   const SurfaceFit fit = FitSurface(cloud, options);
   ThreadPool pool(0);
-  const Eigen::VectorXd d =
-      DistancesTo(fit.surface, TruthGrid(height, 201), pool).distances;
+  const Eigen::VectorXd d = DistancesTo(fit.surface, TruthGrid(height, 201), pool).distances;
   const double n = fit.surface.size_u() * fit.surface.size_v();
   std::printf("| %s | %ld | %d × %d | %.2e | %.2e | %.2e | %.2f |\n",
               name,
@@ -52,7 +50,7 @@ int main() {
   SurfaceFitOptions coarse;
   coarse.control_points = {{12, 12}};
   SurfaceFitOptions coarse_linear = coarse;
-  coarse_linear.optimize = Freedom{};
+  coarse_linear.optimize = FreeVariables{};
   Row("plane", Tilted, 20000, 0, defaults);
   Row("Franke", Franke, 20000, 0, defaults);
   Row("Franke", Franke, 100000, 0, defaults);

@@ -58,7 +58,7 @@ void PrintRow(const TurnedShape& shape, Eigen::Index count, double outliers) {
     const TurnedPoints cloud = PointsOn(shape, count, sigma, seed);
     const TurnedPoints truth = TruthOn(shape, kPlaces, shape.SpacingOf(count));
     const auto strays = static_cast<Eigen::Index>(outliers * static_cast<double>(count));
-    const Eigen::Matrix3Xd points = turn * WithStraysInBox(cloud.points, strays, seed + 100);
+    const Eigen::Matrix3Xd points = turn * WithOutliersInBox(cloud.points, strays, seed + 100);
     try {
       const SurfaceFit fit = FitSurface(PointCloud::FromWorld(points));
       const NurbsSurface& s = fit.surface;

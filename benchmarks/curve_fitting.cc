@@ -191,7 +191,7 @@ void PrintPrimitives() {
 void PrintConicRow(const KnownCurve& curve, bool weights) {
   FreeForm free;
   free.options.degree = 2;
-  if (weights) free.options.optimize = Freedom{.parameters = true, .weights = true};
+  if (weights) free.options.optimize = FreeVariables{.parameters = true, .weights = true};
   const CurveCloudKind kind{60, 0};
   const Eigen::Matrix3Xd points = CloudAlong(curve, kind, 1);
   const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();

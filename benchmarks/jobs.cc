@@ -17,10 +17,10 @@
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/joint/joint_stage.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/joint/joint_optimization.h"
 #include "jittered_shell.h"
 #include "job_clouds.h"
 #include "job_results.h"
@@ -176,7 +176,7 @@ void FeetCase(Words words) {
   WriteColumns(words[2], Eigen::Matrix2Xd(points.topRows<2>()));
 }
 
-void Feet(Words words) {
+void FootPointSet(Words words) {
   const Eigen::Matrix3Xd points = ReadPoints(words[1]).leftCols(std::stol(words[3]));
   const SurfaceFootPoints finder(ReadSheet(words[2]));
   ThreadPool pool(std::stoi(words[4]));
@@ -252,7 +252,7 @@ const std::map<std::string, Job> kJobs = {
     {"curve", {3, "KIND CLOUD.f64 THREADS", Curve}},
     {"measure_curve", {2, "KIND LINE.f64", MeasureCurve}},
     {"feet_case", {3, "CLOUD.f64 SHEET.f64 STARTS.f64", FeetCase}},
-    {"feet", {5, "global|near CLOUD.f64 SHEET.f64 COUNT THREADS", Feet}},
+    {"feet", {5, "global|near CLOUD.f64 SHEET.f64 COUNT THREADS", FootPointSet}},
     {"joint_case", {3, "SHEET.f64 CLOUD.f64 STARTS.f64", JointCase}},
     {"joint", {1, "THREADS", Joint}},
     {"measure_sheet", {1, "SHEET.f64", MeasureSheet}},

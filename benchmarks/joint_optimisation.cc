@@ -166,7 +166,7 @@ void PrintOverTime(const std::vector<KnownCase>& cases, ThreadPool& pool) {
                 known.Floor(),
                 Rms(start, known.truth, pool));
     PrintMethod(known, start, "alternation", Alternate, pool);
-    PrintMethod(known, start, "joint stage", JointStage, pool);
+    PrintMethod(known, start, "joint stage", JointOptimization, pool);
     PrintMethod(known, start, "whole optimiser", WholeOptimiser, pool);
   }
 }
@@ -411,13 +411,12 @@ void PrintKnots(ThreadPool& pool) {
 }  // namespace batten::internal
 
 int main(int argc, char** argv) {
-  const std::pair<std::string_view, void (*)(ThreadPool&)> tables[] = {
-      {"shell", PrintShell},
-      {"coarse", PrintCoarse},
-      {"curves", PrintCurves},
-      {"settled", PrintSettled},
-      {"conics", PrintConics},
-      {"knots", PrintKnots}};
+  const std::pair<std::string_view, void (*)(ThreadPool&)> tables[] = {{"shell", PrintShell},
+                                                                       {"coarse", PrintCoarse},
+                                                                       {"curves", PrintCurves},
+                                                                       {"settled", PrintSettled},
+                                                                       {"conics", PrintConics},
+                                                                       {"knots", PrintKnots}};
   const std::string_view chosen = argc > 1 ? argv[1] : "";
   const bool known = std::any_of(std::begin(tables), std::end(tables), [&](const auto& table) {
     return table.first == chosen;

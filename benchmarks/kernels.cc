@@ -12,11 +12,11 @@
 #include <flann/flann.hpp>
 #pragma GCC diagnostic pop
 
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "known_clouds.h"
 
 namespace batten::internal {

@@ -13,7 +13,6 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/joint/joint_stage.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/solve_linear.h"
@@ -21,6 +20,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/joint/joint_optimization.h"
 
 namespace batten::internal {
 
@@ -182,7 +182,7 @@ inline MethodRun Alternate(const FittedShape& start, double limit, ThreadPool& p
   return run;
 }
 
-inline MethodRun JointStage(const FittedShape& start, double limit, ThreadPool& pool) {
+inline MethodRun JointOptimization(const FittedShape& start, double limit, ThreadPool& pool) {
   const StopAfter clock(limit);
   JointOptions options;
   options.least_gain = 1e-5;

@@ -70,9 +70,9 @@ std::optional<double> ToLossScale(const std::string& text) {
   return ParseNumber("--loss-scale", text, Sign::kPositive);
 }
 
-std::optional<Freedom> ToFreedom(const std::string& words) {
+std::optional<FreeVariables> ToFreeVariables(const std::string& words) {
   if (words == "auto") return std::nullopt;
-  Freedom freedom;
+  FreeVariables freedom;
   if (words == "none") return freedom;
   std::string rest = words + ",";
   for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
-#include "batten/fitting/freedom.h"
+#include "batten/fitting/free_variables.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/io/geometry_types.h"
@@ -59,7 +59,7 @@ std::optional<Loss> ToLoss(const std::string& word);  // none for auto
 std::optional<double> ToSmoothing(const std::string& text);
 std::optional<double> ToLossScale(const std::string& text);
 // auto (none), none (nothing free), or any of params, weights and knots in any order.
-std::optional<Freedom> ToFreedom(const std::string& words);
+std::optional<FreeVariables> ToFreeVariables(const std::string& words);
 // What is subtracted from the coordinates written; none says the cloud's own origin.
 std::optional<Eigen::Vector3d> ToShift(const std::string& origin);
 

@@ -7,7 +7,7 @@
 #include "batten/fitting/deviation_map.h"
 #include "batten/fitting/distances.h"
 #include "batten/geometry/surface_evaluator.h"
-#include "fitting/cloud/company.h"
+#include "fitting/cloud/local_outlier_factor.h"
 
 namespace batten::internal {
 namespace {

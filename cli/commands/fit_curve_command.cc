@@ -169,7 +169,7 @@ CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
   options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
-  options.optimize = ToFreedom(a.optimize);
+  options.optimize = ToFreeVariables(a.optimize);
   return WithWork(std::move(options), a);
 }
 

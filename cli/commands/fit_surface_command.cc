@@ -96,7 +96,7 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);
-  options.optimize = ToFreedom(a.optimize);
+  options.optimize = ToFreeVariables(a.optimize);
   options.base = Named<BaseShape>(a.base,
                                   {{"plane", BaseShape::kPlane},
                                    {"sheet", BaseShape::kSheet},

@@ -59,9 +59,9 @@ NurbsSurface MovedBack(const NurbsSurface& surface, const Eigen::Vector3d& shift
 }
 
 // The search structures of every geometry, built once.
-class Feet {
+class FootPointSet {
  public:
-  Feet(const std::vector<Geometry>& geometry, const Eigen::Vector3d& origin) {
+  FootPointSet(const std::vector<Geometry>& geometry, const Eigen::Vector3d& origin) {
     for (const Geometry& one : geometry) {
       std::visit([&](const auto& shape) { Add(MovedBack(shape, -origin)); }, one);
     }
@@ -215,7 +215,7 @@ int RunProject(const ProjectArguments& a) {
   }
 
   ThreadPool pool(a.threads);
-  const Feet feet(geometry, cloud.origin());
+  const FootPointSet feet(geometry, cloud.origin());
   const bool indexed = geometry.size() > 1;
   const bool surfaces = std::any_of(geometry.begin(), geometry.end(), [](const Geometry& one) {
     return std::holds_alternative<NurbsSurface>(one);
@@ -234,9 +234,10 @@ int RunProject(const ProjectArguments& a) {
   for (Eigen::Index begin = 0; begin < cloud.size() && printed; begin += kRows) {
     Report(progress, "project", static_cast<double>(begin) / static_cast<double>(cloud.size()));
     const Eigen::Index rows = std::min(kRows, cloud.size() - begin);
-    const std::vector<Foot> rows_feet = feet.Nearest(cloud.points().middleCols(begin, rows), pool);
+    const std::vector<Foot> rows_foot_points =
+        feet.Nearest(cloud.points().middleCols(begin, rows), pool);
     for (Eigen::Index k = 0; k < rows; ++k) {
-      Foot foot = rows_feet[static_cast<size_t>(k)];
+      Foot foot = rows_foot_points[static_cast<size_t>(k)];
       foot.point += cloud.origin();
       const Eigen::Vector3d point = cloud.World(begin + k);
       if (a.flags.json) {

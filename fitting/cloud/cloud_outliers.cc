@@ -7,28 +7,28 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/neighbours/local_quadric.h"
-#include "fitting/cloud/place_screen.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/cloud/inlier_prescreen.h"
+#include "fitting/neighbours/local_quadric.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kPlaneNeighbours = 24;
 constexpr int kReachNeighbour = 6;
-constexpr double kAgrees = 3;         // a trusted point's offset in deviations of its neighbours
-constexpr double kUsualScales = 2.5;  // a trusted place's deviation from its plane, …
+constexpr double kAgrees = 3;         // an inlier's offset in deviations of its neighbours
+constexpr double kUsualScales = 2.5;  // an inlier's deviation from its plane, …
 constexpr double kFlat = 0.1;         // … or this share of its neighbours' reach
 constexpr double kSparser = 2;        // than the points around it, or than the nearest surface
 constexpr double kExact = 0.03;       // of the reach: less deviation is none
 constexpr int kQuadricNeighbours = 30;
-constexpr int kLookedAt = 48;  // points, for so many trusted ones
+constexpr int kLookedAt = 48;  // points, for so many inliers
 constexpr int kOthers[] = {
     3, 6, 10, 15, 21};              // of the nearest points, whose surroundings are asked
 constexpr double kOff = 4.5;        // deviations that make an outlier
 constexpr double kResolved = 0.06;  // of the reach: less is no deviation
-constexpr int kCompanions = 2;      // trusted ones among the nearest
-constexpr double kAway = 2.5;       // reaches from the nearest trusted point
+constexpr int kCompanions = 2;      // inliers among the nearest
+constexpr double kAway = 2.5;       // reaches from the nearest inlier
 constexpr double kLonelier = 3;
 constexpr double kFillsSpace = 0.2;
 constexpr double kMostNeighbourLeverage = 4;  // beyond, a quadric says nothing of the place
@@ -38,7 +38,7 @@ constexpr std::ptrdiff_t kAskedPerTask = 256;
 constexpr double kPays = 0.5;  // of the points, that a screen must pass
 
 // How a point stands to its neighbours.
-struct Standing {
+struct PointStatistics {
   double offset = 0;         // off the plane of its neighbours
   double scale = 0;          // of the neighbours' own deviations from that plane
   double reach = 0;          // distance of its sixth neighbour
@@ -52,21 +52,21 @@ Eigen::Matrix3Xd PointsAt(const Eigen::Matrix3Xd& points, std::span<const int> c
   return picked;
 }
 
-// The standings of the points asked for, and reaches of all.
-class Standings {
+// The statistics of the points asked for, and reaches of all.
+class NeighbourStatistics {
  public:
-  Standings(const Eigen::Matrix3Xd& points, const NeighbourIndex& index)
+  NeighbourStatistics(const Eigen::Matrix3Xd& points, const NeighbourIndex& index)
       : points_(points), index_(index) {}
 
   // Points that stay at their places in the list.
   const std::vector<int>& asked() const { return asked_; }
-  const Standing& operator[](size_t i) const { return standings_[i]; }
+  const PointStatistics& operator[](size_t i) const { return statistics_[i]; }
 
   // Asks for points not asked for yet, without the reaches of those nearest to them.
   void Ask(std::span<const int> chosen, ThreadPool& pool, const Progress& progress) {
     const auto old = std::ssize(asked_);
     asked_.insert(asked_.end(), chosen.begin(), chosen.end());
-    standings_.resize(asked_.size());
+    statistics_.resize(asked_.size());
     if (rank_.empty()) rank_.assign(static_cast<size_t>(points_.cols()), -1);
     for (auto i = old; i < std::ssize(asked_); ++i) rank_[asked_[i]] = static_cast<int>(i);
     constexpr std::ptrdiff_t kChunk = 1 << 16;
@@ -85,9 +85,9 @@ class Standings {
   void AskNearest(ThreadPool& pool) {
     pool.For(std::ssize(asked_), kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       std::vector<int> nearest;
-      for (auto i = begin; i < end; ++i) nearest.push_back(standings_[i].nearest);
+      for (auto i = begin; i < end; ++i) nearest.push_back(statistics_[i].nearest);
       const std::vector<double> reaches = Reaches(nearest);
-      for (auto i = begin; i < end; ++i) standings_[i].nearest_reach = reaches[i - begin];
+      for (auto i = begin; i < end; ++i) statistics_[i].nearest_reach = reaches[i - begin];
     });
   }
 
@@ -97,7 +97,7 @@ class Standings {
     std::vector<int> unknown;
     for (size_t i = 0; i < chosen.size(); ++i) {
       const int rank = rank_[chosen[i]];
-      if (rank >= 0) reaches[i] = standings_[rank].reach;
+      if (rank >= 0) reaches[i] = statistics_[rank].reach;
       if (rank < 0) unknown.push_back(chosen[i]);
     }
     if (unknown.empty()) return reaches;
@@ -126,7 +126,7 @@ class Standings {
         if (row[j] != point) local.col(others++) = points_.col(row[j]) - points_.col(point);
       }
       const AgreedPlane agreed = PlaneMostAgreeOn(local);
-      Standing& standing = standings_[i];
+      PointStatistics& standing = statistics_[i];
       standing.offset = std::abs(agreed.plane.centre.dot(agreed.plane.normal));
       standing.scale = agreed.scale;
       standing.nearest = row[row[0] == point ? 1 : 0];
@@ -137,7 +137,7 @@ class Standings {
   const Eigen::Matrix3Xd& points_;
   const NeighbourIndex& index_;
   std::vector<int> asked_, rank_;
-  std::vector<Standing> standings_;
+  std::vector<PointStatistics> statistics_;
 };
 
 // What is usual of the points.
@@ -147,7 +147,7 @@ struct Usual {
 
 // Of the points under a mask `sampled` only were asked for, each of them stands for `stands_for`
 // such points; of the others all.
-Usual UsualOf(const Standings& standings, const PointMask& sampled, double stands_for) {
+Usual UsualOf(const NeighbourStatistics& standings, const PointMask& sampled, double stands_for) {
   std::vector<std::pair<double, double>> scales, reaches;
   for (size_t i = 0; i < standings.asked().size(); ++i) {
     const double weight = sampled[standings.asked()[i]] ? stands_for : 1;
@@ -157,29 +157,29 @@ Usual UsualOf(const Standings& standings, const PointMask& sampled, double stand
   return {WeightedMedian(std::move(scales)), WeightedMedian(std::move(reaches))};
 }
 
-// Judges doubted points by the trusted ones.
-class Tribunal {
+// Judges candidate points by the inliers.
+class OutlierClassifier {
  public:
-  // Trusted are points `plainly_good` and, of those whose standings were asked for, those that
+  // Trusted are points `screened` and, of those whose statistics were asked for, those that
   // agree with their neighbours.
-  Tribunal(const Eigen::Matrix3Xd& points,
-           const NeighbourIndex& index,
-           const Standings& standings,
-           const Usual& usual,
-           PointMask plainly_good,
-           double noise)
+  OutlierClassifier(const Eigen::Matrix3Xd& points,
+                    const NeighbourIndex& index,
+                    const NeighbourStatistics& standings,
+                    const Usual& usual,
+                    PointMask screened,
+                    double noise)
       : points_(points),
         index_(index),
-        standings_(standings),
+        statistics_(standings),
         noise_(noise),
         usual_scale_(kUsualScales * usual.scale),
         usual_reach_(usual.reach),
-        trusted_(std::move(plainly_good)) {
+        inliers_(std::move(screened)) {
     for (size_t i = 0; i < standings.asked().size(); ++i) {
-      const Standing& own = standings[i];
+      const PointStatistics& own = standings[i];
       const double least =
           std::max(usual.scale, kExact * std::min(own.nearest_reach, kLonelier * usual.reach));
-      trusted_[standings.asked()[i]] = own.scale <= kUsualScales * least &&
+      inliers_[standings.asked()[i]] = own.scale <= kUsualScales * least &&
                                        own.offset <= kAgrees * std::max(least, own.scale) &&
                                        own.reach <= kSparser * own.nearest_reach;
     }
@@ -187,64 +187,64 @@ class Tribunal {
 
   PointMask Outliers(ThreadPool& pool) {
     TrustCurvedPlaces(pool);
-    std::vector<int> doubted;  // places in the list of those asked
-    for (size_t i = 0; i < standings_.asked().size(); ++i) {
-      if (!trusted_[standings_.asked()[i]] || standings_[i].reach > kLonelier * usual_reach_)
-        doubted.push_back(static_cast<int>(i));
+    std::vector<int> candidates;  // places in the list of those asked
+    for (size_t i = 0; i < statistics_.asked().size(); ++i) {
+      if (!inliers_[statistics_.asked()[i]] || statistics_[i].reach > kLonelier * usual_reach_)
+        candidates.push_back(static_cast<int>(i));
     }
     PointMask outliers = PointMask::Constant(points_.cols(), false);
-    if (trusted_.count() <= kQuadricNeighbours || doubted.empty()) return outliers;
-    const std::vector<char> verdicts = JudgeAll(doubted, pool);
-    for (size_t i = 0; i < doubted.size(); ++i)
-      outliers[PointOf(doubted[i])] = verdicts[i] != kGood;
+    if (inliers_.count() <= kQuadricNeighbours || candidates.empty()) return outliers;
+    const std::vector<char> classes = JudgeAll(candidates, pool);
+    for (size_t i = 0; i < candidates.size(); ++i)
+      outliers[PointOf(candidates[i])] = classes[i] != kGood;
     // Several off together, as dense as the surface, are structure.
     PointMask kept = outliers;
-    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    pool.For(std::ssize(candidates), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
-        if (verdicts[i] == kOffSurface && InCompany(doubted[i], outliers))
-          kept[PointOf(doubted[i])] = false;
+        if (classes[i] == kOffSurface && AmongOutliers(candidates[i], outliers))
+          kept[PointOf(candidates[i])] = false;
       }
     });
     return kept;
   }
 
  private:
-  enum Verdict { kGood, kOffSurface, kAlone };
+  enum PointClass { kGood, kOffSurface, kAlone };
 
-  int PointOf(int place) const { return standings_.asked()[static_cast<size_t>(place)]; }
+  int PointOf(int place) const { return statistics_.asked()[static_cast<size_t>(place)]; }
 
   // Where a surface bends much within a few spacings, its points agree with quadrics. So do, by
   // chance, some of the points scattered far from it: trust spreads from neighbour to neighbour.
   void TrustCurvedPlaces(ThreadPool& pool) {
-    std::vector<int> doubted;
-    for (size_t i = 0; i < standings_.asked().size(); ++i) {
-      if (!trusted_[standings_.asked()[i]]) doubted.push_back(static_cast<int>(i));
+    std::vector<int> candidates;
+    for (size_t i = 0; i < statistics_.asked().size(); ++i) {
+      if (!inliers_[statistics_.asked()[i]]) candidates.push_back(static_cast<int>(i));
     }
     struct Nearest {
       int point[kReachNeighbour];
       bool as_dense[kReachNeighbour];
     };
-    std::vector<char> agrees(doubted.size());
-    std::vector<Nearest> near(doubted.size());
-    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    std::vector<char> agrees(candidates.size());
+    std::vector<Nearest> near(candidates.size());
+    pool.For(std::ssize(candidates), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
-        agrees[i] = AgreesWithOwnQuadric(doubted[i], near[i].point);
+        agrees[i] = AgreesWithOwnQuadric(candidates[i], near[i].point);
         if (!agrees[i]) continue;
-        const std::vector<double> reaches = standings_.Reaches(near[i].point);
+        const std::vector<double> reaches = statistics_.Reaches(near[i].point);
         for (int j = 0; j < kReachNeighbour; ++j)
-          near[i].as_dense[j] = standings_[doubted[i]].reach <= kSparser * reaches[j];
+          near[i].as_dense[j] = statistics_[candidates[i]].reach <= kSparser * reaches[j];
       }
     });
     for (bool grown = true; grown;) {
       grown = false;
-      for (size_t i = 0; i < doubted.size(); ++i) {
-        const int point = PointOf(doubted[i]);
-        if (!agrees[i] || trusted_[point]) continue;
+      for (size_t i = 0; i < candidates.size(); ++i) {
+        const int point = PointOf(candidates[i]);
+        if (!agrees[i] || inliers_[point]) continue;
         int companions = 0;
         for (int j = 0; j < kReachNeighbour; ++j)
-          companions += trusted_[near[i].point[j]] && near[i].as_dense[j] ? 1 : 0;
+          companions += inliers_[near[i].point[j]] && near[i].as_dense[j] ? 1 : 0;
         if (companions < kCompanions) continue;
-        trusted_[point] = true;
+        inliers_[point] = true;
         grown = true;
       }
     }
@@ -253,7 +253,7 @@ class Tribunal {
   bool AgreesWithOwnQuadric(int place, int* nearest) const {
     const int point = PointOf(place);
     const Eigen::Vector3d p = points_.col(point);
-    const Standing& standing = standings_[place];
+    const PointStatistics& standing = statistics_[place];
     std::vector<int> near = index_.Nearest(p, kPlaneNeighbours + 1);
     near.erase(std::remove(near.begin(), near.end(), point), near.end());
     std::copy_n(near.begin(), kReachNeighbour, nearest);
@@ -274,60 +274,60 @@ class Tribunal {
     return local;
   }
 
-  // Of every doubted point. Nearly all find their trusted points among those around them; the ones
+  // Of every candidate point. Nearly all find their inliers among those around them; the ones
   // deep among their like find theirs in an index of these.
-  std::vector<char> JudgeAll(const std::vector<int>& doubted, ThreadPool& pool) const {
+  std::vector<char> JudgeAll(const std::vector<int>& candidates, ThreadPool& pool) const {
     constexpr char kUnjudged = -1;
-    std::vector<char> verdicts(doubted.size(), kUnjudged);
-    pool.For(std::ssize(doubted), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    std::vector<char> classes(candidates.size(), kUnjudged);
+    pool.For(std::ssize(candidates), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
-        std::vector<int> near = TrustedAround(PointOf(doubted[i]));
+        std::vector<int> near = InliersAround(PointOf(candidates[i]));
         if (std::ssize(near) == kQuadricNeighbours)
-          verdicts[i] = static_cast<char>(Judge(doubted[i], near));
+          classes[i] = static_cast<char>(Judge(candidates[i], near));
       }
     });
     std::vector<size_t> deep;
-    for (size_t i = 0; i < doubted.size(); ++i) {
-      if (verdicts[i] == kUnjudged) deep.push_back(i);
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (classes[i] == kUnjudged) deep.push_back(i);
     }
-    if (deep.empty()) return verdicts;
+    if (deep.empty()) return classes;
     std::vector<int> list;
     for (const int point : index_.order()) {
-      if (trusted_[point]) list.push_back(point);
+      if (inliers_[point]) list.push_back(point);
     }
     const NeighbourIndex index(PointsAt(points_, list), pool);
     pool.For(std::ssize(deep), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
-        const int place = doubted[deep[i]];
+        const int place = candidates[deep[i]];
         std::vector<int> near = index.Nearest(points_.col(PointOf(place)), kQuadricNeighbours + 1);
         for (int& j : near) j = list[j];
         near.erase(std::remove(near.begin(), near.end(), PointOf(place)), near.end());
         if (std::ssize(near) > kQuadricNeighbours) near.pop_back();
-        verdicts[deep[i]] = static_cast<char>(Judge(place, near));
+        classes[deep[i]] = static_cast<char>(Judge(place, near));
       }
     });
-    return verdicts;
+    return classes;
   }
 
-  // The trusted points nearest to a point without itself, fewer where it is deep among others.
-  std::vector<int> TrustedAround(int point) const {
+  // The inliers nearest to a point without itself, fewer where it is deep among others.
+  std::vector<int> InliersAround(int point) const {
     std::vector<int> near = index_.Nearest(points_.col(point), kLookedAt);
     const auto last =
-        std::remove_if(near.begin(), near.end(), [&](int j) { return j == point || !trusted_[j]; });
+        std::remove_if(near.begin(), near.end(), [&](int j) { return j == point || !inliers_[j]; });
     near.resize(std::min<size_t>(last - near.begin(), kQuadricNeighbours));
     return near;
   }
 
-  // `near` are the trusted points nearest to a point.
-  Verdict Judge(int place, const std::vector<int>& near) const {
+  // `near` are the inliers nearest to a point.
+  PointClass Judge(int place, const std::vector<int>& near) const {
     const int point = PointOf(place);
     const Eigen::Vector3d p = points_.col(point);
-    const double reach = Median(standings_.Reaches({near.data(), kReachNeighbour}));
-    const double own = standings_[place].reach;
+    const double reach = Median(statistics_.Reaches({near.data(), kReachNeighbour}));
+    const double own = statistics_[place].reach;
     const double away = (points_.col(near[0]) - p).norm();
     if (own > kLonelier * reach) return kAlone;
     if (away > kAway * reach) return own > kSparser * reach ? kAlone : kOffSurface;
-    if (trusted_[point]) return kGood;
+    if (inliers_[point]) return kGood;
     // Beside an edge it belongs to the neighbourhood of some point farther away.
     bool judged = false;
     for (const int other : kOthers) {
@@ -354,9 +354,9 @@ class Tribunal {
 
   // Whether most of the points nearest to a point that is off are off too, and form something
   // thinner than space.
-  bool InCompany(int place, const PointMask& outliers) const {
+  bool AmongOutliers(int place, const PointMask& outliers) const {
     const int point = PointOf(place);
-    if (standings_[place].scale > kFillsSpace * standings_[place].reach) return false;
+    if (statistics_[place].scale > kFillsSpace * statistics_[place].reach) return false;
     const std::vector<int> near = index_.Nearest(points_.col(point), kReachNeighbour + 1);
     return std::count_if(near.begin(), near.end(), [&](int j) {
              return j != point && outliers[j];
@@ -365,18 +365,18 @@ class Tribunal {
 
   const Eigen::Matrix3Xd& points_;
   const NeighbourIndex& index_;
-  const Standings& standings_;
+  const NeighbourStatistics& statistics_;
   double noise_, usual_scale_, usual_reach_;
-  PointMask trusted_;
+  PointMask inliers_;
 };
 
-// The plainly good points of a cloud, or none where they are few: such a cloud is rough, its plain
+// The inliers of a cloud that need no judgement, or none where they are few: such a cloud is rough, its plain
 // places would vouch for what is off them, and would save little.
 PointMask Screened(const Eigen::Matrix3Xd& points,
                    const NeighbourIndex& index,
                    const Usual& usual,
                    ThreadPool& pool) {
-  PointMask good = PlainlyGood(points, index, usual.scale, usual.reach, pool);
+  PointMask good = PrescreenInliers(points, index, usual.scale, usual.reach, pool);
   if (static_cast<double>(good.count()) < kPays * static_cast<double>(points.cols()))
     good.setConstant(false);
   return good;
@@ -393,7 +393,7 @@ PointMask FindOutliers(const Eigen::Matrix3Xd& points,
   // Exact data: deviations are rounding or curvature.
   const double rounding = 1e-9 * spacing;
   const auto order = index.order();
-  Standings standings(points, index);
+  NeighbourStatistics standings(points, index);
   std::vector<int> sample;
   for (const Eigen::Index i : SampleIndices(points.cols(), kTypical, 1)) sample.push_back(order[i]);
   standings.Ask(sample, pool, progress);
@@ -420,7 +420,8 @@ PointMask FindOutliers(const Eigen::Matrix3Xd& points,
   }
   usual.scale = std::max(usual.scale, rounding);
   standings.AskNearest(pool);
-  return Tribunal(points, index, standings, usual, std::move(good), std::max(noise, rounding))
+  return OutlierClassifier(
+             points, index, standings, usual, std::move(good), std::max(noise, rounding))
       .Outliers(pool);
 }
 

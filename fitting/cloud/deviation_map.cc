@@ -68,14 +68,14 @@ double RobustMean(std::span<Weighted> sample) {
 }
 
 // Those of the feet that count, about their middle.
-struct Feet {
+struct FootPointSet {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Matrix3Xd places;
   std::vector<double> distances;
 };
 
-Feet FiniteFeet(const Eigen::Matrix3Xd& feet, const Eigen::VectorXd& distances) {
-  Feet finite;
+FootPointSet FiniteFootPoints(const Eigen::Matrix3Xd& feet, const Eigen::VectorXd& distances) {
+  FootPointSet finite;
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < feet.cols(); ++k) {
     if (feet.col(k).allFinite() && std::isfinite(distances[k])) kept.push_back(k);
@@ -104,7 +104,7 @@ Eigen::VectorXd DeviationMap(const Eigen::Matrix3Xd& places,
   if (!(reach > 0)) throw std::invalid_argument("DeviationMap: reach: must be positive");
   if (!places.allFinite()) throw std::invalid_argument("DeviationMap: places: must be finite");
   Eigen::VectorXd map = Eigen::VectorXd::Constant(places.cols(), kNone);
-  const Feet known = FiniteFeet(feet, signed_distances);
+  const FootPointSet known = FiniteFootPoints(feet, signed_distances);
   if (known.distances.empty()) return map;
   const NeighbourIndex index(known.places, pool);
   const int count = static_cast<int>(std::min<Eigen::Index>(kNearest, index.size()));

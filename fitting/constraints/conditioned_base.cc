@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "fitting/constraints/domain_box.h"
-#include "fitting/constraints/neighbour_tangents.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
+#include "fitting/constraints/domain_box.h"
+#include "fitting/constraints/neighbour_tangents.h"
 
 namespace batten::internal {
 namespace {
@@ -58,10 +58,10 @@ class Conditioner {
               const SurfaceFitOptions& options,
               ThreadPool& pool)
       : cloud_(cloud), statistics_(statistics), options_(options), pool_(pool) {
-    sides_ = GivenSides(options, cloud.origin(), cloud.points(), index, statistics.spacing);
+    sides_ = BoundaryEdges(options, cloud.origin(), cloud.points(), index, statistics.spacing);
     std::vector<Eigen::Matrix3Xd> parts;
     Eigen::Index count = options.meet ? options.meet->size() : 0;
-    for (const GivenSide& side : sides_) {
+    for (const BoundaryEdge& side : sides_) {
       samples_.push_back(SampleSide(side, statistics.spacing));
       count += samples_.back().points.cols();
     }
@@ -82,7 +82,7 @@ class Conditioner {
         ChooseBase(
             all, NeighbourIndex(all.points()), WithPlain(statistics_, all.size()), options_, pool_),
         {}};
-    SurfaceBase& base = result.choice.base;
+    Parameterization& base = result.choice.base;
     if (base.periodic_u || base.periodic_v || base.poles.any()) {
       throw std::invalid_argument(
           "boundary curves and points to be met need an open surface; these points lie on one that "
@@ -123,13 +123,13 @@ class Conditioner {
     // Points of the sides serve to place them; the outline is that of the cloud.
     PointMask own = result.choice.reached;
     own.tail(own.size() - cloud_.size()).setConstant(false);
-    LaidSides laid = LayBetweenSides(result.choice.base,
-                                     own,
-                                     extended_.merged.cloud.points(),
-                                     placed,
-                                     statistics_.spacing,
-                                     statistics_.noise,
-                                     pool_);
+    PlacedBoundaries laid = ParameterizeByCoons(result.choice.base,
+                                                own,
+                                                extended_.merged.cloud.points(),
+                                                placed,
+                                                statistics_.spacing,
+                                                statistics_.noise,
+                                                pool_);
     result.choice.reached.head(cloud_.size()) = own.head(cloud_.size());
     result.choice.base.why += "; laid between the curves given for its edges";
     result.conditions.sides = std::move(laid.sides);
@@ -162,7 +162,7 @@ class Conditioner {
   const CloudStatistics& statistics_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;
-  std::vector<GivenSide> sides_;
+  std::vector<BoundaryEdge> sides_;
   std::vector<SideSamples> samples_;
   Extended extended_;
   Eigen::Index extras_of_sides_ = 0;
@@ -174,7 +174,7 @@ namespace {
 
 // A rectangle round an open sheet is better one that its own sides bound; not where a plane was
 // asked for, over which heights are to be fitted.
-bool MayEndInOutline(const SurfaceBase& base, const SurfaceFitOptions& options) {
+bool MayEndInOutline(const Parameterization& base, const SurfaceFitOptions& options) {
   return (base.name == "sheet" || (base.plane && options.base == BaseShape::kAuto)) &&
          !base.periodic_u && !base.periodic_v;
 }
@@ -183,8 +183,8 @@ bool MayEndInOutline(const SurfaceBase& base, const SurfaceFitOptions& options) 
 
 SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions) {
   SurfaceConstraints constraints;
-  for (const LaidSide& laid : conditions.sides) {
-    const GivenSide& side = laid.side;
+  for (const PlacedBoundary& laid : conditions.sides) {
+    const BoundaryEdge& side = laid.side;
     FixedEdge edge{laid.edge, side.curve};
     if (side.neighbour) {
       NurbsCurve<3> across = OutwardDerivative(*side.neighbour);
@@ -210,12 +210,12 @@ ConditionedBase ChooseConditionedBase(const PointCloud& points,
   if (!options.boundary.empty() || options.meet)
     return Conditioner(points, index, statistics, options, pool).Run();
   ConditionedBase result{ChooseBase(points, index, statistics, options, pool), {}};
-  SurfaceBase& base = result.choice.base;
+  Parameterization& base = result.choice.base;
   if (options.domain) {
     TakeDomain(base, result.choice.reached, points.origin(), *options.domain);
   } else if (!options.symmetric && MayEndInOutline(base, options)) {
     const PointMask counted = result.choice.reached && !statistics.outliers;
-    if (LayBetweenOutline(base, counted, statistics.spacing, statistics.noise, pool)) {
+    if (ParameterizeByOutline(base, counted, statistics.spacing, statistics.noise, pool)) {
       base.why += "; its rectangle ends in the outline of the points";
       base.plane.reset();
     }

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "fitting/parameterization/choose_base.h"
-#include "fitting/constraints/lay_between_sides.h"
+#include "fitting/constraints/coons_parameterization.h"
 #include "fitting/constraints/surface_constraints.h"
+#include "fitting/parameterization/choose_parameterization.h"
 
 namespace batten::internal {
 
@@ -22,7 +22,7 @@ struct MetPoint {
 
 // What a surface over a base is to meet.
 struct SurfaceConditions {
-  std::vector<LaidSide> sides;
+  std::vector<PlacedBoundary> sides;
   std::vector<MetPoint> points;
   bool any() const { return !sides.empty() || !points.empty(); }
 };
@@ -31,7 +31,7 @@ struct SurfaceConditions {
 SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions);
 
 struct ConditionedBase {
-  BaseChoice choice;
+  ParameterizationChoice choice;
   SurfaceConditions conditions;
 };
 

@@ -9,15 +9,15 @@
 #include <string>
 #include <utility>
 
-#include "fitting/linear/bordered_system.h"
-#include "fitting/linear/coefficient_order.h"
 #include "fitting/constraints/edge_energy.h"
 #include "fitting/constraints/edge_rows.h"
 #include "fitting/constraints/edge_values.h"
-#include "fitting/linear/independent_rows.h"
-#include "fitting/constraints/net_conditions.h"
+#include "fitting/constraints/linear_constraints.h"
+#include "fitting/constraints/reduced_edge_basis.h"
 #include "fitting/least_squares/penalised_system.h"
-#include "fitting/constraints/thin_axis.h"
+#include "fitting/linear/bordered_system.h"
+#include "fitting/linear/coefficient_order.h"
+#include "fitting/linear/independent_rows.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -113,7 +113,7 @@ struct ConstrainedSystem::Parts {
   Eigen::Vector3d centre;
   std::vector<FixedPoint> points;
   EdgeRows edges;
-  NetConditions conditions;
+  LinearConstraints conditions;
   std::vector<Eigen::Index> columns;  // coarse control points in conditions
   Eigen::MatrixXd rows;               // the conditions by these, and t
   IndependentRows independent;
@@ -124,7 +124,8 @@ void ConstrainedSystem::Parts::Check(const FittingProblem& problem) const {
     Reject("SolveConstrained", "the data must be points in space over two parameters");
   if (!(problem.basis_u() == edges.u.coarse) || !(problem.basis_v() == edges.v.coarse))
     Reject("SolveConstrained", "the problem has other bases than the system was built for");
-  if (problem.poles().any()) Reject("SolveConstrained", "a surface with poles takes no constraints");
+  if (problem.poles().any())
+    Reject("SolveConstrained", "a surface with poles takes no constraints");
 }
 
 // The data less the centre and what is given of the surface there.
@@ -277,8 +278,8 @@ void ConstrainedSystem::Parts::Meet(BorderedSolution& solution,
 NurbsSurface ConstrainedSystem::Parts::SurfaceOf(const BorderedSolution& solution,
                                                  const PenalisedSystem& system) const {
   const int size_u = edges.u.coarse.size(), size_v = edges.v.coarse.size();
-  const ThinAxis u = Thinned(edges, true, solution.border),
-                 v = Thinned(edges, false, solution.border);
+  const ReducedEdgeBasis u = Thinned(edges, true, solution.border),
+                         v = Thinned(edges, false, solution.border);
   Eigen::Matrix3Xd net(3, Eigen::Index{u.basis.size()} * v.basis.size());
   for (int d = 0; d < 3; ++d) {
     Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(size_u, size_v);
@@ -405,9 +406,8 @@ ConstrainedSolution ConstrainedSystem::Solve(const FittingProblem& problem,
     Pin(matrix, pinned, matrix.Trace() / matrix.size());
     if (matrix.Factor() && (smoothing >= kFirmSmoothing ||
                             matrix.SmallestPivot() > kSingularInJitters * system.jitter())) {
-      BorderedSolution solution =
-          internal::Solve(parts_->Assembled(data, system, energy, system.Lambda(smoothing)),
-                          matrix);
+      BorderedSolution solution = internal::Solve(
+          parts_->Assembled(data, system, energy, system.Lambda(smoothing)), matrix);
       parts_->Meet(solution, system);
       if (solution.inner.allFinite() && solution.border.allFinite()) {
         NurbsSurface surface = parts_->SurfaceOf(solution, system);
@@ -436,9 +436,9 @@ ConstrainedSolution ConstrainedSystem::Solve(const FittingProblem& problem,
     }
     smoothing = std::max(10 * smoothing, kLeastSmoothing);
   }
-  Reject("SolveConstrained", 
-      "the points do not determine the control points: too few carry weight, or the degree is "
-      "too high for them");
+  Reject("SolveConstrained",
+         "the points do not determine the control points: too few carry weight, or the degree is "
+         "too high for them");
 }
 
 ConstrainedSolution SolveConstrained(const FittingProblem& problem,

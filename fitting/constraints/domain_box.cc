@@ -14,7 +14,7 @@ constexpr double kRounding = 1e-12;  // of the box: points on its edge count
 
 // Turns the plane's axes to the coordinate axes where its normal is one of them, so that the box is
 // one of coordinates.
-void TurnToCoordinates(SurfaceBase& base) {
+void TurnToCoordinates(Parameterization& base) {
   PlaneBase& plane = *base.plane;
   Eigen::Index along = 0;
   if (plane.axes.col(2).cwiseAbs().maxCoeff(&along) < 1) return;
@@ -28,7 +28,7 @@ void TurnToCoordinates(SurfaceBase& base) {
 
 }  // namespace
 
-void TakeDomain(SurfaceBase& base,
+void TakeDomain(Parameterization& base,
                 PointMask& reached,
                 const Eigen::Vector3d& origin,
                 const DomainBox& box) {

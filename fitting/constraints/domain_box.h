@@ -6,7 +6,7 @@
 
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/surface_options.h"
-#include "fitting/parameterization/surface_base.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -14,7 +14,7 @@ namespace batten::internal {
 // those are x and y, it is a box of x and y); over a sheet, lengths from the corner of its own
 // rectangle. Points outside lose their place. Throws std::invalid_argument where fewer than four
 // are left, or the base closes.
-void TakeDomain(SurfaceBase& base,
+void TakeDomain(Parameterization& base,
                 PointMask& reached,
                 const Eigen::Vector3d& origin,
                 const DomainBox& box);

@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fitting/linear/coefficient_order.h"
 #include "fitting/constraints/edge_products.h"
 #include "fitting/constraints/local_projection.h"
+#include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -25,7 +25,10 @@ bool AlongU(const SurfaceEdge& edge) { return edge.direction == Direction::kV; }
 
 // The coarse coefficient, first or second from an end, of curves over the fine basis: one for every
 // column.
-Eigen::VectorXd EndCoefficient(const FineAxis& axis, const Sparse& curves, bool upper, int second) {
+Eigen::VectorXd EndCoefficient(const RefinedEdgeBasis& axis,
+                               const Sparse& curves,
+                               bool upper,
+                               int second) {
   const int last = axis.fine.size() - 1;
   const Eigen::VectorXd end = curves.row(upper ? last : 0).transpose();
   if (second == 0) return end;
@@ -40,15 +43,18 @@ int FunctionAt(const SplineBasis& basis, bool upper, int second) {
 Sparse Column(const Eigen::VectorXd& values) { return values.sparseView(); }
 
 // The given curve alone.
-EdgeRow GivenRow(const ReadyEdge& edge, int index, const FineAxis& across) {
+EdgeRow GivenRow(const ReadyEdge& edge, int index, const RefinedEdgeBasis& across) {
   EdgeRow row{AlongU(edge.edge), index, FunctionAt(across.coarse, edge.edge.upper, 0), 0, 0, {}};
   for (int d = 0; d < 3; ++d) row.curves[d] = Column(edge.curve.control_points().row(d));
   return row;
 }
 
 // The curve and what the field and the curve's direction add to it for each coefficient of a and b.
-EdgeRow TangentRow(
-    const ReadyEdge& edge, int index, const FineAxis& along, const FineAxis& across, int first) {
+EdgeRow TangentRow(const ReadyEdge& edge,
+                   int index,
+                   const RefinedEdgeBasis& along,
+                   const RefinedEdgeBasis& across,
+                   int first) {
   const int distinct = DistinctCount(along.coarse);
   EdgeRow row{AlongU(edge.edge),
               index,
@@ -97,8 +103,9 @@ void CloseCorners(std::vector<ReadyEdge>& edges) {
       const double rounding =
           16 * std::numeric_limits<double>::epsilon() * std::max(a.norm(), b.norm());
       if (gap > std::max(kCornerGap * size, rounding))
-        Reject("SurfaceConstraints", row.name + " and " + column.name + " do not meet at their corner: they are " +
-               NumberText(gap) + " apart");
+        Reject("SurfaceConstraints",
+               row.name + " and " + column.name + " do not meet at their corner: they are " +
+                   NumberText(gap) + " apart");
       const auto moved = [&](const NurbsCurve<3>& curve, bool upper) {
         Eigen::Matrix3Xd points = curve.control_points();
         points.col(upper ? points.cols() - 1 : 0) = (a + b) / 2;
@@ -120,7 +127,7 @@ struct CornerPoint {
 };
 
 CornerPoint PointOf(
-    const EdgeRow& row, const FineAxis& along, bool upper, int second, int unknowns) {
+    const EdgeRow& row, const RefinedEdgeBasis& along, bool upper, int second, int unknowns) {
   CornerPoint point{Eigen::MatrixXd::Zero(3, unknowns), Eigen::Vector3d::Zero()};
   for (int d = 0; d < 3; ++d) {
     const Eigen::VectorXd all = EndCoefficient(along, row.curves[d], upper, second);
@@ -193,7 +200,9 @@ void RemoveCorners(EdgeRow& row, const EdgeRows& all, const std::vector<RowsOfEd
   }
 }
 
-std::vector<char> Taken(const FineAxis& axis, const std::vector<ReadyEdge>& edges, bool along_u) {
+std::vector<char> Taken(const RefinedEdgeBasis& axis,
+                        const std::vector<ReadyEdge>& edges,
+                        bool along_u) {
   std::vector<char> taken(static_cast<size_t>(axis.coarse.size()), 0);
   int wanted = 0;
   for (const ReadyEdge& edge : edges) {
@@ -204,8 +213,9 @@ std::vector<char> Taken(const FineAxis& axis, const std::vector<ReadyEdge>& edge
     }
   }
   if (wanted > std::count(taken.begin(), taken.end(), 1))
-    Reject("SurfaceConstraints", "edges and tangent planes ask for " + std::to_string(wanted) + " control points of " +
-           std::to_string(axis.coarse.size()) + " in " + (along_u ? "v" : "u"));
+    Reject("SurfaceConstraints",
+           "edges and tangent planes ask for " + std::to_string(wanted) + " control points of " +
+               std::to_string(axis.coarse.size()) + " in " + (along_u ? "v" : "u"));
   return taken;
 }
 
@@ -215,9 +225,11 @@ void CheckEdges(const SplineBasis& basis_u,
   for (size_t k = 0; k < edges.size(); ++k) {
     const SplineBasis& across = AlongU(edges[k].edge) ? basis_v : basis_u;
     if (across.periodic())
-      Reject("SurfaceConstraints", NameOf(edges[k].edge) + " does not exist: the surface is closed there");
+      Reject("SurfaceConstraints",
+             NameOf(edges[k].edge) + " does not exist: the surface is closed there");
     for (size_t other = 0; other < k; ++other) {
-      if (edges[k].edge == edges[other].edge) Reject("SurfaceConstraints", NameOf(edges[k].edge) + " is given twice");
+      if (edges[k].edge == edges[other].edge)
+        Reject("SurfaceConstraints", NameOf(edges[k].edge) + " is given twice");
     }
   }
   for (const SplineBasis* basis : {&basis_u, &basis_v}) {
@@ -246,7 +258,8 @@ EdgeRows EdgeRowsOf(const SplineBasis& basis_u,
   CheckEdges(basis_u, basis_v, edges);
   std::vector<ReadyEdge> along_u = ReadyAlong(true, basis_u, edges, centre),
                          along_v = ReadyAlong(false, basis_v, edges, centre);
-  FineAxis u = FineAxisFor(basis_u, along_u), v = FineAxisFor(basis_v, along_v);
+  RefinedEdgeBasis u = RefinedEdgeBasisFor(basis_u, along_u),
+                   v = RefinedEdgeBasisFor(basis_v, along_v);
   EdgeRows all{std::move(u), std::move(v), std::move(along_u), {}, {}, 0, {}, {}};
   std::move(along_v.begin(), along_v.end(), std::back_inserter(all.edges));
   CloseCorners(all.edges);
@@ -257,8 +270,8 @@ EdgeRows EdgeRowsOf(const SplineBasis& basis_u,
   for (const ReadyEdge& edge : all.edges) {
     const bool is_row = AlongU(edge.edge);
     const auto index = static_cast<int>(&edge - all.edges.data());
-    const FineAxis& along = is_row ? all.u : all.v;
-    const FineAxis& across = is_row ? all.v : all.u;
+    const RefinedEdgeBasis& along = is_row ? all.u : all.v;
+    const RefinedEdgeBasis& across = is_row ? all.v : all.u;
     RowsOfEdge own{&edge, {}};
     all.rows.push_back(GivenRow(edge, index, across));
     own.rows.push_back(&all.rows.back());

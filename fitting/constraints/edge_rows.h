@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fitting/constraints/fine_axis.h"
+#include "fitting/constraints/refined_edge_basis.h"
 
 namespace batten::internal {
 
@@ -42,7 +42,7 @@ struct CornerCondition {
 };
 
 struct EdgeRows {
-  FineAxis u, v;
+  RefinedEdgeBasis u, v;
   std::vector<ReadyEdge> edges;
   std::vector<EdgeRow> rows;
   std::vector<CornerCondition> corners;

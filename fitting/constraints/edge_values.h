@@ -12,7 +12,8 @@ namespace batten::internal {
 // when asked for.
 class AxisValues {
  public:
-  AxisValues(const FineAxis& axis, double at, int order) : axis_(axis), at_(at), order_(order) {
+  AxisValues(const RefinedEdgeBasis& axis, double at, int order)
+      : axis_(axis), at_(at), order_(order) {
     Fill(axis.coarse, coarse_span_ = axis.coarse.Span(at), coarse_.data());
   }
 
@@ -46,7 +47,7 @@ class AxisValues {
     std::copy_n(both.data() + basis.degree() + 1, basis.degree() + 1, to);
   }
 
-  const FineAxis& axis_;
+  const RefinedEdgeBasis& axis_;
   double at_;
   int order_;  // 0 or 1
   int coarse_span_, fine_span_ = -1;

@@ -2,8 +2,8 @@
 // The tangent planes along an edge of a surface.
 #pragma once
 
-#include "fitting/constraints/given_sides.h"
 #include "batten/geometry/nurbs_curve.h"
+#include "fitting/constraints/boundary_curves.h"
 
 namespace batten::internal {
 

@@ -23,7 +23,8 @@ constexpr double kMostGap = 1.0 / 3;   // of the reflected length
 constexpr double kMostInclined = 0.7;  // sine of the angle of a plane base's normal to the mirror
 
 [[noreturn]] void RefuseLayer() {
-  Reject("symmetry", "the plane does not cross the sheet: the mirror image lies over it as a second layer");
+  Reject("symmetry",
+         "the plane does not cross the sheet: the mirror image lies over it as a second layer");
 }
 
 using Pairs = std::vector<std::pair<Eigen::Index, Eigen::Index>>;  // every twin pair, once
@@ -46,17 +47,18 @@ void CheckGap(const Eigen::RowVectorXd& reflected, const Pairs& pairs) {
     most = std::max(most, std::abs(reflected[a]));
   }
   if (least > kMostGap * most)
-    Reject("symmetry", "the plane does not cross the sheet: the gap between it and its mirror image is " +
-           NumberText(2 * least) + " wide");
+    Reject("symmetry",
+           "the plane does not cross the sheet: the gap between it and its mirror image is " +
+               NumberText(2 * least) + " wide");
 }
 
 void CheckOff(double sum_of_squares, double count, double length) {
   const double off = std::sqrt(sum_of_squares / count);
   if (!(off <= kMostOff * length))
-    Reject("symmetry", 
-        "the parameters of the points and of their images are not a reflection of one another: "
-        "they are off by " +
-        NumberText(off) + " of a length of " + NumberText(length));
+    Reject("symmetry",
+           "the parameters of the points and of their images are not a reflection of one another: "
+           "they are off by " +
+               NumberText(off) + " of a length of " + NumberText(length));
 }
 
 // Coordinates of every point with `value(k)` given, those of pairs made exactly opposite.
@@ -86,7 +88,7 @@ Eigen::RowVectorXd Equal(const std::vector<Eigen::Index>& twins, const Value& va
 }
 
 // The smallest room beside the points, which a new rectangle keeps.
-double MarginOf(const SurfaceBase& base, const Pairs& pairs) {
+double MarginOf(const Parameterization& base, const Pairs& pairs) {
   double margin = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : pairs) {
     for (const Eigen::Index k : {a, b}) {
@@ -98,7 +100,7 @@ double MarginOf(const SurfaceBase& base, const Pairs& pairs) {
 }
 
 // The frame's rectangle about the points: the reflected coordinate (about zero) centred in it.
-void Place(SurfaceBase& base,
+void Place(Parameterization& base,
            Direction reflected,
            const Eigen::RowVectorXd& opposite,
            const Eigen::RowVectorXd& equal,
@@ -123,7 +125,7 @@ void Place(SurfaceBase& base,
 }
 
 // Turns a plane base about so that its normal lies in the mirror plane and u or v across it.
-SymmetricBase OverUprightPlane(const SurfaceBase& base,
+SymmetricBase OverUprightPlane(const Parameterization& base,
                                const PointCloud& cloud,
                                const Pairs& pairs,
                                const MirrorPlane& plane,
@@ -161,7 +163,7 @@ SymmetricBase OverUprightPlane(const SurfaceBase& base,
 
 // Both directions open: the best reflection of the parameter plane, by the turn that maximises
 // Σ w'ᵀ R w about the mean.
-SymmetricBase OverOpenDomain(const SurfaceBase& base,
+SymmetricBase OverOpenDomain(const Parameterization& base,
                              const Pairs& pairs,
                              const std::vector<Eigen::Index>& twins) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -276,7 +278,7 @@ Eigen::RowVectorXd ReflectedAxis(const Axis& axis,
 }
 
 // A direction closes: either u or v is reflected.
-SymmetricBase OverClosedDomain(const SurfaceBase& base,
+SymmetricBase OverClosedDomain(const Parameterization& base,
                                const Pairs& pairs,
                                const std::vector<Eigen::Index>& twins) {
   Axis u{base.parameters.row(0), base.length_u, base.periodic_u},
@@ -350,7 +352,7 @@ SymmetricCloud WithMirrorImage(const PointCloud& cloud, const MirrorPlane& plane
   return result;
 }
 
-SymmetricBase SymmetricParameters(const SurfaceBase& base,
+SymmetricBase SymmetricParameters(const Parameterization& base,
                                   const PointCloud& cloud,
                                   const PointMask& mask,
                                   const MirrorPlane& plane,

@@ -5,11 +5,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "batten/fitting/point_mask.h"
 #include "batten/fitting/mirror_plane.h"
 #include "batten/fitting/point_cloud.h"
-#include "fitting/parameterization/surface_base.h"
+#include "batten/fitting/point_mask.h"
 #include "batten/geometry/direction.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -28,7 +28,7 @@ SymmetricCloud WithMirrorImage(const PointCloud& cloud, const MirrorPlane& plane
 // (u, length_v − v), with or without full turns in a periodic direction: for every pair of twins to
 // rounding of the lengths.
 struct SymmetricBase {
-  SurfaceBase base;
+  Parameterization base;
   Direction reflected = Direction::kU;
 };
 
@@ -40,7 +40,7 @@ struct SymmetricBase {
 // and those its twin stands for. Throws std::invalid_argument, with a sentence for the user, where
 // there is no such reflection: the image lies over the cloud as a second layer, there is a gap
 // between the two as wide as either, or the parameters are related by something else.
-SymmetricBase SymmetricParameters(const SurfaceBase& base,
+SymmetricBase SymmetricParameters(const Parameterization& base,
                                   const PointCloud& cloud,
                                   const PointMask& mask,
                                   const MirrorPlane& plane,

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/fitting/statistics.h"
 #include "fitting/corners/corner_data.h"
 #include "fitting/corners/kink_window.h"
-#include "batten/fitting/statistics.h"
 
 namespace batten::internal {
 namespace {
@@ -18,11 +18,11 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kFewestSteps = 6, kScatteredSteps = 38;  // of a side of the narrowest windows
-constexpr double kSteadyWindow = 0.05, kScattered = 0.45;       // noise in steps that asks for them
-constexpr double kFewestWidths = 34, kBroadWidths = 60;   // of the noise, of the same side
-constexpr double kBroad = 2;                              // noise in steps up to which the first
-constexpr size_t kFewestPoints = 5;                       // of a side
+constexpr double kFewestSteps = 6, kScatteredSteps = 38;   // of a side of the narrowest windows
+constexpr double kSteadyWindow = 0.05, kScattered = 0.45;  // noise in steps that asks for them
+constexpr double kFewestWidths = 34, kBroadWidths = 60;    // of the noise, of the same side
+constexpr double kBroad = 2;                               // noise in steps up to which the first
+constexpr size_t kFewestPoints = 5;                        // of a side
 constexpr double kLineAngle = 0.07;          // standard deviation of a side's direction there
 constexpr double kWider = 1.6;               // from scale to scale
 constexpr double kReaches[] = {1, 1.5, 2};   // of a side: windows tried
@@ -216,17 +216,17 @@ class WindowSearch {
 
   // Where no point lies at the corner, the step across it is a short cut: lengths miss part of it.
   std::optional<Kink> Judge(double at, double low, double high) const {
-    const Verdict plain = JudgeWith({at, 0}, at, low, high);
+    const PointClass plain = JudgeWith({at, 0}, at, low, high);
     if (plain.corner) return plain.kink;
     if (!plain.turns) return std::nullopt;
     const Index gap = std::upper_bound(u_.begin(), u_.end(), plain.kink.parameter) - u_.begin();
     const auto first = static_cast<size_t>(std::max<Index>(gap - 1, 1)),
                last = std::min(static_cast<size_t>(gap) + 1, u_.size() - 1);
-    Verdict best;
+    PointClass best;
     for (size_t k = first; k <= last; ++k) {
       for (const double share : kShortCuts) {
         const Detour detour{u_[k], share * (u_[k] - u_[k - 1])};
-        const Verdict verdict = JudgeWith(detour, at, low, high);
+        const PointClass verdict = JudgeWith(detour, at, low, high);
         if (verdict.corner && (!best.corner || verdict.kink.squares < best.kink.squares))
           best = verdict;
       }
@@ -235,10 +235,10 @@ class WindowSearch {
     return best.kink;
   }
 
-  Verdict JudgeWith(const Detour& detour, double at, double low, double high) const {
+  PointClass JudgeWith(const Detour& detour, double at, double low, double high) const {
     const KinkWindow window = Means(low, high, detour);
     if (window.u.size() < 2 * kFewestPoints) return {};
-    Verdict verdict = KinkOf(
+    PointClass verdict = KinkOf(
         window, at, options_.noise, options_.least_angle, std::log(2 * Length() / (high - low)));
     Kink& kink = verdict.kink;
     verdict.corner = verdict.corner && HoldsNearby(kink, low, high, detour);

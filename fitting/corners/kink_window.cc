@@ -24,9 +24,9 @@ constexpr double kOverQuartic = 3;                // with half of that
 constexpr double kSurelyTurns = 25;
 constexpr double kOverSextic = 6, kUnderRound = 4.5;
 constexpr double kUnderCubic = 6, kUnderQuartic = 8;  // in windows too narrow to tell
-constexpr double kPoorest = 1.45;  // of the noise's variance: beyond, the shape is another
-constexpr double kDimensions = 2;  // in which noise shows
-constexpr double kKinkReach = 0.5;     // of the half window: where the kink is searched for
+constexpr double kPoorest = 1.45;   // of the noise's variance: beyond, the shape is another
+constexpr double kDimensions = 2;   // in which noise shows
+constexpr double kKinkReach = 0.5;  // of the half window: where the kink is searched for
 constexpr int kTried = 33;
 
 // By how much a turn over a quarter of the window and over a sixth must leave more than the kink.
@@ -204,12 +204,12 @@ double RoundedSquares(const Fits& fits, double middle) {
 
 }  // namespace
 
-Verdict KinkOf(
+PointClass KinkOf(
     const KinkWindow& window, double at, double noise, double least_angle, double chances) {
   const Fits fits(window);
   const double middle = fits.Place(at);
   const Best sharp = BestTurn(fits, middle, 0);
-  Verdict verdict;
+  PointClass verdict;
   verdict.kink.parameter = fits.Parameter(sharp.s);
   if (!sharp.inside) return verdict;
   const Eigen::Matrix<double, 4, 3> c = fits.Coefficients(fits.Turn(sharp.s, 0));

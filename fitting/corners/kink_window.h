@@ -23,7 +23,7 @@ struct Kink {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
 };
 
-struct Verdict {
+struct PointClass {
   bool corner = false;
   bool turns = false;  // in a way that a cubic does not explain
   Kink kink;           // the one that fits best
@@ -35,7 +35,7 @@ struct Verdict {
 // not beat it, all measured in the variance of the noise. `noise` is the standard deviation of a
 // coordinate of a single point, `chances` the logarithm of how many such windows there are.
 // O(means).
-Verdict KinkOf(
+PointClass KinkOf(
     const KinkWindow& window, double at, double noise, double least_angle, double chances);
 
 // Whether the cubic or the quartic fits clearly better than the best parabola with a kink at `at`.

@@ -12,7 +12,7 @@ constexpr double kShareOfFarthest = 0.7;
 constexpr double kLongest = 0.25;  // of the end span, that an end may move
 
 // How far, in parameters, the end at `u` (direction −1 or 1 out of the domain) should move.
-double Move(const FeetFit& fit, double u, double direction, double noise, double spacing) {
+double Move(const CorrectedFit& fit, double u, double direction, double noise, double spacing) {
   const SplineBasis& basis = fit.problem.basis_u();
   const int span = basis.Span(u), p = basis.degree();
   std::vector<double> values(static_cast<size_t>(2 * (p + 1)));
@@ -39,7 +39,7 @@ double Move(const FeetFit& fit, double u, double direction, double noise, double
 }  // namespace
 
 SpanLayout WithLooseEnds(const SpanLayout& layout,
-                         const FeetFit& fit,
+                         const CorrectedFit& fit,
                          double noise,
                          double spacing) {
   const std::vector<double>& breaks = layout.breaks();

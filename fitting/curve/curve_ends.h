@@ -2,7 +2,7 @@
 // Where an open curve ends, when its points are noisier than they are close.
 #pragma once
 
-#include "fitting/curve/curve_feet.h"
+#include "fitting/curve/parameter_correction.h"
 #include "fitting/curve/span_layout.h"
 
 namespace batten::internal {
@@ -11,7 +11,7 @@ namespace batten::internal {
 // hold it back; each end moves out by the farthest of them along the tangent, less what noise does
 // to the farthest of so many (0.7 σ √(2 ln count)), plus a mean spacing.
 SpanLayout WithLooseEnds(const SpanLayout& layout,
-                         const FeetFit& fit,
+                         const CorrectedFit& fit,
                          double noise,
                          double spacing);
 

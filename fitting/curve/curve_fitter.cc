@@ -8,26 +8,26 @@
 #include <string>
 #include <utility>
 
-#include "fitting/least_squares/choose_smoothing.h"
-#include "fitting/curve/curve_calm.h"
+#include "batten/fitting/curve_spans.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/optimize.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/core/point_rank.h"
+#include "fitting/core/stopwatch.h"
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/curve_ends.h"
-#include "fitting/curve/curve_feet.h"
 #include "fitting/curve/curve_outcome.h"
 #include "fitting/curve/curve_robustness.h"
 #include "fitting/curve/distance_minimisation.h"
 #include "fitting/curve/fit_corners.h"
-#include "batten/fitting/curve_spans.h"
-#include "batten/fitting/fitting_problem.h"
 #include "fitting/curve/knot_relocation.h"
-#include "batten/fitting/optimize.h"
-#include "fitting/core/point_rank.h"
+#include "fitting/curve/overshoot.h"
+#include "fitting/curve/parameter_correction.h"
 #include "fitting/curve/rational_spans.h"
+#include "fitting/curve/span_adaptation.h"
+#include "fitting/least_squares/choose_smoothing.h"
 #include "fitting/least_squares/reweighting.h"
 #include "fitting/ordering/row_means.h"
-#include "batten/fitting/solve_linear.h"
-#include "fitting/curve/span_adaptation.h"
-#include "fitting/core/stopwatch.h"
 
 namespace batten::internal {
 namespace {
@@ -37,7 +37,7 @@ constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weig
 constexpr int kRobustPasses = 3;
 constexpr double kExactAgainstNoise = 0.2;
 constexpr double kLargest = 1.3;  // a joint result against the points
-constexpr double kFirstCalm = 1e-8, kLastCalm = 1e-3, kMoreCalm = 10;
+constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e-3, kRegularizationStep = 10;
 constexpr double kManyStrays = 0.003;      // of the points: then some will have been missed
 constexpr double kExcessToOptimise = 1.1;  // residual against noise
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
@@ -48,7 +48,7 @@ constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kStartSpans = 15, kStartForTolerance = 5;
 constexpr Eigen::Index kPointsOfStartSpan = 8;
 constexpr Eigen::Index kManyPoints = 20000, kMeans = 4000, kManyUnderLoss = 10000;
-constexpr int kFeetSteps = 2;
+constexpr int kFootPointSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
 constexpr double kVariancesPerControlPoint = 3;
@@ -333,14 +333,15 @@ class CurveFitter {
   // All data at their feet on a curve fitted to some of them or to means, weighted by the loss.
   FittingProblem WeightedWhole(const SpanAdaptation& part, Loss loss) const {
     const FittingProblem whole = problem_->WithBasis(part.layout.Basis());
-    const SpanAdaptation all{part.layout,
-                             distance_ == CurveDistance::kPoint
-                                 ? MovedToFeet(whole, part.solution.coefficients, pool_, anchored_)
-                                 : whole,
-                             part.solution,
-                             part.noise,
-                             part.full,
-                             {}};
+    const SpanAdaptation all{
+        part.layout,
+        distance_ == CurveDistance::kPoint
+            ? CorrectedParameters(whole, part.solution.coefficients, pool_, anchored_)
+            : whole,
+        part.solution,
+        part.noise,
+        part.full,
+        {}};
     return WeightedByLoss(all, Losses(loss, true), whole.data().weights, pool_);
   }
 
@@ -356,17 +357,17 @@ class CurveFitter {
     // Of many points one step says as much.
     const int steps = distance_ != CurveDistance::kPoint ? 0
                       : problem.size() > kManyPoints     ? 1
-                                                         : kFeetSteps;
-    FeetFit fit = FitAtFeet(problem, steps, pool_, anchored_);
+                                                         : kFootPointSteps;
+    CorrectedFit fit = FitWithCorrection(problem, steps, pool_, anchored_);
     if (steps > 0 && !layout.closed() && noise_ > ordered_.spacing) {
       layout = WithLooseEnds(layout, fit, noise_, ordered_.spacing);
-      fit = FitAtFeet(fit.problem.WithBasis(layout.Basis()), steps, pool_, anchored_);
+      fit = FitWithCorrection(fit.problem.WithBasis(layout.Basis()), steps, pool_, anchored_);
     }
     // Of few points the parameters are the larger part of the error.
     const bool few =
         static_cast<double>(problem.size()) < kFewForControlPoint * layout.control_points();
     if (steps > 0 && (model_ || (anchored_.empty() && (few || options_.tolerance)))) {
-      fit = AtLeastDistance(fit, Minimisation(), pool_);
+      fit = AtMinimumDistance(fit, Minimisation(), pool_);
       RoundSummary round;
       round.stage = model_ == DistanceModel::kSquared ? "squared distance" : "tangent distance";
       round.control_points_u = problem.unknowns();
@@ -376,14 +377,15 @@ class CurveFitter {
       Record({round});
     }
     problem_ = std::move(fit.problem);
-    Take(Calm(std::move(fit.solution)));
+    Take(Regularized(std::move(fit.solution)));
   }
 
   // The problem's solution; where the curve leaves its data between them, with more fairness.
-  LinearSolution Calm(LinearSolution solution) {
+  LinearSolution Regularized(LinearSolution solution) {
     bool told = false;
-    for (double smoothing = kFirstCalm; smoothing <= kLastCalm; smoothing *= kMoreCalm) {
-      if (StaysWithItsData(*problem_, solution.coefficients, {}, noise_)) break;
+    for (double smoothing = kFirstRegularization; smoothing <= kLastRegularization;
+         smoothing *= kRegularizationStep) {
+      if (HasOvershoot(*problem_, solution.coefficients, {}, noise_)) break;
       if (smoothing <= problem_->smoothing()) continue;
       problem_ = problem_->WithSmoothing(smoothing);
       solution = SolveLinear(*problem_, pool_);
@@ -424,7 +426,7 @@ class CurveFitter {
                                    options_.progress)
               : SmoothingByCrossValidation(problem, pool_, options_.progress));
       const int steps = distance_ == CurveDistance::kPoint ? 1 : 0;
-      problem = FitAtFeet(problem, steps, pool_, anchored_).problem;
+      problem = FitWithCorrection(problem, steps, pool_, anchored_).problem;
     }
     report_.termination = Termination::kNoiseReached;
     problem_ = std::move(problem);
@@ -442,11 +444,13 @@ class CurveFitter {
                                   " needs more than " + std::to_string(options_.degree) +
                                   " control points");
     }
-    const int steps = distance_ == CurveDistance::kPoint ? kFeetSteps : 0;
+    const int steps = distance_ == CurveDistance::kPoint ? kFootPointSteps : 0;
     SpanLayout layout = EqualSpans(spans, corners_);
-    FeetFit fit = FitAtFeet(problem_->WithBasis(layout.Basis()), steps, pool_, anchored_);
+    CorrectedFit fit =
+        FitWithCorrection(problem_->WithBasis(layout.Basis()), steps, pool_, anchored_);
     for (const SpanLayout& other : SpreadLayouts(layout)) {
-      FeetFit trial = FitAtFeet(problem_->WithBasis(other.Basis()), steps, pool_, anchored_);
+      CorrectedFit trial =
+          FitWithCorrection(problem_->WithBasis(other.Basis()), steps, pool_, anchored_);
       if (!(trial.solution.residual_squares < fit.solution.residual_squares)) continue;
       fit = std::move(trial);
       layout = other;
@@ -592,13 +596,13 @@ class CurveFitter {
     if (result.cancelled) report_.termination = Termination::kCancelled;
     NurbsCurve<Dim> curve(
         result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
-    const bool calm =
-        StaysWithItsData(result.problem, curve.control_points(), curve.weights(), noise_) ||
-        !StaysWithItsData(*problem_, curve_->control_points(), curve_->weights(), noise_);
+    const bool regularized =
+        HasOvershoot(result.problem, curve.control_points(), curve.weights(), noise_) ||
+        !HasOvershoot(*problem_, curve_->control_points(), curve_->weights(), noise_);
     const auto size = [](const NurbsCurve<Dim>& shape) {
       return SampledSize(shape.basis(), shape.control_points(), shape.weights());
     };
-    if (!calm || size(curve) > kLargest * std::max(size_, size(*curve_))) {
+    if (!regularized || size(curve) > kLargest * std::max(size_, size(*curve_))) {
       summary.why += "; not taken, as it left the points between them";
       summary.rms_after = summary.rms_before;
     } else if (distance_ != CurveDistance::kPoint) {

@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// Fits the points of one component of a cloud. `strays` belong to no component. Errors as FitCurve.
+// Fits the points of one component of a cloud. `outliers` belong to no component. Errors as FitCurve.
 template <int Dim>
 CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,

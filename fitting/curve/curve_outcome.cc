@@ -21,8 +21,8 @@ PointMask Own(const OrderedPoints& ordered) {
   return own;
 }
 
-// Strays, and the points that a loss gives no weight.
-PointMask Forgotten(const CurveGrounds& grounds) {
+// Outliers, and the points that a loss gives no weight.
+PointMask Forgotten(const MeasureInput& grounds) {
   PointMask forgotten = grounds.strays;
   for (Eigen::Index k = 0; k < forgotten.size() && grounds.weights.size() > 0; ++k) {
     const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
@@ -32,7 +32,7 @@ PointMask Forgotten(const CurveGrounds& grounds) {
 }
 
 // A parameter near the foot point of every point of the curve, NaN for others.
-Eigen::VectorXd KnownPlaces(const CurveGrounds& grounds) {
+Eigen::VectorXd KnownPlaces(const MeasureInput& grounds) {
   Eigen::VectorXd places(grounds.cloud.size());
   for (Eigen::Index k = 0; k < places.size(); ++k) {
     const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
@@ -49,7 +49,7 @@ NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve, const Eigen::Matrix<double, 
 
 // Of every point from the curve at its own parameter; zero for those of no curve.
 template <int Dim>
-Eigen::VectorXd OffsetsAtParameters(const CurveGrounds& grounds, const NurbsCurve<Dim>& curve) {
+Eigen::VectorXd OffsetsAtParameters(const MeasureInput& grounds, const NurbsCurve<Dim>& curve) {
   Eigen::VectorXd offsets = Eigen::VectorXd::Zero(grounds.cloud.size());
   for (Eigen::Index k = 0; k < offsets.size(); ++k) {
     const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
@@ -61,7 +61,7 @@ Eigen::VectorXd OffsetsAtParameters(const CurveGrounds& grounds, const NurbsCurv
   return offsets;
 }
 
-Termination Judged(const CurveGrounds& grounds, const FitReport& report) {
+Termination Judged(const MeasureInput& grounds, const FitReport& report) {
   const ErrorSummary& error = report.judged_error();
   const CurveFitOptions& options = grounds.options;
   const double rounding = kExactFit * (report.input.box_max - report.input.box_min).norm();
@@ -81,7 +81,7 @@ Termination Judged(const CurveGrounds& grounds, const FitReport& report) {
 }  // namespace
 
 template <int Dim>
-CurveFit<Dim> MeasuredCurve(const CurveGrounds& grounds,
+CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
                             const NurbsCurve<Dim>& curve,
                             const Eigen::Matrix<double, Dim, 1>& middle,
                             FitReport report,
@@ -126,8 +126,8 @@ CurveFit<Dim> MeasuredCurve(const CurveGrounds& grounds,
 }
 
 template CurveFit<2> MeasuredCurve<2>(
-    const CurveGrounds&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
+    const MeasureInput&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
 template CurveFit<3> MeasuredCurve<3>(
-    const CurveGrounds&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
+    const MeasureInput&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
 
 }  // namespace batten::internal

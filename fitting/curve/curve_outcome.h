@@ -9,7 +9,7 @@
 namespace batten::internal {
 
 // What a fit rests on.
-struct CurveGrounds {
+struct MeasureInput {
   const PointCloud& cloud;
   const OrderedPoints& ordered;
   const PointMask& strays;
@@ -25,15 +25,15 @@ struct CurveGrounds {
 // distance from it as it is handed out, rounding of far coordinates included; and the word for how
 // the fit ended, held against what was measured. The report brings the stages' history.
 template <int Dim>
-CurveFit<Dim> MeasuredCurve(const CurveGrounds& grounds,
+CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
                             const NurbsCurve<Dim>& curve,
                             const Eigen::Matrix<double, Dim, 1>& middle,
                             FitReport report,
                             ThreadPool& pool);
 
 extern template CurveFit<2> MeasuredCurve<2>(
-    const CurveGrounds&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
+    const MeasureInput&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
 extern template CurveFit<3> MeasuredCurve<3>(
-    const CurveGrounds&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
+    const MeasureInput&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
 
 }  // namespace batten::internal

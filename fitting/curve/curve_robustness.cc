@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "fitting/curve/curve_feet.h"
 #include "batten/fitting/curve_spans.h"
+#include "fitting/curve/parameter_correction.h"
 
 namespace batten::internal {
 namespace {
@@ -35,10 +35,10 @@ SpanAdaptation NearLeastAbsolute(SpanAdaptation adapted,
     const double scale = kShareOfScale * std::max(RobustScale(distances), losses.least_scale);
     Eigen::VectorXd weights = LossWeights(Loss::kHuber, distances, scale);
     if (own.size() > 0) weights.array() *= own.array();
-    FeetFit fit = FitAtFeet(adapted.problem.WithWeights(std::move(weights)),
-                            losses.feet ? 1 : 0,
-                            pool,
-                            losses.anchored);
+    CorrectedFit fit = FitWithCorrection(adapted.problem.WithWeights(std::move(weights)),
+                                         losses.feet ? 1 : 0,
+                                         pool,
+                                         losses.anchored);
     adapted.problem = std::move(fit.problem);
     adapted.solution = std::move(fit.solution);
   }

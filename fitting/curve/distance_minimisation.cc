@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "fitting/least_squares/fairness.h"
-#include "fitting/linear/net_system.h"
-#include "fitting/least_squares/normal_equations.h"
-#include "fitting/foot_points/warm_feet.h"
 #include "batten/geometry/curve_evaluator.h"
+#include "fitting/foot_points/warm_start_foot_points.h"
+#include "fitting/least_squares/fairness.h"
+#include "fitting/least_squares/normal_equations.h"
+#include "fitting/linear/net_system.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten::internal {
@@ -24,7 +24,8 @@ void Check(const FittingProblem& problem,
   if (!problem.is_curve()) Reject("MinimiseDistance", "the problem is a surface's");
   const Eigen::Index dimension = problem.data().values.rows();
   if (dimension != 2 && dimension != 3) {
-    Reject("MinimiseDistance", "the values have " + std::to_string(dimension) + " coordinates, not 2 or 3");
+    Reject("MinimiseDistance",
+           "the values have " + std::to_string(dimension) + " coordinates, not 2 or 3");
   }
   if (problem.size() == 0) Reject("MinimiseDistance", "there are no data");
   if (net.rows() != dimension || net.cols() != problem.basis_u().size()) {
@@ -32,7 +33,8 @@ void Check(const FittingProblem& problem,
   }
   if (options.max_rounds < 0) Reject("MinimiseDistance", "max_rounds is negative");
   if (!(options.relative_gain >= 0)) Reject("MinimiseDistance", "relative_gain is negative");
-  if (!(options.damping > 0 && options.damping <= 1)) Reject("MinimiseDistance", "damping is not in (0, 1]");
+  if (!(options.damping > 0 && options.damping <= 1))
+    Reject("MinimiseDistance", "damping is not in (0, 1]");
 }
 
 // One run; the members are the problem and what does not change.
@@ -96,14 +98,14 @@ class Minimiser {
  private:
   struct State {
     Columns net;
-    WarmFeet<Dim> feet;
+    WarmStartFootPoints<Dim> feet;
     double squares, sum;  // Σ w |r|², and with fairness
   };
 
   State At(Columns net, const Eigen::VectorXd& start) const {
     State state{std::move(net), {}, 0, 0};
     const CurveEvaluator<Dim> curve(NurbsCurve<Dim>(basis_, state.net));
-    state.feet = FeetFrom<Dim>(curve, points_, start, pool_);
+    state.feet = FootPointsFrom<Dim>(curve, points_, start, pool_);
     state.squares = state.feet.Squares(weights_);
     state.sum = state.squares + lambda_ * Energy(state.net);
     return state;
@@ -155,7 +157,7 @@ class Minimiser {
     return product;
   }
 
-  double TangentWeight(const WarmFeet<Dim>& feet, Eigen::Index k, double damping) const {
+  double TangentWeight(const WarmStartFootPoints<Dim>& feet, Eigen::Index k, double damping) const {
     if (feet.held[k]) return 1;
     double weight = 0;
     if (options_.model == DistanceModel::kSquared && feet.bend[k] > 0) {
@@ -199,7 +201,7 @@ class Minimiser {
     Eigen::Matrix<double, Dim, Eigen::Dynamic> right;
   };
 
-  void Gather(const WarmFeet<Dim>& feet,
+  void Gather(const WarmStartFootPoints<Dim>& feet,
               const CellOrder& order,
               const CellOrder::Cell& cell,
               double damping,

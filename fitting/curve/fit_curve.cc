@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/curve_arrangement.h"
+#include "batten/fitting/curve_components.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/stopwatch.h"
 #include "fitting/curve/curve_fitter.h"
@@ -90,7 +90,7 @@ class Components {
   const CurveFitOptions& options_;
   Stopwatch watch_;
   ThreadPool pool_;
-  CurveArrangement arranged_;
+  CurveComponents arranged_;
   double seconds_ = 0;
 };
 

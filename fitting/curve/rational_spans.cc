@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "fitting/curve/curve_feet.h"
 #include "batten/fitting/distances.h"
+#include "fitting/curve/parameter_correction.h"
 
 namespace batten::internal {
 namespace {
@@ -46,8 +46,8 @@ std::optional<OptimizeResult> FewestRationalSpans(const FittingProblem& problem,
     if (problem.size() < kPointsOfControlPoint * layout.control_points()) return std::nullopt;
     Report(options.optimize.progress, "optimize", 0);
     // The valley is narrow: which of the starts leads to its bottom is chance.
-    for (const int steps : {options.feet_steps, 0, 3 * options.feet_steps}) {
-      const FeetFit fit = FitAtFeet(problem.WithBasis(layout.Basis()), steps, pool);
+    for (const int steps : {options.foot_point_steps, 0, 3 * options.foot_point_steps}) {
+      const CorrectedFit fit = FitWithCorrection(problem.WithBasis(layout.Basis()), steps, pool);
       OptimizeResult result =
           Optimize(fit.problem, fit.solution.coefficients, {}, options.optimize, pool);
       if (result.cancelled || Reached(result, options, pool)) return result;

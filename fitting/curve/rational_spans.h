@@ -15,7 +15,7 @@ struct RationalSpansOptions {
   double goal = 0;                                 // rms of the distances, in the data's units
   std::optional<double> tolerance = std::nullopt;  // that every distance keeps, beside the goal
   int most_control_points = 50;
-  int feet_steps = 2;  // before the joint stage
+  int foot_point_steps = 2;  // before the joint stage
 };
 
 // Few rational spans do what takes many polynomial ones: an arc of a conic is one or two. Tries 1,

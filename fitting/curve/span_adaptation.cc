@@ -7,16 +7,16 @@
 #include <optional>
 #include <utility>
 
-#include "fitting/curve/curve_feet.h"
-#include "fitting/curve/knot_costs.h"
-#include "fitting/curve/knot_relocation.h"
 #include "fitting/core/point_rank.h"
 #include "fitting/core/stopwatch.h"
+#include "fitting/curve/knot_costs.h"
+#include "fitting/curve/knot_relocation.h"
+#include "fitting/curve/parameter_correction.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kAdaptationSteps = 2, kMostFeetSteps = 12;
+constexpr int kAdaptationSteps = 2, kMostFootPointSteps = 12;
 constexpr Eigen::Index kManyAdaptedPoints = 100000;  // for steps beyond the first ones
 constexpr int kMostAdaptationRounds = 40;
 constexpr int kMoreToBeFair = 5;  // of the spans, one more
@@ -37,10 +37,11 @@ constexpr double kLeastShare = 0.25;  // of the degrees of freedom left for the 
 int FewestSpans(const SpanLayout& layout) { return layout.closed() ? layout.degree() + 1 : 1; }
 
 // Noise is not to be followed; where a tolerance is to be kept parameters settle.
-int FeetSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
+int FootPointSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
   if (!options.feet || !options.tolerance) return options.feet ? kAdaptationSteps : 0;
   const Eigen::Index affordable = kManyAdaptedPoints / std::max<Eigen::Index>(1, problem.size());
-  return static_cast<int>(std::clamp<Eigen::Index>(affordable, kAdaptationSteps, kMostFeetSteps));
+  return static_cast<int>(
+      std::clamp<Eigen::Index>(affordable, kAdaptationSteps, kMostFootPointSteps));
 }
 
 double SquaresAcross(const FittingProblem& problem,
@@ -82,7 +83,7 @@ class Adapter {
   }
 
  private:
-  double Directions() const { return std::max(1, rank_ - (at_feet_ ? 1 : 0)); }
+  double Directions() const { return std::max(1, rank_ - (at_foot_points_ ? 1 : 0)); }
 
   double Weight(Eigen::Index k) const {
     return problem_.data().weights.size() > 0 ? problem_.data().weights[k] : 1.0;
@@ -90,11 +91,13 @@ class Adapter {
 
   void Fit() {
     Stopwatch watch;
-    FeetFit fit = FitAtFeet(
-        first_.WithBasis(layout_.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
+    CorrectedFit fit = FitWithCorrection(first_.WithBasis(layout_.Basis()),
+                                         FootPointSteps(problem_, options_),
+                                         pool_,
+                                         options_.anchored);
     problem_ = std::move(fit.problem);
     solution_ = std::move(fit.solution);
-    at_feet_ = fit.steps > 0;
+    at_foot_points_ = fit.steps > 0;
     Measure();
     RoundSummary round;
     round.stage = options_.tolerance ? "refine" : "adapt";
@@ -110,7 +113,7 @@ class Adapter {
   // Distances at the present solution, and tangents to measure across.
   void Measure() {
     samples_ = CurveAt(problem_, solution_.coefficients, pool_);
-    if (!at_feet_) samples_.tangents.setZero();
+    if (!at_foot_points_) samples_.tangents.setZero();
     distances_ = Across(problem_.data().values - samples_.points, samples_.tangents)
                      .colwise()
                      .norm()
@@ -125,8 +128,10 @@ class Adapter {
     const std::vector<bool> can = Divisible();
     if (std::find(can.begin(), can.end(), true) == can.end()) return false;
     const SpanLayout finer = layout_.Halved(can);
-    const FeetFit fine = FitAtFeet(
-        first_.WithBasis(finer.Basis()), FeetSteps(problem_, options_), pool_, options_.anchored);
+    const CorrectedFit fine = FitWithCorrection(first_.WithBasis(finer.Basis()),
+                                                FootPointSteps(problem_, options_),
+                                                pool_,
+                                                options_.anchored);
     const Eigen::MatrixXd points = EvaluateAt(fine.problem, fine.solution.coefficients, pool_);
     variance_ = Variance(Across(problem_.data().values - points, samples_.tangents),
                          finer.control_points());
@@ -298,7 +303,7 @@ class Adapter {
     solution_ = std::move(other.solution_);
     samples_ = std::move(other.samples_);
     distances_ = std::move(other.distances_);
-    at_feet_ = other.at_feet_;
+    at_foot_points_ = other.at_foot_points_;
   }
 
   const SpanAdaptOptions& options_;
@@ -312,7 +317,7 @@ class Adapter {
   CurveSamples samples_;
   Eigen::VectorXd distances_;
   double variance_ = 0;
-  bool full_ = false, at_feet_ = false;
+  bool full_ = false, at_foot_points_ = false;
   std::vector<RoundSummary> rounds_;
 };
 
@@ -368,13 +373,13 @@ class Relocation {
   }
 
   // Where a tolerance is to be kept, distances as low as they get.
-  FeetFit Fit(const SpanLayout& layout) const {
-    FeetFit fit = FitAtFeet(problem_.WithBasis(layout.Basis()),
-                            FeetSteps(problem_, options_),
-                            pool_,
-                            options_.anchored);
+  CorrectedFit Fit(const SpanLayout& layout) const {
+    CorrectedFit fit = FitWithCorrection(problem_.WithBasis(layout.Basis()),
+                                         FootPointSteps(problem_, options_),
+                                         pool_,
+                                         options_.anchored);
     const bool lower = options_.tolerance && options_.feet && options_.anchored.empty();
-    return lower ? AtLeastDistance(fit, {.max_rounds = kAdaptationRoundsOfDistance}, pool_) : fit;
+    return lower ? AtMinimumDistance(fit, {.max_rounds = kAdaptationRoundsOfDistance}, pool_) : fit;
   }
 
  private:
@@ -385,7 +390,7 @@ class Relocation {
   LayoutTrials trials_;
 };
 
-RoundSummary Relocated(const SpanLayout& layout, const FeetFit& fit, double score) {
+RoundSummary Relocated(const SpanLayout& layout, const CorrectedFit& fit, double score) {
   RoundSummary round;
   round.stage = "relocate";
   round.control_points_u = layout.control_points();
@@ -395,7 +400,7 @@ RoundSummary Relocated(const SpanLayout& layout, const FeetFit& fit, double scor
   return round;
 }
 
-void Adopt(const SpanLayout& layout, FeetFit&& fit, SpanAdaptation& adapted) {
+void Adopt(const SpanLayout& layout, CorrectedFit&& fit, SpanAdaptation& adapted) {
   adapted.layout = layout;
   adapted.problem = std::move(fit.problem);
   adapted.solution = std::move(fit.solution);
@@ -424,7 +429,7 @@ SpanAdaptation RelocatedSpans(SpanAdaptation adapted,
   std::vector<int> counts;
   for (const double share : shares) counts.push_back(static_cast<int>(std::lround(share * spans)));
   for (const SpanLayout& layout : relocation.Layouts(counts)) {
-    FeetFit fit = relocation.Fit(layout);
+    CorrectedFit fit = relocation.Fit(layout);
     const double found = score(fit.problem, fit.solution);
     adapted.rounds.push_back(Relocated(layout, fit, found));
     if (!(found < best)) continue;
@@ -453,7 +458,7 @@ SpanAdaptation RelocatedWithinTolerance(SpanAdaptation adapted,
     if (tried > last) break;
     for (const SpanLayout& layout : relocation.Layouts({tried})) {
       if (layout.control_points() > options.max_control_points) continue;
-      FeetFit fit = relocation.Fit(layout);
+      CorrectedFit fit = relocation.Fit(layout);
       const double found = worst(fit.problem, fit.solution);
       adapted.rounds.push_back(Relocated(layout, fit, found));
       if (!(found <= tolerance)) continue;

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/flattening/sheet_cells.h"
+#include "fitting/flattening/voronoi_weights.h"
 
 namespace batten::internal {
 namespace {
 
 using Complex = std::complex<double>;
 
-Complex InTangentPlane(const SheetNodes& nodes, int at, const Eigen::Vector3d& way, double length) {
+Complex InTangentPlane(const PoissonDiskSamples& nodes,
+                       int at,
+                       const Eigen::Vector3d& way,
+                       double length) {
   const Complex q(way.dot(nodes.tangents.col(at)), way.dot(nodes.Binormal(at)));
   const double size = std::abs(q);
   return size > 0 ? q * (length / size) : Complex(length, 0);
@@ -20,9 +23,9 @@ Complex InTangentPlane(const SheetNodes& nodes, int at, const Eigen::Vector3d& w
 }  // namespace
 
 std::vector<PlanarEdge> PlanarEdges(const SheetGraph& graph) {
-  const SheetNodes& nodes = graph.nodes;
+  const PoissonDiskSamples& nodes = graph.nodes;
   std::vector<PlanarEdge> edges;
-  for (const auto& [i, j, weight] : BordersOf(graph)) {
+  for (const auto& [i, j, weight] : VoronoiEdgeWeights(graph)) {
     const Eigen::Vector3d way = nodes.places.col(j) - nodes.places.col(i);
     const double chord = (nodes.normals.col(j) - nodes.normals.col(i)).norm() / 2;
     const double half = std::asin(std::min(1.0, chord));  // of the angle between the normals

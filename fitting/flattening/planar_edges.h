@@ -15,11 +15,11 @@ namespace batten::internal {
 // the arc between both normals.
 struct PlanarEdge {
   int first, second;  // first < second
-  double weight;      // of BordersOf
+  double weight;      // of VoronoiEdgeWeights
   std::complex<double> from_first, from_second;
 };
 
-// In the order of BordersOf.
+// In the order of VoronoiEdgeWeights.
 std::vector<PlanarEdge> PlanarEdges(const SheetGraph& graph);
 
 // The linear maps dz = a q + b conj(q) that serve the edges around each node best. The edges are

@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/flattening/sheet_graph.h"
-#include "fitting/flattening/sheet_nodes.h"
-#include "fitting/flattening/sheet_spread.h"
-#include "fitting/flattening/sheet_unfolding.h"
-#include "geometry/numeric/smallest_rectangle.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/flattening/arap_flattening.h"
+#include "fitting/flattening/parameter_blending.h"
+#include "fitting/flattening/poisson_disk_samples.h"
+#include "fitting/flattening/sheet_graph.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/numeric/smallest_rectangle.h"
 
 namespace batten::internal {
 namespace {
@@ -29,7 +29,7 @@ constexpr double kThin = 0.05;     // breadth over length of neighbourhoods on a
 
 // One way to look at the cloud.
 struct Look {
-  SheetNodeOptions nodes;
+  PoissonDiskOptions nodes;
   SheetGraphOptions graph;
 };
 
@@ -52,11 +52,11 @@ std::vector<Look> Looks(Eigen::Index nodes) {
 
 struct Flattened {
   SheetGraph graph;
-  Unfolding unfolding;
+  Flattening unfolding;
 };
 
 // Share of the nodes on which others lie that are far away in space.
-double OverlapOf(const SheetGraph& graph, const Unfolding& unfolding) {
+double OverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
   const Eigen::Index n = graph.nodes.size();
   Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, n);
   plan.row(0) = unfolding.places.real();
@@ -79,7 +79,7 @@ double OverlapOf(const SheetGraph& graph, const Unfolding& unfolding) {
 
 // Whether edges whose ends disagree about the upper side join parts that are far from each other
 // in the plane: a way round that turns the sheet over.
-bool IsOneSided(const SheetGraph& graph, const Unfolding& unfolding) {
+bool IsOneSided(const SheetGraph& graph, const Flattening& unfolding) {
   const auto torn = [&](const SheetEdge& e) {
     return std::abs(unfolding.places[e.second] - unfolding.places[e.first]) >
            kTornApart * (graph.nodes.reach[e.first] + graph.nodes.reach[e.second]) / 2;
@@ -219,7 +219,7 @@ void Check(const Eigen::Matrix3Xd& points,
 }
 
 // Why so few or such nodes cannot carry a sheet; empty where they may.
-std::string RefusalOfNodes(const SheetNodes& nodes) {
+std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
   if (nodes.size() < kLeastNodes) {
     return "too few points, or too much noise, for a bent sheet: only " +
            std::to_string(nodes.size()) + " places of it can be told apart, and " +
@@ -233,7 +233,7 @@ std::string RefusalOfNodes(const SheetNodes& nodes) {
 }
 
 // Connects the nodes and lays them out; fills in what the base tells of it.
-Flattened LayOut(const SheetNodes& nodes,
+Flattened LayOut(const PoissonDiskSamples& nodes,
                  const SheetGraphOptions& graph_options,
                  const SheetBaseOptions& options,
                  SheetBase& base) {
@@ -244,13 +244,13 @@ Flattened LayOut(const SheetNodes& nodes,
   base.distortion = 1;
   if (!flattened.graph.edges.empty()) {
     LookFromAbove(flattened.graph);
-    flattened.unfolding = Unfold(flattened.graph);
+    flattened.unfolding = FlattenArap(flattened.graph);
     base.distortion = flattened.unfolding.distortion;
     base.folded = flattened.unfolding.folded;
     base.overlap = OverlapOf(flattened.graph, flattened.unfolding);
     base.orientation_consistent = !IsOneSided(flattened.graph, flattened.unfolding);
   }
-  base.refusal = RefusalOf(base, options);
+  base.failure_reason = RefusalOf(base, options);
   return flattened;
 }
 
@@ -277,24 +277,24 @@ SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
 }
 
 void SheetLayout::LookCloser() {
-  while (!best_.serves() && !given_up_) Attempt();
+  while (!best_.ok() && !given_up_) Attempt();
 }
 
 void SheetLayout::Attempt() {
   const std::vector<Look> looks = Looks(options_.nodes);
   const Look& look = looks[static_cast<size_t>(attempts_)];
   Report(progress_, "parameterize", 0.1);
-  SheetNodes nodes = ChooseSheetNodes(points_, index_, noise_, look.nodes, pool_);
+  PoissonDiskSamples nodes = SamplePoissonDisk(points_, index_, noise_, look.nodes, pool_);
   const bool first = attempts_ == 0;
   given_up_ = ++attempts_ == std::ssize(looks);
-  if (std::string refusal = RefusalOfNodes(nodes); !refusal.empty()) {
-    if (best_.nodes == 0) best_.refusal = std::move(refusal);
+  if (std::string failure_reason = RefusalOfNodes(nodes); !failure_reason.empty()) {
+    if (best_.nodes == 0) best_.failure_reason = std::move(failure_reason);
     given_up_ = true;
   } else {
     Report(progress_, "parameterize", 0.3);
     SheetBase base;
     Flattened flattened = LayOut(nodes, look.graph, options_, base);
-    if (first || base.serves() || Badness(base, options_) < Badness(best_, options_)) {
+    if (first || base.ok() || Badness(base, options_) < Badness(best_, options_)) {
       best_ = std::move(base);
       graph_ = std::move(flattened.graph);
       unfolding_ = std::move(flattened.unfolding);
@@ -310,7 +310,7 @@ SheetBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
     PutAnywhere(some.cols(), spacing_, margin_, base);
   } else {
     PutIntoRectangle(
-        SpreadOverPoints(graph_, unfolding_, some, noise_, pool_), some, margin_, pool_, base);
+        BlendLocalCharts(graph_, unfolding_, some, noise_, pool_), some, margin_, pool_, base);
   }
   Report(progress_, "parameterize", 1);
   return base;

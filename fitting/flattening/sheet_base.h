@@ -8,9 +8,9 @@
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/progress.h"
-#include "fitting/flattening/sheet_graph.h"
-#include "fitting/flattening/sheet_unfolding.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/flattening/arap_flattening.h"
+#include "fitting/flattening/sheet_graph.h"
 
 namespace batten::internal {
 
@@ -26,9 +26,9 @@ struct SheetBase {
   double share = 0;       // of the nodes in the largest connected part
   bool orientation_consistent = true;  // false: one-sided, as a Möbius band
   Eigen::Index nodes = 0;
-  std::string refusal;  // empty when the flattening serves, else why not and what to do
+  std::string failure_reason;  // empty when the flattening serves, else why not and what to do
 
-  bool serves() const { return refusal.empty(); }
+  bool ok() const { return failure_reason.empty(); }
 };
 
 struct SheetBaseOptions {
@@ -74,8 +74,8 @@ class SheetLayout {
   // The attempts that look closer, while none serves.
   void LookCloser();
 
-  const SheetNodes& nodes() const { return nodes_; }  // of the first attempt
-  const SheetBase& found() const { return best_; }    // the best attempt: no parameters yet
+  const PoissonDiskSamples& nodes() const { return nodes_; }  // of the first attempt
+  const SheetBase& found() const { return best_; }            // the best attempt: no parameters yet
 
   // With parameters of some of the points (3 × m), in the rectangle of those.
   SheetBase Over(const Eigen::Matrix3Xd& some) const;
@@ -91,10 +91,10 @@ class SheetLayout {
   Progress progress_;
   int attempts_ = 0;  // made
   bool given_up_ = false;
-  SheetNodes nodes_;
+  PoissonDiskSamples nodes_;
   SheetBase best_;
   SheetGraph graph_;  // of the best
-  Unfolding unfolding_;
+  Flattening unfolding_;
 };
 
 }  // namespace batten::internal

@@ -48,7 +48,7 @@ class SignedSets {
   std::vector<int> parent_, flipped_;
 };
 
-bool Follows(const SheetNodes& nodes, int i, int j, const SheetGraphOptions& options) {
+bool Follows(const PoissonDiskSamples& nodes, int i, int j, const SheetGraphOptions& options) {
   const Eigen::Vector3d edge = nodes.places.col(j) - nodes.places.col(i);
   const double length = edge.norm();
   return length > 0 && length < options.longest * std::min(nodes.reach[i], nodes.reach[j]) &&
@@ -57,7 +57,7 @@ bool Follows(const SheetNodes& nodes, int i, int j, const SheetGraphOptions& opt
          std::abs(nodes.normals.col(i).dot(nodes.normals.col(j))) > options.least_cosine;
 }
 
-std::vector<SheetEdge> EdgesOf(const SheetNodes& nodes, const SheetGraphOptions& options) {
+std::vector<SheetEdge> EdgesOf(const PoissonDiskSamples& nodes, const SheetGraphOptions& options) {
   const int looked_at = 2 * options.neighbours + 1;
   const std::vector<int> near = NeighbourIndex(nodes.places).Nearest(nodes.places, looked_at);
   const auto each = static_cast<int>(static_cast<Eigen::Index>(near.size()) / nodes.size());
@@ -80,7 +80,7 @@ std::vector<SheetEdge> EdgesOf(const SheetNodes& nodes, const SheetGraphOptions&
 }
 
 // Flattest edges first.
-SignedSets SpanningTrees(const SheetNodes& nodes, const std::vector<SheetEdge>& edges) {
+SignedSets SpanningTrees(const PoissonDiskSamples& nodes, const std::vector<SheetEdge>& edges) {
   std::vector<std::tuple<double, int, int>> order;
   order.reserve(edges.size());
   const auto cosine = [&](int i, int j) { return nodes.normals.col(i).dot(nodes.normals.col(j)); };
@@ -93,7 +93,7 @@ SignedSets SpanningTrees(const SheetNodes& nodes, const std::vector<SheetEdge>& 
 
 }  // namespace
 
-SheetGraph ConnectSheet(const SheetNodes& nodes, const SheetGraphOptions& options) {
+SheetGraph ConnectSheet(const PoissonDiskSamples& nodes, const SheetGraphOptions& options) {
   const std::vector<SheetEdge> edges = EdgesOf(nodes, options);
   SignedSets sets = SpanningTrees(nodes, edges);
   std::vector<int> members(static_cast<size_t>(nodes.size()), 0);

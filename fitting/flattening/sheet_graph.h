@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "fitting/flattening/sheet_nodes.h"
+#include "fitting/flattening/poisson_disk_samples.h"
 
 namespace batten::internal {
 
@@ -14,7 +14,7 @@ struct SheetEdge {
 
 // The nodes of the largest connected part and the edges among them.
 struct SheetGraph {
-  SheetNodes nodes;  // signs of normals agree along the edges
+  PoissonDiskSamples nodes;  // signs of normals agree along the edges
   std::vector<SheetEdge> edges;
   std::vector<SheetEdge> contradictions;  // edges along which they do not: left out of the others
   double share = 0;                       // of all nodes
@@ -31,7 +31,7 @@ struct SheetGraphOptions {
 // Every node asks for its nearest neighbours that keep to the options; an edge exists where one of
 // both asks. Signs spread along the spanning tree of the flattest edges. [Hoppe et al. 1992, §3.3]
 // O(n log n).
-SheetGraph ConnectSheet(const SheetNodes& nodes, const SheetGraphOptions& options);
+SheetGraph ConnectSheet(const PoissonDiskSamples& nodes, const SheetGraphOptions& options);
 
 // For every node its neighbours, in increasing order.
 std::vector<std::vector<int>> NeighboursOf(Eigen::Index nodes, const std::vector<SheetEdge>& edges);

@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/flattening/planar_edges.h"
-#include "fitting/flattening/sheet_graph.h"
-#include "fitting/flattening/sheet_nodes.h"
-#include "fitting/flattening/sheet_spread.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/flattening/cohomology_basis.h"
+#include "fitting/flattening/parameter_blending.h"
+#include "fitting/flattening/planar_edges.h"
+#include "fitting/flattening/poisson_disk_samples.h"
+#include "fitting/flattening/sheet_graph.h"
+#include "fitting/flattening/tube_arap_flattening.h"
 #include "fitting/flattening/tube_ends.h"
-#include "fitting/flattening/tube_loops.h"
-#include "fitting/flattening/tube_settling.h"
-#include "fitting/flattening/tube_unfolding.h"
+#include "fitting/flattening/tube_parameter_smoothing.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -26,20 +26,20 @@ namespace {
 
 constexpr Eigen::Index kLeastTubeNodes = 40;
 constexpr double kFilledLoop = 10;       // reaches round a gap between nodes that is no hole
-constexpr int kMostTubeLoops = 64;           // so many holes are too many
+constexpr int kMostTubeLoops = 64;       // so many holes are too many
 constexpr double kHole = 0.5;            // of the longest loop: shorter ones go round holes
 constexpr double kSpacingOfNodes = 1.3;  // in reaches
 constexpr double kLeastRound = 16;       // nodes
 constexpr double kOpenAngle = 2.1;       // between neighbours of a node at an edge
-constexpr double kTubeNear = 1;         // reaches in the plane between nodes that lie on each other …
-constexpr double kTubeFarApart = 3.5;   // … and more than so many in space
-constexpr int kTubeTornApart = 7;       // edges between ends of a contradicting edge …
-constexpr int kLeastTubeTorn = 5;       // … of which a few are slips
+constexpr double kTubeNear = 1;  // reaches in the plane between nodes that lie on each other …
+constexpr double kTubeFarApart = 3.5;  // … and more than so many in space
+constexpr int kTubeTornApart = 7;      // edges between ends of a contradicting edge …
+constexpr int kLeastTubeTorn = 5;      // … of which a few are slips
 constexpr double kLeastLeft = 0.3;  // of a tube's length where its ends come nearest to each other
 
 // One way to look at the cloud.
 struct Attempt {
-  SheetNodeOptions nodes;
+  PoissonDiskOptions nodes;
   SheetGraphOptions graph;
 };
 
@@ -62,7 +62,7 @@ std::vector<Attempt> Attempts(Eigen::Index nodes) {
 
 struct RolledOff {
   SheetGraph graph;
-  Unfolding unfolding;
+  Flattening unfolding;
 };
 
 // Places of the plane on a cylinder as long round as the period: neighbours across the seam are
@@ -78,7 +78,7 @@ Eigen::Matrix3Xd OnCylinder(const Eigen::VectorXcd& places, double period) {
 }
 
 // Share of the nodes on which others lie that are far away in space.
-double TubeOverlapOf(const SheetGraph& graph, const Unfolding& unfolding) {
+double TubeOverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
   const Eigen::Index n = graph.nodes.size();
   const Eigen::Matrix3Xd plan = OnCylinder(unfolding.places, unfolding.period);
   constexpr int kLookedAt = 9;
@@ -136,12 +136,12 @@ Eigen::Index NodesAtEdges(Eigen::Index n, const std::vector<PlanarEdge>& edges) 
   });
 }
 
-double MedianReach(const SheetNodes& nodes) {
+double MedianReach(const PoissonDiskSamples& nodes) {
   return Median({nodes.reach.begin(), nodes.reach.end()});
 }
 
 // How many nodes would be needed to have enough of them round a tube as curved as the nodes say.
-Eigen::Index NodesNeeded(const SheetNodes& nodes) {
+Eigen::Index NodesNeeded(const PoissonDiskSamples& nodes) {
   std::vector<double> bends;
   for (Eigen::Index i = 0; i < nodes.size(); ++i) {
     const double half = (nodes.curvature(0, i) + nodes.curvature(2, i)) / 2;
@@ -158,7 +158,7 @@ Eigen::Index NodesNeeded(const SheetNodes& nodes) {
 // Why the loops found are not those of a tube with two ends; empty where they are.
 std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
                            Eigen::Index at_edges,
-                           const SheetNodes& nodes) {
+                           const PoissonDiskSamples& nodes) {
   const auto long_ones = std::count_if(loops.begin(), loops.end(), [&](const SheetLoop& loop) {
     return loop.length > kHole * loops.front().length;
   });
@@ -208,7 +208,7 @@ std::string RefusalOfRoll(const TubeBase& base, const TubeBaseOptions& options) 
 
 // Turned over, so that normals look the other way.
 void Mirror(RolledOff& rolled) {
-  Unfolding& u = rolled.unfolding;
+  Flattening& u = rolled.unfolding;
   for (Eigen::Index i = 0; i < rolled.graph.nodes.size(); ++i) rolled.graph.nodes.Flip(i);
   u.places = u.places.conjugate().eval();
   // y changes its sign in the tangent planes too: conj(a conj(q) + b q) = conj(a) q + conj(b)
@@ -221,7 +221,7 @@ void Mirror(RolledOff& rolled) {
 bool LooksOutwards(const RolledOff& rolled) {
   const Eigen::VectorXcd& places = rolled.unfolding.places;
   const double period = rolled.unfolding.period;
-  const SheetNodes& nodes = rolled.graph.nodes;
+  const PoissonDiskSamples& nodes = rolled.graph.nodes;
   const std::vector<int> opposite =
       NeighbourIndex(OnCylinder(places, period))
           .Nearest(OnCylinder(places.array() + period / 2, period), 1);
@@ -237,7 +237,7 @@ bool LooksOutwards(const RolledOff& rolled) {
 // v grows with the coordinate it has most to do with, and normals look outwards.
 void ChooseAxes(RolledOff& rolled) {
   if (!LooksOutwards(rolled)) Mirror(rolled);
-  Unfolding& u = rolled.unfolding;
+  Flattening& u = rolled.unfolding;
   const Eigen::Matrix3Xd& places = rolled.graph.nodes.places;
   const Eigen::Vector3d grows = (places.colwise() - places.rowwise().mean()) * u.places.imag();
   Eigen::Index largest;
@@ -279,7 +279,7 @@ void PutIntoStrip(const RolledOff& rolled,
                   double margin,
                   ThreadPool& pool,
                   TubeBase& base) {
-  SpreadPlaces spread = SpreadOverPoints(rolled.graph, rolled.unfolding, points, noise, pool);
+  SpreadPlaces spread = BlendLocalCharts(rolled.graph, rolled.unfolding, points, noise, pool);
   base.parameters = std::move(spread.places);
   base.reached = std::move(spread.reached);
   base.length_u = rolled.unfolding.period;
@@ -303,12 +303,12 @@ void Settle(const Eigen::Matrix3Xd& points,
             double most_distortion,
             ThreadPool& pool,
             TubeBase& base) {
-  TubeParameters settled =
-      SettledTube({std::move(base.parameters), base.length_u, base.length_v, base.distortion},
-                  points,
-                  base.reached,
-                  most_distortion,
-                  pool);
+  TubeParameters settled = SmoothTubeParameters(
+      {std::move(base.parameters), base.length_u, base.length_v, base.distortion},
+      points,
+      base.reached,
+      most_distortion,
+      pool);
   base.parameters = std::move(settled.parameters);
   base.length_u = settled.length_u;
   base.length_v = settled.length_v;
@@ -323,10 +323,10 @@ void PutAnywhere(Eigen::Index count, double spacing, double margin, TubeBase& ba
 }
 
 void CheckTubeInput(const Eigen::Matrix3Xd& points,
-           const NeighbourIndex& index,
-           double spacing,
-           double noise,
-           double margin) {
+                    const NeighbourIndex& index,
+                    double spacing,
+                    double noise,
+                    double margin) {
   if (points.cols() == 0) throw std::invalid_argument("FlattenTube: no points");
   if (index.size() != points.cols()) {
     throw std::invalid_argument("FlattenTube: index must hold the points; it holds " +
@@ -344,7 +344,7 @@ void CheckTubeInput(const Eigen::Matrix3Xd& points,
 }
 
 // Connects the nodes and rolls them off; fills in what the base tells of it.
-RolledOff RollOff(const SheetNodes& nodes,
+RolledOff RollOff(const PoissonDiskSamples& nodes,
                   const SheetGraphOptions& graph_options,
                   const TubeBaseOptions& options,
                   TubeBase& base) {
@@ -354,27 +354,28 @@ RolledOff RollOff(const SheetNodes& nodes,
   base.nodes = rolled.graph.nodes.size();
   base.distortion = 1;
   if (base.share < options.least_share) {
-    base.refusal =
+    base.failure_reason =
         "the points hang together in several sheets, or in none: the largest part holds " +
         Percent(base.share) + " of them; fit one part of the cloud at a time";
     return rolled;
   }
   base.orientation_consistent = !IsOneSided(rolled.graph);
   if (!base.orientation_consistent) {
-    base.refusal = "the sheet is one-sided, as a Moebius band; fit a part of the cloud";
+    base.failure_reason = "the sheet is one-sided, as a Moebius band; fit a part of the cloud";
     return rolled;
   }
   const std::vector<PlanarEdge> edges = PlanarEdges(rolled.graph);
-  const std::vector<SheetLoop> loops = LoopsOf(rolled.graph.nodes, edges, kFilledLoop, kMostTubeLoops);
+  const std::vector<SheetLoop> loops =
+      CohomologyBasis(rolled.graph.nodes, edges, kFilledLoop, kMostTubeLoops);
   base.loops = static_cast<int>(loops.size());
-  base.refusal = RefusalOfLoops(loops, NodesAtEdges(base.nodes, edges), rolled.graph.nodes);
-  if (!base.refusal.empty()) return rolled;
-  rolled.unfolding = UnfoldTube(rolled.graph, edges, loops.front().crossings);
+  base.failure_reason = RefusalOfLoops(loops, NodesAtEdges(base.nodes, edges), rolled.graph.nodes);
+  if (!base.failure_reason.empty()) return rolled;
+  rolled.unfolding = FlattenTubeArap(rolled.graph, edges, loops.front().crossings);
   base.distortion = rolled.unfolding.distortion;
   base.folded = rolled.unfolding.folded;
   base.overlap = TubeOverlapOf(rolled.graph, rolled.unfolding);
-  base.refusal = RefusalOfRoll(base, options);
-  if (base.serves()) ChooseAxes(rolled);
+  base.failure_reason = RefusalOfRoll(base, options);
+  if (base.ok()) ChooseAxes(rolled);
   return rolled;
 }
 
@@ -393,24 +394,24 @@ TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
   RolledOff rolled;
   for (Attempt attempt : Attempts(options.nodes)) {
     Report(progress, "parameterize", 0.1);
-    SheetNodes nodes = ChooseSheetNodes(points, index, noise, attempt.nodes, pool);
+    PoissonDiskSamples nodes = SamplePoissonDisk(points, index, noise, attempt.nodes, pool);
     base = {};
     if (nodes.size() < kLeastTubeNodes) {
-      base.refusal = "too few points, or too much noise, for a tube: only " +
-                     std::to_string(nodes.size()) + " places of it can be told apart, and " +
-                     std::to_string(kLeastTubeNodes) + " are needed";
+      base.failure_reason = "too few points, or too much noise, for a tube: only " +
+                            std::to_string(nodes.size()) + " places of it can be told apart, and " +
+                            std::to_string(kLeastTubeNodes) + " are needed";
       break;
     }
     if (const Eigen::Index needed = NodesNeeded(nodes); needed > nodes.size()) {
       attempt.nodes.most = std::max(attempt.nodes.most, needed);
-      nodes = ChooseSheetNodes(points, index, noise, attempt.nodes, pool);
+      nodes = SamplePoissonDisk(points, index, noise, attempt.nodes, pool);
     }
     Report(progress, "parameterize", 0.3);
     rolled = RollOff(nodes, attempt.graph, options, base);
-    if (base.serves()) break;
+    if (base.ok()) break;
   }
   Report(progress, "parameterize", 0.6);
-  if (base.serves()) {
+  if (base.ok()) {
     PutIntoStrip(rolled, points, spacing, noise, margin, pool, base);
     Settle(points, options.most_distortion, pool, base);
     base.why = "closed round with two open ends, lengths change by " + Percent(base.distortion);

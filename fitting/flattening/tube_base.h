@@ -27,10 +27,10 @@ struct TubeBase {
   bool orientation_consistent = true;  // false: one-sided, as a Möbius band
   bool straight_ends = false;          // the ends of the cloud were laid on lines of constant v
   Eigen::Index nodes = 0;
-  std::string why;      // one clause on what it is
-  std::string refusal;  // empty when the tube serves, else why not and what to do
+  std::string why;             // one clause on what it is
+  std::string failure_reason;  // empty when the tube serves, else why not and what to do
 
-  bool serves() const { return refusal.empty(); }
+  bool ok() const { return failure_reason.empty(); }
 };
 
 struct TubeBaseOptions {

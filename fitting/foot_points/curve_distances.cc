@@ -184,7 +184,7 @@ void TakeSure(const CurvePieceTable& table,
   const Eigen::ArrayXd from = given.isNaN().select(table.breaks[0], given);
   double u[kDistanceBlock], squares[kDistanceBlock];
   int piece[kDistanceBlock];
-  LocalCurveFeet(table, q.data(), from.data(), count, {u, squares, piece});
+  LocalCurveFootPoints(table, q.data(), from.data(), count, {u, squares, piece});
   for (std::ptrdiff_t k = 0; k < count; ++k) {
     if (piece[k] < 0 || std::isnan(given[k])) continue;
     const double distance = std::sqrt(squares[k]);

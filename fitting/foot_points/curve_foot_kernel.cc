@@ -160,11 +160,11 @@ Descend(const CurvePieceTable& t, const Lanes* q, Group<Dim>& g, Lanes& squares)
 }
 
 template <int Dim>
-BATTEN_INLINE void Feet(const CurvePieceTable& t,
-                        const double* points,
-                        const double* starts,
-                        std::ptrdiff_t count,
-                        const CurveFeetOut& out) {
+BATTEN_INLINE void FootPointSet(const CurvePieceTable& t,
+                                const double* points,
+                                const double* starts,
+                                std::ptrdiff_t count,
+                                const CurveFootPointsOut& out) {
   int near = 0;
   for (std::ptrdiff_t begin = 0; begin < count; begin += kLanes) {
     Group<Dim> g;
@@ -194,34 +194,34 @@ BATTEN_INLINE void Feet(const CurvePieceTable& t,
 }
 
 BATTEN_CLONES
-void FeetInPlane(const CurvePieceTable& t,
-                 const double* points,
-                 const double* starts,
-                 std::ptrdiff_t count,
-                 const CurveFeetOut& out) {
-  Feet<2>(t, points, starts, count, out);
+void FootPointsInPlane(const CurvePieceTable& t,
+                       const double* points,
+                       const double* starts,
+                       std::ptrdiff_t count,
+                       const CurveFootPointsOut& out) {
+  FootPointSet<2>(t, points, starts, count, out);
 }
 
 BATTEN_CLONES
-void FeetInSpace(const CurvePieceTable& t,
-                 const double* points,
-                 const double* starts,
-                 std::ptrdiff_t count,
-                 const CurveFeetOut& out) {
-  Feet<3>(t, points, starts, count, out);
+void FootPointsInSpace(const CurvePieceTable& t,
+                       const double* points,
+                       const double* starts,
+                       std::ptrdiff_t count,
+                       const CurveFootPointsOut& out) {
+  FootPointSet<3>(t, points, starts, count, out);
 }
 
 }  // namespace
 
-void LocalCurveFeet(const CurvePieceTable& table,
-                    const double* points,
-                    const double* starts,
-                    std::ptrdiff_t count,
-                    const CurveFeetOut& out) {
+void LocalCurveFootPoints(const CurvePieceTable& table,
+                          const double* points,
+                          const double* starts,
+                          std::ptrdiff_t count,
+                          const CurveFootPointsOut& out) {
   if (table.dimension == 2) {
-    FeetInPlane(table, points, starts, count, out);
+    FootPointsInPlane(table, points, starts, count, out);
   } else {
-    FeetInSpace(table, points, starts, count, out);
+    FootPointsInSpace(table, points, starts, count, out);
   }
 }
 

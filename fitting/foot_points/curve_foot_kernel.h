@@ -19,7 +19,7 @@ struct CurvePieceTable {
 };
 
 // What was found for each of the points.
-struct CurveFeetOut {
+struct CurveFootPointsOut {
   double* parameters;  // of the foot points
   double* squares;     // squared distances
   int* pieces;         // −1: not found here
@@ -29,10 +29,10 @@ struct CurveFeetOut {
 // Gives up where these do not lead straight there: where the distance is about the radius of
 // curvature, at sharp corners, and far away. Points are dimension × count, starts in the domain.
 // Answers do not depend on which points are asked for at once.
-void LocalCurveFeet(const CurvePieceTable& table,
-                    const double* points,
-                    const double* starts,
-                    std::ptrdiff_t count,
-                    const CurveFeetOut& out);
+void LocalCurveFootPoints(const CurvePieceTable& table,
+                          const double* points,
+                          const double* starts,
+                          std::ptrdiff_t count,
+                          const CurveFootPointsOut& out);
 
 }  // namespace batten::internal

@@ -38,12 +38,12 @@ namespace {
 constexpr std::ptrdiff_t kPieceBlock = 2048;
 
 template <int Dim>
-void SlowFeet(const NurbsCurve<Dim>& curve,
-              const Eigen::MatrixXd& points,
-              const Eigen::VectorXd& starts,
-              const std::vector<Eigen::Index>& which,
-              Eigen::VectorXd& feet,
-              ThreadPool& pool) {
+void SlowCorrection(const NurbsCurve<Dim>& curve,
+                    const Eigen::MatrixXd& points,
+                    const Eigen::VectorXd& starts,
+                    const std::vector<Eigen::Index>& which,
+                    Eigen::VectorXd& feet,
+                    ThreadPool& pool) {
   const CurveFootPoints<Dim> finder(curve);
   pool.For(std::ssize(which), kPieceBlock / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Eigen::Vector3d q = Eigen::Vector3d::Zero();
@@ -58,10 +58,10 @@ void SlowFeet(const NurbsCurve<Dim>& curve,
 }  // namespace
 
 template <int Dim>
-Eigen::VectorXd LocalFeet(const NurbsCurve<Dim>& curve,
-                          const Eigen::MatrixXd& points,
-                          const Eigen::VectorXd& starts,
-                          ThreadPool& pool) {
+Eigen::VectorXd LocalFootPointsKernel(const NurbsCurve<Dim>& curve,
+                                      const Eigen::MatrixXd& points,
+                                      const Eigen::VectorXd& starts,
+                                      ThreadPool& pool) {
   Eigen::VectorXd feet(points.cols());
   std::vector<int> found(static_cast<size_t>(points.cols()), -1);
   if (CurvePieces<Dim>::Covers(curve)) {
@@ -69,28 +69,28 @@ Eigen::VectorXd LocalFeet(const NurbsCurve<Dim>& curve,
     const CurvePieceTable table = pieces.table();
     pool.For(points.cols(), kPieceBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       double squares[kPieceBlock];
-      LocalCurveFeet(table,
-                     points.data() + Dim * begin,
-                     starts.data() + begin,
-                     end - begin,
-                     {feet.data() + begin, squares, found.data() + begin});
+      LocalCurveFootPoints(table,
+                           points.data() + Dim * begin,
+                           starts.data() + begin,
+                           end - begin,
+                           {feet.data() + begin, squares, found.data() + begin});
     });
   }
   std::vector<Eigen::Index> missed;
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
     if (found[static_cast<size_t>(k)] < 0) missed.push_back(k);
   }
-  if (!missed.empty()) SlowFeet(curve, points, starts, missed, feet, pool);
+  if (!missed.empty()) SlowCorrection(curve, points, starts, missed, feet, pool);
   return feet;
 }
 
-template Eigen::VectorXd LocalFeet<2>(const NurbsCurve<2>&,
-                                      const Eigen::MatrixXd&,
-                                      const Eigen::VectorXd&,
-                                      ThreadPool&);
-template Eigen::VectorXd LocalFeet<3>(const NurbsCurve<3>&,
-                                      const Eigen::MatrixXd&,
-                                      const Eigen::VectorXd&,
-                                      ThreadPool&);
+template Eigen::VectorXd LocalFootPointsKernel<2>(const NurbsCurve<2>&,
+                                                  const Eigen::MatrixXd&,
+                                                  const Eigen::VectorXd&,
+                                                  ThreadPool&);
+template Eigen::VectorXd LocalFootPointsKernel<3>(const NurbsCurve<3>&,
+                                                  const Eigen::MatrixXd&,
+                                                  const Eigen::VectorXd&,
+                                                  ThreadPool&);
 
 }  // namespace batten::internal

@@ -5,14 +5,14 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fitting/foot_points/curve_foot_kernel.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/foot_points/curve_foot_kernel.h"
 
 namespace batten::internal {
 
-// The table of LocalCurveFeet. The curve must have no weights and a degree of kMaxFootDegree at
-// most. O(n p²).
+// The table of LocalCurveFootPoints. The curve must have no weights and a degree of kMaxFootDegree
+// at most. O(n p²).
 template <int Dim>
 class CurvePieces {
  public:
@@ -35,22 +35,22 @@ class CurvePieces {
 extern template class CurvePieces<2>;
 extern template class CurvePieces<3>;
 
-// Foot points from starts in the domain, a local minimum each: many at once by LocalCurveFeet where
-// that does, by CurveFootPoints::Near elsewhere. Points are Dim × m. About 30 million a second and
-// core. The same for every number of threads.
+// Foot points from starts in the domain, a local minimum each: many at once by LocalCurveFootPoints
+// where that does, by CurveFootPoints::Near elsewhere. Points are Dim × m. About 30 million a
+// second and core. The same for every number of threads.
 template <int Dim>
-Eigen::VectorXd LocalFeet(const NurbsCurve<Dim>& curve,
-                          const Eigen::MatrixXd& points,
-                          const Eigen::VectorXd& starts,
-                          ThreadPool& pool);
+Eigen::VectorXd LocalFootPointsKernel(const NurbsCurve<Dim>& curve,
+                                      const Eigen::MatrixXd& points,
+                                      const Eigen::VectorXd& starts,
+                                      ThreadPool& pool);
 
-extern template Eigen::VectorXd LocalFeet<2>(const NurbsCurve<2>&,
-                                             const Eigen::MatrixXd&,
-                                             const Eigen::VectorXd&,
-                                             ThreadPool&);
-extern template Eigen::VectorXd LocalFeet<3>(const NurbsCurve<3>&,
-                                             const Eigen::MatrixXd&,
-                                             const Eigen::VectorXd&,
-                                             ThreadPool&);
+extern template Eigen::VectorXd LocalFootPointsKernel<2>(const NurbsCurve<2>&,
+                                                         const Eigen::MatrixXd&,
+                                                         const Eigen::VectorXd&,
+                                                         ThreadPool&);
+extern template Eigen::VectorXd LocalFootPointsKernel<3>(const NurbsCurve<3>&,
+                                                         const Eigen::MatrixXd&,
+                                                         const Eigen::VectorXd&,
+                                                         ThreadPool&);
 
 }  // namespace batten::internal

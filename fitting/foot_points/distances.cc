@@ -60,7 +60,8 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   const SurfaceFootPoints finder(surface);
   const SurfaceEvaluator evaluator(surface);
   const bool all = near.allFinite();
-  LocalFeet feet = LocalFootPoints(evaluator, points, all ? near : StartsFrom(surface, near), pool);
+  LocalFootPointsKernel feet =
+      LocalFootPoints(evaluator, points, all ? near : StartsFrom(surface, near), pool);
   pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const double u = feet.parameters(0, k), v = feet.parameters(1, k);
@@ -79,7 +80,7 @@ PointDistances DistancesFrom(const NurbsSurface& surface,
                              const Eigen::Matrix3Xd& points,
                              const Eigen::Matrix2Xd& start,
                              ThreadPool& pool) {
-  LocalFeet feet = LocalFootPoints(SurfaceEvaluator(surface), points, start, pool);
+  LocalFootPointsKernel feet = LocalFootPoints(SurfaceEvaluator(surface), points, start, pool);
   return {std::move(feet.distances), std::move(feet.parameters)};
 }
 

@@ -10,8 +10,8 @@
 #include "fitting/core/stopwatch.h"
 #include "fitting/grid/fill_cells.h"
 #include "fitting/grid/grid_input.h"
-#include "fitting/parameterization/surface_base.h"
-#include "fitting/surface/surface_outcome.h"
+#include "fitting/parameterization/parameterization.h"
+#include "fitting/surface/surface_measurement.h"
 
 namespace batten {
 using namespace internal;

@@ -108,7 +108,7 @@ Eigen::VectorXd Picked(const Eigen::VectorXd& values, const std::vector<int>& ke
 }
 
 // Leaves out lines that repeat the one before, and those without a point.
-void DropIdleLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
+void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
   const LineView lines{input.net, rows};
   const std::string name = rows ? "row" : "column";
   std::vector<int> kept, &stands = rows ? input.row_of : input.column_of;
@@ -174,7 +174,7 @@ GridInput ReadGrid(const PointCloud& cloud, const GridFitOptions& options) {
   GridInput input{NetOf(cloud, options), options.parameters, {}, {}, 0, {}, {}, {}};
   const bool given = options.parameterization == GridParameterization::kGiven;
   for (const bool rows : {true, false}) {
-    DropIdleLines(rows, given ? &(rows ? input.parameters.u : input.parameters.v) : nullptr, input);
+    DropKnotLines(rows, given ? &(rows ? input.parameters.u : input.parameters.v) : nullptr, input);
   }
   RequireSheet(input.net);
   const Closing closed = options.closed;

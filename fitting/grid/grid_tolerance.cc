@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "batten/fitting/approximate_grid.h"
-#include "fitting/grid/line_breaks.h"
-#include "fitting/grid/net_distance.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/grid/grid_knot_placement.h"
+#include "fitting/grid/net_distance.h"
 #include "fitting/grid/value_span.h"
 
 namespace batten {
@@ -128,13 +128,13 @@ class ToleranceSearch {
     const CollapsedLines poles = PolesOf(net_, {basis_u.periodic(), basis_v.periodic()});
     const auto search =
         [](const SplineBasis& basis, const Eigen::VectorXd& t, bool meet_ends, PointNet& lines) {
-          return LineBreakSearch(basis.degree(),
-                                 t,
-                                 std::move(lines.points),
-                                 basis.lower(),
-                                 basis.upper(),
-                                 basis.periodic(),
-                                 meet_ends);
+          return GridKnotSearch(basis.degree(),
+                                t,
+                                std::move(lines.points),
+                                basis.lower(),
+                                basis.upper(),
+                                basis.periodic(),
+                                meet_ends);
         };
     u_ = search(basis_u, samples_.u, poles.any_row(), lines_u);
     v_ = search(basis_v, samples_.v, poles.any_column(), lines_v);
@@ -160,7 +160,7 @@ class ToleranceSearch {
  private:
   // Numbers of spans that are enough for this direction alone and some more, fewer control points
   // first; at last the knots of the surface through all points.
-  std::vector<Choice> ChoicesOf(LineBreakSearch& search,
+  std::vector<Choice> ChoicesOf(GridKnotSearch& search,
                                 const SplineBasis& through,
                                 bool thin,
                                 double tolerance) {
@@ -171,7 +171,7 @@ class ToleranceSearch {
     const int last = std::min(static_cast<int>(kFartherOut * least) + kSpansFarther, most);
     std::vector<Choice> choices;
     for (int spans = least; spans <= last; spans += std::max(1, least / kFewSpans)) {
-      const LineBreaks& best = search.Best(spans, pool_);
+      const GridKnotPlacement& best = search.Best(spans, pool_);
       choices.push_back({search.BasisOf(best.breaks), best.error, search.ControlPoints(spans)});
     }
     choices.push_back({through, 0, all});
@@ -210,7 +210,7 @@ class ToleranceSearch {
   ThreadPool& pool_;
   GridParameters samples_;
   PointNet net_;
-  std::optional<LineBreakSearch> u_, v_;
+  std::optional<GridKnotSearch> u_, v_;
   std::set<std::pair<int, int>> tried_;
 };
 

@@ -11,7 +11,7 @@
 #include <ceres/ceres.h>
 #pragma GCC diagnostic pop
 
-#include "fitting/joint/joint_watch.h"
+#include "fitting/joint/iteration_monitor.h"
 
 namespace batten::internal {
 namespace {
@@ -27,7 +27,7 @@ constexpr double kCeresLeastDamping = 1e-9, kCeresMostDamping = 1e3;
 // Projects and sorts the points whenever Ceres looks at a new place.
 class Projector : public ceres::EvaluationCallback {
  public:
-  explicit Projector(JointCells& cells) : cells_(cells) {}
+  explicit Projector(EliminatedProblem& cells) : cells_(cells) {}
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     // Ceres asks for Jacobians where it starts, which is no step to be refused, and where it has
     // accepted one.
@@ -37,7 +37,7 @@ class Projector : public ceres::EvaluationCallback {
   bool valid() const { return valid_; }
 
  private:
-  JointCells& cells_;
+  EliminatedProblem& cells_;
   bool valid_ = true;
 };
 
@@ -46,7 +46,7 @@ class CellCost : public ceres::CostFunction {
  public:
   // `idle`: for a cell of which everything is fixed, an unknown that nothing depends on. Ceres
   // leaves out blocks without a free unknown, but points may move into the cell and out of it.
-  CellCost(const JointCells& cells, const Projector& projector, int cell, double* idle)
+  CellCost(const EliminatedProblem& cells, const Projector& projector, int cell, double* idle)
       : cells_(cells), projector_(projector), cell_(cell), idle_(idle) {
     set_num_residuals(cells.rows());
     std::vector<int>& sizes = *mutable_parameter_block_sizes();
@@ -58,7 +58,7 @@ class CellCost : public ceres::CostFunction {
     if (idle_) sizes.push_back(1);
   }
 
-  std::vector<double*> Blocks(JointCells& cells) const {
+  std::vector<double*> Blocks(EliminatedProblem& cells) const {
     std::vector<double*> blocks;
     const std::vector<int> own = cells.BlocksOf(cell_);
     for (const int k : own) blocks.push_back(cells.point(k));
@@ -97,7 +97,7 @@ class CellCost : public ceres::CostFunction {
   }
 
  private:
-  const JointCells& cells_;
+  const EliminatedProblem& cells_;
   const Projector& projector_;
   int cell_;
   double* idle_;
@@ -106,7 +106,7 @@ class CellCost : public ceres::CostFunction {
 // Watches the noise, the user, and how well the damping suits.
 class Watcher : public ceres::IterationCallback {
  public:
-  Watcher(JointCells& cells, const JointOptions& options, JointResult& result)
+  Watcher(EliminatedProblem& cells, const JointOptions& options, JointResult& result)
       : cells_(cells), options_(options), result_(result), watch_(cells, options, result) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
@@ -159,16 +159,16 @@ class Watcher : public ceres::IterationCallback {
     watch_.Record(summary.cost, summary.iteration_time_in_seconds);
   }
 
-  JointCells& cells_;
+  EliminatedProblem& cells_;
   const JointOptions& options_;
   JointResult& result_;
-  JointWatch watch_;
+  IterationMonitor watch_;
   int refusals_ = 0;
 };
 
 // Every cell's block, every term's, and what is fixed.
 void Assemble(ceres::Problem& problem,
-              JointCells& cells,
+              EliminatedProblem& cells,
               const Projector& projector,
               const std::vector<bool>& fixed,
               JointTerms terms,
@@ -195,7 +195,7 @@ void Assemble(ceres::Problem& problem,
   }
 }
 
-ceres::Solver::Options SolverOptions(const JointOptions& options, const JointCells& cells) {
+ceres::Solver::Options SolverOptions(const JointOptions& options, const EliminatedProblem& cells) {
   ceres::Solver::Options solver;
   const int unknowns = cells.blocks() * (cells.dimension() + (cells.free_weights() ? 1 : 0)) +
                        cells.gaps(0) + (cells.directions() > 1 ? cells.gaps(1) : 0);
@@ -220,7 +220,7 @@ ceres::Solver::Options SolverOptions(const JointOptions& options, const JointCel
 
 }  // namespace
 
-void MinimiseByCeres(JointCells& cells,
+void MinimiseByCeres(EliminatedProblem& cells,
                      const std::vector<bool>& fixed,
                      JointTerms terms,
                      const JointOptions& options,

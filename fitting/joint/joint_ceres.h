@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "fitting/joint/joint_cells.h"
+#include "fitting/joint/eliminated_problem.h"
 #include "fitting/joint/joint_options.h"
 #include "fitting/joint/joint_result.h"
 #include "fitting/joint/term_cost.h"
@@ -17,7 +17,7 @@ using JointTerms = std::vector<std::unique_ptr<TermCost>>;
 
 // Lowers the cost of the cells and the squares of the terms, and keeps the record in `result`.
 // `fixed` blocks stay. Leaves the unknowns at the best state; the cells may be elsewhere.
-void MinimiseByCeres(JointCells& cells,
+void MinimiseByCeres(EliminatedProblem& cells,
                      const std::vector<bool>& fixed,
                      JointTerms terms,
                      const JointOptions& options,

@@ -26,7 +26,7 @@ struct JointOptions {
   double seconds = 0;        // stop after so long; 0: never
   Loss loss = Loss::kNone;   // on each point's distance
   double loss_scale = 1;     // standard deviation of good points, the data's units
-  double fairness = 1e-6;    // thin plate relative to the data, so that empty cells stay calm
+  double fairness = 1e-6;    // thin plate relative to the data, so that empty cells stay smooth
   double weight_prior = 0;   // on squared logarithms of weights, at least; the data's units squared
   Progress progress = nullptr;
 };

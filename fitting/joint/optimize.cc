@@ -9,14 +9,14 @@
 #include <utility>
 
 #include "batten/fitting/free_knots.h"
-#include "fitting/joint/joint_stage.h"
-#include "fitting/knots/knot_gaps.h"
-#include "fitting/joint/smooth_parameters.h"
 #include "batten/fitting/solve_linear.h"
-#include "fitting/joint/spread_parameters.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/split.h"
+#include "fitting/joint/harmonic_reparameterization.h"
+#include "fitting/joint/joint_optimization.h"
+#include "fitting/joint/smooth_parameters.h"
+#include "fitting/knots/knot_gaps.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -105,7 +105,7 @@ class Optimizer {
     result_.note = start.note;
   }
 
-  JointOptions Settings(const Freedom& free) const {
+  JointOptions Settings(const FreeVariables& free) const {
     JointOptions joint;
     joint.orthogonal = options_.free.parameters;
     joint.free_weights = free.weights;
@@ -152,7 +152,7 @@ class Optimizer {
     result_.rms_after = joint.rms_after;
   }
 
-  void Joint(const Freedom& free, int steps, double least_gain) {
+  void Joint(const FreeVariables& free, int steps, double least_gain) {
     if (Over()) return;
     JointOptions joint = Settings(free);
     joint.max_iterations = steps;
@@ -343,7 +343,7 @@ class Optimizer {
     Eigen::MatrixXd net = SolveLinear(fine, pool_).coefficients;
     for (int round = 0; round < kSpreadings; ++round) {
       const NurbsSurface surface(fine.basis_u(), fine.basis_v(), net);
-      const SpreadParameters spread(surface, pool_);
+      const ReparameterizeHarmonically spread(surface, pool_);
       if (round == 0 && spread.unevenness() < kUneven) return;
       fine = fine.WithParameters(spread(fine.data().parameters));
       net = SolveLinear(fine, pool_).coefficients;
@@ -419,7 +419,8 @@ class Optimizer {
 
 void Check(const OptimizeOptions& options) {
   if (options.max_iterations < 1) Reject("OptimizeOptions", "max_iterations must be positive");
-  if (!(options.noise >= 0) || !std::isfinite(options.noise)) Reject("OptimizeOptions", "noise must not be negative");
+  if (!(options.noise >= 0) || !std::isfinite(options.noise))
+    Reject("OptimizeOptions", "noise must not be negative");
   if (!(options.least_gain >= 0)) Reject("OptimizeOptions", "least_gain must not be negative");
   if (!(options.loss_scale > 0) || !std::isfinite(options.loss_scale))
     Reject("OptimizeOptions", "loss_scale must be positive");

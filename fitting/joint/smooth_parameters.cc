@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "fitting/foot_points/joint_feet.h"
-#include "fitting/joint/joint_stage.h"
-#include "fitting/least_squares/residual_noise.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/foot_points/joint_foot_points.h"
+#include "fitting/joint/joint_optimization.h"
+#include "fitting/least_squares/residual_noise.h"
 
 namespace batten::internal {
 namespace {
@@ -46,7 +46,7 @@ ParameterScatter ScatterOf(const FittingProblem& problem,
                            ThreadPool& pool) {
   const FittingData& data = problem.data();
   const TensorShape shape = ShapeOf(problem, control_points);
-  Feet at, near;
+  FootPointSet at, near;
   FootProjector(data.values, false, pool).Project(shape, data.parameters, at);
   FootProjector(data.values, true, pool).Project(shape, data.parameters, near);
   const ResidualNoise noise(data.parameters);
@@ -69,7 +69,7 @@ SmoothedParameters WithSmoothParameters(const FittingProblem& problem,
     const FittingProblem coarse = Coarse(current, spans);
     if (coarse.size() < 2 * coarse.unknowns()) break;
     const Eigen::MatrixXd net = SolveLinear(coarse, pool).coefficients;
-    Feet feet;
+    FootPointSet feet;
     projector.Project(ShapeOf(coarse, net), coarse.data().parameters, feet);
     JointOptions joint;
     joint.max_iterations = kStepsALevel;

@@ -10,7 +10,7 @@ namespace batten::internal {
 namespace {
 
 // The blocks of some control points, each once, in the order of their first mention.
-std::vector<int> BlocksOf(const std::vector<int>& points, const JointCells& cells) {
+std::vector<int> BlocksOf(const std::vector<int>& points, const EliminatedProblem& cells) {
   std::vector<int> blocks;
   for (const int point : points) {
     const int block = cells.BlockOf(point);
@@ -19,7 +19,7 @@ std::vector<int> BlocksOf(const std::vector<int>& points, const JointCells& cell
   return blocks;
 }
 
-void CheckIndices(const std::vector<int>& indices, const JointCells& cells) {
+void CheckIndices(const std::vector<int>& indices, const EliminatedProblem& cells) {
   for (const int k : indices) {
     if (k < 0 || k >= cells.shape().net.cols()) {
       throw std::invalid_argument("Optimize: a residual term names control point " +
@@ -31,7 +31,9 @@ void CheckIndices(const std::vector<int>& indices, const JointCells& cells) {
 
 }  // namespace
 
-TermCost::TermCost(std::shared_ptr<const ResidualTerm> term, const JointCells& cells, double unit)
+TermCost::TermCost(std::shared_ptr<const ResidualTerm> term,
+                   const EliminatedProblem& cells,
+                   double unit)
     : term_(std::move(term)), cells_(cells), unit_(unit) {
   if (!term_ || term_->residuals() < 1) {
     throw std::invalid_argument("Optimize: a residual term has no residual");
@@ -52,7 +54,7 @@ TermCost::TermCost(std::shared_ptr<const ResidualTerm> term, const JointCells& c
   }
 }
 
-std::vector<double*> TermCost::Blocks(JointCells& cells) const {
+std::vector<double*> TermCost::Blocks(EliminatedProblem& cells) const {
   std::vector<double*> blocks;
   for (const int block : point_blocks_) blocks.push_back(cells.point(block));
   for (const int block : weight_blocks_) blocks.push_back(cells.log_weight(block));

@@ -11,8 +11,8 @@
 #include <ceres/cost_function.h>
 #pragma GCC diagnostic pop
 
-#include "fitting/joint/joint_cells.h"
 #include "batten/fitting/residual_term.h"
+#include "fitting/joint/eliminated_problem.h"
 
 namespace batten::internal {
 
@@ -23,10 +23,12 @@ class TermCost : public ceres::CostFunction {
  public:
   // `unit`: of the cells' lengths, in the user's; the term sees the user's. Throws
   // std::invalid_argument where the term names what is not there.
-  TermCost(std::shared_ptr<const ResidualTerm> term, const JointCells& cells, double unit = 1);
+  TermCost(std::shared_ptr<const ResidualTerm> term,
+           const EliminatedProblem& cells,
+           double unit = 1);
 
   // The unknowns it depends on, in the order of Evaluate's parameters.
-  std::vector<double*> Blocks(JointCells& cells) const;
+  std::vector<double*> Blocks(EliminatedProblem& cells) const;
 
   // Whether some of them is free, of control points and weights those that are not `fixed`, block
   // by block. Of what is not, no step takes notice.
@@ -38,7 +40,7 @@ class TermCost : public ceres::CostFunction {
   std::vector<double> Values() const;
 
   std::shared_ptr<const ResidualTerm> term_;
-  const JointCells& cells_;
+  const EliminatedProblem& cells_;
   double unit_;
   std::vector<int> points_, weights_;              // of the term
   std::vector<int> point_blocks_, weight_blocks_;  // of the optimiser, each once

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "fitting/knots/knot_search.h"
 #include "fitting/core/unit_of.h"
+#include "fitting/knots/knot_search.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -96,7 +96,7 @@ int Functions(const MovingKnots& knots) {
   return (knots.u.basis().degree() + 1) * (knots.v ? knots.v->basis().degree() + 1 : 1);
 }
 
-double WorkOf(const KnotProjection& projection, const MovingKnots& knots) {
+double WorkOf(const VariableProjection& projection, const MovingKnots& knots) {
   return static_cast<double>(projection.values()) * Functions(knots) +
          kKnotsCubed * std::pow(knots.free(), 3);
 }
@@ -107,7 +107,7 @@ Eigen::Index SearchedData(const MovingKnots& knots) {
 }
 
 // The given knots, insertion, random starts and exchanges, sorted.
-std::vector<Descent> Search(const KnotProjection& data,
+std::vector<Descent> Search(const VariableProjection& data,
                             const MovingKnots& given,
                             const FreeKnotOptions& options,
                             const DescentOptions& descent,
@@ -178,7 +178,7 @@ FreeKnotResult OptimizeScaledKnots(const FittingProblem& problem,
   }
 
   Watch watch(options);
-  const KnotProjection whole(problem);
+  const VariableProjection whole(problem);
   DescentOptions descent;
   descent.max_iterations = options.max_iterations;
   descent.coalesce = options.coalesce;
@@ -186,7 +186,7 @@ FreeKnotResult OptimizeScaledKnots(const FittingProblem& problem,
   descent.stop = [&watch] { return watch.Stop(); };
 
   // Places to start from, sought on part of the data when there are many.
-  const KnotProjection part = whole.Thinned(SearchedData(given));
+  const VariableProjection part = whole.Thinned(SearchedData(given));
   DescentOptions rough = descent;
   rough.stop_squares *= static_cast<double>(part.size()) / static_cast<double>(whole.size());
   const std::vector<Descent> found = Search(part, given, options, rough, watch, pool, result);

@@ -100,7 +100,7 @@ void Compress(const Eigen::MatrixXd& H,
 // Φ in the logarithms of the gaps of one or two directions.
 class KnotCost : public ceres::CostFunction {
  public:
-  KnotCost(const KnotProjection& projection, const MovingKnots& knots, ThreadPool& pool)
+  KnotCost(const VariableProjection& projection, const MovingKnots& knots, ThreadPool& pool)
       : projection_(projection), knots_(knots), pool_(pool) {
     variables_ = 0;
     for (const int free : {knots.free_u(), knots.free_v()}) {
@@ -169,7 +169,7 @@ class KnotCost : public ceres::CostFunction {
   }
 
  private:
-  const KnotProjection& projection_;
+  const VariableProjection& projection_;
   const MovingKnots& knots_;
   ThreadPool& pool_;
   int variables_;
@@ -229,7 +229,7 @@ class Watcher : public ceres::IterationCallback {
 };
 
 // One run of Ceres, with the groups as they are. Returns whether it was told to stop.
-bool Run(const KnotProjection& projection,
+bool Run(const VariableProjection& projection,
          const DescentOptions& options,
          bool merges,
          ThreadPool& pool,
@@ -275,7 +275,7 @@ bool Run(const KnotProjection& projection,
 
 }  // namespace
 
-Descent Descend(const KnotProjection& projection,
+Descent Descend(const VariableProjection& projection,
                 const MovingKnots& start,
                 const DescentOptions& options,
                 ThreadPool& pool) {

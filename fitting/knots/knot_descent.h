@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "fitting/knots/knot_projection.h"
+#include "fitting/knots/variable_projection.h"
 
 namespace batten::internal {
 
@@ -27,7 +27,7 @@ struct Descent {
 // the search goes on without the lost variable. Never worse than the start, except by what the
 // merging of knots nearer than `coalesce` costs, which is undone where it costs more than
 // `tolerance`.
-Descent Descend(const KnotProjection& projection,
+Descent Descend(const VariableProjection& projection,
                 const MovingKnots& start,
                 const DescentOptions& options,
                 ThreadPool& pool);

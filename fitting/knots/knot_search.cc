@@ -107,7 +107,7 @@ SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double
   return SplineBasis(basis.degree(), std::move(knots));
 }
 
-KnotSearch::KnotSearch(const KnotProjection& projection,
+KnotSearch::KnotSearch(const VariableProjection& projection,
                        const DescentOptions& descent,
                        bool parallel_starts,
                        ThreadPool& pool)
@@ -159,7 +159,7 @@ void KnotSearch::AddTrials(const MovingKnots& knots,
                            std::vector<Trial>& trials) {
   const auto errors = projection_.Errors(knots, pool_);
   if (!errors) return;
-  const auto add = [&](const std::vector<KnotProjection::SpanError>& spans, bool u) {
+  const auto add = [&](const std::vector<VariableProjection::SpanError>& spans, bool u) {
     const double room = kRoom * (u ? knots.u : *knots.v).length();
     std::vector<double> order;
     for (const auto& span : spans) order.push_back(-span.squares);

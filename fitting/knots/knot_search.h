@@ -23,7 +23,7 @@ class KnotSearch {
  public:
   // `parallel_starts`: descents run side by side, each on one thread; else one after another, each
   // on the whole pool. `stop` is asked often and from any thread.
-  KnotSearch(const KnotProjection& projection,
+  KnotSearch(const VariableProjection& projection,
              const DescentOptions& descent,
              bool parallel_starts,
              ThreadPool& pool);
@@ -75,7 +75,7 @@ class KnotSearch {
   // The knots that are missed least, each put where it serves best.
   std::vector<MovingKnots> Exchanges(const MovingKnots& knots, bool in_u);
 
-  const KnotProjection& projection_;
+  const VariableProjection& projection_;
   DescentOptions options_;
   bool parallel_starts_;
   ThreadPool& pool_;

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fitting/least_squares/penalised_system.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/least_squares/penalised_system.h"
 #include "fitting/linear/tied_system.h"
 
 namespace batten::internal {
@@ -55,7 +55,7 @@ class Trials {
   };
   Trial At(double smoothing) const {
     const PenalisedSystem::Solution solution = system_.Solve(smoothing);
-    Trial trial{Freedom(solution.factor), solution.residual_squares};
+    Trial trial{FreeVariables(solution.factor), solution.residual_squares};
     // Sums of squares lose what is less than this share of them.
     if (trial.residual_squares < kRoundedOff * system_.squares())
       trial.residual_squares =
@@ -65,7 +65,7 @@ class Trials {
 
  private:
   // In parts of a fixed number of columns, so that threads change nothing.
-  double Freedom(const TiedSystem& factor) const {
+  double FreeVariables(const TiedSystem& factor) const {
     const Eigen::Index parts = (probes_.cols() + kColumns - 1) / kColumns;
     std::vector<double> sums(static_cast<size_t>(parts), 0.0);
     pool_.For(parts, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {

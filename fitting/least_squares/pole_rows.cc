@@ -14,7 +14,7 @@ NetTies PoleTies(const SplineBasis& basis_u,
                  bool u_outside) {
   NetTies ties;
   if (!poles.any()) return ties;
-  const PoleFreedom freedom = FreedomOf(basis_u, basis_v, poles);
+  const PoleFreedom freedom = FreeVariablesOf(basis_u, basis_v, poles);
   const SplineBasis& outer = u_outside ? basis_u : basis_v;
   const std::vector<int> outer_rows = CoefficientOrder(outer).Rows(outer);
   const int m = DistinctCount(basis_u), size_v = DistinctCount(basis_v);

@@ -124,7 +124,9 @@ int PoleConditionCount(const SplineBasis& basis_u, const SplineBasis& basis_v, c
   return count;
 }
 
-PoleFreedom FreedomOf(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles) {
+PoleFreedom FreeVariablesOf(const SplineBasis& basis_u,
+                            const SplineBasis& basis_v,
+                            const Poles& poles) {
   PoleFreedom freedom;
   if (!poles.any()) return freedom;
   const int m = DistinctCount(basis_u);

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "batten/fitting/point_mask.h"
-#include "fitting/neighbours/local_quadric.h"
 #include "batten/fitting/neighbours.h"
-#include "fitting/cloud/sheet_layers.h"
+#include "batten/fitting/point_mask.h"
+#include "fitting/cloud/double_layer_test.h"
+#include "fitting/neighbours/local_quadric.h"
 
 namespace batten::internal {
 namespace {
@@ -55,14 +55,14 @@ double StructuredShare(const SurfaceResiduals& given, int control_points, Thread
   return sum_all > 0 ? 1 - sum_left / sum_all : 0;
 }
 
-double LayeredShareOf(const SurfaceResiduals& given, ThreadPool& pool) {
+double DoubleLayerFractionOf(const SurfaceResiduals& given, ThreadPool& pool) {
   // Of very many points, two sheets show in a part of them.
   const std::vector<Eigen::Index> some =
       SampleIndices(given.residuals.size(), kMostForLayers, given.seed);
   Eigen::Matrix3Xd raised = InPlane(given.parameters(Eigen::all, some));
   const NeighbourIndex index(raised, pool);
   raised.row(2) = given.residuals(some).transpose();
-  return LayeredShare(
+  return DoubleLayerFraction(
       raised, index, {.seed = given.seed, .heights = Eigen::Vector3d(0, 0, 1)}, pool);
 }
 

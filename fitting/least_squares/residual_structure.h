@@ -21,8 +21,8 @@ struct SurfaceResiduals {
 // parameters, weights and knots can only mend what is smooth at that width.
 double StructuredShare(const SurfaceResiduals& residuals, int control_points, ThreadPool& pool);
 
-// The share of places in whose surroundings residuals keep to two heights (LayeredShare), whatever
-// the distance of the two.
-double LayeredShareOf(const SurfaceResiduals& residuals, ThreadPool& pool);
+// The share of places in whose surroundings residuals keep to two heights (DoubleLayerFraction),
+// whatever the distance of the two.
+double DoubleLayerFractionOf(const SurfaceResiduals& residuals, ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -14,7 +14,7 @@ TiedSystem::TiedSystem(BlockBandedMatrix matrix, const NetTies& ties)
     return;
   }
   if (ties_.blocks > 0 && ties_.rows > 0) GatherFree(matrix);
-  GatherBorder(matrix);
+  GatherOutline(matrix);
 }
 
 // The place among the free rows; −1: tied.
@@ -38,7 +38,7 @@ void TiedSystem::GatherFree(const BlockBandedMatrix& matrix) {
 
 // The columns of M that are tied, times the forms: what falls on free rows is the border, the rest
 // once more times the forms the corner.
-void TiedSystem::GatherBorder(const BlockBandedMatrix& matrix) {
+void TiedSystem::GatherOutline(const BlockBandedMatrix& matrix) {
   const Eigen::Index b = block_size_, unknowns = ties_.forms.cols();
   std::vector<Eigen::Index> place(static_cast<size_t>(matrix.size()), -1);
   for (size_t k = 0; k < ties_.tied.size(); ++k)

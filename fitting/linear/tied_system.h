@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "fitting/linear/block_banded_matrix.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/linear/block_banded_matrix.h"
 
 namespace batten::internal {
 
@@ -44,7 +44,7 @@ class TiedSystem {
  private:
   Eigen::Index FreeRow(Eigen::Index block, Eigen::Index row) const;
   void GatherFree(const BlockBandedMatrix& matrix);
-  void GatherBorder(const BlockBandedMatrix& matrix);
+  void GatherOutline(const BlockBandedMatrix& matrix);
   Eigen::MatrixXd Free(const Eigen::MatrixXd& rows) const;
   Eigen::MatrixXd Tied(const Eigen::MatrixXd& rows) const;
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "fitting/neighbours/halving.h"
 #include "fitting/neighbours/nearest_kernel.h"
+#include "fitting/neighbours/spatial_sort.h"
 
 namespace batten {
 using namespace internal;

@@ -10,14 +10,14 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fitting/ordering/curve_guide.h"
+#include "batten/fitting/statistics.h"
+#include "fitting/core/point_rank.h"
+#include "fitting/core/unit_of.h"
+#include "fitting/ordering/curve_inliers.h"
 #include "fitting/ordering/curve_nodes.h"
-#include "fitting/ordering/curve_strangers.h"
 #include "fitting/ordering/node_paths.h"
 #include "fitting/ordering/path_branches.h"
-#include "fitting/core/point_rank.h"
-#include "batten/fitting/statistics.h"
-#include "fitting/core/unit_of.h"
+#include "fitting/ordering/principal_polyline.h"
 
 namespace batten {
 using namespace internal;
@@ -32,7 +32,7 @@ constexpr double kManyThick = 5000;            // points, whose noise needs no p
 constexpr double kTries[] = {1, 1.6, 2.5, 4};  // coarser and coarser while the points branch
 constexpr double kMostLeftOut = 0.4;           // of the points: more are not outliers
 constexpr double kMoreLeftOut = 0.005;         // of the points, that a coarser look may miss
-constexpr double kMoreOfStrangers = 0.2;       // and of those that seem to lie along no curve
+constexpr double kMoreOffCurves = 0.2;       // and of those that seem to lie along no curve
 constexpr double kLongInNoise = 30;            // a shorter guide is no curve that the noise hides
 constexpr double kOutlierInNoise = 6;
 constexpr double kOutlierInLinks = 0.5;
@@ -94,9 +94,9 @@ OrderedPlaces PlacesOf(const PointCloud& cloud) {
 
 // One look at the points, at one fineness.
 struct OrderLook {
-  std::vector<Guide> guides;
+  std::vector<PrincipalPolyline> guides;
   std::vector<Eigen::Vector3d> meetings;
-  std::vector<GuidePlace> places;
+  std::vector<PolylinePlace> places;
   double turn = 0;       // mean at a node
   double noise = 0;      // that was taken to be there
   double link = 0;       // median
@@ -105,9 +105,9 @@ struct OrderLook {
   Eigen::Index left_out = 0;
 };
 
-double MedianLink(const std::vector<Guide>& guides) {
+double MedianLink(const std::vector<PrincipalPolyline>& guides) {
   std::vector<double> links;
-  for (const Guide& guide : guides) {
+  for (const PrincipalPolyline& guide : guides) {
     for (Eigen::Index i = 0; i < guide.links(); ++i) {
       links.push_back((guide.Next(i) - guide.nodes.col(i)).norm());
     }
@@ -115,7 +115,9 @@ double MedianLink(const std::vector<Guide>& guides) {
   return links.empty() ? 0 : Median(std::move(links));
 }
 
-bool IsOutlier(const OrderLook& look, const std::vector<double>& lengths, const GuidePlace& place) {
+bool IsOutlier(const OrderLook& look,
+               const std::vector<double>& lengths,
+               const PolylinePlace& place) {
   if (place.guide < 0 || place.distance > look.tolerance) return true;
   const double overhang = kOverhang * look.tolerance;
   return !look.guides[place.guide].closed &&
@@ -124,11 +126,12 @@ bool IsOutlier(const OrderLook& look, const std::vector<double>& lengths, const 
 
 // Puts every point in its place, and those that have none on no guide.
 void PlacePoints(const OrderedPlaces& places, OrderLook& look, ThreadPool& pool) {
-  look.places = PlacesOnGuides(look.guides, places.points, pool);
+  look.places = PlacesOnPolylines(look.guides, places.points, pool);
   std::vector<double> lengths;
-  for (const Guide& guide : look.guides) lengths.push_back(guide.ArcLengths().tail<1>()[0]);
+  for (const PrincipalPolyline& guide : look.guides)
+    lengths.push_back(guide.ArcLengths().tail<1>()[0]);
   look.left_out = 0;
-  for (GuidePlace& place : look.places) {
+  for (PolylinePlace& place : look.places) {
     if (!IsOutlier(look, lengths, place)) continue;
     place.guide = -1;
     ++look.left_out;
@@ -144,11 +147,11 @@ void PlacePoints(const OrderedPlaces& places, OrderLook& look, ThreadPool& pool)
 // Paths are those of the rows, the points that seem to lie along curves; with nodes that stay
 // `radius` apart, in the middle of points of this noise.
 OrderLook LookAt(const OrderedPlaces& places,
-            const Eigen::Matrix3Xd& rows,
-            double spacing,
-            double radius,
-            double noise,
-            ThreadPool& pool) {
+                 const Eigen::Matrix3Xd& rows,
+                 double spacing,
+                 double radius,
+                 double noise,
+                 ThreadPool& pool) {
   if (rows.cols() < 2) RefuseScatter();
   const Eigen::Matrix3Xd nodes = CurveNodes(rows, noise, radius, pool);
   const std::vector<NodePath> paths =
@@ -226,11 +229,14 @@ double NoiseInOrder(const Eigen::Matrix3Xd& points, int dimension) {
 
 // Guides of curves with several points a node, or with noise that shows against their links, become
 // smooth middle lines.
-void SmoothGuides(const OrderedPlaces& places, int dimension, OrderLook& look, ThreadPool& pool) {
+void SmoothPolylines(const OrderedPlaces& places,
+                     int dimension,
+                     OrderLook& look,
+                     ThreadPool& pool) {
   for (int round = 0; round < kSmoothRounds; ++round) {
     bool changed = false;
     for (int g = 0; g < static_cast<int>(look.guides.size()); ++g) {
-      Guide& guide = look.guides[g];
+      PrincipalPolyline& guide = look.guides[g];
       const std::vector<Eigen::Index> order = Along(look, g);
       if (order.size() < kFewestForNoise) continue;
       const Eigen::Matrix3Xd points = places.points(Eigen::all, order);
@@ -254,7 +260,7 @@ void SmoothGuides(const OrderedPlaces& places, int dimension, OrderLook& look, T
 }
 
 // The part of a closed guide between two parameters, the second behind the first, as an open one.
-Guide Opened(const Guide& guide, double from, double to) {
+PrincipalPolyline Opened(const PrincipalPolyline& guide, double from, double to) {
   const Eigen::VectorXd arcs = guide.ArcLengths();
   const double length = arcs[arcs.size() - 1];
   const auto at = [&](double parameter) -> Eigen::Vector3d {
@@ -271,13 +277,15 @@ Guide Opened(const Guide& guide, double from, double to) {
     }
   }
   nodes.push_back(at(to));
-  Guide opened{Eigen::Matrix3Xd(3, nodes.size()), false};
+  PrincipalPolyline opened{Eigen::Matrix3Xd(3, nodes.size()), false};
   for (size_t i = 0; i < nodes.size(); ++i) opened.nodes.col(i) = nodes[i];
   return opened;
 }
 
 // Cuts a closed guide where its points leave the largest gap.
-void CutAtLargestGap(Guide& guide, std::vector<Eigen::Index>& order, Eigen::VectorXd& parameters) {
+void CutAtLargestGap(PrincipalPolyline& guide,
+                     std::vector<Eigen::Index>& order,
+                     Eigen::VectorXd& parameters) {
   const double length = guide.ArcLengths().tail<1>()[0];
   const Eigen::Index m = parameters.size();
   Eigen::Index start = 0;
@@ -297,7 +305,7 @@ void CutAtLargestGap(Guide& guide, std::vector<Eigen::Index>& order, Eigen::Vect
 }
 
 // Lets an open guide begin and end with its points.
-void ReachEnds(Guide& guide, Eigen::VectorXd& parameters) {
+void ReachEnds(PrincipalPolyline& guide, Eigen::VectorXd& parameters) {
   const Eigen::Index last = guide.nodes.cols() - 1;
   const double before = parameters[0];
   const double behind = parameters[parameters.size() - 1] - guide.ArcLengths().tail<1>()[0];
@@ -315,7 +323,7 @@ CurvePath PathOf(const OrderedPlaces& places,
                  int number,
                  const CurveOrderOptions& options,
                  int dimension) {
-  Guide guide = look.guides[number];
+  PrincipalPolyline guide = look.guides[number];
   std::vector<Eigen::Index> order = Along(look, number);
   Eigen::VectorXd parameters = Parameters(look, order);
   CurvePath path;
@@ -346,7 +354,9 @@ CurvePath PathOf(const OrderedPlaces& places,
   return path;
 }
 
-[[noreturn]] void RefuseBranches(const PointCloud& cloud, const OrderedPlaces& places, const OrderLook& look) {
+[[noreturn]] void RefuseBranches(const PointCloud& cloud,
+                                 const OrderedPlaces& places,
+                                 const OrderLook& look) {
   const Eigen::Vector3d world =
       cloud.origin() + places.middle + places.unit * look.meetings.front();
   std::ostringstream message;
@@ -364,22 +374,23 @@ CurvePath PathOf(const OrderedPlaces& places,
 // As fine a look as shows simple curves: first as if there were no noise, then with the noise
 // there seems to be, then coarser.
 OrderLook BestLook(const PointCloud& cloud,
-              const OrderedPlaces& places,
-              ThreadPool& pool,
-              const Progress& progress) {
-  const std::vector<int> along = PointsAlongCurves(places.points, pool);
+                   const OrderedPlaces& places,
+                   ThreadPool& pool,
+                   const Progress& progress) {
+  const std::vector<int> along = CurveInliers(places.points, pool);
   const Eigen::Matrix3Xd rows = places.points(Eigen::all, along);
   const CurveScale scale = ScaleOfCurves(rows);
   const auto count = static_cast<double>(rows.cols());
-  const double share = count <= kFewPoints ? kRadiusOfFew : std::max(kRadius, 0.5 * count / kMostNodes);
+  const double share =
+      count <= kFewPoints ? kRadiusOfFew : std::max(kRadius, 0.5 * count / kMostNodes);
   const double fine = share * scale.spacing;
   const bool thick = count > kManyThick && scale.noise > kRadiusInNoise * fine;
   OrderLook first = LookAt(places,
-                      rows,
-                      scale.spacing,
-                      thick ? kRadiusInNoise * scale.noise : fine,
-                      thick ? scale.noise : 0,
-                      pool);
+                           rows,
+                           scale.spacing,
+                           thick ? kRadiusInNoise * scale.noise : fine,
+                           thick ? scale.noise : 0,
+                           pool);
   const double most_out = kMostLeftOut * static_cast<double>(places.points.cols());
   const auto shows_curves = [&](const OrderLook& look, double rough) {
     return look.meetings.empty() && look.turn <= rough &&
@@ -392,9 +403,9 @@ OrderLook BestLook(const PointCloud& cloud,
     const double radius = factor * std::max(kRadiusInNoise * scale.noise, fine);
     const double noise = factor > 1 ? radius / kRadiusInNoise : scale.noise;
     OrderLook look = LookAt(places, rows, scale.spacing, radius, noise, pool);
-    const auto strangers = static_cast<double>(places.points.cols() - rows.cols());
+    const auto off_curves = static_cast<double>(places.points.cols() - rows.cols());
     const double most =
-        kMoreLeftOut * static_cast<double>(places.points.cols()) + kMoreOfStrangers * strangers + 3;
+        kMoreLeftOut * static_cast<double>(places.points.cols()) + kMoreOffCurves * off_curves + 3;
     if (shows_curves(look, kRoughTurn) && look.length >= kLongInNoise * noise &&
         (!looked || static_cast<double>(look.left_out - first.left_out) <= most)) {
       return look;
@@ -421,7 +432,7 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
   Report(progress, "order", 0.8);
   // Plane points in space are noisy in the plane only.
   const int directions = std::max(2, PointRank(places.points));
-  SmoothGuides(places, directions, look, pool);
+  SmoothPolylines(places, directions, look, pool);
   CurveOrder result;
   for (int g = 0; g < static_cast<int>(look.guides.size()); ++g) {
     if (Along(look, g).empty()) continue;

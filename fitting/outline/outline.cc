@@ -7,14 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fitting/outline/alpha_shape.h"
-#include "fitting/outline/border_holding.h"
-#include "fitting/outline/border_loop.h"
-#include "fitting/outline/border_polygon.h"
-#include "fitting/outline/border_spline.h"
 #include "fitting/neighbours/local_spacing.h"
+#include "fitting/outline/alpha_shape.h"
+#include "fitting/outline/outline_containment.h"
 #include "fitting/outline/outline_edges.h"
-#include "fitting/outline/outline_ghosts.h"
+#include "fitting/outline/outline_loop.h"
+#include "fitting/outline/outline_polygon.h"
+#include "fitting/outline/outline_spline.h"
+#include "fitting/outline/periodic_copies.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -45,7 +45,7 @@ void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   if (parameters.cols() == 0) throw std::invalid_argument("FindOutline: parameters hold no point");
 }
 
-bool Contains(const BorderLoop& loop, const Eigen::Vector2d& place) {
+bool Contains(const OutlineLoop& loop, const Eigen::Vector2d& place) {
   bool inside = false;
   for (size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
     const Eigen::Vector2d &a = loop[i].place, &b = loop[j].place;
@@ -57,15 +57,15 @@ bool Contains(const BorderLoop& loop, const Eigen::Vector2d& place) {
 }
 
 // The largest part with its holes, by falling area.
-std::vector<BorderLoop> LargestPart(std::vector<BorderLoop> loops,
-                                    const OutlineOptions& options,
-                                    Outline& outline) {
+std::vector<OutlineLoop> LargestPart(std::vector<OutlineLoop> loops,
+                                     const OutlineOptions& options,
+                                     Outline& outline) {
   struct Sized {
     double area;
-    BorderLoop loop;
+    OutlineLoop loop;
   };
   std::vector<Sized> sized;
-  for (BorderLoop& loop : loops) {
+  for (OutlineLoop& loop : loops) {
     const double area = AreaInSpace(PolygonOf(loop), options);
     if (std::abs(area) >= kLeastArea / 2) sized.push_back({area, std::move(loop)});
   }
@@ -73,7 +73,7 @@ std::vector<BorderLoop> LargestPart(std::vector<BorderLoop> loops,
       sized.begin(), sized.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
   outline.parts = static_cast<int>(
       std::count_if(sized.begin(), sized.end(), [](const Sized& s) { return s.area > 0; }));
-  std::vector<BorderLoop> part;
+  std::vector<OutlineLoop> part;
   if (outline.parts == 0) return part;
   part.push_back(std::move(sized.front().loop));
   for (size_t k = sized.size(); k-- > 1;)
@@ -94,8 +94,8 @@ std::string Counted(Index count, const std::string& what) {
   return std::to_string(count) + (count == 1 ? " point lies " : " points lie ") + what;
 }
 
-double AreaWithin(const BorderSpline& spline) {
-  const BorderPolygon polygon({spline}, kFarthest);
+double AreaWithin(const OutlineSpline& spline) {
+  const OutlinePolygon polygon({spline}, kFarthest);
   const auto& vertices = polygon.vertices().front();
   Eigen::Matrix2Xd places(2, static_cast<Index>(vertices.size()) - 1);
   for (Index i = 0; i < places.cols(); ++i) places.col(i) = vertices[i].place;
@@ -113,7 +113,7 @@ class OutlineSearch {
 
   Outline Find() {
     Outline outline;
-    std::vector<BorderLoop> part = LargestPart(Borders(), options_, outline);
+    std::vector<OutlineLoop> part = LargestPart(Borders(), options_, outline);
     if (part.empty()) {
       outline.warnings.push_back("the points cover no area larger than " + NumberText(kLeastArea) +
                                  " spacings squared: no outline");
@@ -131,45 +131,45 @@ class OutlineSearch {
       outline.loops.push_back(Rectangle(options_.length_u, options_.length_v));
       part.erase(part.begin());
     }
-    for (BorderLoop& loop : part) PutOnEdges(loop, sides_);
+    for (OutlineLoop& loop : part) PutOnEdges(loop, sides_);
     Smooth(part, whole, outline);
     return outline;
   }
 
  private:
   // What is covered, cut at the seams.
-  std::vector<BorderLoop> Borders() const {
-    const Eigen::Matrix2Xd ghosts = WithGhosts(points_, sides_, options_);
+  std::vector<OutlineLoop> Borders() const {
+    const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(points_, sides_, options_);
     const auto stretch = [&](const Eigen::Vector2d& place) { return spacing_.At(place); };
-    std::vector<BorderLoop> loops;
+    std::vector<OutlineLoop> loops;
     for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, stretch, pool_))
       if (std::abs(AreaInSpace(polygon, options_)) >= kLeastArea)
-        loops.push_back(SampledBorder(polygon, kOutwards));
+        loops.push_back(SampledOutline(polygon, kOutwards));
     for (int axis = 0; axis < 2; ++axis) {
       if (!(axis == 0 ? options_.periodic_u : options_.periodic_v)) continue;
-      loops = CutBorders(loops, axis, 1, 0);
-      loops = CutBorders(loops, axis, -1, sides_[axis]);
+      loops = CutOutlines(loops, axis, 1, 0);
+      loops = CutOutlines(loops, axis, -1, sides_[axis]);
       MatchSeam(loops, axis, sides_[axis]);
     }
     return loops;
   }
 
-  void Smooth(const std::vector<BorderLoop>& part, bool whole, Outline& outline) const {
-    std::vector<BorderSpline> splines;
-    for (const BorderLoop& loop : part) {
-      splines.push_back(SmoothedBorder(loop, options_.noise / options_.spacing));
+  void Smooth(const std::vector<OutlineLoop>& part, bool whole, Outline& outline) const {
+    std::vector<OutlineSpline> splines;
+    for (const OutlineLoop& loop : part) {
+      splines.push_back(SmoothedOutline(loop, options_.noise / options_.spacing));
       FixOnEdges(splines.back());
     }
-    HoldPoints(points_, sides_, kFarthest, splines, pool_);
+    EnforceContainment(points_, sides_, kFarthest, splines, pool_);
     if (MatchSeams(splines, options_, sides_))
-      HoldPoints(points_, sides_, kFarthest, splines, pool_);
-    for (BorderSpline& spline : splines) KeepInRectangle(spline, sides_);
+      EnforceContainment(points_, sides_, kFarthest, splines, pool_);
+    for (OutlineSpline& spline : splines) KeepInRectangle(spline, sides_);
     if (const Index outside = Outside(splines, whole); outside > 0)
       outline.warnings.push_back(Counted(outside, "outside the outline"));
     std::stable_sort(splines.begin() + (whole ? 0 : 1),
                      splines.end(),
                      [](const auto& a, const auto& b) { return AreaWithin(a) < AreaWithin(b); });
-    for (const BorderSpline& spline : splines) {
+    for (const OutlineSpline& spline : splines) {
       std::vector<double> corners = spline.corners;
       for (double& corner : corners) corner *= options_.spacing;
       outline.loops.push_back({spline.Curve(options_.spacing), std::move(corners)});
@@ -177,12 +177,13 @@ class OutlineSearch {
   }
 
   // Beyond rounding; what is beyond no hole's border only is inside a whole rectangle.
-  Index Outside(const std::vector<BorderSpline>& splines, bool whole) const {
-    std::vector<BorderSpline> all = splines;
+  Index Outside(const std::vector<OutlineSpline>& splines, bool whole) const {
+    std::vector<OutlineSpline> all = splines;
     if (whole) all.push_back(RectangleSpline(sides_));
     const double rounding = 1e-12 * sides_.maxCoeff();
     Index count = 0;
-    for (const BorderFoot& foot : BorderPolygon(all, kFarthest, kExact).Feet(points_, pool_))
+    for (const OutlineFootPoint& foot :
+         OutlinePolygon(all, kFarthest, kExact).FootPointSet(points_, pool_))
       if (foot.outside > rounding) ++count;
     return count;
   }

@@ -9,10 +9,11 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kDeepest = 4;     // of a border that fills, ragged as it is
+constexpr double kDeepest = 4;              // of a border that fills, ragged as it is
 constexpr double kFarthestFromEdges = 3.5;  // of a stretch put on an edge
 constexpr double kMeanDepth = 1.5;
-constexpr size_t kEdgeWindow = 12;  // samples: over so many the border runs along the edge on average
+constexpr size_t kEdgeWindow =
+    12;  // samples: over so many the border runs along the edge on average
 constexpr double kWindowDepth = 2;
 
 double Depth(const Eigen::Vector2d& place, int edge, const Eigen::Vector2d& sides) {
@@ -26,22 +27,23 @@ double EdgeAt(int edge, const Eigen::Vector2d& sides) {
 
 // The greatest mean depth of so many samples in a row: a border that bends away is no edge.
 double DeepestWindow(
-    const BorderLoop& loop, size_t first, size_t count, int edge, const Eigen::Vector2d& sides) {
+    const OutlineLoop& loop, size_t first, size_t count, int edge, const Eigen::Vector2d& sides) {
   double sum = 0, deepest = 0;
   for (size_t k = 0; k < count; ++k) {
     sum += Depth(loop[(first + k) % loop.size()].measured, edge, sides);
-    if (k >= kEdgeWindow) sum -= Depth(loop[(first + k - kEdgeWindow) % loop.size()].measured, edge, sides);
+    if (k >= kEdgeWindow)
+      sum -= Depth(loop[(first + k - kEdgeWindow) % loop.size()].measured, edge, sides);
     if (k + 1 >= kEdgeWindow) deepest = std::max(deepest, sum / static_cast<double>(kEdgeWindow));
   }
   return deepest;
 }
 
 // Of the edge along which samples first … last run, −1 if none.
-int EdgeOf(const BorderLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
+int EdgeOf(const OutlineLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
   for (int edge = 0; edge < 4; ++edge) {
     double deepest = 0, sum = 0;
     for (size_t k = 0; k < count; ++k) {
-      const BorderSample& sample = loop[(first + k) % loop.size()];
+      const OutlineSample& sample = loop[(first + k) % loop.size()];
       deepest = std::max(deepest, Depth(sample.measured, edge, sides));
       sum += Depth(sample.measured, edge, sides);
     }
@@ -55,11 +57,11 @@ int EdgeOf(const BorderLoop& loop, size_t first, size_t count, const Eigen::Vect
 
 }  // namespace
 
-bool FillsRectangle(const BorderLoop& outer,
+bool FillsRectangle(const OutlineLoop& outer,
                     const LocalSpacing& spacing,
                     const Eigen::Vector2d& sides) {
   Eigen::Vector2d low = sides, high = Eigen::Vector2d::Zero();
-  for (const BorderSample& sample : outer) {
+  for (const OutlineSample& sample : outer) {
     double depth = sides.maxCoeff();
     for (int edge = 0; edge < 4; ++edge)
       depth = std::min(depth, Depth(sample.measured, edge, sides));
@@ -73,19 +75,19 @@ bool FillsRectangle(const BorderLoop& outer,
          SignedArea(PolygonOf(outer)) >= inner.prod();
 }
 
-void PutOnEdges(BorderLoop& loop, const Eigen::Vector2d& sides) {
+void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides) {
   const size_t n = loop.size();
   const auto first = static_cast<size_t>(
       std::find_if(loop.begin(), loop.end(), [](const auto& s) { return s.corner; }) -
       loop.begin());
   if (first == n) return;
-  BorderLoop result;
+  OutlineLoop result;
   std::vector<std::pair<size_t, int>> onto;  // corners of the result and the edges they go on
   for (size_t k = 0; k < n;) {
     const size_t start = first + k;
     size_t end = k + 1;
     while (end < n && !loop[(first + end) % n].corner) ++end;
-    BorderSample corner = loop[start % n];
+    OutlineSample corner = loop[start % n];
     const int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, sides);
     if (edge >= 0) {
       corner.along_cut = true;
@@ -102,12 +104,12 @@ void PutOnEdges(BorderLoop& loop, const Eigen::Vector2d& sides) {
     if (next == result.size()) next = 0;
     result[next].place[edge / 2] = EdgeAt(edge, sides);
   }
-  for (BorderSample& sample : result)
+  for (OutlineSample& sample : result)
     if (sample.corner) sample.place = sample.place.cwiseMax(0.0).cwiseMin(sides);
   loop = std::move(result);
 }
 
-void FixOnEdges(BorderSpline& spline) {
+void FixOnEdges(OutlineSpline& spline) {
   constexpr int kDegree = 3;
   for (size_t c = 0; c < spline.corners.size(); ++c) {
     if (spline.straight[c] == 0) continue;
@@ -121,10 +123,10 @@ void FixOnEdges(BorderSpline& spline) {
   }
 }
 
-void MatchSeam(std::vector<BorderLoop>& loops, int axis, double period) {
+void MatchSeam(std::vector<OutlineLoop>& loops, int axis, double period) {
   std::vector<double*> heights[2];
-  for (BorderLoop& loop : loops)
-    for (BorderSample& sample : loop)
+  for (OutlineLoop& loop : loops)
+    for (OutlineSample& sample : loop)
       if (sample.corner && (sample.place[axis] == 0 || sample.place[axis] == period))
         heights[sample.place[axis] != 0].push_back(&sample.place[1 - axis]);
   if (heights[0].size() != heights[1].size()) return;
@@ -134,7 +136,7 @@ void MatchSeam(std::vector<BorderLoop>& loops, int axis, double period) {
     *heights[0][k] = *heights[1][k] = (*heights[0][k] + *heights[1][k]) / 2;
 }
 
-bool MatchSeams(std::vector<BorderSpline>& splines,
+bool MatchSeams(std::vector<OutlineSpline>& splines,
                 const OutlineOptions& options,
                 const Eigen::Vector2d& sides) {
   constexpr int kDegree = 3;
@@ -143,11 +145,11 @@ bool MatchSeams(std::vector<BorderSpline>& splines,
     if (!(axis == 0 ? options.periodic_u : options.periodic_v)) continue;
     struct End {
       double height, outward;
-      BorderSpline* spline;
+      OutlineSpline* spline;
       int column;
     };
     std::vector<End> ends[2];
-    for (BorderSpline& spline : splines) {
+    for (OutlineSpline& spline : splines) {
       for (size_t c = 0; c < spline.corners.size(); ++c) {
         if (spline.straight[c] == 0) continue;
         const int span = spline.basis.Span(spline.corners[c]);
@@ -180,7 +182,7 @@ bool MatchSeams(std::vector<BorderSpline>& splines,
 namespace {
 
 // The greatest value of `sign` times a coordinate over a span.
-double Greatest(const BorderSpline& spline, int span, int axis, int sign) {
+double Greatest(const OutlineSpline& spline, int span, int axis, int sign) {
   constexpr int kSamples = 24, kHalvings = 40;
   const auto value = [&](double t) { return sign * spline.At(t)[axis]; };
   const auto& knots = spline.basis.knots();
@@ -198,7 +200,7 @@ double Greatest(const BorderSpline& spline, int span, int axis, int sign) {
   return std::max(greatest, value(low));
 }
 
-double Greatest(const BorderSpline& spline, int axis, int sign) {
+double Greatest(const OutlineSpline& spline, int axis, int sign) {
   double greatest = -std::numeric_limits<double>::infinity();
   for (const int span : spline.basis.Spans())
     greatest = std::max(greatest, Greatest(spline, span, axis, sign));
@@ -206,7 +208,7 @@ double Greatest(const BorderSpline& spline, int axis, int sign) {
 }
 
 // Control points of what is far outside.
-void ClampSpans(BorderSpline& spline, int axis, double side, double trifle) {
+void ClampSpans(OutlineSpline& spline, int axis, double side, double trifle) {
   for (const int span : spline.basis.Spans()) {
     if (-Greatest(spline, span, axis, -1) >= -trifle &&
         Greatest(spline, span, axis, 1) <= side + trifle)
@@ -220,7 +222,7 @@ void ClampSpans(BorderSpline& spline, int axis, double side, double trifle) {
 
 }  // namespace
 
-void KeepInRectangle(BorderSpline& spline, const Eigen::Vector2d& sides) {
+void KeepInRectangle(OutlineSpline& spline, const Eigen::Vector2d& sides) {
   constexpr int kRounds = 6;
   constexpr double kRounding = 1e-9, kTrifle = 0.5;
   for (int axis = 0; axis < 2; ++axis) {
@@ -240,16 +242,16 @@ void KeepInRectangle(BorderSpline& spline, const Eigen::Vector2d& sides) {
   }
 }
 
-BorderSpline RectangleSpline(const Eigen::Vector2d& sides) {
-  BorderLoop loop;
+OutlineSpline RectangleSpline(const Eigen::Vector2d& sides) {
+  OutlineLoop loop;
   for (const auto& [u, v] :
        {std::pair(0.0, 0.0), {sides[0], 0.0}, {sides[0], sides[1]}, {0.0, sides[1]}}) {
-    BorderSample sample;
+    OutlineSample sample;
     sample.place = sample.measured = Eigen::Vector2d(u, v);
     sample.corner = sample.along_cut = true;
     loop.push_back(sample);
   }
-  return SmoothedBorder(loop, 0);
+  return SmoothedOutline(loop, 0);
 }
 
 }  // namespace batten::internal

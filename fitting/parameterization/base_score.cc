@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "fitting/knots/block_validation.h"
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/knots/block_validation.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
 namespace {
@@ -41,7 +41,7 @@ BaseScore::BaseScore(const PointCloud& points,
   }
 }
 
-FittingProblem BaseScore::ProblemOf(const SurfaceBase& base, const PointMask& reached) const {
+FittingProblem BaseScore::ProblemOf(const Parameterization& base, const PointMask& reached) const {
   // Higher degrees cost much and tell no more.
   return base.ProblemOf(points_,
                         sample_ && reached,
@@ -50,11 +50,11 @@ FittingProblem BaseScore::ProblemOf(const SurfaceBase& base, const PointMask& re
                         kSmoothing);
 }
 
-BaseScore::Value BaseScore::Of(const SurfaceBase& base, const PointMask& reached) const {
+BaseScore::Value BaseScore::Of(const Parameterization& base, const PointMask& reached) const {
   return Near(base, reached, {0, 0, 0, 0});
 }
 
-BaseScore::Value BaseScore::Near(const SurfaceBase& base,
+BaseScore::Value BaseScore::Near(const Parameterization& base,
                                  const PointMask& reached,
                                  const Value& near) const {
   const FittingProblem problem = ProblemOf(base, reached);
@@ -68,7 +68,7 @@ BaseScore::Value BaseScore::Near(const SurfaceBase& base,
   return At(base, problem, grid.cells_u, grid.cells_v);
 }
 
-BaseScore::Value BaseScore::AtMost(const SurfaceBase& base,
+BaseScore::Value BaseScore::AtMost(const Parameterization& base,
                                    const PointMask& reached,
                                    const Value& near,
                                    double most_control_points) const {
@@ -112,7 +112,7 @@ BaseScore::Value BaseScore::AtMost(const SurfaceBase& base,
   return At(base, problem, Rounded(cells_u, least_u), Rounded(cells_v, least_v));
 }
 
-BaseScore::Value BaseScore::At(const SurfaceBase& base,
+BaseScore::Value BaseScore::At(const Parameterization& base,
                                const FittingProblem& problem,
                                int cells_u,
                                int cells_v) const {

@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "batten/fitting/surface_options.h"
 #include "batten/fitting/point_cloud.h"
-#include "fitting/parameterization/surface_base.h"
+#include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -30,22 +30,25 @@ class BaseScore {
 
   // Generalised cross-validation of the best grid over the base, of the sample's points that the
   // base has a place for: the others' parameters are a guess. O(points of the sample).
-  Value Of(const SurfaceBase& base, const PointMask& reached) const;
+  Value Of(const Parameterization& base, const PointMask& reached) const;
 
   // The same where nearly the same base is known to ask for nearly such a grid: only its
   // surroundings are searched.
-  Value Near(const SurfaceBase& base, const PointMask& reached, const Value& near) const;
+  Value Near(const Parameterization& base, const PointMask& reached, const Value& near) const;
 
   // At less cost, and hardly ever too low: of a few grids with about as many cells as `near` has,
   // and of no more than so many control points.
-  Value AtMost(const SurfaceBase& base,
+  Value AtMost(const Parameterization& base,
                const PointMask& reached,
                const Value& near,
                double most_control_points) const;
 
  private:
-  FittingProblem ProblemOf(const SurfaceBase& base, const PointMask& reached) const;
-  Value At(const SurfaceBase& base, const FittingProblem& problem, int cells_u, int cells_v) const;
+  FittingProblem ProblemOf(const Parameterization& base, const PointMask& reached) const;
+  Value At(const Parameterization& base,
+           const FittingProblem& problem,
+           int cells_u,
+           int cells_v) const;
 
   const PointCloud& points_;
   const SurfaceFitOptions& options_;

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "fitting/parameterization/empty_share.h"
-#include "fitting/revolution/revolution_shape.h"
-#include "fitting/revolution/round_base.h"
 #include "fitting/flattening/tube_base.h"
+#include "fitting/parameterization/empty_area_fraction.h"
+#include "fitting/revolution/revolution_base.h"
+#include "fitting/revolution/revolution_shape.h"
 
 namespace batten::internal {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 constexpr double kMostEmpty = 0.35;
 constexpr double kClearlyRound = 0.02;  // misfit: less leaves no question for a tube
 
-// Points beyond an open edge have been given a place on it: strays, whose true place is unknown.
-PointMask Inside(const SurfaceBase& base) {
+// Points beyond an open edge have been given a place on it: outliers, whose true place is unknown.
+PointMask Inside(const Parameterization& base) {
   const auto u = base.parameters.row(0).array(), v = base.parameters.row(1).array();
   PointMask inside = PointMask::Constant(base.parameters.cols(), true);
   if (!base.periodic_u) inside = inside && (u > 0 && u < base.length_u).transpose();
@@ -45,7 +45,7 @@ class Finder {
     if (asked_ != BaseShape::kSheet) TryRound();
     if (tubes_ && in_question(BaseShape::kSheet) && !settled_) TryTube();
     if (found_.serving.empty() && asked_ == BaseShape::kAuto) {
-      found_.refusal =
+      found_.failure_reason =
           "nor are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
           "surface, a rectangle with edges that may be joined or drawn together, cannot cover "
           "them; fit them in parts (--box, --where)";
@@ -58,11 +58,11 @@ class Finder {
 
   void TryRound() {
     const CloudStatistics& statistics = good_.statistics;
-    const RoundNodes nodes =
-        good_.nodes ? RoundNodesOf(*good_.nodes, statistics.noise, {})
-                    : ChooseRoundNodes(good_.points, good_.index, statistics.noise, {}, pool_);
-    if (!nodes.serves()) {
-      found_.refusal = nodes.refusal;
+    const RevolutionSamples nodes =
+        good_.nodes ? RevolutionSamplesOf(*good_.nodes, statistics.noise, {})
+                    : SampleRevolution(good_.points, good_.index, statistics.noise, {}, pool_);
+    if (!nodes.ok()) {
+      found_.failure_reason = nodes.failure_reason;
       return;
     }
     RoundCloud cloud{good_.points, nodes, statistics.spacing, statistics.noise, good_.margin};
@@ -77,19 +77,19 @@ class Finder {
     if (in_question(BaseShape::kRevolution) && !settled_) Take(RevolutionBaseOf(cloud, {}, pool_));
   }
 
-  void Take(RoundBase round) {
-    if (!round.serves()) {
-      found_.refusal = std::move(round.refusal);
+  void Take(RevolutionParameterization round) {
+    if (!round.ok()) {
+      found_.failure_reason = std::move(round.failure_reason);
       return;
     }
     const PointMask all = PointMask::Constant(good_.points.cols(), true);
-    const double empty = EmptyShare(round.parameters, all, round.length_u, round.length_v);
+    const double empty = EmptyAreaFraction(round.parameters, all, round.length_u, round.length_v);
     if (empty > kMostEmpty) {
-      found_.refusal = "the points leave " + std::to_string(std::lround(100 * empty)) +
-                       " % of the " + round.name + " they were taken for open";
+      found_.failure_reason = "the points leave " + std::to_string(std::lround(100 * empty)) +
+                              " % of the " + round.name + " they were taken for open";
       return;
     }
-    SurfaceBase base;
+    Parameterization base;
     base.name = std::move(round.name);
     base.why = asked_ == BaseShape::kAuto ? std::move(round.why) : "asked for; " + round.why;
     base.shape = base.name == "revolution" ? "a smooth surface of revolution or one near it"
@@ -103,7 +103,7 @@ class Finder {
     if (round.pole_end) base.poles.end = PoleKind::kSmooth;
     base.poles.turn = round.turn;
     settled_ = round.misfit < kClearlyRound;
-    found_.refusal.clear();
+    found_.failure_reason.clear();
     PointMask inside = Inside(base);
     found_.serving.push_back({std::move(base), std::move(inside)});
   }
@@ -117,11 +117,11 @@ class Finder {
                                 {},
                                 pool_,
                                 progress_);
-    if (!tube.serves()) {
-      if (found_.serving.empty()) found_.refusal = std::move(tube.refusal);
+    if (!tube.ok()) {
+      if (found_.serving.empty()) found_.failure_reason = std::move(tube.failure_reason);
       return;
     }
-    SurfaceBase base;
+    Parameterization base;
     base.name = "sheet";
     base.why = std::move(tube.why);
     base.shape = "a smooth tube";
@@ -129,7 +129,7 @@ class Finder {
     base.length_u = tube.length_u;
     base.length_v = tube.length_v;
     base.periodic_u = true;
-    found_.refusal.clear();
+    found_.failure_reason.clear();
     found_.serving.push_back({std::move(base), std::move(tube.reached)});
   }
 

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
-#include "batten/fitting/surface_options.h"
 #include "batten/fitting/neighbours.h"
-#include "fitting/flattening/sheet_nodes.h"
-#include "fitting/parameterization/surface_base.h"
+#include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/flattening/poisson_disk_samples.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -20,17 +20,18 @@ struct GoodPoints {
   const NeighbourIndex& index;
   const CloudStatistics& statistics;
   double margin;
-  const SheetNodes* nodes = nullptr;  // of them, as ChooseSheetNodes gives by default, if known
+  const PoissonDiskSamples* nodes =
+      nullptr;  // of them, as SamplePoissonDisk gives by default, if known
 };
 
 struct ClosedBase {
-  SurfaceBase base;   // parameters of the good points
-  PointMask reached;  // of them, those the base has a place for
+  Parameterization base;  // parameters of the good points
+  PointMask reached;      // of them, those the base has a place for
 };
 
 struct ClosedBases {
   std::vector<ClosedBase> serving;  // the simplest first; none where there is a refusal
-  std::string refusal;              // of what was asked for, with what to do
+  std::string failure_reason;       // of what was asked for, with what to do
 };
 
 // The bases that serve, asked for or (kAuto) all in question: a sphere or torus where the points

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "batten/fitting/point_mask.h"
-#include "fitting/parameterization/cone_axis.h"
-#include "fitting/neighbours/normals.h"
-#include "fitting/parameterization/plan_layers.h"
-#include "geometry/numeric/smallest_rectangle.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/neighbours/normals.h"
+#include "fitting/parameterization/normal_cone.h"
+#include "fitting/parameterization/projection_overlap.h"
+#include "geometry/numeric/smallest_rectangle.h"
 
 namespace batten::internal {
 namespace {
@@ -29,7 +29,7 @@ constexpr double kFoldedShare = 0.02;           // of the sheet may look away fr
 constexpr double kWall = 0.05;                  // cosine: less than 3° from the vertical
 constexpr double kLiesOpen = 0.3;               // cosine: 73° from it
 constexpr double kWallShare = 0.6;              // of the sheet may be walls
-constexpr double kLayeredShare = 0.1;           // of places in layers are too many
+constexpr double kDoubleLayerFraction = 0.1;    // of places in layers are too many
 
 // The cosine that all but a small share of the normals keep with the axis, whatever their sign.
 double Openness(const Eigen::Matrix3Xd& normals,
@@ -88,7 +88,7 @@ SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals
 
 // The axis of the smallest cone about the normals of the largest piece, which all look to one side
 // of it: a steep sheet, whose normals of either sign fill nearly all directions, has one.
-std::optional<Eigen::Vector3d> ConeAxisOfSide(const SheetSides& sides) {
+std::optional<Eigen::Vector3d> NormalConeOfSide(const SheetSides& sides) {
   constexpr int kRounds = 200;
   std::vector<int> sizes(static_cast<size_t>(sides.pieces), 0);
   for (const int piece : sides.piece) ++sizes[static_cast<size_t>(piece)];
@@ -100,7 +100,7 @@ std::optional<Eigen::Vector3d> ConeAxisOfSide(const SheetSides& sides) {
   const Eigen::Matrix3Xd normals = sides.normals(Eigen::all, kept);
   const Eigen::Vector3d mean = normals.rowwise().sum();
   if (!(mean.norm() > 0)) return std::nullopt;
-  return ConeAxis(normals, mean.normalized(), {kSteepShare, true, kRounds});
+  return NormalCone(normals, mean.normalized(), {kSteepShare, true, kRounds});
 }
 
 // How much of a sheet looks away from an axis, clearly, while the greater part of its piece looks
@@ -135,7 +135,7 @@ Folds FoldsAlong(const SheetSides& sides, const Eigen::Vector3d& axis) {
 // the plan, which would show as layers, and there are none.
 bool IsFolded(const Folds& folds, double overlap, double allowed) {
   constexpr double kNoLayers = 0.01;
-  return folds.sheet > allowed && (folds.plan <= kLayeredShare || overlap > kNoLayers);
+  return folds.sheet > allowed && (folds.plan <= kDoubleLayerFraction || overlap > kNoLayers);
 }
 
 // The smallest rectangle, or the one along the axes where that is hardly larger.
@@ -214,7 +214,7 @@ std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
     own.serves = !IsFolded(FoldsAlong(sides, own.axis), own.overlap, allowed_fold);
   });
   std::erase_if(candidates, [](const Candidate& c) { return !c.serves; });
-  double least_overlap = kLayeredShare;
+  double least_overlap = kDoubleLayerFraction;
   for (const Candidate& c : candidates) least_overlap = std::min(least_overlap, c.overlap);
   std::erase_if(candidates, [&](const Candidate& c) { return c.overlap > least_overlap + kSlack; });
   if (candidates.empty()) return std::nullopt;
@@ -318,10 +318,10 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   pool.For(kStarts + 1, 1, [&](std::ptrdiff_t start, std::ptrdiff_t) {
     if (start == 0) {
       sides = AgreeOnSides(places, normals);
-      trials[kStarts] = ConeAxisOfSide(*sides);
+      trials[kStarts] = NormalConeOfSide(*sides);
     } else {
       trials[start - 1] =
-          ConeAxis(normals, pca.eigenvectors().col(start - 1), {kSteepShare, false, kRounds});
+          NormalCone(normals, pca.eigenvectors().col(start - 1), {kSteepShare, false, kRounds});
     }
   });
   Eigen::Vector3d axis = pca.eigenvectors().col(0);
@@ -347,7 +347,7 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   // A cone about normals of either sign may be that of a sheet that folds over the plane. Another
   // direction must be clearly better, or rough clouds would turn with their noise.
   const double folded = FoldsAlong(*sides, axis).sheet;
-  if (folded > kFoldedShare || base.overlap > kLayeredShare) {
+  if (folded > kFoldedShare || base.overlap > kDoubleLayerFraction) {
     const double allowed = folded > 0 ? std::min(kFoldedShare, folded / 2) : kFoldedShare;
     auto upright = UprightDirections(normals, pca.eigenvectors());
     upright.push_back(of_cone);

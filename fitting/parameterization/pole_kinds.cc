@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/linear/coefficient_order.h"
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten::internal {
 namespace {
@@ -32,7 +32,7 @@ double SlopeAt(const FittingProblem& problem, const Eigen::MatrixXd& net, bool s
 
 }  // namespace
 
-Poles PolesByData(const SurfaceBase& base,
+Poles PolesByData(const Parameterization& base,
                   const PointCloud& points,
                   const PointMask& mask,
                   const BaseScore::Value& grid,

@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "fitting/primitives/curve_accuracy.h"
 #include "batten/fitting/distances.h"
+#include "fitting/primitives/curve_accuracy.h"
 #include "fitting/primitives/shape_extent.h"
 
 namespace batten::internal {
@@ -48,13 +48,13 @@ Shape CurvePrimitive::StartOf(std::optional<double> scale) const {
 }
 
 template <typename Shape>
-SettledShape<Shape> CurvePrimitive::Solved() {
+SmoothedShape<Shape> CurvePrimitive::Solved() {
   Report(input_.options.progress, "solve", 0);
   Stopwatch watch;
   std::optional<double> scale = input_.options.loss_scale;
   if (scale) *scale /= input_.unit;
   const Shape start = StartOf<Shape>(scale);
-  SettledShape<Shape> solved{start, 1, {}};
+  SmoothedShape<Shape> solved{start, 1, {}};
   if (robust()) {
     solved = Settled(data_, start, loss_, scale, input_.rounding, input_.pool);
   } else {
@@ -99,7 +99,7 @@ double CurvePrimitive::FreedomsLeftOf() const {
 
 // With kAuto there need not be a circle.
 void CurvePrimitive::SolveCircle() {
-  std::optional<SettledShape<FittedCircle>> solved;
+  std::optional<SmoothedShape<FittedCircle>> solved;
   const FittedLine line = FittedLine::Start(data_, input_.pool);
   if (data_.points.cols() >= FittedCircle::kSample &&
       ShapeDistances(line, data_, input_.pool).maxCoeff() > input_.rounding) {
@@ -172,7 +172,8 @@ std::vector<double> CurvePrimitive::PlacesOf(const std::vector<Eigen::Index>& us
                                              Place place) const {
   std::vector<double> places;
   for (const Eigen::Index k : used) places.push_back(place(data_.points.col(k)));
-  if (places.size() < 2) RefuseCurve("the loss leaves fewer than two points: its scale is too small");
+  if (places.size() < 2)
+    RefuseCurve("the loss leaves fewer than two points: its scale is too small");
   return places;
 }
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/fitting/primitive_options.h"
 #include "fitting/primitives/circle_fit.h"
 #include "fitting/primitives/line_fit.h"
 #include "fitting/primitives/primitive_input.h"
-#include "batten/fitting/primitive_options.h"
 #include "fitting/primitives/sample_consensus.h"
 
 namespace batten::internal {
@@ -38,7 +38,7 @@ class CurvePrimitive {
   template <typename Shape>
   Shape StartOf(std::optional<double> scale) const;
   template <typename Shape>
-  SettledShape<Shape> Solved();
+  SmoothedShape<Shape> Solved();
   template <typename Shape>
   int Freedoms() const;
   template <typename Shape>
@@ -66,8 +66,8 @@ class CurvePrimitive {
   PrimitiveKind kind_;
   Loss loss_;
   ShapeData data_;  // (points − middle) / unit
-  std::optional<SettledShape<FittedLine>> line_;
-  std::optional<SettledShape<FittedCircle>> circle_;
+  std::optional<SmoothedShape<FittedLine>> line_;
+  std::optional<SmoothedShape<FittedCircle>> circle_;
   std::string why_;
   double sweep_ = 0;
 };

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "fitting/primitives/curve_primitive.h"
 #include "fitting/core/distributions.h"
+#include "fitting/primitives/curve_primitive.h"
 #include "fitting/primitives/primitive_input.h"
 #include "fitting/primitives/surface_choice.h"
 #include "fitting/primitives/surface_patch.h"
@@ -104,7 +104,7 @@ PrimitiveFit FitSurfaceOf(PrimitiveInput& input, SurfaceKind kind) {
   ShapeFitter fitter(input.points(), input.merged.cloud.weights(), ShapeOptions(input), input.pool);
   const ShapeFit fit = fitter.Fit(kind);
   const bool structured = WarnOfStructure(input, fit);
-  PrimitiveFit result = SurfaceOutcome(input, fitter, fit, "asked for");
+  PrimitiveFit result = SurfaceMeasurement(input, fitter, fit, "asked for");
   SayStalled(structured, result);
   return result;
 }
@@ -152,7 +152,7 @@ PrimitiveFit FitAny(PrimitiveInput& input) {
   input.report.iterations.clear();
   input.report.warnings.clear();
   const bool structured = WarnOfStructure(input, chosen->fit);
-  PrimitiveFit result = SurfaceOutcome(input, fitter, chosen->fit, chosen->why);
+  PrimitiveFit result = SurfaceMeasurement(input, fitter, chosen->fit, chosen->why);
   SayStalled(structured, result);
   return result;
 }

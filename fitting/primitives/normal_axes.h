@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "fitting/primitives/algebraic_fits.h"
 #include "fitting/primitives/oriented_points.h"
-#include "fitting/primitives/shapes_through.h"
 
 namespace batten::internal {
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "batten/fitting/point_mask.h"
-#include "fitting/primitives/shape_data.h"
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/primitives/shape_data.h"
 
 namespace batten::internal {
 
@@ -57,7 +57,7 @@ std::optional<Shape> Consensus(const ShapeData& data,
 }
 
 template <typename Shape>
-struct SettledShape {
+struct SmoothedShape {
   Shape shape;
   double scale = 1;
   std::vector<Eigen::Index> used;  // the points it rests on, in increasing order
@@ -98,15 +98,15 @@ inline std::vector<Eigen::Index> PointsNear(const Eigen::VectorXd& distances, do
 // weight, at the same scale. So gross outliers count in no loss, whatever their number below half:
 // Huber's and Cauchy's bound their pull, but would add it up. [Yohai 1987, MM-estimates]
 template <typename Shape>
-SettledShape<Shape> Settled(const ShapeData& data,
-                            const Shape& start,
-                            Loss loss,
-                            std::optional<double> scale,
-                            double least_scale,
-                            ThreadPool& pool) {
+SmoothedShape<Shape> Settled(const ShapeData& data,
+                             const Shape& start,
+                             Loss loss,
+                             std::optional<double> scale,
+                             double least_scale,
+                             ThreadPool& pool) {
   constexpr int kRounds = 40, kStepsARound = 4, kSteps = 500;
   constexpr double kSteady = 1e-3;
-  SettledShape<Shape> settled{start, std::numeric_limits<double>::infinity(), {}};
+  SmoothedShape<Shape> settled{start, std::numeric_limits<double>::infinity(), {}};
   Eigen::VectorXd distances = ShapeDistances(settled.shape, data, pool);
   for (int round = 0; round < kRounds; ++round) {
     const double next = std::max(least_scale, scale ? *scale : ScaleOf(distances, settled.scale));

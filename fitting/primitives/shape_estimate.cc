@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include "fitting/primitives/shape_scores.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/primitives/shape_scores.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -137,20 +137,23 @@ Eigen::MatrixXd DerivativesOf(const FittedSurface& shape, const AxisFrame& frame
   return result;
 }
 
-// What a rival says of the numbers: infinite where it has none of a kind, and where it is a limit.
-Eigen::VectorXd ValuesOfRival(const FittedSurface& rival, SurfaceKind kind, const AxisFrame& frame) {
+// What a alternative says of the numbers: infinite where it has none of a kind, and where it is a limit.
+Eigen::VectorXd ValuesOfAlternative(const FittedSurface& alternative,
+                                    SurfaceKind kind,
+                                    const AxisFrame& frame) {
   Eigen::VectorXd values = Eigen::VectorXd::Constant(FreedomsOf(kind), kInfinity);
-  if (rival.kind == kind) {
-    values = ValuesOf(rival, frame);
-  } else if (kind >= SurfaceKind::kCylinder && rival.kind != SurfaceKind::kSphere) {
+  if (alternative.kind == kind) {
+    values = ValuesOf(alternative, frame);
+  } else if (kind >= SurfaceKind::kCylinder && alternative.kind != SurfaceKind::kSphere) {
     // Planes have their normals for axes where they are flat cones or tori; cylinders are bent to
     // tori in any direction across their axis.
-    const bool across = kind == SurfaceKind::kTorus && rival.kind == SurfaceKind::kCylinder;
+    const bool across = kind == SurfaceKind::kTorus && alternative.kind == SurfaceKind::kCylinder;
     if (kind == SurfaceKind::kCone) {
-      values[5] = rival.kind == SurfaceKind::kPlane ? std::numbers::pi / 2 : 0;
+      values[5] = alternative.kind == SurfaceKind::kPlane ? std::numbers::pi / 2 : 0;
     }
     if (kind != SurfaceKind::kCylinder && !across) {
-      values.head<2>() << DirectionOf(rival).dot(frame.x), DirectionOf(rival).dot(frame.y);
+      values.head<2>() << DirectionOf(alternative).dot(frame.x),
+          DirectionOf(alternative).dot(frame.y);
     }
   }
   return values;
@@ -305,9 +308,9 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
       }
     }
   }
-  for (const RivalShape& rival : fit.rivals) {
-    const Eigen::VectorXd other = ValuesOfRival(rival.shape, fit.kind, frame);
-    const double apart = std::clamp(std::sqrt(rival.excess), 1.0, kReach);
+  for (const AlternativeShape& alternative : fit.alternatives) {
+    const Eigen::VectorXd other = ValuesOfAlternative(alternative.shape, fit.kind, frame);
+    const double apart = std::clamp(std::sqrt(alternative.excess), 1.0, kReach);
     for (Eigen::Index i = 0; i < other.size(); ++i) {
       const double change = std::abs(other[i] - estimate.values[i]) / apart;
       estimate.deviations[i] = std::max(estimate.deviations[i], change);

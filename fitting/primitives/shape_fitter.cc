@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "fitting/primitives/sample_consensus.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/core/unit_of.h"
+#include "fitting/primitives/sample_consensus.h"
 
 namespace batten::internal {
 namespace {
@@ -171,7 +171,7 @@ void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, Sh
 }
 
 // Judged on the sample: what it leaves open all points may decide.
-void ShapeFitter::AddRivals(ShapeFit& fit) {
+void ShapeFitter::AddAlternatives(ShapeFit& fit) {
   constexpr double kFarthest = 16;  // four standard deviations
   const auto limits = [&](SurfaceKind kind) -> std::vector<SurfaceKind> {
     switch (kind) {
@@ -197,7 +197,7 @@ void ShapeFitter::AddRivals(ShapeFit& fit) {
   const double own = cost(fit.local);
   const auto add = [&](const Candidate& other) {
     const double excess = 2 * points * (cost(other.shape) - own) / (sigma * sigma);
-    if (excess < kFarthest) fit.rivals.push_back({other.shape, std::max(0.0, excess)});
+    if (excess < kFarthest) fit.alternatives.push_back({other.shape, std::max(0.0, excess)});
   };
   const Minima& minima = MinimaOf(fit.kind);
   for (size_t i = 1; i < minima.size(); ++i) add(minima[i]);
@@ -239,7 +239,7 @@ ShapeFit ShapeFitter::Fit(SurfaceKind kind) {
   }
   const double left = std::max<double>(1, static_cast<double>(fit.used - freedoms));
   fit.sigma = std::sqrt(fit.squares / left);
-  AddRivals(fit);
+  AddAlternatives(fit);
   return fit;
 }
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "batten/fitting/point_mask.h"
+#include "batten/geometry/thread_pool.h"
 #include "fitting/primitives/fitted_surface.h"
 #include "fitting/primitives/shape_data.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/primitives/surface_starts.h"
-#include "batten/geometry/thread_pool.h"
 
 namespace batten::internal {
 
@@ -28,7 +28,7 @@ struct ShapeFitOptions {
 };
 
 // A shape that explains the points almost as well as the one fitted.
-struct RivalShape {
+struct AlternativeShape {
   FittedSurface shape;
   double excess = 0;  // of Σ w ρ(d), over σ²/2: the square of a number of standard deviations
 };
@@ -46,7 +46,7 @@ struct ShapeFit {
   ShapeLoss loss;    // minimised over those that count, in the fitter's unit
   // Other shapes that the points do not reject, in the fitter's unit: minima elsewhere, and simpler
   // kinds that are this one's limits.
-  std::vector<RivalShape> rivals;
+  std::vector<AlternativeShape> alternatives;
   int steps = 0;  // over all points
 };
 
@@ -88,7 +88,7 @@ class ShapeFitter {
       const FittedSurface& start, const ShapeData& points, int rounds, int steps, bool robust);
   Minima Ranked(Minima candidates, const ShapeData& points, bool robust, bool last, size_t most);
   const Minima& MinimaOf(SurfaceKind kind);
-  void AddRivals(ShapeFit& fit);
+  void AddAlternatives(ShapeFit& fit);
   ShapeLoss Rejecting(double scale, SurfaceKind kind) const;
   void Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit);
 

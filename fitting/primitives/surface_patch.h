@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 
 #include "batten/fitting/point_mask.h"
-#include "fitting/primitives/fitted_surface.h"
 #include "batten/geometry/exact_shape.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/primitives/fitted_surface.h"
 
 namespace batten::internal {
 
@@ -26,9 +26,9 @@ ExactSurface PatchOf(const FittedSurface& shape,
 
 // Parameters (u, v) on the NURBS of the patch of the points' feet, of those beyond its edges of the
 // nearest place in either parameter.
-Eigen::Matrix2Xd FeetOn(const ExactSurface& patch,
-                        const Eigen::Matrix3Xd& points,
-                        ThreadPool& pool);
+Eigen::Matrix2Xd FootPointsOn(const ExactSurface& patch,
+                              const Eigen::Matrix3Xd& points,
+                              ThreadPool& pool);
 
 // scale · x + shift of every point.
 ExactSurface Placed(const ExactSurface& patch, double scale, const Eigen::Vector3d& shift);

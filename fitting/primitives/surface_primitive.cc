@@ -242,10 +242,10 @@ DescribedSurface Described(const ShapeFit& fit,
   return described;
 }
 
-PrimitiveFit SurfaceOutcome(PrimitiveInput& input,
-                            ShapeFitter& fitter,
-                            const ShapeFit& fit,
-                            const std::string& why) {
+PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
+                                ShapeFitter& fitter,
+                                const ShapeFit& fit,
+                                const std::string& why) {
   const Eigen::Matrix3Xd& points = input.points();
   DescribedSurface described =
       Described(fit, fitter, points, input.move, input.rounding, input.pool);
@@ -260,7 +260,7 @@ PrimitiveFit SurfaceOutcome(PrimitiveInput& input,
   round.seconds = report.seconds.solve = input.watch.Lap();
   report.iterations.push_back(round);
   const ExactSurface local = Placed(described.patch, 1, -input.move);
-  Eigen::Matrix2Xd feet = FeetOn(local, points, input.pool);
+  Eigen::Matrix2Xd feet = FootPointsOn(local, points, input.pool);
   Eigen::VectorXd distances = fit.distances;
   if (!LooksAlike(fit.local, described.patch)) distances = -distances;
   if (fit.outliers.any()) {

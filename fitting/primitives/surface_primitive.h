@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "batten/fitting/primitive_options.h"
+#include "batten/geometry/exact_shape.h"
 #include "fitting/primitives/primitive_input.h"
 #include "fitting/primitives/shape_fitter.h"
-#include "batten/geometry/exact_shape.h"
 
 namespace batten::internal {
 
@@ -35,9 +35,9 @@ DescribedSurface Described(const ShapeFit& fit,
 double AreaOf(const ExactSurface& patch);
 
 // What FitPrimitive hands out. Distances of points beyond the edges of the patch are those from it.
-PrimitiveFit SurfaceOutcome(PrimitiveInput& input,
-                            ShapeFitter& fitter,
-                            const ShapeFit& fit,
-                            const std::string& why);
+PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
+                                ShapeFitter& fitter,
+                                const ShapeFit& fit,
+                                const std::string& why);
 
 }  // namespace batten::internal

@@ -9,9 +9,9 @@
 #include <numbers>
 
 #include "batten/fitting/point_mask.h"
+#include "fitting/primitives/algebraic_fits.h"
 #include "fitting/primitives/local_bend.h"
 #include "fitting/primitives/normal_axes.h"
-#include "fitting/primitives/shapes_through.h"
 
 namespace batten::internal {
 namespace {
@@ -70,9 +70,9 @@ std::vector<FittedSurface> PlaneStarts(const StartData& data) {
 }
 
 std::vector<FittedSurface> SphereStarts(const StartData& data) {
-  std::vector<FittedSurface> starts{SphereThrough(data.sample.points)};
+  std::vector<FittedSurface> starts{AlgebraicSphereFit(data.sample.points)};
   for (const OrientedPoints& oriented : data.oriented) {
-    starts.push_back(SphereThrough(oriented.points));
+    starts.push_back(AlgebraicSphereFit(oriented.points));
   }
   return starts;
 }
@@ -93,13 +93,14 @@ std::vector<FittedSurface> CylinderStarts(const StartData& data) {
   std::vector<FittedSurface> starts;
   for (const OrientedPoints& oriented : data.oriented) {
     const Eigen::Matrix3d axes = AcrossNormals(oriented);
-    for (int i = 0; i < 2; ++i) starts.push_back(CylinderThrough(oriented.points, axes.col(i)));
+    for (int i = 0; i < 2; ++i)
+      starts.push_back(AlgebraicCylinderFit(oriented.points, axes.col(i)));
   }
   for (int i = 0; i < 3; ++i) {
-    starts.push_back(CylinderThrough(data.judges.points, data.inertia_axes.col(i)));
+    starts.push_back(AlgebraicCylinderFit(data.judges.points, data.inertia_axes.col(i)));
   }
   for (const Eigen::Vector3d& direction : Directions(kDirections)) {
-    starts.push_back(CylinderThrough(data.judges.points, direction));
+    starts.push_back(AlgebraicCylinderFit(data.judges.points, direction));
   }
   return starts;
 }
@@ -107,7 +108,8 @@ std::vector<FittedSurface> CylinderStarts(const StartData& data) {
 // Cones or tori about the lines that normals meet, and about the axes of inertia.
 std::vector<FittedSurface> RevolvedStarts(SurfaceKind kind, const StartData& data) {
   const auto through = [&](const Eigen::Matrix3Xd& points, const Axis& axis) {
-    return kind == SurfaceKind::kCone ? ConeThrough(points, axis) : TorusThrough(points, axis);
+    return kind == SurfaceKind::kCone ? AlgebraicConeFit(points, axis)
+                                      : AlgebraicTorusFit(points, axis);
   };
   std::vector<FittedSurface> starts;
   for (const OrientedPoints& oriented : data.oriented) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
-#include "fitting/flattening/graph_winding.h"
+#include "fitting/flattening/winding_number.h"
 
 namespace batten::internal {
 namespace {
@@ -41,12 +41,12 @@ struct Lengths {
   double period = 0;  // 0: open
 };
 
-Eigen::Vector2d TangentOf(const NodesRound& seen, Eigen::Index i) {
+Eigen::Vector2d TangentOf(const SamplesAboutAxis& seen, Eigen::Index i) {
   return {-seen.normals(1, i), seen.normals(0, i)};
 }
 
 // Means over neighbours of what they expect, a few times.
-void Relax(const RoundNodes& round, const GraphSteps& graph, Lengths& lengths) {
+void Relax(const RevolutionSamples& round, const GraphSteps& graph, Lengths& lengths) {
   std::vector<double> sums(lengths.values.size()), counts(lengths.values.size());
   const auto& edges = round.graph.edges;
   std::vector<double> steps = graph.steps;
@@ -74,7 +74,7 @@ void Relax(const RoundNodes& round, const GraphSteps& graph, Lengths& lengths) {
   }
 }
 
-Lengths IntegrateProfile(const RoundNodes& round, const NodesRound& seen) {
+Lengths IntegrateProfile(const RevolutionSamples& round, const SamplesAboutAxis& seen) {
   GraphSteps graph{&round.graph.edges, {}, seen.size()};
   for (const auto& [i, j] : round.graph.edges) {
     const Eigen::Vector2d step = seen.places.col(j) - seen.places.col(i);
@@ -109,7 +109,7 @@ Lengths IntegrateProfile(const RoundNodes& round, const NodesRound& seen) {
     const double narrowest = seen.places.row(0).minCoeff();
     const double width =
         std::min(kBand * seen.reach / std::max(narrowest, 1e-300), std::numbers::pi);
-    if (WoundShare(graph, lengths.known, slip, angles, width, 2 * std::numbers::pi) >=
+    if (ClosedFraction(graph, lengths.known, slip, angles, width, 2 * std::numbers::pi) >=
         kClosedAlong) {
       std::vector<double> periods;
       for (const double misfit : main_part.misfits) periods.push_back(std::abs(misfit));
@@ -123,10 +123,10 @@ Lengths IntegrateProfile(const RoundNodes& round, const NodesRound& seen) {
 // Axis, profile and the nodes' feet, improved in turn.
 class RevolutionSearch {
  public:
-  RevolutionSearch(const RoundNodes& round, const AxisFrame& frame, ThreadPool& pool)
+  RevolutionSearch(const RevolutionSamples& round, const AxisFrame& frame, ThreadPool& pool)
       : round_(round), pool_(pool) {
     shape_.frame = frame;
-    shape_.seen = SeenRound(round, frame);
+    shape_.seen = CylindricalCoordinates(round, frame);
     const Lengths lengths = IntegrateProfile(round, shape_.seen);
     for (Eigen::Index i = 0; i < round.count(); ++i) {
       if (lengths.known[i]) used_.push_back(i);
@@ -319,10 +319,10 @@ class RevolutionSearch {
         shape_.frame.Moved(shorter / unit * Eigen::Vector3d(step[2], step[3], 0),
                            shorter * Eigen::Vector3d(step[0], step[1], 0));
     shape_.frame = moved;
-    shape_.seen = SeenRound(round_, moved);
+    shape_.seen = CylindricalCoordinates(round_, moved);
   }
 
-  const RoundNodes& round_;
+  const RevolutionSamples& round_;
   ThreadPool& pool_;
   RevolutionEstimate shape_;
   std::vector<Eigen::Index> used_;  // nodes that have a place along the profile
@@ -334,7 +334,7 @@ class RevolutionSearch {
 
 }  // namespace
 
-RevolutionEstimate FindRevolution(const RoundNodes& round,
+RevolutionEstimate FindRevolution(const RevolutionSamples& round,
                                   const std::optional<AxisFrame>& preferred,
                                   ThreadPool& pool) {
   std::vector<AxisFrame> axes =
@@ -360,7 +360,7 @@ RevolutionEstimate FindRevolution(const RoundNodes& round,
 }
 
 RevolutionEstimate WithPreferredAxis(RevolutionEstimate found,
-                                     const RoundNodes& round,
+                                     const RevolutionSamples& round,
                                      const std::optional<AxisFrame>& preferred,
                                      ThreadPool& pool) {
   if (!preferred) return found;

@@ -9,14 +9,14 @@
 
 #include "batten/geometry/thread_pool.h"
 #include "fitting/revolution/base_profile.h"
-#include "fitting/revolution/round_chart.h"
-#include "fitting/revolution/round_nodes.h"
+#include "fitting/revolution/cylindrical_chart.h"
+#include "fitting/revolution/revolution_samples.h"
 
 namespace batten::internal {
 
 struct RevolutionEstimate {
   AxisFrame frame;
-  NodesRound seen;                     // the nodes about it
+  SamplesAboutAxis seen;               // the nodes about it
   std::optional<BaseProfile> profile;  // none where nothing could be found
   bool closed_along = false;
   double low = 0, high = 0;  // of the nodes' feet, parameters of the profile
@@ -28,13 +28,13 @@ struct RevolutionEstimate {
 // any axis of a sphere is: the profile is integrated along
 // the graph, its mean fitted as a spline, and axis and profile then changed together so that the
 // nodes are nearest. Robust against ripples along and round. O(nodes · spans).
-RevolutionEstimate FindRevolution(const RoundNodes& round,
+RevolutionEstimate FindRevolution(const RevolutionSamples& round,
                                   const std::optional<AxisFrame>& preferred,
                                   ThreadPool& pool);
 
 // What was found about no preferred axis, or the shape about that axis where it is as good.
 RevolutionEstimate WithPreferredAxis(RevolutionEstimate found,
-                                     const RoundNodes& round,
+                                     const RevolutionSamples& round,
                                      const std::optional<AxisFrame>& preferred,
                                      ThreadPool& pool);
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "fitting/revolution/round_nodes.h"
+#include "fitting/revolution/revolution_samples.h"
 
 namespace batten::internal {
 
@@ -13,7 +13,7 @@ struct RevolutionEstimate;
 // What only the points and their scale determine, for several of these over one cloud.
 struct RoundCloud {
   const Eigen::Matrix3Xd& points;
-  const RoundNodes& round;
+  const RevolutionSamples& round;
   double spacing, noise, margin;
   const RevolutionEstimate* shape = nullptr;  // found about no preferred axis, if it is known
 };

@@ -7,7 +7,7 @@
 
 namespace batten::internal {
 
-struct RoundBase {
+struct RevolutionParameterization {
   std::string name;  // "revolution", "sphere", "torus"
   // 2 × m: u the angle round the axis times the mean radius, v the length along the profile, in
   // [0, length_u] × [0, length_v] (below a length where it is periodic). Smooth functions of the
@@ -19,9 +19,9 @@ struct RoundBase {
   double turn = 0;                              // angle swept over length_u
   double misfit = 0;  // distance of the nodes from the base, root mean square, over the mean radius
   std::string why;    // one clause for the report
-  std::string refusal;  // empty when the base serves, else why not and what to do
+  std::string failure_reason;  // empty when the base serves, else why not and what to do
 
-  bool serves() const { return refusal.empty(); }
+  bool ok() const { return failure_reason.empty(); }
 };
 
 }  // namespace batten::internal

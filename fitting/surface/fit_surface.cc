@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
-#include "fitting/surface/finish_draft.h"
-#include "fitting/surface/given_parameters.h"
-#include "fitting/core/stopwatch.h"
-#include "fitting/surface/surface_fitter.h"
-#include "fitting/surface/surface_outcome.h"
-#include "fitting/surface/surface_preparation.h"
-#include "fitting/cloud/thinned_cloud.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/cloud/voxel_downsample.h"
+#include "fitting/core/stopwatch.h"
+#include "fitting/surface/given_parameters.h"
+#include "fitting/surface/surface_fitter.h"
+#include "fitting/surface/surface_measurement.h"
+#include "fitting/surface/surface_postprocess.h"
+#include "fitting/surface/surface_preparation.h"
 
 namespace batten {
 using namespace internal;
@@ -37,11 +37,11 @@ ErrorSummary AtParameters(const SurfaceFit& fit,
 }
 
 // One cloud, its base found, to be fitted once or twice and measured.
-class SurfaceRoad {
+class SurfacePipeline {
  public:
-  SurfaceRoad(const PointCloud& cloud,
-              const SurfaceFitOptions& options,
-              std::optional<CloudSymmetry> symmetry = std::nullopt)
+  SurfacePipeline(const PointCloud& cloud,
+                  const SurfaceFitOptions& options,
+                  std::optional<CloudSymmetry> symmetry = std::nullopt)
       : cloud_(cloud), pool_(options.threads) {
     if (options.given_parameters) {
       given_ = PrepareGiven(cloud, options, pool_);
@@ -52,18 +52,18 @@ class SurfaceRoad {
   }
 
   // Whether the last fit set points aside or bounded them, unasked.
-  bool doubted() const { return doubted_; }
+  bool doubted() const { return used_robust_weights_; }
 
   SurfaceFit Fit(const SurfaceFitOptions& asked) {
     const SurfaceFitOptions options = WithDegreesOfSides(asked);
     const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
-    FittedDraft fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
+    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
     const double so_far = prepared_.base_seconds;
     if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_)) {
       prepare_seconds_ += prepared_.base_seconds - so_far;
       fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
     }
-    doubted_ = fitted.doubted;
+    used_robust_weights_ = fitted.doubted;
     if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
     if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
     TrimToUsed(fitted, prepared, options, pool_);
@@ -101,7 +101,7 @@ class SurfaceRoad {
  private:
   // Degrees that hold the curves given for edges.
   SurfaceFitOptions WithDegreesOfSides(SurfaceFitOptions options) const {
-    for (const LaidSide& laid : prepared_.conditions.sides) {
+    for (const PlacedBoundary& laid : prepared_.conditions.sides) {
       int& degree = laid.edge.direction == Direction::kU ? options.degree_v : options.degree_u;
       degree = std::max(degree, laid.side.curve.basis().degree());
     }
@@ -127,7 +127,7 @@ class SurfaceRoad {
   PreparedCloud prepared_;
   std::optional<GivenParameters> given_;
   double prepare_seconds_ = 0;
-  bool doubted_ = false;
+  bool used_robust_weights_ = false;
 };
 
 // Of a fit that set points aside and one of all points: what stands out of equal knots may be a
@@ -145,7 +145,7 @@ SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& option
   const double length = plane.normal.norm();
   plane = {plane.normal / length, plane.offset / length};
   SymmetricCloud both = WithMirrorImage(cloud, plane);
-  SurfaceRoad road(
+  SurfacePipeline road(
       both.cloud, options, CloudSymmetry{plane.From(both.cloud.origin()), std::move(both.twins)});
   SurfaceFit fit = road.Fit(options);
   const Eigen::Index own = cloud.size();
@@ -166,7 +166,7 @@ SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& option
 
 // Distances of all points of a cloud from the fit of some of them.
 PointDistances AllDistances(const PointCloud& cloud,
-                            const ThinnedCloud& thinned,
+                            const DownsampledCloud& thinned,
                             const SurfaceFit& fit,
                             const SurfaceFitOptions& options) {
   Eigen::Matrix2Xd near(2, cloud.size());
@@ -180,7 +180,7 @@ PointDistances AllDistances(const PointCloud& cloud,
 // The points left out by thinning that lie beyond the border of the fit, by less than a cell: a
 // thinned cloud ends some way inside its points.
 std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
-                                          const ThinnedCloud& thinned,
+                                          const DownsampledCloud& thinned,
                                           const SurfaceFit& fit,
                                           const PointDistances& found,
                                           const SurfaceFitOptions& options) {
@@ -204,9 +204,9 @@ std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
 }
 
 // The fit of a thinned cloud, as one of the cloud: every point is measured.
-SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options) {
+SurfaceFit FitDownsampled(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Stopwatch watch;
-  ThinnedCloud thinned = Thinned(cloud, *options.thin);
+  DownsampledCloud thinned = Thinned(cloud, *options.thin);
   SurfaceFitOptions plain = options;
   plain.thin.reset();
   SurfaceFit fit = FitSurface(thinned.cloud, plain);
@@ -250,9 +250,9 @@ SurfaceFit FitThinned(const PointCloud& cloud, const SurfaceFitOptions& options)
 
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Check(options);
-  if (options.thin) return FitThinned(cloud, options);
+  if (options.thin) return FitDownsampled(cloud, options);
   if (options.symmetric) return FitSymmetric(cloud, options);
-  SurfaceRoad road(cloud, options);
+  SurfacePipeline road(cloud, options);
   SurfaceFit fit = road.Fit(options);
   const bool free_knots = options.optimize && options.optimize->knots && !options.given_parameters;
   if (!road.doubted() || !free_knots) return fit;

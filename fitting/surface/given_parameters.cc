@@ -12,14 +12,14 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/solve_linear.h"
-#include "fitting/core/stopwatch.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/stopwatch.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kGivenSmoothing = 1e-4;        // of the fit that scales
+constexpr double kGivenSmoothing = 1e-4;   // of the fit that scales
 constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for knots between them
 constexpr double kLineSquared = 1e-13;  // share of the spread across a line: rounding of the sums
 constexpr double kLeastSize = 1e-100;   // squares of smaller numbers vanish
@@ -146,7 +146,7 @@ GivenParameters PrepareGiven(const PointCloud& cloud,
   }
   prepared.statistics.outliers = !prepared.used;
   Stopwatch watch;
-  SurfaceBase& base = prepared.base;
+  Parameterization& base = prepared.base;
   base.name = "given";
   base.why = "asked for";
   base.shape = "a smooth surface over the given parameters";

@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
-#include "fitting/least_squares/fitting_bases.h"
-#include "fitting/knots/grid_selection.h"
-#include "fitting/parameterization/height_field.h"
-#include "fitting/knots/line_removal.h"
 #include "batten/fitting/solve_linear.h"
-#include "fitting/surface/voids.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/knots/knot_line_removal.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/parameterization/height_field.h"
+#include "fitting/surface/gap_regularization.h"
 
 namespace batten::internal {
 namespace {
@@ -86,20 +86,21 @@ class Refinement {
   void Return() { std::tie(best_, best_parameters_, best_problem_) = remembered_; }
 
   // The best bases and weights once more, held within the range of the data where there are none.
-  void Calm() {
+  void Regularized() {
     const auto start = std::chrono::steady_clock::now();
-    CalmOptions calm_options;
-    calm_options.spacing = options_.spacing;
-    calm_options.measured = points_.cols();
-    calm_options.most_control_points =
+    GapRegularizationOptions gap_options;
+    gap_options.spacing = options_.spacing;
+    gap_options.measured = points_.cols();
+    gap_options.most_control_points =
         std::min(static_cast<int>(limit_), kMostRefinementForGaps * best_problem_->unknowns());
-    calm_options.gives_way = false;  // what is within the tolerance stays there
-    const CalmResult calm = SolveCalmly(*best_problem_, calm_options, pool_);
-    empty_share_ = calm.empty_share;
-    if (calm.places_held == 0) return;
-    problem_ = calm.problem;
+    gap_options.gives_way = false;  // what is within the tolerance stays there
+    const GapRegularizationResult regularized =
+        SolveWithGapRegularization(*best_problem_, gap_options, pool_);
+    empty_area_fraction_ = regularized.empty_area_fraction;
+    if (regularized.places_held == 0) return;
+    problem_ = regularized.problem;
     best_.reset();
-    Measure("calm", calm.solution, start);
+    Measure("regularize", regularized.solution, start);
   }
 
  private:
@@ -122,7 +123,7 @@ class Refinement {
                  .distances.cwiseAbs()
                  .maxCoeff() <= options_.tolerance;
     };
-    const FittingProblem fewer = WithoutLines(*best_problem_, kept, pool_);
+    const FittingProblem fewer = RemoveKnotLines(*best_problem_, kept, pool_);
     if (fewer.unknowns() == before) return;
     problem_ = fewer;
     best_.reset();
@@ -205,11 +206,11 @@ class Refinement {
 
   RefineResult Finish(Termination termination) {
     if (termination == Termination::kToleranceReached) RemoveLines();
-    Calm();
+    Regularized();
     return {std::move(*best_),
             std::move(best_parameters_),
             termination,
-            empty_share_,
+            empty_area_fraction_,
             std::move(rounds_)};
   }
 
@@ -236,7 +237,7 @@ class Refinement {
   Eigen::VectorXd distances_, original_, emphasis_;
   std::optional<NurbsSurface> best_;
   std::optional<FittingProblem> best_problem_;
-  double empty_share_ = 0;
+  double empty_area_fraction_ = 0;
   double validation_ = 0;
   std::tuple<std::optional<NurbsSurface>, Eigen::Matrix2Xd, std::optional<FittingProblem>>
       remembered_;

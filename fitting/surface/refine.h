@@ -7,9 +7,9 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/parameterization/plane_base.h"
 #include "batten/fitting/progress.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "fitting/parameterization/plane_base.h"
 
 namespace batten::internal {
 
@@ -24,7 +24,7 @@ struct RefineResult {
   NurbsSurface surface;
   Eigen::Matrix2Xd parameters;  // foot points of the data
   Termination termination;
-  double empty_share = 0;  // of the domain without points
+  double empty_area_fraction = 0;  // of the domain without points
   std::vector<RoundSummary> rounds;
 };
 

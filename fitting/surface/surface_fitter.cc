@@ -9,22 +9,22 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/least_squares/choose_smoothing.h"
-#include "fitting/cloud/company.h"
-#include "fitting/constraints/constrained_surface.h"
 #include "batten/fitting/distances.h"
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/knots/grid_selection.h"
-#include "fitting/knots/line_removal.h"
-#include "fitting/surface/refine.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/cloud/local_outlier_factor.h"
+#include "fitting/cloud/residual_outliers.h"
+#include "fitting/constraints/constrained_surface.h"
+#include "fitting/core/stopwatch.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/knots/knot_line_removal.h"
+#include "fitting/least_squares/choose_smoothing.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "fitting/least_squares/residual_noise.h"
 #include "fitting/least_squares/residual_structure.h"
 #include "fitting/least_squares/reweighting.h"
-#include "batten/fitting/solve_linear.h"
-#include "fitting/core/stopwatch.h"
-#include "fitting/cloud/strangers.h"
-#include "fitting/surface/voids.h"
+#include "fitting/surface/gap_regularization.h"
+#include "fitting/surface/refine.h"
 
 namespace batten::internal {
 namespace {
@@ -32,10 +32,10 @@ namespace {
 constexpr double kSmoothing = 1e-4;
 constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
 constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
-constexpr int kMostForVoids = 16;  // times the control points, to turn a surface inside a void
+constexpr int kMostForGaps = 16;  // times the control points, to turn a surface inside a gap
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
-constexpr double kHardlyAny = 1e-3;  // of the points and of their squares: no grid asks for them
+constexpr double kConverged = 1e-3;  // of the points and of their squares: no grid asks for them
 constexpr int kLargeGrid = 1500;     // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
@@ -52,7 +52,7 @@ class SurfaceFitter {
                 FitReport report,
                 ThreadPool& pool)
       : prepared_(prepared),
-        own_base_(prepared.reached.all() ? SurfaceBase{} : prepared.base),
+        own_base_(prepared.reached.all() ? Parameterization{} : prepared.base),
         base_(prepared.reached.all() ? prepared.base : own_base_),
         points_(prepared.merged.cloud),
         options_(options),
@@ -60,9 +60,9 @@ class SurfaceFitter {
         report_(std::move(report)),
         used_(prepared.used) {}
 
-  FittedDraft Run() {
+  FittedState Run() {
     RequireRoomToClose();
-    DecideWhoCounts();
+    ClassifyInliers();
     if (options_.tolerance) {
       Refine();
     } else {
@@ -75,7 +75,7 @@ class SurfaceFitter {
           "with fewer control points than single ones ask for, and those were taken");
     }
     Eigen::VectorXd weights = problem_->data().weights;
-    SurfaceDraft draft{std::move(*surface_),
+    SurfaceState draft{std::move(*surface_),
                        std::move(used_cloud_),
                        std::move(parameters_),
                        std::move(weights),
@@ -92,7 +92,7 @@ class SurfaceFitter {
     report_.geometry.poles = {base_.poles.start != PoleKind::kNone,
                               base_.poles.end != PoleKind::kNone};
     const bool doubted = !options_.loss && !options_.keep_outliers && (robust_ || !used_.all());
-    return {std::move(draft), std::move(used_), empty_share_, doubted, std::move(report_)};
+    return {std::move(draft), std::move(used_), empty_area_fraction_, doubted, std::move(report_)};
   }
 
  private:
@@ -174,21 +174,21 @@ class SurfaceFitter {
 
   // Which points count is decided by their neighbours before there is a surface, then by their
   // distance from it, until the two agree. The bases are chosen anew each time.
-  void DecideWhoCounts() {
+  void ClassifyInliers() {
     robust_ = options_.loss ? *options_.loss != Loss::kNone
                             : !options_.keep_outliers &&
                                   static_cast<double>(prepared_.statistics.outlier_count) >
                                       kOutlierShareForLoss * static_cast<double>(points_.size());
-    used_ = WithoutStrays(used_);
-    bool settled = false;     // so few points changed sides that the grid can't be far off
-    bool hardly_any = false;  // so few, and so near to the surface, that it is the same
+    used_ = WithoutFlagged(used_);
+    bool settled = false;      // so few points changed sides that the grid can't be far off
+    bool few_changed = false;  // so few, and so near to the surface, that it is the same
     for (int pass = 1; pass <= kOutlierPasses; ++pass) {
       used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
       const bool search_near =
           settled && (problem_->unknowns() > kLargeGrid || used_cloud_.size() > kManyPoints);
       FittingProblem problem = ProblemOf(used_);
-      Take(hardly_any ? problem.WithBases(problem_->basis_u(), problem_->basis_v())
-                      : WithChosenBases(problem, search_near ? &*problem_ : nullptr));
+      Take(few_changed ? problem.WithBases(problem_->basis_u(), problem_->basis_v())
+                       : WithChosenBases(problem, search_near ? &*problem_ : nullptr));
       if (pass == 1) RefuseTwoSheets();
       if (robust_) ReweightWhereItHelps();
       if (pass == kOutlierPasses || (options_.keep_outliers && used_.all())) break;
@@ -197,16 +197,16 @@ class SurfaceFitter {
         used_.setConstant(true);
         continue;
       }
-      const PointMask now = WithoutStrays(SpokenFor());
+      const PointMask now = WithoutFlagged(InliersOfSurface());
       if (now.count() < kFewestPoints) break;
-      if (!robust_ && !loss_spoils_ && !options_.loss && (now != used_).any() && !now.all()) {
+      if (!robust_ && !loss_rejected_ && !options_.loss && (now != used_).any() && !now.all()) {
         robust_ = true;  // what stands out from a plain fit has bent it
         continue;
       }
       const Eigen::Index changed = (now != used_).count();
       if (changed == 0) break;
       settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
-      hardly_any = !robust_ && HardlyAny(now != used_);
+      few_changed = !robust_ && Converged(now != used_);
       used_ = now;
     }
     if (options_.tolerance && robust_ && !options_.loss) {
@@ -218,9 +218,9 @@ class SurfaceFitter {
   }
 
   // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
-  PointMask WithoutStrays(PointMask mask) const {
+  PointMask WithoutFlagged(PointMask mask) const {
     if (!robust_ || base_.exact || options_.keep_outliers) return mask;
-    return HaveCompany(points_.points(), mask, pool_);
+    return IsolatedPoints(points_.points(), mask, pool_);
   }
 
   // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
@@ -230,11 +230,11 @@ class SurfaceFitter {
     if (options_.loss) return Reweight();
     const FittingProblem plain = *problem_;
     const SurfaceResiduals before = Residuals();
-    const PointMask spoken = CloseEnough(before.parameters,
-                                         before.residuals,
-                                         FarthestGood(RobustScale(before.residuals)),
-                                         prepared_.statistics.spacing,
-                                         pool_);
+    const PointMask spoken = ResidualInliers(before.parameters,
+                                             before.residuals,
+                                             FarthestGood(RobustScale(before.residuals)),
+                                             prepared_.statistics.spacing,
+                                             pool_);
     Reweight();
     const Eigen::VectorXd after = Residuals().residuals;
     const double misfit_before = spoken.select(before.residuals.array(), 0).matrix().norm();
@@ -242,7 +242,7 @@ class SurfaceFitter {
     if (misfit_after <= kSpoilt * misfit_before) return;
     Take(plain);
     robust_ = false;
-    loss_spoils_ = true;
+    loss_rejected_ = true;
   }
 
   void Reweight() {
@@ -278,7 +278,7 @@ class SurfaceFitter {
 
   void RefuseTwoSheets() {
     if (base_.exact) return;
-    const double share = LayeredShareOf(Residuals(), pool_);
+    const double share = DoubleLayerFractionOf(Residuals(), pool_);
     if (share <= kLayersToRefuse) return;
     throw std::invalid_argument(
         "in " + std::to_string(std::lround(100 * share)) +
@@ -308,21 +308,21 @@ class SurfaceFitter {
   // How far off a point may be where distances from a surface have this scale.
   double FarthestGood(double scale) const {
     // A surface that misses the shape only tells what is far beyond structure between points.
-    const bool misses = loss_spoils_ || scale > kMisses * prepared_.statistics.noise;
+    const bool misses = loss_rejected_ || scale > kMisses * prepared_.statistics.noise;
     return std::max({kOutlierInScales * scale,
                      (misses ? kBeyondStructure : kLeastScale) * prepared_.statistics.spacing,
                      options_.tolerance.value_or(0)});
   }
 
   // Whether points are few, and hold a small part of the squares of the last distances.
-  bool HardlyAny(const PointMask& points) const {
+  bool Converged(const PointMask& points) const {
     const Eigen::ArrayXd squares = distances_.array().square();
-    return static_cast<double>(points.count()) < kHardlyAny * static_cast<double>(points.size()) &&
-           points.select(squares, 0).sum() < kHardlyAny * used_.select(squares, 0).sum();
+    return static_cast<double>(points.count()) < kConverged * static_cast<double>(points.size()) &&
+           points.select(squares, 0).sum() < kConverged * used_.select(squares, 0).sum();
   }
 
   // The points the present solution speaks for, of all.
-  PointMask SpokenFor() {
+  PointMask InliersOfSurface() {
     const NurbsSurface surface = Surface();
     PlaceTheRest(surface);
     distances_ = DistancesFrom(surface, points_.points(), base_.parameters, pool_).distances;
@@ -335,8 +335,8 @@ class SurfaceFitter {
     const double scale = options_.loss_scale.value_or(RobustScale(of_used));
     const double limit = FarthestGood(scale);
     PointMask close =
-        CloseEnough(base_.parameters, distances, limit, prepared_.statistics.spacing, pool_);
-    // What the base had no place for must be on the surface: it has no company that could tell.
+        ResidualInliers(base_.parameters, distances, limit, prepared_.statistics.spacing, pool_);
+    // What the base had no place for must be on the surface: it has no neighbours that could tell.
     for (Eigen::Index k = 0; k < close.size(); ++k) {
       if (!prepared_.reached[k]) close[k] = std::abs(distances[k]) <= limit && IsInside(k);
     }
@@ -380,7 +380,7 @@ class SurfaceFitter {
     surface_ = std::move(refined.surface);
     // Where parameters are part of the data the joint stage starts from those.
     parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
-    empty_share_ = refined.empty_share;
+    empty_area_fraction_ = refined.empty_area_fraction;
     report_.seconds.refine = watch_.Lap();
   }
 
@@ -405,21 +405,22 @@ class SurfaceFitter {
   void Solve() {
     if (!options_.control_points) {
       // Finer grids would follow what neighbours share of their noise.
-      Take(noise_is_shared_ ? WithoutIdleLines(*problem_, pool_)
-                            : WithLinesThatPay(*problem_, options_.max_control_points, pool_));
+      Take(noise_is_shared_
+               ? PruneKnotLines(*problem_, pool_)
+               : RefineAndPruneKnotLines(*problem_, options_.max_control_points, pool_));
     }
     if (options_.smooth_by != SmoothBy::kWeight) Take(problem_->WithSmoothing(Smoothing()));
-    CalmOptions calm_options;
-    calm_options.spacing = prepared_.statistics.spacing;
-    calm_options.measured = used_cloud_.size();
-    calm_options.most_control_points =
+    GapRegularizationOptions gap_options;
+    gap_options.spacing = prepared_.statistics.spacing;
+    gap_options.measured = used_cloud_.size();
+    gap_options.most_control_points =
         options_.control_points
             ? problem_->unknowns()
-            : std::min(options_.max_control_points, kMostForVoids * problem_->unknowns());
-    CalmResult calm = SolveCalmly(*problem_, calm_options, pool_);
-    Take(calm.problem);
-    const LinearSolution& solution = calm.solution;
-    empty_share_ = calm.empty_share;
+            : std::min(options_.max_control_points, kMostForGaps * problem_->unknowns());
+    GapRegularizationResult regularized = SolveWithGapRegularization(*problem_, gap_options, pool_);
+    Take(regularized.problem);
+    const LinearSolution& solution = regularized.solution;
+    empty_area_fraction_ = regularized.empty_area_fraction;
     if (solution.regularised) {
       report_.warnings.push_back(
           "the points do not determine every control point: fairness was raised");
@@ -454,8 +455,8 @@ class SurfaceFitter {
   }
 
   const PreparedCloud& prepared_;
-  SurfaceBase own_base_;  // with places for points that the given one does not reach
-  const SurfaceBase& base_;
+  Parameterization own_base_;  // with places for points that the given one does not reach
+  const Parameterization& base_;
   const PointCloud& points_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;
@@ -464,19 +465,19 @@ class SurfaceFitter {
   PointMask used_;                          // of the merged points: those the fit rests on
   PointCloud used_cloud_;                   // they
   bool robust_ = false;                     // losses bound residuals
-  bool loss_spoils_ = false;                // what it was tried on
+  bool loss_rejected_ = false;              // what it was tried on
   bool noise_is_shared_ = false;            // by neighbours, as blocks of left-out points tell
   std::optional<FittingProblem> problem_;   // of the used points, with chosen bases
   std::optional<LinearSolution> solution_;  // of that, once asked for
   Eigen::VectorXd distances_;               // of all points, when last asked who counts
   std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
   Eigen::Matrix2Xd parameters_;             // of the used points
-  double empty_share_ = 0;                  // of the domain
+  double empty_area_fraction_ = 0;          // of the domain
 };
 
 }  // namespace
 
-FittedDraft FitOverBase(const PreparedCloud& prepared,
+FittedState FitOverBase(const PreparedCloud& prepared,
                         const SurfaceFitOptions& options,
                         FitReport report,
                         ThreadPool& pool) {

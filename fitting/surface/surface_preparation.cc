@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/cloud/company.h"
 #include "batten/fitting/neighbours.h"
+#include "fitting/cloud/local_outlier_factor.h"
 #include "fitting/core/stopwatch.h"
 
 namespace batten::internal {
@@ -43,7 +43,7 @@ std::vector<Eigen::Index> OrderOf(const std::vector<std::int64_t>& keys, std::in
 
 void SortByPlace(PreparedCloud& prepared) {
   const PointCloud& cloud = prepared.merged.cloud;
-  const SurfaceBase& base = prepared.base;
+  const Parameterization& base = prepared.base;
   constexpr double kPointsPerPlace = 16;
   constexpr double kMostPlaces = 1e9;  // along a side, however long and narrow the domain is
   const double side = std::sqrt(base.length_u) * std::sqrt(base.length_v) *
@@ -77,7 +77,9 @@ namespace {
 constexpr double kClearlySmaller = 0.98;  // of the area
 
 // Gives the base parameters that mirror themselves.
-void MakeSymmetric(CloudSymmetry& symmetry, const MergedCloud& merged, BaseChoice& choice) {
+void MakeSymmetric(CloudSymmetry& symmetry,
+                   const MergedCloud& merged,
+                   ParameterizationChoice& choice) {
   std::vector<Eigen::Index> twins(static_cast<size_t>(merged.cloud.size()));
   for (size_t k = 0; k < merged.place.size(); ++k)
     twins[static_cast<size_t>(merged.place[k])] =
@@ -108,17 +110,17 @@ void TakeBase(PreparedCloud& prepared,
 
 // Where there are outliers, those beside the shape's edges look like its continuation: they are
 // told by standing alone.
-void FlagStrays(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
+void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
   if (static_cast<double>(statistics.outlier_count) <=
       kOutlierShareForLoss * static_cast<double>(points.size())) {
     return;
   }
-  statistics.outliers = !HaveCompany(points.points(), !statistics.outliers, pool);
+  statistics.outliers = !IsolatedPoints(points.points(), !statistics.outliers, pool);
   statistics.outlier_count = statistics.outliers.count();
 }
 
 // Of the parameters under a mask: what they reach over, closed directions all round.
-double AreaReached(const SurfaceBase& base, const PointMask& mask) {
+double AreaReached(const Parameterization& base, const PointMask& mask) {
   double low[2] = {base.length_u, base.length_v}, high[2] = {0, 0};
   for (Eigen::Index k = 0; k < mask.size(); ++k) {
     for (int d = 0; mask[k] && d < 2; ++d) {
@@ -170,7 +172,7 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   CloudStatisticsOptions statistics;
   statistics.seed = options.seed;
   prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
-  if (!options.keep_outliers) FlagStrays(points, prepared.statistics, pool);
+  if (!options.keep_outliers) FlagOutliers(points, prepared.statistics, pool);
   Report(options.progress, "parameterize", 0);
   TakeBase(prepared, index, options, pool);
   return prepared;

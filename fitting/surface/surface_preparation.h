@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
-#include "fitting/constraints/conditioned_base.h"
-#include "batten/fitting/surface_options.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
-#include "fitting/parameterization/surface_base.h"
-#include "fitting/constraints/symmetric_cloud.h"
+#include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/constraints/conditioned_base.h"
+#include "fitting/constraints/symmetric_cloud.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -32,7 +32,7 @@ struct CloudSymmetry {
 struct PreparedCloud {
   MergedCloud merged;  // neighbours in the base are neighbours in memory
   CloudStatistics statistics;
-  SurfaceBase base;
+  Parameterization base;
   SurfaceConditions conditions;
   std::optional<CloudSymmetry> symmetry;
   PointMask reached;  // of the merged points: those the base has a place for
@@ -55,7 +55,7 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
 void SortByPlace(PreparedCloud& prepared);
 
 // Chooses the base anew where the points of the prepared ones that a fit has left out as outliers,
-// all but those under `used`, had drawn its rectangle clearly too wide: strays beyond an edge are
+// all but those under `used`, had drawn its rectangle clearly too wide: outliers beyond an edge are
 // told from the shape by a surface only. Returns whether it did; not where the rest
 // carries no base. Throws Cancelled when progress asks to stop.
 bool TakeSmallerBase(PreparedCloud& prepared,

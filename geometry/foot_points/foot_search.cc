@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/foot_points/foot_proof.h"
+#include "geometry/foot_points/distance_certificate.h"
 
 namespace batten::internal {
 namespace {
@@ -32,7 +32,7 @@ FootSearch::FootSearch(FootTable table)
       samples.col(column++) = Position(piece, SampleAt(k / in_v), y);
     }
   }
-  samples_ = SampleTree(samples);
+  samples_ = PointKdTree(samples);
 }
 
 FootPiece FootSearch::Piece(int piece) const {
@@ -146,10 +146,10 @@ FoundFoot FootSearch::Prove(const Eigen::Vector3d& q,
     found.lower_bound = bound;
     return found;
   }
-  FootProof proof(table_, q, start, workspace.arena);
+  DistanceCertificate proof(table_, q, start, workspace.arena);
   workspace.near.clear();
   boxes_.Within(q.data(), proof.squared(), workspace.near);
-  for (const BoxTree::Near& near : workspace.near) {
+  for (const BoundingVolumeTree::Near& near : workspace.near) {
     if (near.squared_distance <= proof.squared()) proof.Check(near.box, near.squared_distance);
   }
   return proof.result();

@@ -5,28 +5,28 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "geometry/numeric/box_tree.h"
+#include "geometry/foot_points/capture_radius.h"
 #include "geometry/foot_points/foot_kernels.h"
-#include "geometry/foot_points/foot_reach.h"
 #include "geometry/foot_points/foot_table.h"
 #include "geometry/foot_points/found_foot.h"
-#include "geometry/numeric/sample_tree.h"
+#include "geometry/numeric/bounding_volume_tree.h"
+#include "geometry/numeric/point_kd_tree.h"
 
 namespace batten::internal {
 
 // What searches of one thread share, so that a query does not allocate.
 struct FootWorkspace {
-  std::vector<BoxTree::Near> near;
+  std::vector<BoundingVolumeTree::Near> near;
   std::vector<double> arena;
 };
 
 // Seeds: the nearest of nine samples a piece. Newton steps across pieces give an upper bound d.
-// Within the reach of a place where |S − q| is stationary that is enough (FootReach). Else every
-// piece whose box is nearer than d is proved to hold nothing nearer than √(d² − τ), or gives a
-// nearer point: F = |P|² − 2q·wP + (|q|² − d² + τ)w², P the homogeneous numerator about the piece's
-// centre, is a polynomial of bidegree (2p, 2q); where its Bernstein coefficients are not negative,
-// or it is convex and its least value is not, nothing is nearer; where it is monotone only a side
-// can be; otherwise it is halved. τ = ε(2d + ε) + rounding with ε = 1e-11 of the
+// Within the reach of a place where |S − q| is stationary that is enough (CaptureRadius). Else
+// every piece whose box is nearer than d is proved to hold nothing nearer than √(d² − τ), or gives
+// a nearer point: F = |P|² − 2q·wP + (|q|² − d² + τ)w², P the homogeneous numerator about the
+// piece's centre, is a polynomial of bidegree (2p, 2q); where its Bernstein coefficients are not
+// negative, or it is convex and its least value is not, nothing is nearer; where it is monotone
+// only a side can be; otherwise it is halved. τ = ε(2d + ε) + rounding with ε = 1e-11 of the
 // shape's size; where rounding would weigh more than that, the polynomial is made anew from control
 // points about q, which loses no digits.
 class FootSearch {
@@ -63,9 +63,9 @@ class FootSearch {
   void Pull(const FootPlace& place, FoundFoot& found) const;
 
   FootTable table_;
-  BoxTree boxes_;
-  SampleTree samples_;
-  FootReach reach_;
+  BoundingVolumeTree boxes_;
+  PointKdTree samples_;
+  CaptureRadius reach_;
 };
 
 }  // namespace batten::internal

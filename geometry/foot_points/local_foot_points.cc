@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "geometry/evaluation/evaluation_lanes.h"
-#include "geometry/foot_points/local_feet_kernel.h"
+#include "geometry/foot_points/local_foot_points_kernel.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten {
@@ -29,7 +29,7 @@ std::ptrdiff_t BlockOf(const SurfaceTable& table) {
   return std::clamp(kPointsACell * cells, kLeastBlock, kMostBlock);
 }
 
-// A descent that goes on: its point and all that FeetLanes says of it.
+// A descent that goes on: its point and all that FootPointLanes says of it.
 struct Descent {
   int cell;
   int point;  // in the block
@@ -41,7 +41,7 @@ struct Workspace {
   std::vector<Descent> waiting, sorted;
   std::vector<int> places, points;
   std::vector<double> lanes;
-  std::vector<FeetRun> runs;
+  std::vector<CorrectionRun> runs;
 };
 
 Workspace& ThreadBlockWorkspace() {
@@ -55,12 +55,12 @@ class Block {
   Block(const SurfaceEvaluator& surface,
         const Eigen::Matrix3Xd& points,
         const Eigen::Matrix2Xd& starts,
-        LocalFeet& feet)
+        LocalFootPointsKernel& feet)
       : surface_(surface),
         table_(surface.table()),
         points_(points),
         starts_(starts),
-        feet_(feet),
+        foot_points_(feet),
         space_(ThreadBlockWorkspace()) {}
 
   void Run(std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -129,7 +129,7 @@ class Block {
       const int cell = waiting[k].cell;
       const std::size_t begin = next;
       for (; k < waiting.size() && waiting[k].cell == cell; ++k) ++next;
-      next = (next + kFeetLanes - 1) / kFeetLanes * kFeetLanes;
+      next = (next + kFootPointLanes - 1) / kFootPointLanes * kFootPointLanes;
       space_.runs.push_back({cell / table_.v.span_count, cell % table_.v.span_count, begin, next});
     }
     if (space_.lanes.size() < kArrays * next) space_.lanes.resize(kArrays * next);
@@ -137,7 +137,7 @@ class Block {
     double* array[kArrays];
     for (std::size_t k = 0; k < kArrays; ++k) array[k] = space_.lanes.data() + k * next;
     std::size_t from = 0;
-    for (const FeetRun& run : space_.runs) {
+    for (const CorrectionRun& run : space_.runs) {
       for (std::size_t to = run.begin; to < run.end; ++to) {
         const bool fills = from == waiting.size() || waiting[from].cell != CellOf(run);
         const Descent& one = waiting[fills ? from - 1 : from];
@@ -164,7 +164,9 @@ class Block {
               array[10]};
   }
 
-  int CellOf(const FeetRun& run) const { return run.span_u * table_.v.span_count + run.span_v; }
+  int CellOf(const CorrectionRun& run) const {
+    return run.span_u * table_.v.span_count + run.span_v;
+  }
 
   void Collect() {
     space_.waiting.clear();
@@ -173,10 +175,10 @@ class Block {
       if (point < 0) continue;
       const std::ptrdiff_t k = begin_ + point;
       if (lanes_.state[at] == kFootSettled) {
-        feet_.parameters(0, k) = std::clamp(lanes_.u[at], table_.u.lower, table_.u.upper);
-        feet_.parameters(1, k) = std::clamp(lanes_.v[at], table_.v.lower, table_.v.upper);
+        foot_points_.parameters(0, k) = std::clamp(lanes_.u[at], table_.u.lower, table_.u.upper);
+        foot_points_.parameters(1, k) = std::clamp(lanes_.v[at], table_.v.lower, table_.v.upper);
         const double distance = std::sqrt(lanes_.squares[at]);
-        feet_.distances[k] = lanes_.side[at] < 0 ? -distance : distance;
+        foot_points_.distances[k] = lanes_.side[at] < 0 ? -distance : distance;
       } else if (lanes_.state[at] == kFootLeaves) {
         const double u = lanes_.u[at], v = lanes_.v[at], du = lanes_.du[at], dv = lanes_.dv[at];
         const int cell = CellAt(std::clamp(u + du, table_.u.lower, table_.u.upper),
@@ -194,31 +196,31 @@ class Block {
     const SurfaceFoot foot = LocalFootPoint(surface_.surface(), q, starts_(0, k), starts_(1, k));
     const auto normal = surface_.NormalAt(foot.u, foot.v);
     const bool below = normal && normal->dot(q - foot.point) < 0;
-    feet_.parameters.col(k) << foot.u, foot.v;
-    feet_.distances[k] = below ? -foot.distance : foot.distance;
+    foot_points_.parameters.col(k) << foot.u, foot.v;
+    foot_points_.distances[k] = below ? -foot.distance : foot.distance;
   }
 
   const SurfaceEvaluator& surface_;
   const SurfaceTable& table_;
   const Eigen::Matrix3Xd& points_;
   const Eigen::Matrix2Xd& starts_;
-  LocalFeet& feet_;
+  LocalFootPointsKernel& foot_points_;
   Workspace& space_;
   std::ptrdiff_t begin_ = 0;
-  FeetLanes lanes_{};
+  FootPointLanes lanes_{};
 };
 
 }  // namespace
 
-LocalFeet LocalFootPoints(const SurfaceEvaluator& surface,
-                          const Eigen::Matrix3Xd& points,
-                          const Eigen::Matrix2Xd& starts,
-                          ThreadPool& pool) {
+LocalFootPointsKernel LocalFootPoints(const SurfaceEvaluator& surface,
+                                      const Eigen::Matrix3Xd& points,
+                                      const Eigen::Matrix2Xd& starts,
+                                      ThreadPool& pool) {
   if (points.cols() != starts.cols()) {
     throw std::invalid_argument("LocalFootPoints: " + std::to_string(starts.cols()) +
                                 " starts do not fit " + std::to_string(points.cols()) + " points");
   }
-  LocalFeet feet{Eigen::Matrix2Xd(2, points.cols()), Eigen::VectorXd(points.cols())};
+  LocalFootPointsKernel feet{Eigen::Matrix2Xd(2, points.cols()), Eigen::VectorXd(points.cols())};
   pool.For(points.cols(), BlockOf(surface.table()), [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Block(surface, points, starts, feet).Run(begin, end);
   });

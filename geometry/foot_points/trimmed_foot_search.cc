@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/foot_points/foot_proof.h"
+#include "geometry/foot_points/distance_certificate.h"
 
 namespace batten::internal {
 
@@ -25,7 +25,7 @@ TrimmedFootSearch::TrimmedFootSearch(const NurbsSurface& surface, const FootSear
     cut_.push_back(cover == TrimRegion::Cover::kCut);
     boxes.push_back(table.boxes[piece]);
   }
-  boxes_ = BoxTree(boxes);
+  boxes_ = BoundingVolumeTree(boxes);
   AddSamples();
 }
 
@@ -42,7 +42,7 @@ void TrimmedFootSearch::AddSamples() {
     }
   }
   if (points.empty()) return;
-  sample_tree_ = SampleTree(Eigen::Map<const Eigen::Matrix3Xd>(
+  sample_tree_ = PointKdTree(Eigen::Map<const Eigen::Matrix3Xd>(
       points[0].data(), 3, static_cast<Eigen::Index>(points.size())));
 }
 
@@ -87,10 +87,10 @@ FoundFoot TrimmedFootSearch::Nearest(const Eigen::Vector3d& q,
                                      FootWorkspace& workspace) const {
   const FoundFoot on_loops = OnLoops(q, workspace);
   FoundFoot best = FromSample(q, on_loops);
-  FootProof proof(whole_.table(), q, best, workspace.arena, &region_);
+  DistanceCertificate proof(whole_.table(), q, best, workspace.arena, &region_);
   workspace.near.clear();
   boxes_.Within(q.data(), proof.squared(), workspace.near);
-  for (const BoxTree::Near& near : workspace.near) {
+  for (const BoundingVolumeTree::Near& near : workspace.near) {
     if (near.squared_distance > proof.squared()) continue;
     proof.Check(pieces_[near.box], near.squared_distance, cut_[near.box]);
   }

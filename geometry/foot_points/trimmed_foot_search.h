@@ -7,17 +7,17 @@
 #include <memory>
 #include <vector>
 
-#include "geometry/numeric/box_tree.h"
+#include "batten/geometry/trim_region.h"
 #include "geometry/foot_points/foot_search.h"
 #include "geometry/foot_points/loop_curves.h"
-#include "geometry/numeric/sample_tree.h"
-#include "batten/geometry/trim_region.h"
+#include "geometry/numeric/bounding_volume_tree.h"
+#include "geometry/numeric/point_kd_tree.h"
 
 namespace batten::internal {
 
 // Where the nearest place of the whole surface counts, that is the answer. Elsewhere it is the
 // nearest place of the loops, certified as curves are, or a local minimum inside that is nearer:
-// all pieces that count in part and might hold one are checked (FootProof).
+// all pieces that count in part and might hold one are checked (DistanceCertificate).
 class TrimmedFootSearch {
  public:
   // The search over the whole surface must outlive this.
@@ -47,9 +47,9 @@ class TrimmedFootSearch {
   FootSearch on_loops_;
   std::vector<int> pieces_;  // those that count, wholly or in part
   std::vector<bool> cut_;    // which of them in part
-  BoxTree boxes_;
+  BoundingVolumeTree boxes_;
   std::vector<Sample> samples_;
-  SampleTree sample_tree_;
+  PointKdTree sample_tree_;
 };
 
 }  // namespace batten::internal

@@ -148,7 +148,7 @@ MeshDomain::MeshDomain(const NurbsSurface& surface)
   const double longest = lengths.maxCoeff();
   const auto steps = [&](double length) {
     const double share = longest > 0 ? std::max(length / longest, kLeastShare) : 1.0;
-    return static_cast<std::int64_t>(share * static_cast<double>(LatticeMesh::kReach));
+    return static_cast<std::int64_t>(share * static_cast<double>(ConstrainedDelaunay::kReach));
   };
   width_ = steps(lengths[0]);
   height_ = steps(lengths[1]);

@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "batten/geometry/closure.h"
-#include "geometry/numeric/lattice_mesh.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "geometry/numeric/constrained_delaunay.h"
 
 namespace batten::internal {
 
 // Parameters as whole numbers: [0, width] × [0, height] is the domain, the longer side in space
-// LatticeMesh::kReach, the other about in proportion.
+// ConstrainedDelaunay::kReach, the other about in proportion.
 class MeshDomain {
  public:
   explicit MeshDomain(const NurbsSurface& surface);

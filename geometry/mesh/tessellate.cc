@@ -13,13 +13,13 @@
 #include <utility>
 
 #include "batten/geometry/bounding_box.h"
-#include "geometry/numeric/lattice_mesh.h"
-#include "geometry/mesh/mesh_domain.h"
-#include "geometry/numeric/number_text.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "batten/geometry/trim_region.h"
+#include "geometry/mesh/mesh_domain.h"
 #include "geometry/mesh/triangle_error.h"
 #include "geometry/mesh/triangle_proof.h"
-#include "batten/geometry/trim_region.h"
+#include "geometry/numeric/constrained_delaunay.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten {
 using namespace internal;
@@ -163,7 +163,7 @@ class Tessellation {
     const auto& u = domain_.lines_u();
     const auto& v = domain_.lines_v();
     const LatticePoint point{u[i], v[j]};
-    const LatticeMesh::Triangle& triangle = mesh_.triangles()[mesh_.Find(point)];
+    const ConstrainedDelaunay::Triangle& triangle = mesh_.triangles()[mesh_.Find(point)];
     bool inside = triangle.inside;
     for (int e = 0; e < 3; ++e) {
       const LatticePoint& a = mesh_.points()[triangle.vertices[(e + 1) % 3]];
@@ -256,7 +256,7 @@ class Tessellation {
     return EdgesAt(triangle, surface_, *place, tolerance_);
   }
 
-  SurfaceTriangle SurfaceTriangleOf(const LatticeMesh::Triangle& triangle) const {
+  SurfaceTriangle SurfaceTriangleOf(const ConstrainedDelaunay::Triangle& triangle) const {
     SurfaceTriangle result;
     for (int e = 0; e < 3; ++e) {
       const int vertex = triangle.vertices[e];
@@ -273,7 +273,7 @@ class Tessellation {
   }
 
   // Halves the edge, and the same edge on the other side of a seam.
-  bool Split(LatticeMesh::Place place) {
+  bool Split(ConstrainedDelaunay::Place place) {
     const auto& v = mesh_.triangles()[place.triangle].vertices;
     const int from = v[(place.edge + 1) % 3], to = v[(place.edge + 2) % 3];
     const LatticePoint a = mesh_.points()[from], b = mesh_.points()[to];
@@ -293,7 +293,7 @@ class Tessellation {
     return true;
   }
 
-  bool SplitHere(LatticeMesh::Place place, const LatticePoint& middle) {
+  bool SplitHere(ConstrainedDelaunay::Place place, const LatticePoint& middle) {
     const std::optional<int> vertex = mesh_.SplitEdge(place, middle);
     if (!vertex) return false;
     NoteVertex(*vertex);
@@ -324,7 +324,7 @@ class Tessellation {
   bool SplitDoubledEdges() {
     const std::vector<int> names = Names();
     std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> edges;
-    for (const LatticeMesh::Triangle& triangle : mesh_.triangles()) {
+    for (const ConstrainedDelaunay::Triangle& triangle : mesh_.triangles()) {
       if (!triangle.inside) continue;
       const std::array<int, 3>& v = triangle.vertices;
       const int a = names[v[0]], b = names[v[1]], c = names[v[2]];
@@ -353,7 +353,7 @@ class Tessellation {
     std::vector<int> used;
     std::vector<Eigen::Vector3i> triangles;
     std::vector<std::array<int, 3>> own;  // their vertices as they were before they got names
-    for (const LatticeMesh::Triangle& triangle : mesh_.triangles()) {
+    for (const ConstrainedDelaunay::Triangle& triangle : mesh_.triangles()) {
       if (!triangle.inside) continue;
       Eigen::Vector3i named;
       for (int e = 0; e < 3; ++e) named[e] = names[triangle.vertices[e]];
@@ -469,7 +469,7 @@ class Tessellation {
   TriangleProof proof_;
   double tolerance_;
   const TessellateOptions& options_;
-  LatticeMesh mesh_;
+  ConstrainedDelaunay mesh_;
   std::vector<Eigen::Vector2d> parameters_;  // of the vertices
   std::vector<Eigen::Vector3d> points_;
   std::map<Key, int> border_;  // the vertices on the border of the domain

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/bezier/bernstein.h"
 #include "batten/geometry/closure.h"
-#include "geometry/numeric/construction_checks.h"
 #include "batten/geometry/foot_point.h"
+#include "geometry/bezier/bernstein.h"
+#include "geometry/numeric/construction_checks.h"
 
 namespace batten {
 using namespace internal;
@@ -29,7 +29,7 @@ struct Station {
 class Projector {
  public:
   Projector(const NurbsSurface& surface, const NurbsCurve<3>& curve, double tolerance)
-      : surface_(surface), feet_(surface), curve_(curve), tolerance_(tolerance) {}
+      : surface_(surface), foot_points_(surface), curve_(curve), tolerance_(tolerance) {}
 
   std::vector<NurbsCurve<2>> Project() {
     std::vector<Station> samples;
@@ -50,7 +50,7 @@ class Projector {
       if (k > 0) run.push_back(Border(samples[k], samples[k - 1].t));
       for (; k < samples.size() && samples[k].inside; ++k) run.push_back(samples[k]);
       if (k < samples.size()) run.push_back(Border(run.back(), samples[k].t));
-      if (run.size() > 1) curves.push_back(CurveThrough(run));
+      if (run.size() > 1) curves.push_back(AlgebraicCurveFit(run));
     }
     const bool whole = curves.size() == 1 && Closed(curve_) && samples.front().inside;
     return whole ? std::vector{ClosedUp(curves[0])} : curves;
@@ -61,7 +61,7 @@ class Projector {
   // matrix takes the nearest point, of which only the distance is certain, to the place.
   Station StationAt(double t) {
     const CurveJet<3> c = curve_.JetAt(t);
-    const SurfaceFoot foot = feet_.Nearest(c.point);
+    const SurfaceFoot foot = foot_points_.Nearest(c.point);
     Eigen::Vector2d at(foot.u, foot.v), velocity;
     Eigen::Vector3d gap, normal;
     constexpr int kSteps = 4;
@@ -140,7 +140,7 @@ class Projector {
     Refine(middle, b, depth + 1, stations);
   }
 
-  NurbsCurve<2> CurveThrough(std::vector<Station> run) {
+  NurbsCurve<2> AlgebraicCurveFit(std::vector<Station> run) {
     if (run.front().t > run[1].t) std::swap(run[0], run[1]);
     std::vector<Station> stations{run.front()};
     for (std::size_t k = 0; k + 1 < run.size(); ++k) {
@@ -169,7 +169,7 @@ class Projector {
   }
 
   const NurbsSurface& surface_;
-  SurfaceFootPoints feet_;
+  SurfaceFootPoints foot_points_;
   const NurbsCurve<3>& curve_;
   double tolerance_;
 };

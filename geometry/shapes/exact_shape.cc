@@ -11,8 +11,8 @@
 
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
-#include "geometry/shapes/unit_arc.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/shapes/unit_arc.h"
 
 namespace batten {
 using namespace internal;
@@ -211,7 +211,7 @@ class RoundNet {
     Eigen::Vector3d center;
     double radius;
   };
-  std::optional<Ring> RingOf(int j, const Frame& frame) const {
+  std::optional<Ring> TorusSectionOf(int j, const Frame& frame) const {
     if (Collapsed(j)) return Ring{Row(j).col(0), 0};
     const auto circle = ImageAbout(frame.axis(), around_.arc, Row(j));
     if (!circle) return std::nullopt;
@@ -219,7 +219,7 @@ class RoundNet {
   }
 
   void AddStraight(const Frame& frame, std::vector<ExactSurface>& result) const {
-    const auto lower = RingOf(0, frame), upper = RingOf(1, frame);
+    const auto lower = TorusSectionOf(0, frame), upper = TorusSectionOf(1, frame);
     if (!lower || !upper) return;
     const Interval height{0, (upper->center - lower->center).dot(frame.axis())};
     const Frame at_start(lower->center, frame.axis(), frame.x());

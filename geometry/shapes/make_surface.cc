@@ -61,7 +61,7 @@ struct Ring {
   Eigen::Vector3d center, outward, forward;
 };
 
-Ring RingOf(const Eigen::Vector3d& point, const Frame& frame, double on_axis) {
+Ring TorusSectionOf(const Eigen::Vector3d& point, const Frame& frame, double on_axis) {
   const Eigen::Vector3d from = point - frame.origin();
   const double height = from.dot(frame.axis());
   const Eigen::Vector3d outward = from - height * frame.axis();
@@ -161,7 +161,7 @@ NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const Ang
   Eigen::VectorXd weights(points.cols());
   bool turns = false;
   for (Eigen::Index j = 0; j < along; ++j) {
-    const Ring ring = RingOf(curve.col(j), frame, on_axis);
+    const Ring ring = TorusSectionOf(curve.col(j), frame, on_axis);
     turns = turns || !ring.outward.isZero(0);
     for (Eigen::Index i = 0; i < around; ++i) {
       const Eigen::Vector2d at = arc.points.col(i);

@@ -20,9 +20,9 @@ double FromChord(const Place& a, const Place& b, const Eigen::Vector3d& point) {
   return (point - a.point - along * chord).norm();
 }
 
-class Halving {
+class SpatialSort {
  public:
-  Halving(const std::function<Eigen::Vector3d(double)>& map, double tolerance)
+  SpatialSort(const std::function<Eigen::Vector3d(double)>& map, double tolerance)
       : map_(map), tolerance_(tolerance) {}
 
   Place At(double parameter) const { return {parameter, map_(parameter)}; }
@@ -59,7 +59,7 @@ std::vector<double> PolylineParameters(const std::function<Eigen::Vector3d(doubl
                                        std::span<const double> breaks,
                                        double chord_tolerance,
                                        int pieces) {
-  const Halving halving(map, chord_tolerance);
+  const SpatialSort halving(map, chord_tolerance);
   std::vector<double> result{breaks.front()};
   Place last = halving.At(breaks.front());
   for (std::size_t k = 1; k < breaks.size(); ++k) {

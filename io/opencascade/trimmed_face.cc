@@ -77,7 +77,7 @@ class FaceBuilder {
 
   // The place that stands for all that are the same point: the lower side of a seam, the start of
   // an edge that is a point.
-  Eigen::Vector2d Standing(Eigen::Vector2d place) const {
+  Eigen::Vector2d PointStatistics(Eigen::Vector2d place) const {
     const Eigen::Vector2d lower(surface_.basis_u().lower(), surface_.basis_v().lower());
     const Eigen::Vector2d upper(surface_.basis_u().upper(), surface_.basis_v().upper());
     const auto near = [&](int k, double value) {
@@ -95,7 +95,7 @@ class FaceBuilder {
   }
 
   TopoDS_Vertex VertexAt(const Eigen::Vector2d& at) {
-    const Eigen::Vector2d place = Standing(at);
+    const Eigen::Vector2d place = PointStatistics(at);
     for (const Corner& corner : corners_) {
       const Eigen::Array2d gap = (corner.place - place).array().abs();
       if ((gap <= kSamePlace * sides_).all()) return corner.vertex;

@@ -140,17 +140,17 @@ class Measurement {
     return members;
   }
 
-  struct Feet {
+  struct FootPointSet {
     Eigen::Matrix3Xd places;
     Eigen::VectorXd distances;
   };
-  Feet FeetOn(const NurbsSurface& surface,
-              const std::vector<Eigen::Index>& members,
-              const Eigen::VectorXd& deviations,
-              ThreadPool& pool) const {
+  FootPointSet FootPointsOn(const NurbsSurface& surface,
+                            const std::vector<Eigen::Index>& members,
+                            const Eigen::VectorXd& deviations,
+                            ThreadPool& pool) const {
     const auto count = static_cast<Eigen::Index>(members.size());
     Eigen::Matrix2Xd parameters(2, count);
-    Feet feet{{}, Eigen::VectorXd(count)};
+    FootPointSet feet{{}, Eigen::VectorXd(count)};
     for (Eigen::Index j = 0; j < count; ++j) {
       const Eigen::Index k = members[static_cast<std::size_t>(j)];
       parameters.col(j) = points_.parameters.col(k).head<2>();
@@ -220,7 +220,7 @@ void AddDeviations(ReportScene& scene,
     if (!shapes.is_surface[g]) continue;
     const auto place = static_cast<std::size_t>(shapes.place[g]);
     ReportSurface& surface = scene.surfaces[place];
-    const auto feet = measured.FeetOn(shapes.surfaces[place], members[g], deviations, pool);
+    const auto feet = measured.FootPointsOn(shapes.surfaces[place], members[g], deviations, pool);
     surface.deviation =
         reach > 0 ? DeviationMap(surface.mesh.vertices, feet.places, feet.distances, reach, pool)
                   : Eigen::VectorXd::Constant(surface.mesh.vertices.cols(), kNone);

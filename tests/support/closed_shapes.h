@@ -230,9 +230,9 @@ inline TurnedPoints TruthOn(const TurnedShape& shape, Eigen::Index count, double
 }
 
 // So many more points, evenly in the box of the others.
-inline Eigen::Matrix3Xd WithStraysInBox(const Eigen::Matrix3Xd& points,
-                                        Eigen::Index more,
-                                        std::uint64_t seed) {
+inline Eigen::Matrix3Xd WithOutliersInBox(const Eigen::Matrix3Xd& points,
+                                          Eigen::Index more,
+                                          std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();

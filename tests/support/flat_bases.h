@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "fitting/parameterization/surface_base.h"
 #include "bent_sheets.h"
+#include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
 
@@ -18,7 +18,7 @@ inline std::vector<Eigen::Index> AllOf(const Eigen::Matrix3Xd& points) {
 }
 
 // Parameters brought into a base's domain.
-inline Eigen::Matrix2Xd Inside(const SurfaceBase& base, const Eigen::Matrix2Xd& parameters) {
+inline Eigen::Matrix2Xd Inside(const Parameterization& base, const Eigen::Matrix2Xd& parameters) {
   Eigen::Matrix2Xd inside = parameters.cwiseMax(0.0);
   inside.row(0) = inside.row(0).cwiseMin(base.length_u);
   inside.row(1) = inside.row(1).cwiseMin(base.length_v);
@@ -26,8 +26,8 @@ inline Eigen::Matrix2Xd Inside(const SurfaceBase& base, const Eigen::Matrix2Xd& 
 }
 
 // A developable sheet laid out by its own lengths; the sheet's square is a rectangle of them.
-inline SurfaceBase FlatBase(const BentSheet& sheet, const SheetPoints& cloud) {
-  SurfaceBase base;
+inline Parameterization FlatBase(const BentSheet& sheet, const SheetPoints& cloud) {
+  Parameterization base;
   base.length_u = sheet.flat(1, 0)[0];
   base.length_v = sheet.flat(0, 1)[1];
   base.parameters.resize(2, cloud.parameters.cols());
@@ -36,7 +36,7 @@ inline SurfaceBase FlatBase(const BentSheet& sheet, const SheetPoints& cloud) {
   return base;
 }
 
-inline SurfaceBase InUnit(double unit, SurfaceBase base) {
+inline Parameterization InUnit(double unit, Parameterization base) {
   base.length_u *= unit;
   base.length_v *= unit;
   base.parameters *= unit;

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/foot_points/joint_feet.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "fitting/foot_points/joint_foot_points.h"
 #include "random_splines.h"
 
 namespace batten::internal {

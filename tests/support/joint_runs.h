@@ -9,7 +9,7 @@
 #include <functional>
 #include <string>
 
-#include "fitting/joint/joint_stage.h"
+#include "fitting/joint/joint_optimization.h"
 #include "joint_cases.h"
 
 namespace batten::internal {

@@ -1,2 +1,3 @@
 // SPDX-License-Identifier: MIT
-// Nothing: the object whose precompiled headers the test programs share.
+// A program that does nothing: the test programs share the headers that are precompiled for it.
+int main() {}

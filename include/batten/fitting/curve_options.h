@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "batten/fitting/fit_report.h"
-#include "batten/fitting/freedom.h"
+#include "batten/fitting/free_variables.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/progress.h"
@@ -71,7 +71,7 @@ struct CurveFitOptions {
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> loss_scale =
       std::nullopt;  // standard deviation of good points, > 0; estimated when absent
-  std::optional<Freedom> optimize =
+  std::optional<FreeVariables> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;
@@ -87,7 +87,7 @@ struct CurveFit {
   NurbsCurve<Dim> curve;       // in world coordinates less options.shift
   Eigen::VectorXd parameters;  // foot point of every point of the cloud
   Eigen::VectorXd residuals;   // its orthogonal distance
-  PointMask outliers;  // points that the curve does not follow: strays, and what a loss forgets
+  PointMask outliers;  // points that the curve does not follow: outliers, and what a loss forgets
   FitReport report;    // describes exactly this curve
 };
 

@@ -10,7 +10,7 @@ namespace batten {
 
 // The signed deviation at every place (3 × n, a mesh's vertices), from the points' feet on the
 // surface (3 × m) and their signed distances (m): a robust mean over the nearest feet, at most 16
-// and none farther than `reach`, near ones counting most. One stray point among them moves it
+// and none farther than `reach`, near ones counting most. One outlier among them moves it
 // little or not at all; a constant comes back as it is. NaN where no foot lies within reach: no
 // points were measured there. Feet and distances that are not finite do not count.
 // Feet are near in space, not along the surface: where two sheets of it lie within reach of each

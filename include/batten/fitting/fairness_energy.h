@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which fairness energy a shape is held calm by.
+// Which fairness energy a shape is made fair by.
 #pragma once
 
 #include <vector>

@@ -59,7 +59,7 @@ struct InputSummary {
 struct PrimitiveAccuracy {
   std::vector<std::string> names;
   Eigen::VectorXd standard_deviations;  // infinite where there is no limit
-  Eigen::MatrixXd covariance;           // linear, without rivals
+  Eigen::MatrixXd covariance;           // linear, without alternatives
   Eigen::Vector3d frame_x = Eigen::Vector3d::Zero(), frame_y = Eigen::Vector3d::Zero();
   double inflation = 1;  // of variances, by what neighbouring residuals have in common
 

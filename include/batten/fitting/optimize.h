@@ -10,7 +10,7 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/fitting_problem.h"
-#include "batten/fitting/freedom.h"
+#include "batten/fitting/free_variables.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/residual_term.h"
 #include "batten/fitting/robust_loss.h"
@@ -19,8 +19,9 @@
 namespace batten {
 
 struct OptimizeOptions {
-  Freedom free{.parameters = true};  // besides the control points; with free parameters distances
-                                     // are orthogonal, else they are at the given parameters
+  FreeVariables free{.parameters =
+                         true};  // besides the control points; with free parameters distances
+                                 // are orthogonal, else they are at the given parameters
   bool knots_u = true, knots_v = true;  // directions that free knots move in
   int max_iterations = 40;              // > 0, of each stage
   double noise = 0;  // ≥ 0, standard deviation of the data where it is known to be no more; the

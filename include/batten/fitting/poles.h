@@ -48,7 +48,9 @@ struct PoleFreedom {
   std::vector<TiedRow> rows;  // from the start inwards, then from the end inwards
   Eigen::Index unknowns = 0;  // t: eight at a smooth pole of degree 3
 };
-PoleFreedom FreedomOf(const SplineBasis& basis_u, const SplineBasis& basis_v, const Poles& poles);
+PoleFreedom FreeVariablesOf(const SplineBasis& basis_u,
+                            const SplineBasis& basis_v,
+                            const Poles& poles);
 
 // The nearest coefficients, row by row, that meet the conditions exactly: d × (n_u · n_v), v
 // fastest, repeated ones too. Rounding of what a solver found under the conditions is taken away,

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
-#include "batten/fitting/freedom.h"
+#include "batten/fitting/free_variables.h"
 #include "batten/fitting/mirror_plane.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
@@ -62,7 +62,7 @@ struct SurfaceFitOptions {
   std::optional<Loss> loss = std::nullopt;  // robust when outliers are found, when absent
   std::optional<double> loss_scale =
       std::nullopt;  // standard deviation of good points, > 0; estimated
-  std::optional<Freedom> optimize =
+  std::optional<FreeVariables> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
   BaseShape base = BaseShape::kAuto;
   Closing closed = Closing::kAuto;

@@ -9,14 +9,15 @@
 namespace batten {
 
 // How a shape of degree p goes on past its end.
-//  kCalm: its second derivative stays what it is at the end, so the third is zero, the least there
+//  kFair: its second derivative stays what it is at the end, so the third is zero, the
+//  least there
 //    can be: a parabola for p ≥ 2, a straight line for p = 1. For p ≥ 3 the end becomes a knot of
 //    multiplicity p − 2, across which the shape is C².
 //  kNatural: the polynomial of the last span goes on; no knot is added. Over spans that are short
 //    against the extension it may swing widely.
 // For p ≤ 2 the two are the same. A rational shape goes on as the same rational piece in both: a
 // cylinder stays a cylinder.
-enum class Continuation { kCalm, kNatural };
+enum class Continuation { kFair, kNatural };
 
 // The curve with a piece of arc length `length` (in the data's units, to 1e-9 of it) beyond the
 // upper or lower end of its domain, which grows by what that takes. The old part stays the same
@@ -31,7 +32,7 @@ template <int Dim>
 NurbsCurve<Dim> Extended(const NurbsCurve<Dim>& curve,
                          bool upper,
                          double length,
-                         Continuation continuation = Continuation::kCalm);
+                         Continuation continuation = Continuation::kFair);
 
 // The surface with a strip beyond one of its edges. `length` is the mean arc length, over the
 // parameter along the edge, of the added parts of the iso-lines that cross it, to 1e-6 of it. The
@@ -42,6 +43,6 @@ NurbsCurve<Dim> Extended(const NurbsCurve<Dim>& curve,
 NurbsSurface Extended(const NurbsSurface& surface,
                       const SurfaceEdge& edge,
                       double length,
-                      Continuation continuation = Continuation::kCalm);
+                      Continuation continuation = Continuation::kFair);
 
 }  // namespace batten

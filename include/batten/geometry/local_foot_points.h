@@ -11,7 +11,7 @@
 namespace batten {
 
 // Where the descents ended, one column a point.
-struct LocalFeet {
+struct LocalFootPointsKernel {
   Eigen::Matrix2Xd parameters;
   // Of the points from their feet; negative on the side that the normal there points away from.
   Eigen::VectorXd distances;
@@ -23,9 +23,9 @@ struct LocalFeet {
 // farther than the start. Points must be finite. What is found for a point depends neither on the
 // other points nor on the number of threads. Trims are not looked at.
 // Throws std::invalid_argument unless there is one start a point.
-LocalFeet LocalFootPoints(const SurfaceEvaluator& surface,
-                          const Eigen::Matrix3Xd& points,
-                          const Eigen::Matrix2Xd& starts,
-                          ThreadPool& pool);
+LocalFootPointsKernel LocalFootPoints(const SurfaceEvaluator& surface,
+                                      const Eigen::Matrix3Xd& points,
+                                      const Eigen::Matrix2Xd& starts,
+                                      ThreadPool& pool);
 
 }  // namespace batten

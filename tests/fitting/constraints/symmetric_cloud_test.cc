@@ -10,13 +10,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/solve_linear.h"
-#include "fitting/constraints/symmetric_net.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/constraints/symmetric_net.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "random_splines.h"
-#include "tolerances.h"
 #include "refusal.h"
+#include "tolerances.h"
 
 namespace batten::internal::symmetric_cloud_test {
 
@@ -79,12 +79,12 @@ TEST(SymmetricCloudTest, APointInThePlaneIsItsOwnTwin) {
 }
 
 // Parameters of a base that knows nothing of the symmetry: turned, moved and bent a little.
-SurfaceBase BentBase(RandomSplines& random,
-                     const HalfSheet& half,
-                     const SymmetricCloud& both,
-                     double bend) {
+Parameterization BentBase(RandomSplines& random,
+                          const HalfSheet& half,
+                          const SymmetricCloud& both,
+                          double bend) {
   const Eigen::Rotation2Dd turn(random.Real(-3, 3));
-  SurfaceBase base;
+  Parameterization base;
   base.parameters.resize(2, both.cloud.size());
   for (Eigen::Index k = 0; k < both.cloud.size(); ++k) {
     Eigen::Vector2d at = half.parameters.col(k % half.cloud.size());
@@ -108,7 +108,7 @@ TEST(SymmetricCloudTest, ParametersOfAnyBaseBecomeSymmetric) {
     const double unit = std::array{1.0, 1e-6, 1e6}[seed % 3];
     const HalfSheet half = MakeHalf(random, 800, 0, unit);
     const SymmetricCloud both = WithMirrorImage(half.cloud, half.plane);
-    const SurfaceBase base = BentBase(random, half, both, 0.02);
+    const Parameterization base = BentBase(random, half, both, 0.02);
     const MirrorPlane local = half.plane.From(both.cloud.origin());
     const SymmetricBase symmetric =
         SymmetricParameters(base, both.cloud, All(both.cloud), local, both.twins);
@@ -156,7 +156,7 @@ TEST(SymmetricCloudTest, APlaneBaseIsTurnedUpright) {
     RandomSplines random(seed);
     const HalfSheet half = MakeHalf(random, 500, 0, 1);
     const SymmetricCloud both = WithMirrorImage(half.cloud, half.plane);
-    SurfaceBase base;
+    Parameterization base;
     base.plane.emplace();
     base.plane->axes = half.turn *
                        Eigen::AngleAxisd(random.Real(-0.2, 0.2), random.Vector(1).normalized()) *
@@ -206,7 +206,7 @@ TEST(SymmetricCloudTest, ReflectsAnglesAndLengthsOfATube) {
     }
     const MirrorPlane plane{across ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX(), 0};
     const SymmetricCloud both = WithMirrorImage(PointCloud(points), plane);
-    SurfaceBase base;
+    Parameterization base;
     base.periodic_u = true;
     base.length_u = 2 * std::numbers::pi;
     base.length_v = 4.2;
@@ -249,19 +249,22 @@ TEST(SymmetricCloudTest, ReflectsAnglesAndLengthsOfATube) {
   }
 }
 
-std::string Refusal(const SurfaceBase& base, const SymmetricCloud& both, const MirrorPlane& plane) {
-  return internal::RefusalOf([&] { SymmetricParameters(base, both.cloud, All(both.cloud), plane, both.twins); }, "");
+std::string Refusal(const Parameterization& base,
+                    const SymmetricCloud& both,
+                    const MirrorPlane& plane) {
+  return internal::RefusalOf(
+      [&] { SymmetricParameters(base, both.cloud, All(both.cloud), plane, both.twins); }, "");
 }
 
 TEST(SymmetricCloudTest, WhatIsNoReflectionIsRefusedWithTheReason) {
   RandomSplines random(2);
   const HalfSheet half = MakeHalf(random, 300, 0, 1);
   const SymmetricCloud both = WithMirrorImage(half.cloud, half.plane);
-  SurfaceBase base = BentBase(random, half, both, 0);
-  SurfaceBase layers = base;
+  Parameterization base = BentBase(random, half, both, 0);
+  Parameterization layers = base;
   layers.parameters.rightCols(300) = layers.parameters.leftCols(300);
   EXPECT_THAT(Refusal(layers, both, half.plane), testing::HasSubstr("second layer"));
-  SurfaceBase other = base;
+  Parameterization other = base;
   for (double& at : other.parameters.rightCols(300).reshaped()) at = random.Real(0, 1);
   EXPECT_NE(Refusal(other, both, half.plane), "");
   const HalfSheet apart = MakeHalf(random, 300, 1, 1);

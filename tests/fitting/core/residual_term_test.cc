@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/joint/joint_cells.h"
+#include "fitting/joint/eliminated_problem.h"
 #include "fitting/joint/term_cost.h"
 #include "joint_runs.h"
 #include "tolerances.h"
@@ -54,7 +54,7 @@ TEST(TermCostTest, HasTheDerivativesThatDifferencesFind) {
   ForCases([](RandomSplines&, JointCase& c, JointOptions& options) {
     const int n = static_cast<int>(c.net.cols());
     ThreadPool pool(1);
-    JointCells cells(c.problem, c.net, c.weights, options, pool);
+    EliminatedProblem cells(c.problem, c.net, c.weights, options, pool);
     ASSERT_TRUE(cells.Project());
     cells.Accept();
     // Over a periodic basis the first and one of the last control points are one.

@@ -21,7 +21,7 @@ namespace batten::internal::curve_ends_test {
 // data at signed places along it, the first ones before its beginning, the last beyond its end.
 struct Straight {
   SpanLayout layout;
-  FeetFit fit;
+  CorrectedFit fit;
 };
 
 Straight OnLine(int degree,

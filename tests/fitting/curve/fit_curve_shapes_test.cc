@@ -17,14 +17,13 @@
 #include "batten/fitting/fit_curve.h"
 #include "batten/geometry/classify_shape.h"
 #include "dense_samples.h"
+#include "geometry/numeric/constants.h"
 #include "ordered_curves.h"
 #include "tolerances.h"
-#include "geometry/numeric/constants.h"
 
 namespace batten::internal::fit_curve_shapes_test {
 
 using ::testing::HasSubstr;
-
 
 Eigen::Matrix3Xd Noisy(Eigen::Matrix3Xd points, double sigma, unsigned seed, int dimension) {
   std::mt19937_64 engine(seed);
@@ -188,7 +187,7 @@ TEST(FitCurveShapesTest, RefusesBranchesAndSaysWhere) {
 TEST(FitCurveShapesTest, FreeWeightsFindConics) {
   CurveFitOptions options;
   options.degree = 2;
-  options.optimize = Freedom{.parameters = true, .weights = true};
+  options.optimize = FreeVariables{.parameters = true, .weights = true};
   for (const double reach : {1.2, 2.3, 3.7}) {
     SCOPED_TRACE(reach);
     const auto ellipse = [&](double t) {
@@ -249,7 +248,7 @@ TEST(FitCurveShapesTest, UnitsPlaceAndDirectionDoNotMatter) {
 TEST(FitCurveShapesTest, OtherDistanceModelsComeLower) {
   CurveFitOptions options;
   options.control_points = 24;
-  options.optimize = Freedom{};
+  options.optimize = FreeVariables{};
   const PointCloud cloud = Plane(Noisy(Flower(800), 5e-3, 2, 2));
   const double point = FitCurve<2>(cloud, options).report.error.rms;
   for (const CurveDistance distance : {CurveDistance::kTangent, CurveDistance::kSquared}) {

@@ -419,7 +419,7 @@ TEST(FitCurveTest, NamesTheOptionThatBreaksItsRule) {
   EXPECT_THAT(refusal([](auto& o) { o.smoothing = -1; }), HasSubstr("smoothing"));
   EXPECT_THAT(refusal([](auto& o) { o.loss_scale = 0; }), HasSubstr("loss_scale"));
   EXPECT_THAT(refusal([](auto& o) { o.shift[0] = INFINITY; }), HasSubstr("shift"));
-  EXPECT_EQ(refusal([](auto& o) { o.optimize = Freedom{}; }), "accepted");
+  EXPECT_EQ(refusal([](auto& o) { o.optimize = FreeVariables{}; }), "accepted");
 }
 
 TEST(FitCurveTest, StopsWhenProgressSaysSo) {
@@ -498,7 +498,7 @@ TEST(FitCurveTest, TakesManyPointsAtFewParameters) {
                                         {.degree = random.Integer(2, 7),
                                          .parameterization = CurveParameterization::kGiven,
                                          .distance = CurveDistance::kPoint,
-                                         .optimize = Freedom{}});
+                                         .optimize = FreeVariables{}});
     EXPECT_TRUE(fit.curve.control_points().allFinite());
   }
 }
@@ -518,7 +518,7 @@ TEST(FitCurveTest, ClosesPointsOfALattice) {
                                         {.parameterization = CurveParameterization::kUniform,
                                          .order = PointOrder::kGiven,
                                          .closed = ClosedChoice::kYes,
-                                         .optimize = Freedom{}});
+                                         .optimize = FreeVariables{}});
     EXPECT_TRUE(fit.curve.basis().periodic());
     EXPECT_TRUE(fit.curve.control_points().allFinite());
   }

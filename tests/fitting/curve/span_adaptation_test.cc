@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/curve/curve_feet.h"
-#include "tolerances.h"
+#include "fitting/curve/parameter_correction.h"
 #include "geometry/numeric/constants.h"
+#include "tolerances.h"
 
 namespace batten::internal::span_adaptation_test {
 

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "fitting/least_squares/fitting_bases.h"
-#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/solve_linear.h"
 #include "bent_sheets.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "tolerances.h"
 
 namespace batten::internal::sheet_base_test {
@@ -84,7 +84,7 @@ TEST(FlattenSheetTest, KeepsTheLengthsOfDevelopableSheets) {
       SCOPED_TRACE(sheet.name + ", seed " + std::to_string(seed));
       const SheetPoints cloud = PointsOn(sheet, {.count = 5000, .seed = seed});
       const SheetBase base = Flatten(cloud.points);
-      ASSERT_EQ(base.refusal, "");
+      ASSERT_EQ(base.failure_reason, "");
       ExpectInside(base);
       EXPECT_TRUE(base.reached.all());
       EXPECT_EQ(base.share, 1);
@@ -125,7 +125,7 @@ TEST(FlattenSheetTest, KeepsItsPromiseForNoise) {
     const SheetPoints cloud =
         PointsOn(sheet, {.count = 8000, .sigma = 5e-3, .isotropic = true, .seed = 3});
     const SheetBase base = Flatten(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     // Two components of the noise are along the sheet and belong to the parameters.
     EXPECT_LE(RmsAfterMotion(base.parameters, FlatPlaces(sheet, cloud)),
@@ -176,7 +176,7 @@ TEST(FlattenSheetTest, NeverFolds) {
     const SheetPoints cloud =
         PointsOn(sheet, {.count = 10000, .sigma = 1e-3, .isotropic = true, .seed = 5});
     const SheetBase base = Flatten(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     const Senses senses = SensesOf(base, cloud, sheet, pool);
     EXPECT_EQ(std::min(senses.positive, senses.negative), 0);
   }
@@ -192,7 +192,7 @@ TEST(FlattenSheetTest, UnrollsTurnsThatAreThreeAndAHalfSpacingsApart) {
       const SheetPoints cloud =
           PointsOn(sheet, {.count = count, .sigma = 1e-3, .isotropic = true, .seed = seed});
       const SheetBase base = Flatten(cloud.points);
-      ASSERT_EQ(base.refusal, "");
+      ASSERT_EQ(base.failure_reason, "");
       EXPECT_LE(RmsAfterMotion(base.parameters, FlatPlaces(sheet, cloud)),
                 5e-3 * LongestSide(base));
     }
@@ -207,7 +207,7 @@ TEST(FlattenSheetTest, TellsHowMuchLengthsChangeOnACap) {
     SCOPED_TRACE("angle " + std::to_string(angle));
     const SheetBase base =
         Flatten(PointsOn(SphericalCap(angle), {.count = 4000, .sigma = 1e-3}).points);
-    EXPECT_EQ(base.refusal, "");
+    EXPECT_EQ(base.failure_reason, "");
     EXPECT_GT(base.distortion, before);
     before = base.distortion;
   }
@@ -220,7 +220,7 @@ TEST(FlattenSheetTest, FollowsADensityThatChangesAcrossTheSheet) {
     const BentSheet sheet = ArcSheet(240);
     const SheetPoints cloud = PointsOn(sheet, {.count = 10000, .density = density, .seed = 2});
     const SheetBase base = Flatten(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_LE(RmsAfterMotion(base.parameters, FlatPlaces(sheet, cloud)), 5e-3 * LongestSide(base));
   }
@@ -231,7 +231,7 @@ TEST(FlattenSheetTest, SurvivesSpacingsThatChangeAHundredfold) {
   for (const BentSheet& sheet : {ArcSheet(240), ShellSheet(), WideningPipe()}) {
     SCOPED_TRACE(sheet.name);
     const SheetBase base = Flatten(PointsOn(sheet, {.count = 10000, .density = 1e4}).points);
-    EXPECT_EQ(base.refusal, "");
+    EXPECT_EQ(base.failure_reason, "");
     ExpectInside(base);
   }
 }
@@ -250,9 +250,9 @@ TEST(FlattenSheetTest, RefusesWhatIsNoOpenSheetAndSaysWhy) {
     SCOPED_TRACE(sheet.name);
     const SheetBase base =
         Flatten(PointsOn(sheet, {.count = 6000, .sigma = 1e-3, .isotropic = true}).points);
-    EXPECT_FALSE(base.serves());
-    EXPECT_THAT(base.refusal, HasSubstr(word));
-    EXPECT_THAT(base.refusal, HasSubstr("fit a part"));
+    EXPECT_FALSE(base.ok());
+    EXPECT_THAT(base.failure_reason, HasSubstr(word));
+    EXPECT_THAT(base.failure_reason, HasSubstr("fit a part"));
     ExpectInside(base);
   }
 }
@@ -263,7 +263,7 @@ TEST(FlattenSheetTest, RefusesSeveralSheets) {
   two.leftCols(3000) = one;
   two.rightCols(2000) = one.leftCols(2000).colwise() + Eigen::Vector3d(4, 0, 0);
   const SheetBase base = Flatten(two);
-  EXPECT_THAT(base.refusal, HasSubstr("several sheets"));
+  EXPECT_THAT(base.failure_reason, HasSubstr("several sheets"));
   EXPECT_LT(base.share, 0.9);
   ExpectInside(base);
   // What is not of the main sheet is not reached by it.
@@ -278,15 +278,15 @@ TEST(FlattenSheetTest, RefusesFewPointsAndPointsOnLines) {
     ExpectInside(base);
     EXPECT_EQ(base.parameters.cols(), count);
     if (count < 12) {
-      EXPECT_THAT(base.refusal, HasSubstr("too few points"));
+      EXPECT_THAT(base.failure_reason, HasSubstr("too few points"));
     }
     if (count >= 40) {
-      EXPECT_EQ(base.refusal, "");
+      EXPECT_EQ(base.failure_reason, "");
     }
   }
   Eigen::Matrix3Xd line(3, 500);
   for (int k = 0; k < 500; ++k) line.col(k) << std::cos(0.01 * k), std::sin(0.01 * k), 0.002 * k;
-  EXPECT_THAT(Flatten(line).refusal, HasSubstr("along lines"));
+  EXPECT_THAT(Flatten(line).failure_reason, HasSubstr("along lines"));
 }
 
 TEST(FlattenSheetTest, SurvivesCloudsThatAreNoSheets) {
@@ -313,7 +313,7 @@ TEST(FlattenSheetTest, TurnsAndScalesWithTheCloud) {
     const Eigen::Matrix3Xd moved =
         unit * ((turn * cloud.points).colwise() + Eigen::Vector3d(300, -500, 20));
     const SheetBase other = Flatten(moved);
-    ASSERT_EQ(other.refusal, "");
+    ASSERT_EQ(other.failure_reason, "");
     // The order in which nodes are taken depends on the coordinates; other nodes tell the same of
     // the sheet but for what their quadrics leave out.
     EXPECT_LE(RmsAfterMotion(other.parameters / unit, base.parameters), 2e-3 * LongestSide(base));
@@ -353,7 +353,7 @@ TEST(FlattenSheetTest, PassesOverPointsOffTheSheet) {
   points.leftCols(5000) = cloud.points;
   points.rightCols(3) << 0, 0.3, 8, 0, 0.2, 8, 0.7, -3, 8;
   const SheetBase base = Flatten(points);
-  EXPECT_EQ(base.refusal, "");
+  EXPECT_EQ(base.failure_reason, "");
   EXPECT_TRUE(base.reached.head(5000).all());
   EXPECT_FALSE(base.reached.tail(3).any());
   EXPECT_LT(base.length_u, 3.7);  // of 200 degrees: 3.49
@@ -387,7 +387,7 @@ TEST(SheetLayoutTest, GivesSomePointsThePlacesThatAllGiveThem) {
     std::vector<Eigen::Index> some(2000);
     for (Eigen::Index k = 0; k < 2000; ++k) some[static_cast<size_t>(k)] = 3 * k;
     const SheetBase part = layout.Over(points(Eigen::all, some));
-    EXPECT_EQ(part.refusal, all.refusal);
+    EXPECT_EQ(part.failure_reason, all.failure_reason);
     EXPECT_EQ(part.distortion, all.distortion);
     EXPECT_TRUE((part.reached == all.reached(some)).all());
     ExpectInside(part);

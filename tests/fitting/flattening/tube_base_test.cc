@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
+#include "angles.h"
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/least_squares/fitting_bases.h"
-#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "tubes.h"
-#include "angles.h"
 
 namespace batten::internal::tube_base_test {
 
@@ -157,7 +157,7 @@ TEST(FlattenTubeTest, GivesACylinderItsAngleAndItsLength) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const SheetPoints cloud = Turned(StraightTube(5), {.count = 6000, .seed = seed}, 0);
     const TubeBase base = RollOff(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_TRUE(base.reached.all());
     EXPECT_EQ(base.loops, 1);
@@ -194,7 +194,7 @@ TEST(FlattenTubeTest, GivesElbowsTheAnglesRoundThePipeAndRoundTheBend) {
     SCOPED_TRACE(degrees);
     const SheetPoints cloud = Turned(Elbow(degrees), {.count = 20000, .seed = 5}, 1e-3);
     const TubeBase base = RollOff(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_NEAR(base.length_u, 2 * kPi, 0.01);
     const Eigen::ArrayXd v = base.parameters.row(1).transpose(),
@@ -250,7 +250,7 @@ TEST(FlattenTubeTest, RollsOffWhatIsATubeOnceAndNowhereTurnedOver) {
     SCOPED_TRACE(sheet.name);
     const SheetPoints cloud = Turned(sheet, {.count = 20000, .seed = 2}, 5e-4);
     const TubeBase base = RollOff(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_EQ(base.orientation_consistent, true);
     EXPECT_GE(base.reached.cast<double>().mean(), 0.999);
@@ -265,7 +265,7 @@ TEST(FlattenTubeTest, RunsRoundSoThatNormalsLookOutwards) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const SheetPoints cloud = PointsOn(StraightTube(4), {.count = 3000, .seed = seed});
     const TubeBase base = RollOff(cloud.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     double turn = 0, rise = 0;
     const double middle = base.parameters.row(1).mean();
     for (Eigen::Index k = 1; k < cloud.points.cols(); ++k) {
@@ -282,7 +282,7 @@ TEST(FlattenTubeTest, RunsRoundSoThatNormalsLookOutwards) {
 TEST(FlattenTubeTest, LaysPlaneEndsOnStraightLines) {
   const SheetPoints cloud = Turned(Elbow(200), {.count = 20000, .seed = 3}, 1e-3);
   const TubeBase base = RollOff(cloud.points);
-  ASSERT_EQ(base.refusal, "");
+  ASSERT_EQ(base.failure_reason, "");
   EXPECT_TRUE(base.straight_ends);
   const bool along =
       cloud.parameters.row(1).dot(
@@ -311,7 +311,7 @@ Ratios FitOfElbow(double degrees, Eigen::Index count, unsigned seed) {
   const double sigma = 1e-3 * SizeOf(sheet);
   const SheetPoints cloud = PointsOn(sheet, {.count = count, .sigma = sigma, .seed = seed});
   const TubeBase base = RollOff(cloud.points);
-  EXPECT_EQ(base.refusal, "");
+  EXPECT_EQ(base.failure_reason, "");
   const Eigen::Matrix3Xd truth = SheetTruth(sheet, 80);
   const ChosenFit fit = FitOver(base.parameters, base.length_u, base.length_v, cloud.points, truth);
   const Eigen::Matrix2Xd exact =
@@ -336,12 +336,12 @@ TEST(FlattenTubeTest, StandsThickNoiseAndUnevenDensity) {
     SCOPED_TRACE(sheet.name);
     const SheetPoints thick = Turned(sheet, {.count = 10000, .isotropic = true, .seed = 4}, 6e-3);
     const TubeBase noisy = RollOff(thick.points);
-    ASSERT_EQ(noisy.refusal, "");
+    ASSERT_EQ(noisy.failure_reason, "");
     ExpectInside(noisy);
     EXPECT_EQ(PatchesTurnedOver(thick, noisy, 8), 0);
     const SheetPoints uneven = Turned(sheet, {.count = 20000, .density = 10, .seed = 4}, 1e-3);
     const TubeBase base = RollOff(uneven.points);
-    ASSERT_EQ(base.refusal, "");
+    ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_EQ(PatchesTurnedOver(uneven, base, 8), 0);
   }
@@ -358,12 +358,12 @@ TEST(FlattenTubeTest, ServesOrRefusesFewPointsButNeverBreaks) {
     EXPECT_GE(base.parameters.minCoeff(), 0);
     EXPECT_LE(base.parameters.row(0).maxCoeff(), base.length_u);
     EXPECT_LE(base.parameters.row(1).maxCoeff(), base.length_v);
-    EXPECT_EQ(base.serves(), base.refusal.empty());
+    EXPECT_EQ(base.ok(), base.failure_reason.empty());
     if (count >= 1000) {
-      EXPECT_EQ(base.refusal, "");
+      EXPECT_EQ(base.failure_reason, "");
     }
     if (count <= 30) {
-      EXPECT_THAT(base.refusal, HasSubstr("too few points"));
+      EXPECT_THAT(base.failure_reason, HasSubstr("too few points"));
     }
   }
 }
@@ -402,19 +402,19 @@ TEST(FlattenTubeTest, RefusesWhatIsNoTubeAndSaysWhy) {
   for (const auto& [sheet, word] : cases) {
     SCOPED_TRACE(sheet.name);
     const TubeBase base = RollOff(Turned(sheet, {.count = 10000, .seed = 3}, 1e-3).points);
-    EXPECT_THAT(base.refusal, HasSubstr(word));
+    EXPECT_THAT(base.failure_reason, HasSubstr(word));
     EXPECT_TRUE(base.parameters.allFinite());
   }
-  EXPECT_THAT(RollOff(BranchedPipe(16000)).refusal, HasSubstr("branches"));
+  EXPECT_THAT(RollOff(BranchedPipe(16000)).failure_reason, HasSubstr("branches"));
   Eigen::Matrix3Xd two = PointsOn(Elbow(90), {.count = 8000, .seed = 1}).points;
   two.rightCols(4000).colwise() += Eigen::Vector3d(0, 0, 5);
-  EXPECT_THAT(RollOff(two).refusal, HasSubstr("one part of the cloud at a time"));
+  EXPECT_THAT(RollOff(two).failure_reason, HasSubstr("one part of the cloud at a time"));
 }
 
 TEST(FlattenTubeTest, IsTheSameBitByBitForEveryNumberOfThreads) {
   const SheetPoints cloud = Turned(Hose(), {.count = 12000, .seed = 7}, 1e-3);
   const TubeBase one = RollOff(cloud.points, 1), four = RollOff(cloud.points, 4);
-  ASSERT_EQ(one.refusal, "");
+  ASSERT_EQ(one.failure_reason, "");
   EXPECT_EQ(one.parameters, four.parameters);
   EXPECT_EQ(one.length_u, four.length_u);
   EXPECT_EQ(one.length_v, four.length_v);
@@ -425,11 +425,11 @@ TEST(FlattenTubeTest, ScalesWithTheCloud) {
   constexpr double kOtherNodes = 5e-3;
   const SheetPoints cloud = Turned(Elbow(90), {.count = 6000, .seed = 7}, 1e-3);
   const TubeBase base = RollOff(cloud.points);
-  ASSERT_EQ(base.refusal, "");
+  ASSERT_EQ(base.failure_reason, "");
   for (const double scale : {1e-6, 1e6}) {
     SCOPED_TRACE(scale);
     const TubeBase scaled = RollOff(scale * cloud.points);
-    ASSERT_EQ(scaled.refusal, "");
+    ASSERT_EQ(scaled.failure_reason, "");
     EXPECT_NEAR(scaled.length_u / scale, base.length_u, kOtherNodes * base.length_u);
     EXPECT_NEAR(scaled.length_v / scale, base.length_v, kOtherNodes * base.length_v);
     EXPECT_NEAR(scaled.distortion, base.distortion, kOtherNodes);
@@ -473,8 +473,8 @@ TEST(LongFlattenTubeTest, RollsOffEveryTubeFromManySeeds) {
       SCOPED_TRACE(sheet.name + ", seed " + std::to_string(seed));
       const SheetPoints cloud = Turned(sheet, {.count = 20000, .seed = seed}, 1e-3);
       const TubeBase base = RollOff(cloud.points);
-      EXPECT_EQ(base.refusal, "");
-      if (base.serves()) {
+      EXPECT_EQ(base.failure_reason, "");
+      if (base.ok()) {
         EXPECT_EQ(PatchesTurnedOver(cloud, base, 12), 0);
       }
     }

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "fitting/foot_points/curve_pieces.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/foot_points/curve_pieces.h"
 #include "tolerances.h"
 
 namespace batten::internal::curve_distances_test {
@@ -129,11 +129,11 @@ void ExpectLocalMinima(unsigned seed) {
   const Eigen::Matrix<double, Dim, Eigen::Dynamic> points = made.points.template topRows<Dim>();
   Eigen::VectorXd feet(points.cols()), squares(points.cols());
   Eigen::VectorXi found(points.cols());
-  LocalCurveFeet(pieces.table(),
-                 points.data(),
-                 made.starts.data(),
-                 points.cols(),
-                 {feet.data(), squares.data(), found.data()});
+  LocalCurveFootPoints(pieces.table(),
+                       points.data(),
+                       made.starts.data(),
+                       points.cols(),
+                       {feet.data(), squares.data(), found.data()});
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
     if (found[k] < 0) continue;
     const double u = feet[k];
@@ -155,7 +155,7 @@ void ExpectLocalMinima(unsigned seed) {
   }
 }
 
-TEST(LocalCurveFeetTest, AreLocalMinimaBelowTheirStarts) {
+TEST(LocalCurveFootPointsTest, AreLocalMinimaBelowTheirStarts) {
   for (unsigned seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     ExpectLocalMinima<2>(seed);
@@ -163,17 +163,19 @@ TEST(LocalCurveFeetTest, AreLocalMinimaBelowTheirStarts) {
   }
 }
 
-TEST(LocalFeetTest, DependNeitherOnThreadsNorOnOneAnother) {
+TEST(LocalFootPointsKernelTest, DependNeitherOnThreadsNorOnOneAnother) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const Case<3> made = RandomCase<3>(random);
     ThreadPool one(1), two(2);
-    const Eigen::VectorXd feet = LocalFeet<3>(made.curve, made.points, made.starts, one);
-    EXPECT_EQ(feet, LocalFeet<3>(made.curve, made.points, made.starts, two));
+    const Eigen::VectorXd feet =
+        LocalFootPointsKernel<3>(made.curve, made.points, made.starts, one);
+    EXPECT_EQ(feet, LocalFootPointsKernel<3>(made.curve, made.points, made.starts, two));
     for (Eigen::Index k = 0; k < feet.size(); ++k) {
       EXPECT_EQ(feet[k],
-                LocalFeet<3>(made.curve, made.points.col(k), made.starts.segment(k, 1), one)[0]);
+                LocalFootPointsKernel<3>(
+                    made.curve, made.points.col(k), made.starts.segment(k, 1), one)[0]);
     }
   }
 }

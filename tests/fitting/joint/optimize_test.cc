@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
-#include "fitting/joint/joint_result.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/joint/joint_result.h"
 #include "jittered_shell.h"
 #include "joint_cases.h"
 #include "known_clouds.h"
@@ -28,22 +28,22 @@ namespace batten::internal::optimize_test {
 using std::numbers::pi;
 using testing::HasSubstr;
 
-constexpr Freedom kParameters{.parameters = true, .weights = false, .knots = false};
+constexpr FreeVariables kParameters{.parameters = true, .weights = false, .knots = false};
 
-std::vector<Freedom> Freedoms() {
-  std::vector<Freedom> all;
+std::vector<FreeVariables> Freedoms() {
+  std::vector<FreeVariables> all;
   for (int bits = 1; bits < 8; ++bits)
     all.push_back(
         {.parameters = (bits & 1) != 0, .weights = (bits & 2) != 0, .knots = (bits & 4) != 0});
   return all;
 }
 
-std::string Name(const Freedom& free) {
+std::string Name(const FreeVariables& free) {
   return std::string(free.parameters ? "parameters " : "") + (free.weights ? "weights " : "") +
          (free.knots ? "knots" : "");
 }
 
-OptimizeOptions Free(Freedom free) {
+OptimizeOptions Free(FreeVariables free) {
   OptimizeOptions options;
   options.free = free;
   return options;
@@ -210,8 +210,8 @@ TEST(LongOptimizeTest, DoesNotFollowTheNoiseOfASheetThatFits) {
                        static_cast<double>(grid.cols()));
     };
     const double before = truth(NurbsSurface(basis, basis, c.net));
-    for (const Freedom free :
-         {kParameters, Freedom{.parameters = true, .weights = true, .knots = false}}) {
+    for (const FreeVariables free :
+         {kParameters, FreeVariables{.parameters = true, .weights = true, .knots = false}}) {
       const OptimizeResult result = Optimized(c, Free(free), 2);
       ExpectValid(result, c);
       EXPECT_LE(truth(NurbsSurface(result.problem.basis_u(),
@@ -247,7 +247,7 @@ TEST(LongOptimizeTest, RepairsJitteredParameters) {
 TEST(OptimizeTest, RunsWithEveryFreedom) {
   unsigned seed = 0;
   for (const JointKind& any : JointKinds()) {
-    for (const Freedom& free : Freedoms()) {
+    for (const FreeVariables& free : Freedoms()) {
       if (any.periodic && free.knots) continue;
       JointKind kind = any;
       kind.count = 120;
@@ -297,7 +297,7 @@ TEST(OptimizeTest, MovesKnotsOnlyInTheDirectionsThatAreFree) {
 
 TEST(OptimizeTest, GivesTheSameForEveryNumberOfThreads) {
   unsigned seed = 40;
-  for (const Freedom& free : Freedoms()) {
+  for (const FreeVariables& free : Freedoms()) {
     SCOPED_TRACE("seed " + std::to_string(++seed) + ", " + Name(free));
     RandomSplines random(seed);
     const JointCase c =
@@ -341,7 +341,7 @@ TEST(OptimizeTest, DoesNothingWhereNothingIsFree) {
 
 TEST(OptimizeTest, CanBeCancelledAtAnyCall) {
   unsigned seed = 60;
-  for (const Freedom& free : Freedoms()) {
+  for (const FreeVariables& free : Freedoms()) {
     SCOPED_TRACE("seed " + std::to_string(++seed) + ", " + Name(free));
     RandomSplines random(seed);
     const JointCase c = RandomJointCase(
@@ -372,7 +372,7 @@ TEST(OptimizeTest, CanBeCancelledAtAnyCall) {
 }
 
 // Data that do not determine a shape, in several units.
-void BearBadData(const std::vector<double>& units, const std::vector<Freedom>& freedoms) {
+void BearBadData(const std::vector<double>& units, const std::vector<FreeVariables>& freedoms) {
   struct Bad {
     const char* name;
     std::function<void(RandomSplines&, FittingData&)> spoil;
@@ -434,7 +434,7 @@ void BearBadData(const std::vector<double>& units, const std::vector<Freedom>& f
   };
   unsigned seed = 0;
   for (const Bad& bad : kinds) {
-    for (const Freedom& free : freedoms) {
+    for (const FreeVariables& free : freedoms) {
       for (const double unit : units) {
         SCOPED_TRACE(std::string(bad.name) + ", " + Name(free) + ", unit " + std::to_string(unit));
         RandomSplines random(++seed);
@@ -470,7 +470,7 @@ TEST(LongOptimizeTest, BearsBadDataOfAnySize) {
 
 // Optimal shapes move and scale with the data. Powers of two and no shift change no digit.
 TEST(OptimizeTest, ScalesWithTheData) {
-  for (const Freedom& free : Freedoms()) {
+  for (const FreeVariables& free : Freedoms()) {
     SCOPED_TRACE(Name(free));
     RandomSplines random(5);
     const JointCase c = RandomJointCase(random, {.curve = true, .count = 400, .least_degree = 2});

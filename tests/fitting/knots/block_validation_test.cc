@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/least_squares/fitting_bases.h"
-#include "fitting/knots/grid_selection.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "random_splines.h"
 #include "tolerances.h"
 

@@ -234,7 +234,7 @@ TEST(FitCurveSmoothingTest, KeepsManySpansCalm) {
   };
   CurveFitOptions free;
   free.control_points = 120;
-  free.optimize = Freedom{};
+  free.optimize = FreeVariables{};
   for (const SmoothBy by : {SmoothBy::kCrossValidation, SmoothBy::kNoise}) {
     CurveFitOptions options = free;
     options.smooth_by = by;

@@ -12,15 +12,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fitting/linear/coefficient_order.h"
-#include "fitting/least_squares/fitting_bases.h"
+#include "angles.h"
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/least_squares/penalised_system.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/surface_evaluator.h"
-#include "angles.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/least_squares/penalised_system.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten::internal::poles_test {
 
@@ -105,7 +105,7 @@ TEST(PolesTest, WhatIsFreeMeetsTheConditions) {
     Case c = RandomCase(random);
     const bool narrow = trial % 4 == 0;
     if (narrow) c.poles.turn = 1e-3;
-    const PoleFreedom freedom = FreedomOf(c.u, c.v, c.poles);
+    const PoleFreedom freedom = FreeVariablesOf(c.u, c.v, c.poles);
     const Eigen::MatrixXd conditions = PoleConditions(c.u, c.v, c.poles);
     const Eigen::Index m = DistinctCount(c.u), size_v = c.v.size();
     EXPECT_EQ(std::ssize(freedom.rows) * m - freedom.unknowns, conditions.rows());

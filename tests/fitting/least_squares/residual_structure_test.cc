@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "fitting/cloud/sheet_layers.h"
+#include "fitting/cloud/double_layer_test.h"
 #include "tolerances.h"
 
 namespace batten::internal::residual_structure_test {
@@ -64,7 +64,7 @@ double Structured(const SurfaceResiduals& given, int control_points, int threads
 
 double Layered(const SurfaceResiduals& given, int threads = 2) {
   ThreadPool pool(threads);
-  return LayeredShareOf(given, pool);
+  return DoubleLayerFractionOf(given, pool);
 }
 
 TEST(StructuredShareTest, IsAboutZeroOfWhiteNoiseHoweverManyPoints) {
@@ -178,7 +178,7 @@ SurfaceResiduals TwoHeights(double share, double apart, double sigma, unsigned s
   return given;
 }
 
-TEST(LayeredShareOfTest, IsLargeForTwoSheetsAtAnyDistance) {
+TEST(DoubleLayerFractionOfTest, IsLargeForTwoSheetsAtAnyDistance) {
   const double spacing = Side(6000);
   for (const double share : {0.5, 0.3}) {
     for (const double apart : {1.0, 4.0, 8.0, 16.0, 1e4}) {
@@ -194,7 +194,7 @@ TEST(LayeredShareOfTest, IsLargeForTwoSheetsAtAnyDistance) {
   }
 }
 
-TEST(LayeredShareOfTest, IsAboutZeroOfNoiseAndOfShape) {
+TEST(DoubleLayerFractionOfTest, IsAboutZeroOfNoiseAndOfShape) {
   const double spacing = Side(6000);
   for (const double sigma : {0.0, 1e-3, 1.0, 1e3}) {
     SCOPED_TRACE("sigma " + std::to_string(sigma));
@@ -207,7 +207,7 @@ TEST(LayeredShareOfTest, IsAboutZeroOfNoiseAndOfShape) {
   EXPECT_LT(Layered(tailed), kLayersAbove / 2);
 }
 
-TEST(LayeredShareOfTest, DoesNotDependOnThreadsAndHardlyOnOrder) {
+TEST(DoubleLayerFractionOfTest, DoesNotDependOnThreadsAndHardlyOnOrder) {
   const SurfaceResiduals given = TwoHeights(0.5, 3 * Side(6000), 0.3 * Side(6000), 4);
   EXPECT_EQ(Layered(given, 1), Layered(given, 3));
   EXPECT_EQ(Structured(given, 60, 1), Structured(given, 60, 3));

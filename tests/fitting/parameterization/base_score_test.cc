@@ -18,7 +18,9 @@ namespace batten::internal::base_score_test {
 
 constexpr double kSigma = 2e-3;
 
-BaseScore::Value ScoreOf(const Eigen::Matrix3Xd& points, const SurfaceBase& base, int threads = 2) {
+BaseScore::Value ScoreOf(const Eigen::Matrix3Xd& points,
+                         const Parameterization& base,
+                         int threads = 2) {
   ThreadPool pool(threads);
   const PointCloud cloud(points);
   const SurfaceFitOptions options;
@@ -59,7 +61,7 @@ TEST(BaseScoreTest, IsNotFlatteredByControlPointsThatFollowTheNoise) {
   double sum = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const SheetPoints cloud = PointsOn(ShellSheet(), {.count = 300, .sigma = 1e-3, .seed = seed});
-    SurfaceBase base;
+    Parameterization base;
     base.length_u = 3.5;
     base.length_v = 2;
     base.parameters = Eigen::Vector2d(3.5, 2).asDiagonal() * cloud.parameters;
@@ -80,7 +82,7 @@ TEST(BaseScoreTest, IsTheGreaterTheMoreParametersAreOff) {
   for (double& x : off.reshaped()) x = normal(engine);
   double before = ScoreOf(cloud.points, FlatBase(sheet, cloud)).score;
   for (const double scatter : {0.05, 0.1, 0.2}) {
-    SurfaceBase base = FlatBase(sheet, cloud);
+    Parameterization base = FlatBase(sheet, cloud);
     base.parameters = Inside(base, base.parameters + scatter * off);
     const double now = ScoreOf(cloud.points, base).score;
     EXPECT_GT(now, 1.1 * before) << scatter;
@@ -91,8 +93,8 @@ TEST(BaseScoreTest, IsTheGreaterTheMoreParametersAreOff) {
 TEST(BaseScoreTest, IsTheSameOverAPlaneAndOverItsPointsInSpace) {
   const BentSheet sheet = FlatSheet(2, 1);
   const SheetPoints cloud = PointsOn(sheet, {.count = 3000, .sigma = kSigma});
-  const SurfaceBase space = FlatBase(sheet, cloud);
-  SurfaceBase heights = space;
+  const Parameterization space = FlatBase(sheet, cloud);
+  Parameterization heights = space;
   heights.plane = PlaneBase{.length_u = 2, .length_v = 1};
   const double of_space = ScoreOf(cloud.points, space).score;
   EXPECT_NEAR(ScoreOf(cloud.points, heights).score, of_space, 0.02 * of_space);
@@ -101,7 +103,7 @@ TEST(BaseScoreTest, IsTheSameOverAPlaneAndOverItsPointsInSpace) {
 TEST(BaseScoreTest, IsASquareOfALengthAndDoesNotDependOnThreads) {
   const BentSheet sheet = ArcSheet(150);
   const SheetPoints cloud = PointsOn(sheet, {.count = 3000, .sigma = kSigma});
-  const SurfaceBase base = FlatBase(sheet, cloud);
+  const Parameterization base = FlatBase(sheet, cloud);
   const BaseScore::Value value = ScoreOf(cloud.points, base);
   for (const double unit : {1e-6, 1e6}) {
     SCOPED_TRACE("unit " + std::to_string(unit));
@@ -117,7 +119,7 @@ TEST(BaseScoreTest, IsTheSameNearWhatItFound) {
   for (const BentSheet& sheet : {ArcSheet(150), ArcSheet(220), SBend()}) {
     SCOPED_TRACE(sheet.name);
     const SheetPoints cloud = PointsOn(sheet, {.count = 3000, .sigma = kSigma});
-    const SurfaceBase base = FlatBase(sheet, cloud);
+    const Parameterization base = FlatBase(sheet, cloud);
     ThreadPool pool(2);
     const PointCloud points(cloud.points);
     const SurfaceFitOptions options;
@@ -139,7 +141,7 @@ TEST(BaseScoreTest, IsHardlyLessThanAFewGridsTell) {
     for (const int cells : {2, 8, 20}) {
       SCOPED_TRACE(sheet.name + ", " + std::to_string(cells));
       const SheetPoints cloud = PointsOn(sheet, {.count = 4000, .sigma = kSigma});
-      const SurfaceBase base = FlatBase(sheet, cloud);
+      const Parameterization base = FlatBase(sheet, cloud);
       ThreadPool pool(2);
       const PointCloud points(cloud.points);
       const SurfaceFitOptions options;
@@ -160,7 +162,7 @@ TEST(BaseScoreTest, IsHardlyLessThanAFewGridsTell) {
 TEST(BaseScoreTest, IsNotSpoiltByAFewOutliers) {
   const BentSheet sheet = ArcSheet(150);
   SheetPoints cloud = PointsOn(sheet, {.count = 4000, .sigma = kSigma});
-  const SurfaceBase base = FlatBase(sheet, cloud);
+  const Parameterization base = FlatBase(sheet, cloud);
   const double clean = ScoreOf(cloud.points, base).score;
   for (Eigen::Index k = 0; k < 4000; k += 800) cloud.points.col(k) *= 1 + 100 * kSigma;
   // Five points of 100 sigma: 12.5 times the variance if their squares counted.

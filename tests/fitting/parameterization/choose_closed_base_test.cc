@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/parameterization/choose_base.h"
 #include "closed_shapes.h"
+#include "fitting/parameterization/choose_parameterization.h"
 #include "tubes.h"
 
 namespace batten::internal::choose_closed_base_test {
@@ -19,7 +19,9 @@ namespace batten::internal::choose_closed_base_test {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
-BaseChoice Choose(const Eigen::Matrix3Xd& points, SurfaceFitOptions options = {}, int threads = 2) {
+ParameterizationChoice Choose(const Eigen::Matrix3Xd& points,
+                              SurfaceFitOptions options = {},
+                              int threads = 2) {
   ThreadPool pool(threads);
   const NeighbourIndex index(points);
   return ChooseBase(
@@ -28,7 +30,7 @@ BaseChoice Choose(const Eigen::Matrix3Xd& points, SurfaceFitOptions options = {}
 
 std::string RefusalOf(const Eigen::Matrix3Xd& points, const SurfaceFitOptions& options) {
   try {
-    const BaseChoice choice = Choose(points, options);
+    const ParameterizationChoice choice = Choose(points, options);
     return "taken over a " + choice.base.name;
   } catch (const std::invalid_argument& refusal) {
     return refusal.what();
@@ -70,7 +72,7 @@ std::vector<Kind> Kinds() {
 TEST(ChooseClosedBaseTest, TakesTheSimplestThatServes) {
   for (const Kind& kind : Kinds()) {
     SCOPED_TRACE(kind.name);
-    const BaseChoice choice = Choose(kind.points);
+    const ParameterizationChoice choice = Choose(kind.points);
     EXPECT_EQ(choice.base.name, kind.base);
     EXPECT_EQ(choice.base.periodic_u, kind.closed_u);
     EXPECT_EQ(choice.base.periodic_v, kind.closed_v);
@@ -88,7 +90,7 @@ TEST(ChooseClosedBaseTest, TakesTheSimplestThatServes) {
 
 // Laid out flat a fan leaves much of its rectangle empty.
 TEST(ChooseClosedBaseTest, TakesAFanAsARevolution) {
-  const BaseChoice choice = Choose(Noisy(PieceOf(SteepCone(), 270)));
+  const ParameterizationChoice choice = Choose(Noisy(PieceOf(SteepCone(), 270)));
   EXPECT_EQ(choice.base.name, "revolution");
   EXPECT_FALSE(choice.base.periodic_u);
   EXPECT_FALSE(choice.base.periodic_v);
@@ -99,7 +101,7 @@ TEST(ChooseClosedBaseTest, ASpiralOfATurnAndAHalfStaysAnOpenSheet) {
   for (const double apart : {0.15, 0.35}) {
     for (const unsigned seed : {1, 2, 3}) {
       SCOPED_TRACE("apart " + std::to_string(apart) + ", seed " + std::to_string(seed));
-      const BaseChoice choice = Choose(Noisy(Roll(1.5, apart, 0.8), 8000, seed));
+      const ParameterizationChoice choice = Choose(Noisy(Roll(1.5, apart, 0.8), 8000, seed));
       EXPECT_EQ(choice.base.name, "sheet");
       EXPECT_FALSE(choice.base.periodic_u || choice.base.periodic_v);
     }
@@ -113,7 +115,7 @@ TEST(ChooseClosedBaseTest, TakesTheBaseItIsTold) {
         std::tuple{CylinderShapeOf(), BaseShape::kSheet, "sheet"},
         std::tuple{SteepCone(), BaseShape::kSheet, "sheet"}}) {
     SCOPED_TRACE(shape.name + " over a " + name);
-    const BaseChoice choice = Choose(Noisy(shape), {.base = base});
+    const ParameterizationChoice choice = Choose(Noisy(shape), {.base = base});
     EXPECT_EQ(choice.base.name, name);
     EXPECT_TRUE(choice.base.periodic_u);
     EXPECT_EQ(choice.base.periodic_v, shape.profile_closed);
@@ -159,7 +161,7 @@ TEST(ChooseClosedBaseTest, RoundEndsAreSmoothPolesWhereTheyAre) {
     }
     for (const unsigned seed : {1, 2, 3, 10}) {
       SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
-      const SurfaceBase base = Choose(Noisy(shape, 8000, seed)).base;
+      const Parameterization base = Choose(Noisy(shape, 8000, seed)).base;
       EXPECT_EQ(base.poles.start, PoleKind::kSmooth);
       EXPECT_EQ(base.poles.end, PoleKind::kSmooth);
       // Along its last tangent a round end is a little shorter than round it.
@@ -176,11 +178,11 @@ TEST(ChooseClosedBaseTest, ClosesTheDirectionsAskedFor) {
                                          std::pair{Closing::kV, Pair{false, true}},
                                          std::pair{Closing::kBoth, Pair{true, true}}}) {
     SCOPED_TRACE(static_cast<int>(closed));
-    const BaseChoice choice = Choose(torus, {.closed = closed});
+    const ParameterizationChoice choice = Choose(torus, {.closed = closed});
     EXPECT_EQ(choice.base.name, "torus");
     EXPECT_EQ((Pair{choice.base.periodic_u, choice.base.periodic_v}), expected);
     if (!expected.second) {
-      const BaseChoice round = Choose(pipe, {.closed = closed});
+      const ParameterizationChoice round = Choose(pipe, {.closed = closed});
       EXPECT_EQ(round.base.name, "revolution");
       EXPECT_EQ(round.base.periodic_u, expected.first);
     } else {
@@ -206,10 +208,11 @@ TEST(ChooseClosedBaseTest, ChoosesTheSameInEveryUnitAndPlace) {
   for (const Kind& kind : Kinds()) {
     if (!kind.closed_u) continue;
     SCOPED_TRACE(kind.name);
-    const BaseChoice one = Choose(kind.points);
+    const ParameterizationChoice one = Choose(kind.points);
     for (const double unit : {1e-6, 1e6}) {
       SCOPED_TRACE(unit);
-      const BaseChoice other = Choose(unit * (kind.points.colwise() + Eigen::Vector3d(30, -50, 2)));
+      const ParameterizationChoice other =
+          Choose(unit * (kind.points.colwise() + Eigen::Vector3d(30, -50, 2)));
       EXPECT_EQ(other.base.name, one.base.name);
       EXPECT_EQ(other.base.periodic_u, one.base.periodic_u);
       EXPECT_EQ(other.base.periodic_v, one.base.periodic_v);
@@ -225,7 +228,8 @@ TEST(ChooseClosedBaseTest, GivesTheSameBitsForEveryNumberOfThreads) {
   for (const Kind& kind : Kinds()) {
     if (!kind.closed_u) continue;
     SCOPED_TRACE(kind.name);
-    const BaseChoice one = Choose(kind.points, {}, 1), three = Choose(kind.points, {}, 3);
+    const ParameterizationChoice one = Choose(kind.points, {}, 1),
+                                 three = Choose(kind.points, {}, 3);
     EXPECT_EQ(one.base.parameters, three.base.parameters);
     EXPECT_EQ(one.base.why, three.base.why);
     EXPECT_EQ(one.base.poles, three.base.poles);

@@ -35,7 +35,7 @@ Poles KindsOf(const TurnedShape& shape,
   ThreadPool pool(threads);
   const TurnedPoints cloud = PointsOn(shape, count, sigma, seed);
   const double around = shape.Area() / shape.length / shape.angle;  // mean radius
-  SurfaceBase base;
+  Parameterization base;
   base.name = "revolution";
   base.shape = "a surface of revolution";
   base.length_u = shape.angle * around;

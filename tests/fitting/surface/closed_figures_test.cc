@@ -140,10 +140,10 @@ TEST(ClosedFiguresTest, ComesNearItOnPiecesOfThreeQuarters) {
 }
 
 // Truth's error over that of the clean fit.
-double ErrorWithStrays(const TurnedShape& shape, Eigen::Index count, std::uint64_t seed) {
+double ErrorWithFlagged(const TurnedShape& shape, Eigen::Index count, std::uint64_t seed) {
   const Posed pose(seed);
   const Eigen::Matrix3Xd clean = PointsOn(shape, count, SigmaOf(shape), seed).points;
-  const Eigen::Matrix3Xd dirty = WithStraysInBox(clean, count / 10, seed + 100);
+  const Eigen::Matrix3Xd dirty = WithOutliersInBox(clean, count / 10, seed + 100);
   const SurfaceFit fit = Fit(pose.turn * dirty), plain = Fit(pose.turn * clean);
   EXPECT_EQ(fit.report.geometry.closed, plain.report.geometry.closed);
   Eigen::Index gross = 0, found = 0;
@@ -161,7 +161,7 @@ double ErrorWithStrays(const TurnedShape& shape, Eigen::Index count, std::uint64
 TEST(ClosedFiguresTest, SetsStraysInTheBoxAside) {
   for (const TurnedShape& shape : {CylinderShapeOf(), WholeSphere(), TorusShapeOf()}) {
     SCOPED_TRACE(shape.name);
-    EXPECT_LE(ErrorWithStrays(shape, 10000, 1), 1.2);
+    EXPECT_LE(ErrorWithFlagged(shape, 10000, 1), 1.2);
   }
 }
 
@@ -252,7 +252,7 @@ TEST(LongClosedFiguresTest, SetsStraysInTheBoxAside) {
     double squares = 0;
     for (int seed = 1; seed <= kSeeds; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
-      squares += std::pow(ErrorWithStrays(shape, 20000, seed), 2) / kSeeds;
+      squares += std::pow(ErrorWithFlagged(shape, 20000, seed), 2) / kSeeds;
     }
     EXPECT_LE(std::sqrt(squares), 1.2);
   }

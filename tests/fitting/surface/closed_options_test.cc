@@ -299,7 +299,7 @@ TEST(ClosedOptionsTest, StaysCalmOverARoundHoleInASphere) {
 TEST(ClosedOptionsTest, SameThreadsSameBits) {
   for (const TurnedShape& shape : {CylinderShapeOf(), WholeSphere()}) {
     SCOPED_TRACE(shape.name);
-    const Eigen::Matrix3Xd points = WithStraysInBox(CloudOf(shape, 9), kPoints / 20, 4);
+    const Eigen::Matrix3Xd points = WithOutliersInBox(CloudOf(shape, 9), kPoints / 20, 4);
     for (const int threads : {1, 2}) {
       const SurfaceFit one = Fit(points, {.threads = threads}),
                        other = Fit(points, {.threads = threads});

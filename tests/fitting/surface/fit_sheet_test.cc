@@ -88,7 +88,7 @@ TEST(FitSheetTest, VoidsAreCalmWithAToleranceToo) {
   holed.inside = [](double u, double v) { return !InHole(u, v); };
   const PointCloud cloud = CloudOn(holed, 12000);
   SurfaceFitOptions options;
-  options.optimize = Freedom{false, false, false};
+  options.optimize = FreeVariables{false, false, false};
   options.trim = Trimming::kNone;
   const SurfaceFit plain = FitSurface(cloud, options);
   options.tolerance = 2.5 * kSigma;

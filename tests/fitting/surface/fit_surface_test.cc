@@ -250,7 +250,7 @@ TEST(FitSurfaceTest, ChoosesFairnessByTheData) {
   const PointCloud cloud = FrankeCloud(4000);
   SurfaceFitOptions options;
   options.control_points = {30, 30};
-  options.optimize = Freedom{};
+  options.optimize = FreeVariables{};
   options.smoothing = 1e-9;
   const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101);
   const double free = ErrorToTruth(FitSurface(cloud, options).surface, truth).rms;
@@ -362,7 +362,7 @@ TEST(FitSurfaceTest, KeepsTheTipOfAnExactCone) {
         point << radius * std::cos(angle), radius * std::sin(angle), slope * radius;
       }
       SurfaceFitOptions options;
-      options.optimize = Freedom{};
+      options.optimize = FreeVariables{};
       const SurfaceFit fit = FitSurface(PointCloud::FromWorld(disc), options);
       EXPECT_EQ(fit.report.input.outliers, 0);
       const double cell = 2.0 / (std::min(fit.surface.size_u(), fit.surface.size_v()) - 3);
@@ -449,7 +449,7 @@ TEST(FitSurfaceTest, RunsTheJointStageWhereControlPointsAreFewAndOnlyThere) {
   EXPECT_FALSE(FitSurface(cloud).report.optimize.ran);
   SurfaceFitOptions options;
   options.control_points = {{12, 12}};
-  options.optimize = Freedom{};
+  options.optimize = FreeVariables{};
   const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101);
   const TruthError linear = ErrorToTruth(FitSurface(cloud, options).surface, truth);
   options.optimize = std::nullopt;

@@ -21,7 +21,7 @@ constexpr double kSigma = 1e-3;
 SurfaceFitOptions Given() {
   SurfaceFitOptions options;
   options.given_parameters = true;
-  options.optimize = Freedom{};
+  options.optimize = FreeVariables{};
   options.threads = 2;
   return options;
 }

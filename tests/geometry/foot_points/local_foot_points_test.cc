@@ -47,7 +47,7 @@ double SignedDistance(const NurbsSurface& surface,
 // ever so near the surface.
 void ExpectThoseOfLocalFootPoint(const NurbsSurface& surface, const Case& given) {
   ThreadPool pool(1);
-  const LocalFeet feet =
+  const LocalFootPointsKernel feet =
       LocalFootPoints(SurfaceEvaluator(surface), given.points, given.starts, pool);
   int others = 0;
   for (Eigen::Index k = 0; k < given.points.cols(); ++k) {
@@ -103,9 +103,9 @@ TEST(LocalFootPointsTest, KeepTheirDigitsFarFromTheOrigin) {
     RandomSplines random(seed);
     const NurbsSurface sheet = random.Sheet(3, 3, 0.3);
     const Case given = PointsNear(random, sheet, 100);
-    const LocalFeet near =
+    const LocalFootPointsKernel near =
         LocalFootPoints(SurfaceEvaluator(sheet), given.points, given.starts, pool);
-    const LocalFeet moved = LocalFootPoints(
+    const LocalFootPointsKernel moved = LocalFootPoints(
         SurfaceEvaluator(sheet.Translated(far)), given.points.colwise() + far, given.starts, pool);
     // Coordinates of 5e6 are rounded to 1e-9.
     EXPECT_LE((near.distances.cwiseAbs() - moved.distances.cwiseAbs()).cwiseAbs().maxCoeff(), 1e-8);
@@ -120,7 +120,7 @@ TEST(LocalFootPointsTest, OfAPlaneAreItsProjectionsWithinItsSides) {
   Eigen::Matrix3Xd points(3, 500);
   for (auto p : points.colwise()) p = random.Vector(2);
   const Eigen::Matrix2Xd starts = Eigen::Matrix2Xd::Constant(2, points.cols(), 0.5);
-  const LocalFeet feet = LocalFootPoints(SurfaceEvaluator(plane), points, starts, pool);
+  const LocalFootPointsKernel feet = LocalFootPoints(SurfaceEvaluator(plane), points, starts, pool);
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
     const Eigen::Vector3d q = points.col(k);
     const Eigen::Vector3d foot(std::clamp(q[0], -1.0, 1.0), std::clamp(q[1], -1.0, 1.0), 0);
@@ -134,12 +134,12 @@ TEST(LocalFootPointsTest, OfAPointDoNotDependOnOtherPointsNorOnThreads) {
   const SurfaceEvaluator evaluator(sheet);
   const Case given = PointsNear(random, sheet, 9000);
   ThreadPool one(1), three(3);
-  const LocalFeet all = LocalFootPoints(evaluator, given.points, given.starts, one);
-  const LocalFeet again = LocalFootPoints(evaluator, given.points, given.starts, three);
+  const LocalFootPointsKernel all = LocalFootPoints(evaluator, given.points, given.starts, one);
+  const LocalFootPointsKernel again = LocalFootPoints(evaluator, given.points, given.starts, three);
   EXPECT_EQ(all.distances, again.distances);
   EXPECT_EQ(all.parameters, again.parameters);
   for (Eigen::Index k = 0; k < given.points.cols(); k += 97) {
-    const LocalFeet alone =
+    const LocalFootPointsKernel alone =
         LocalFootPoints(evaluator, given.points.col(k), given.starts.col(k), one);
     EXPECT_EQ(alone.distances[0], all.distances[k]);
     EXPECT_EQ(alone.parameters.col(0), all.parameters.col(k));

@@ -14,8 +14,8 @@
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
-#include "geometry/numeric/sample_tree.h"
 #include "batten/geometry/trim_region.h"
+#include "geometry/numeric/point_kd_tree.h"
 #include "nasty_surfaces.h"
 #include "random_splines.h"
 #include "tolerances.h"
@@ -129,7 +129,7 @@ class DensePart {
         if (region_.Contains(place[0], place[1])) Add(place);
       }
     }
-    tree_ = SampleTree(Eigen::Map<const Eigen::Matrix3Xd>(points_[0].data(), 3, points_.size()));
+    tree_ = PointKdTree(Eigen::Map<const Eigen::Matrix3Xd>(points_[0].data(), 3, points_.size()));
   }
 
   // Of the nearest sample, and of the local minimum below it where that counts.
@@ -154,7 +154,7 @@ class DensePart {
   TrimRegion region_;
   std::vector<Eigen::Vector2d> places_;
   std::vector<Eigen::Vector3d> points_;
-  SampleTree tree_;
+  PointKdTree tree_;
 };
 
 Eigen::Vector3d Query(const NurbsSurface& surface, const DensePart& part, RandomSplines& random) {

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "batten/geometry/arc_length.h"
-#include "geometry/numeric/gauss_rule.h"
 #include "batten/geometry/iso_curve.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/split.h"
 #include "exact_shapes.h"
+#include "geometry/numeric/gauss_rule.h"
 #include "random_splines.h"
 #include "tolerances.h"
 
@@ -63,7 +63,7 @@ TEST(ExtendSurfaceTest, KeepsTheOldPartAndGoesOnWithItsCurvature) {
         random.Sheet(random.Integer(2, 6), random.Integer(2, 6), 0.5, {.most_spans = 6});
     const SurfaceEdge edge = RandomEdge(random);
     const double length = random.Logarithmic(0.01, 2);
-    const Continuation how = random.Coin() ? Continuation::kCalm : Continuation::kNatural;
+    const Continuation how = random.Coin() ? Continuation::kFair : Continuation::kNatural;
     const NurbsSurface longer = Extended(surface, edge, length, how);
     const Parts parts = PartsOf(longer, surface, edge);
     const double bound = 1e-13 * SizeOf(longer);
@@ -178,7 +178,7 @@ TEST(ExtendSurfaceTest, UnitsAndFarOriginsChangeNothing) {
       const NurbsSurface other(surface.basis_u(),
                                surface.basis_v(),
                                ((unit * surface.control_points()).colwise() + shift).eval());
-      for (const Continuation how : {Continuation::kCalm, Continuation::kNatural}) {
+      for (const Continuation how : {Continuation::kFair, Continuation::kNatural}) {
         const SurfaceEdge edge{Direction::kV, false};
         const NurbsSurface a = Extended(surface, edge, 0.7, how);
         const NurbsSurface b = Extended(other, edge, 0.7 * unit, how);
@@ -226,7 +226,7 @@ TEST(ExtendCurveTest, KeepsTheOldPartItsCurvatureAndTheLength) {
         random.Curve<3>(random.Integer(1, 7), false, {.clamped = random.Coin()});
     const bool upper = random.Coin();
     const double length = random.Logarithmic(1e-3, 1);
-    const Continuation how = random.Coin() ? Continuation::kCalm : Continuation::kNatural;
+    const Continuation how = random.Coin() ? Continuation::kFair : Continuation::kNatural;
     const NurbsCurve<3> longer = Extended(curve, upper, length, how);
     const auto [low, high] = Split(longer, upper ? curve.basis().upper() : curve.basis().lower());
     const NurbsCurve<3>& strip = upper ? high : low;

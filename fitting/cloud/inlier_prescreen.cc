@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/cloud/inlier_prescreen.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fitting/cloud/quadric_fit_kernels.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kCount = PlacePoints::kCount;
+constexpr double kExactPatch = 0.03;   // of the reach: less deviation is none
+constexpr double kMostReaches = 3;     // of the usual one, that a place's own counts for
+constexpr double kNarrow = 0.02;       // a variance across over that along: points on a line
+constexpr double kAgreesInPatch = 3;   // deviations of a good point
+constexpr double kCommon = 1.5;        // deviations that a place may have itself
+constexpr double kMost = 0.85;         // of the points, that must agree
+constexpr float kMostLeverage = 0.5F;  // the rest says nothing of such a point
+constexpr int kRounds = 3;
+constexpr int kPatchNeighbours = 6;
+constexpr double kWithinReaches = 2.25;  // a corner of a place sees a quarter of its neighbours
+constexpr double kLink = 1.5;            // reaches between points that hang together
+constexpr double kRidge = 1e-6;
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// One place in a unit of its own.
+class Place {
+ public:
+  // `chosen` are kCount points.
+  Place(const Eigen::Matrix3Xd& points, const int* chosen) {
+    Eigen::Matrix<double, 3, kCount> local;
+    for (int k = 0; k < kCount; ++k) local.col(k) = points.col(chosen[k]);
+    local.colwise() -= Eigen::Vector3d(local.rowwise().mean());
+    unit_ = local.cwiseAbs().maxCoeff();
+    const double factor = unit_ > 0 ? 1 / unit_ : 0;
+    for (int k = 0; k < kCount; ++k) {
+      points_.x[k] = static_cast<float>(local(0, k) * factor);
+      points_.y[k] = static_cast<float>(local(1, k) * factor);
+      points_.z[k] = static_cast<float>(local(2, k) * factor);
+    }
+  }
+
+  // Sets those of the place's points that are inliers.
+  void Judge(double deviation, double reach, bool* good) {
+    if (!(unit_ > 0) || !std::isfinite(unit_) || !TakeFrame()) return;
+    const double least =
+        std::max(deviation / unit_, kExactPatch * std::min(reach_, kMostReaches * reach / unit_));
+    if (!Agree(static_cast<float>(least))) return;
+    int counts[kCount], groups[kCount];
+    LinkWithin(points_,
+               static_cast<float>(kWithinReaches * reach_),
+               static_cast<float>(kLink * reach_),
+               counts,
+               groups);
+    // A quadric follows a clump beside its other points.
+    int members[kCount] = {};
+    for (const int group : groups) ++members[group];
+    const auto body = static_cast<int>(std::max_element(members, members + kCount) - members);
+    if (members[body] < kMost * kCount) return;
+    const auto limit = static_cast<float>(kAgreesInPatch * least);
+    for (int k = 0; k < kCount; ++k) {
+      good[k] = groups[k] == body && counts[k] > kPatchNeighbours &&
+                fit_.leverages[k] < kMostLeverage &&
+                std::abs(fit_.heights[k]) <= limit * (1 - fit_.leverages[k]);
+    }
+  }
+
+ private:
+  // Turns the points into their own frame, and takes their reach from the area they cover as if
+  // evenly. Whether they cover one.
+  bool TakeFrame() {
+    double m[6];
+    SecondMoments(points_, m);
+    const Eigen::Matrix3d moments{{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(moments);
+    const Eigen::Vector3d variance = solver.eigenvalues() / kCount;
+    if (!(variance[1] > kNarrow * variance[2])) return false;
+    // A rectangle's variances are a twelfth of its sides' squares.
+    const double area = 12 * std::sqrt(variance[1] * variance[2]);
+    reach_ = std::sqrt(area * kPatchNeighbours / (kCount * std::numbers::pi));
+    float axes[9];
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b)
+        axes[a * 3 + b] = static_cast<float>(solver.eigenvectors()(b, 2 - a));
+    }
+    TurnInto(axes, points_);
+    return true;
+  }
+
+  // Fits the quadric, the weights by the deviation that points should have. Whether most agree.
+  bool Agree(float deviation) {
+    std::fill_n(fit_.weights, kCount, 1.0F);
+    for (int round = 0; round < kRounds; ++round) {
+      if (!Solve()) return false;
+      int agree = 0;
+      float squares = 0;
+      for (int k = 0; k < kCount; ++k) {
+        const float ratio = fit_.heights[k] / deviation;
+        const bool agrees = std::abs(ratio) <= static_cast<float>(kAgreesInPatch);
+        agree += agrees ? 1 : 0;
+        squares += agrees ? ratio * ratio : 0;
+        fit_.weights[k] = 1 / (1 + ratio * ratio / 4);
+      }
+      // Weights have begun to tell outliers from the rest, or there is nothing to tell.
+      const bool settled = round > 0 || agree == kCount;
+      if (settled && agree >= kMost * kCount && squares <= kCommon * kCommon * agree) return true;
+    }
+    return false;
+  }
+
+  bool Solve() {
+    double sums[27];
+    AddUpQuadric(points_, fit_.weights, sums);
+    Matrix6 matrix = Matrix6::Zero();
+    Vector6 right;
+    int at = 0;
+    for (int a = 0; a < 6; ++a)
+      for (int b = 0; b <= a; ++b) matrix(a, b) = sums[at++];
+    for (int a = 0; a < 6; ++a) right[a] = sums[at++];
+    matrix.diagonal().array() += kRidge * matrix(0, 0);
+    const Eigen::LLT<Matrix6> factor(matrix);
+    if (factor.info() != Eigen::Success) return false;
+    const Eigen::Matrix<float, 6, 1> coefficients = factor.solve(right).cast<float>();
+    const Eigen::Matrix<float, 6, 6> inverse = factor.solve(Matrix6::Identity()).cast<float>();
+    LeaveQuadric(points_, coefficients.data(), inverse.data(), fit_);
+    return true;
+  }
+
+  PlacePoints points_;
+  PlaceFit fit_;
+  double unit_ = 0, reach_ = 0;
+};
+
+}  // namespace
+
+PointMask PrescreenInliers(const Eigen::Matrix3Xd& points,
+                           const NeighbourIndex& index,
+                           double deviation,
+                           double reach,
+                           ThreadPool& pool) {
+  PointMask good = PointMask::Constant(points.cols(), false);
+  constexpr std::ptrdiff_t kPlacesPerBlock = 128;
+  const auto order = index.order();
+  pool.For(points.cols() / kCount, kPlacesPerBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t i = begin; i < end; ++i) {
+      const int* chosen = order.data() + i * kCount;
+      bool plain[kCount] = {};
+      Place(points, chosen).Judge(deviation, reach, plain);
+      for (int k = 0; k < kCount; ++k) good[chosen[k]] = plain[k];
+    }
+  });
+  return good;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/constraints/linear_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "fitting/constraints/edge_values.h"
+#include "fitting/linear/coefficient_order.h"
+#include "geometry/numeric/number_text.h"
+#include "geometry/numeric/reject.h"
+
+namespace batten::internal {
+namespace {
+
+// The surface or a first derivative at a place, as a function of all unknowns.
+struct Functional {
+  std::vector<std::pair<Eigen::Index, double>> inner;  // coarse control points
+  Eigen::MatrixXd unknowns;                            // 3 × t
+  Eigen::Vector3d given;
+  double scale;  // of all coarse functions, inner or not
+};
+
+// The coarse control point that stands for (i, j); periodic ones repeat.
+Eigen::Index PlaceOf(const EdgeRows& edges, int i, int j) {
+  return Eigen::Index{DistinctIndex(edges.u.coarse, i)} * edges.v.coarse.size() +
+         DistinctIndex(edges.v.coarse, j);
+}
+
+Functional FunctionalAt(const EdgeRows& edges, double u, double v, int order_u, int order_v) {
+  AxisValues at_u(edges.u, u, order_u), at_v(edges.v, v, order_v);
+  Functional result{{}, Eigen::MatrixXd::Zero(3, edges.unknowns), Eigen::Vector3d::Zero(), 0};
+  for (int i = at_u.first(); i <= at_u.first() + edges.u.coarse.degree(); ++i) {
+    for (int j = at_v.first(); j <= at_v.first() + edges.v.coarse.degree(); ++j) {
+      const double value = at_u.Coarse(i) * at_v.Coarse(j);
+      result.scale += value * value;
+      if (edges.taken_u[static_cast<size_t>(i)] || edges.taken_v[static_cast<size_t>(j)]) continue;
+      result.inner.emplace_back(PlaceOf(edges, i, j), value);
+    }
+  }
+  result.scale = std::sqrt(result.scale);
+  VisitEdges(edges, at_u, at_v, [&](int unknown, int d, double value) {
+    (unknown < 0 ? result.given[d] : result.unknowns(d, unknown)) += value;
+  });
+  return result;
+}
+
+// Collects equations.
+class Builder {
+ public:
+  explicit Builder(int unknowns) : unknowns_(unknowns) {}
+
+  int AddFunctional(const Functional& functional) {
+    for (const auto& [place, value] : functional.inner) {
+      entries_.emplace_back(place, functionals_, value);
+    }
+    return functionals_++;
+  }
+  void AddRow(int functional,
+              const Eigen::Vector3d& direction,
+              const Eigen::RowVectorXd& unknowns,
+              double right,
+              double scale) {
+    rows_.push_back({functional, direction, unknowns, right, scale});
+  }
+  Eigen::Index rows() const { return static_cast<Eigen::Index>(rows_.size()); }
+
+  LinearConstraints Take(Eigen::Index net_size, std::vector<ConditionBlock> blocks) const {
+    LinearConstraints result;
+    result.functionals.resize(net_size, functionals_);
+    result.functionals.setFromTriplets(entries_.begin(), entries_.end());
+    result.directions.resize(3, rows());
+    result.unknowns.resize(rows(), unknowns_);
+    result.right.resize(rows());
+    result.scales.resize(rows());
+    for (Eigen::Index k = 0; k < rows(); ++k) {
+      const Row& row = rows_[static_cast<size_t>(k)];
+      result.functional.push_back(row.functional);
+      result.directions.col(k) = row.direction;
+      result.unknowns.row(k) = row.unknowns;
+      result.right[k] = row.right;
+      result.scales[k] = row.scale;
+    }
+    result.blocks = std::move(blocks);
+    return result;
+  }
+
+ private:
+  struct Row {
+    int functional;
+    Eigen::Vector3d direction;
+    Eigen::RowVectorXd unknowns;
+    double right, scale;
+  };
+  int unknowns_, functionals_ = 0;
+  std::vector<Row> rows_;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
+void CheckPoint(const FixedPoint& point, const EdgeRows& edges, const std::string& name) {
+  const SplineBasis &u = edges.u.coarse, &v = edges.v.coarse;
+  if (!(point.u >= u.lower() && point.u <= u.upper() && point.v >= v.lower() &&
+        point.v <= v.upper()))
+    Reject("SurfaceConstraints",
+           name + " lies outside the domain " + IntervalText(u.lower(), u.upper()) + " × " +
+               IntervalText(v.lower(), v.upper()));
+  if (!point.place && !point.normal)
+    Reject("SurfaceConstraints", name + " asks for neither place nor normal");
+  if (point.place && !point.place->allFinite())
+    Reject("SurfaceConstraints", "the place of " + name + " is not finite");
+  if (point.normal && !(point.normal->norm() > 0 && point.normal->allFinite()))
+    Reject("SurfaceConstraints", "the normal of " + name + " is zero or not finite");
+}
+
+}  // namespace
+
+Eigen::MatrixXd LinearConstraints::Rows(const std::vector<Eigen::Index>& columns) const {
+  const auto width = static_cast<Eigen::Index>(columns.size());
+  std::map<Eigen::Index, Eigen::Index> place;
+  for (Eigen::Index c = 0; c < width; ++c) place[columns[static_cast<size_t>(c)]] = c;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count(), 3 * width + unknowns.cols());
+  for (Eigen::Index k = 0; k < count(); ++k) {
+    const int f = functional[static_cast<size_t>(k)];
+    for (Eigen::SparseMatrix<double>::InnerIterator it(functionals, std::max(f, 0)); f >= 0 && it;
+         ++it) {
+      for (int d = 0; d < 3; ++d) {
+        rows(k, d * width + place.at(it.row())) += directions(d, k) * it.value();
+      }
+    }
+  }
+  rows.rightCols(unknowns.cols()) = unknowns;
+  return rows;
+}
+
+std::vector<Eigen::Index> LinearConstraints::Columns() const {
+  std::vector<char> takes_part(static_cast<size_t>(functionals.rows()), 0);
+  for (int f = 0; f < functionals.cols(); ++f) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(functionals, f); it; ++it) {
+      takes_part[static_cast<size_t>(it.row())] = 1;
+    }
+  }
+  std::vector<Eigen::Index> columns;
+  for (size_t c = 0; c < takes_part.size(); ++c) {
+    if (takes_part[c]) columns.push_back(static_cast<Eigen::Index>(c));
+  }
+  return columns;
+}
+
+LinearConstraints ConditionsOf(const EdgeRows& edges,
+                               const std::vector<FixedPoint>& points,
+                               const Eigen::Vector3d& centre) {
+  using Kind = ConditionBlock::Kind;
+  Builder builder(edges.unknowns);
+  std::vector<ConditionBlock> blocks;
+  for (const CornerCondition& corner : edges.corners) {
+    blocks.push_back({corner.length > 0 ? Kind::kCornerPlane : Kind::kTwist,
+                      corner.name,
+                      builder.rows(),
+                      3,
+                      corner.length,
+                      0});
+    for (int d = 0; d < 3; ++d) {
+      builder.AddRow(-1, Eigen::Vector3d::Zero(), corner.unknowns.row(d), -corner.given[d], 1);
+    }
+  }
+  for (size_t k = 0; k < points.size(); ++k) {
+    const FixedPoint& point = points[k];
+    const auto index = static_cast<Eigen::Index>(k);
+    const std::string name = "point " + std::to_string(k) + " at (" + NumberText(point.u) + ", " +
+                             NumberText(point.v) + ")";
+    CheckPoint(point, edges, name);
+    if (point.place) {
+      blocks.push_back({Kind::kPlace, "the place of " + name, builder.rows(), 3, 0, index});
+      const Functional value = FunctionalAt(edges, point.u, point.v, 0, 0);
+      const int f = builder.AddFunctional(value);
+      for (int d = 0; d < 3; ++d) {
+        builder.AddRow(f,
+                       Eigen::Vector3d::Unit(d),
+                       value.unknowns.row(d),
+                       (*point.place - centre - value.given)[d],
+                       value.scale);
+      }
+    }
+    if (!point.normal) continue;
+    blocks.push_back({Kind::kNormal, "the normal of " + name, builder.rows(), 2, 0, index});
+    const Eigen::Vector3d normal = point.normal->normalized();
+    for (int along_v = 0; along_v < 2; ++along_v) {
+      const Functional slope = FunctionalAt(edges, point.u, point.v, 1 - along_v, along_v);
+      builder.AddRow(builder.AddFunctional(slope),
+                     normal,
+                     normal.transpose() * slope.unknowns,
+                     -normal.dot(slope.given),
+                     slope.scale);
+    }
+  }
+  return builder.Take(Eigen::Index{edges.u.coarse.size()} * edges.v.coarse.size(), blocks);
+}
+
+}  // namespace batten::internal

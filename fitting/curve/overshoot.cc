@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/curve/overshoot.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "batten/geometry/curve_evaluator.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kSamples = 16;  // of a span
+constexpr int kDataOfFunction = 3;
+constexpr Eigen::Index kEnoughToCount = 20000;
+constexpr double kNoise = 10, kOfSize = 0.01;
+
+template <int Dim>
+bool Stays(const FittingProblem& problem,
+           const Eigen::MatrixXd& control_points,
+           const Eigen::VectorXd& weights,
+           double noise) {
+  const FittingData& data = problem.data();
+  const SplineBasis& basis = problem.basis_u();
+  std::vector<std::pair<double, Eigen::Index>> order;
+  for (Eigen::Index k = 0; k < problem.size(); ++k) {
+    if (data.weights.size() == 0 || data.weights[k] > 0)
+      order.emplace_back(data.parameters(0, k), k);
+  }
+  if (order.size() < 2) return true;
+  std::sort(order.begin(), order.end());
+  const double size = (data.values.rowwise().maxCoeff() - data.values.rowwise().minCoeff()).norm();
+  const double slack = kNoise * noise + kOfSize * size;
+  const NurbsCurve<Dim> curve = weights.size() > 0 ? NurbsCurve<Dim>(basis, control_points, weights)
+                                                   : NurbsCurve<Dim>(basis, control_points);
+  const CurveEvaluator<Dim> evaluator(curve);
+  for (const int span : basis.Spans()) {
+    const double low = basis.knots()[static_cast<size_t>(span)],
+                 high = basis.knots()[static_cast<size_t>(span) + 1];
+    for (int s = 0; s < kSamples; ++s) {
+      const double u = low + (s + 0.5) / kSamples * (high - low);
+      const auto above =
+          std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
+      const bool outside = above == order.begin() || above == order.end();
+      // Around a closed curve the last datum is followed by the first.
+      const auto& next = above == order.end() ? order.front() : *above;
+      const auto& before = above == order.begin() ? order.back() : *(above - 1);
+      const Eigen::Matrix<double, Dim, 1> place = evaluator.At(u),
+                                          a = data.values.col(before.second),
+                                          b = data.values.col(next.second);
+      double off = 0, chord = (b - a).norm();
+      if (outside && !basis.periodic()) {
+        off = above == order.begin() ? (place - b).norm() : (place - a).norm();
+        chord = 0;
+      } else {
+        const double along =
+            chord > 0 ? std::clamp((place - a).dot(b - a) / (chord * chord), 0.0, 1.0) : 0.0;
+        off = (place - a - along * (b - a)).norm();
+      }
+      if (!(off <= chord + slack)) return false;
+    }
+  }
+  return true;
+}
+
+// Whether every span has data enough to hold a polynomial curve.
+bool WellHeld(const FittingProblem& problem) {
+  const SplineBasis& basis = problem.basis_u();
+  const int enough = kDataOfFunction * (basis.degree() + 1);
+  std::vector<int> held(static_cast<size_t>(basis.size()), 0);
+  const Eigen::Index stride = std::max<Eigen::Index>(1, problem.size() / kEnoughToCount);
+  for (Eigen::Index k = 0; k < problem.size(); k += stride) {
+    if (problem.data().weights.size() == 0 || problem.data().weights[k] > 0)
+      ++held[static_cast<size_t>(basis.Span(problem.data().parameters(0, k)))];
+  }
+  for (const int span : basis.Spans()) {
+    if (held[static_cast<size_t>(span)] < enough) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool HasOvershoot(const FittingProblem& problem,
+                  const Eigen::MatrixXd& control_points,
+                  const Eigen::VectorXd& weights,
+                  double noise) {
+  if (weights.size() == 0 && WellHeld(problem)) return true;
+  return control_points.rows() == 2 ? Stays<2>(problem, control_points, weights, noise)
+                                    : Stays<3>(problem, control_points, weights, noise);
+}
+
+namespace {
+
+template <int Dim>
+double SizeOf(const NurbsCurve<Dim>& curve) {
+  const CurveEvaluator<Dim> evaluator(curve);
+  Eigen::Matrix<double, Dim, 1> low = evaluator.At(curve.basis().lower()), high = low;
+  for (const int span : curve.basis().Spans()) {
+    const double begin = curve.basis().knots()[static_cast<size_t>(span)],
+                 end = curve.basis().knots()[static_cast<size_t>(span) + 1];
+    for (int s = 1; s <= kSamples; ++s) {
+      const Eigen::Matrix<double, Dim, 1> place =
+          evaluator.At(begin + (end - begin) * s / kSamples);
+      low = low.cwiseMin(place);
+      high = high.cwiseMax(place);
+    }
+  }
+  return (high - low).norm();
+}
+
+}  // namespace
+
+double SampledSize(const SplineBasis& basis,
+                   const Eigen::MatrixXd& control_points,
+                   const Eigen::VectorXd& weights) {
+  return control_points.rows() == 2 ? SizeOf(NurbsCurve<2>(basis, control_points, weights))
+                                    : SizeOf(NurbsCurve<3>(basis, control_points, weights));
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Whether a fitted curve stays with its data between them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "batten/fitting/fitting_problem.h"
+
+namespace batten::internal {
+
+// Between two data with weight that follow one another along the curve, every place of it lies no
+// farther from their chord than that is long, apart from ten standard deviations of the noise and a
+// hundredth of the data's size. 16 samples a span; weights of the curve may be empty. What no data
+// hold may fly off without any residual to show it: this shows it.
+bool HasOvershoot(const FittingProblem& problem,
+                  const Eigen::MatrixXd& control_points,
+                  const Eigen::VectorXd& weights,
+                  double noise);
+
+// The diagonal of the box around 16 samples a span of a curve.
+double SampledSize(const SplineBasis& basis,
+                   const Eigen::MatrixXd& control_points,
+                   const Eigen::VectorXd& weights);
+
+}  // namespace batten::internal

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/flattening/arap_flattening.h"
+
+#include <Eigen/Sparse>
+#include <cmath>
+#include <complex>
+#include <queue>
+#include <vector>
+
+#include "fitting/flattening/planar_edges.h"
+
+namespace batten::internal {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kInverseIterations = 30;
+constexpr int kMostRounds = 80;
+constexpr double kSettled = 1e-4;  // share of the misfit that a round no longer takes away
+
+// What r_second must be multiplied with to give r_first.
+Complex Turn(const PlanarEdge& e) {
+  const Complex turn = -e.from_second * std::conj(e.from_first);
+  return turn / std::abs(turn);
+}
+
+// Rotations carried from node to node, breadth first.
+Eigen::VectorXcd CarriedRotations(Eigen::Index n, const std::vector<PlanarEdge>& edges) {
+  std::vector<std::vector<std::pair<int, Complex>>> next(static_cast<size_t>(n));
+  for (const PlanarEdge& e : edges) {
+    next[e.first].emplace_back(e.second, std::conj(Turn(e)));
+    next[e.second].emplace_back(e.first, Turn(e));
+  }
+  Eigen::VectorXcd rotations = Eigen::VectorXcd::Zero(n);
+  rotations[0] = 1;
+  std::queue<int> front({0});
+  for (; !front.empty(); front.pop()) {
+    for (const auto& [j, turn] : next[front.front()]) {
+      if (rotations[j] != 0.0) continue;
+      rotations[j] = turn * rotations[front.front()];
+      front.push(j);
+    }
+  }
+  return rotations;
+}
+
+// Minimises Σ|r_first − turn · r_second|² among vectors of one length, then sets |r| = 1.
+Eigen::VectorXcd AgreedRotations(Eigen::Index n, const std::vector<PlanarEdge>& edges) {
+  std::vector<Eigen::Triplet<Complex>> entries;
+  entries.reserve(4 * edges.size());
+  for (const PlanarEdge& e : edges) {
+    entries.emplace_back(e.first, e.first, e.weight);
+    entries.emplace_back(e.second, e.second, e.weight);
+    entries.emplace_back(e.first, e.second, -e.weight * Turn(e));
+    entries.emplace_back(e.second, e.first, -e.weight * std::conj(Turn(e)));
+  }
+  constexpr double kShift = 1e-9;  // keeps the matrix of a developable sheet positive
+  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, kShift);
+  Eigen::SparseMatrix<Complex> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> solver(matrix);
+  Eigen::VectorXcd rotations = CarriedRotations(n, edges);
+  for (int step = 0; step < kInverseIterations; ++step) {
+    const Eigen::VectorXcd before = rotations.normalized();
+    rotations = solver.solve(before).normalized();
+    if (std::abs(before.dot(rotations)) > 1 - 1e-13) break;
+  }
+  for (Complex& r : rotations) {
+    const double size = std::abs(r);
+    r = size > 0 ? r / size : Complex(1, 0);
+  }
+  return rotations;
+}
+
+// The Laplacian of the graph with the first node held at 0, factorised once.
+class PlaceSolver {
+ public:
+  PlaceSolver(Eigen::Index n, const std::vector<PlanarEdge>& edges) : edges_(edges), n_(n) {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(4 * edges.size() + 1);
+    entries.emplace_back(0, 0, 1);
+    for (const PlanarEdge& e : edges) {
+      if (e.first > 0) entries.emplace_back(e.first, e.first, e.weight);
+      if (e.second > 0) entries.emplace_back(e.second, e.second, e.weight);
+      if (e.first == 0 || e.second == 0) continue;
+      entries.emplace_back(e.first, e.second, -e.weight);
+      entries.emplace_back(e.second, e.first, -e.weight);
+    }
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    solver_.compute(matrix);
+  }
+
+  Eigen::VectorXcd Places(const Eigen::VectorXcd& rotations) const {
+    Eigen::MatrixX2d rhs = Eigen::MatrixX2d::Zero(n_, 2);
+    for (const PlanarEdge& e : edges_) {
+      const Complex way =
+          e.weight / 2 * (rotations[e.first] * e.from_first - rotations[e.second] * e.from_second);
+      const Eigen::RowVector2d d(way.real(), way.imag());
+      rhs.row(e.first) -= d;
+      rhs.row(e.second) += d;
+    }
+    rhs.row(0).setZero();
+    const Eigen::MatrixX2d solution = solver_.solve(rhs);
+    Eigen::VectorXcd places(n_);
+    places.real() = solution.col(0);
+    places.imag() = solution.col(1);
+    return places;
+  }
+
+ private:
+  const std::vector<PlanarEdge>& edges_;
+  Eigen::Index n_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+Eigen::VectorXcd Ways(const std::vector<PlanarEdge>& edges, const Eigen::VectorXcd& places) {
+  Eigen::VectorXcd ways(static_cast<Eigen::Index>(edges.size()));
+  for (size_t k = 0; k < edges.size(); ++k) {
+    ways[k] = places[edges[k].second] - places[edges[k].first];
+  }
+  return ways;
+}
+
+}  // namespace
+
+Flattening FlattenArap(const SheetGraph& graph) {
+  const Eigen::Index n = graph.nodes.size();
+  const std::vector<PlanarEdge> edges = PlanarEdges(graph);
+  Eigen::VectorXcd rotations = AgreedRotations(n, edges);
+  const PlaceSolver solver(n, edges);
+  LocalMaps maps(n, edges);
+  Flattening unfolding;
+  unfolding.places = solver.Places(rotations);
+  Eigen::VectorXcd ways = Ways(edges, unfolding.places);
+  unfolding.distortion = MisfitOf(edges, ways, rotations);
+  for (int round = 0; round < kMostRounds; ++round) {
+    maps.Fit(ways, rotations);
+    rotations = maps.Rotations(rotations);
+    unfolding.places = solver.Places(rotations);
+    ways = Ways(edges, unfolding.places);
+    const double misfit = MisfitOf(edges, ways, rotations);
+    const bool settled = misfit > (1 - kSettled) * unfolding.distortion;
+    unfolding.distortion = misfit;
+    if (settled) break;
+  }
+  maps.Fit(ways, rotations);
+  unfolding.folded = maps.Folded();
+  unfolding.conformal = std::move(maps.a);
+  unfolding.anticonformal = std::move(maps.b);
+  return unfolding;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/flattening/poisson_disk_samples.h"
+#include "batten/fitting/statistics.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace batten::internal {
+namespace {
+
+constexpr Eigen::Index kCandidatesANode = 10;
+constexpr double kReachInSpacings = 1.5;  // at the edge spacings seem up to twice as large
+constexpr double kReachInNoise = 4;
+constexpr Eigen::Index kFewPoints = 200;  // so few are all nodes
+constexpr Eigen::Index kPointsANode = 8;  // at least, of more points
+constexpr int kCounted = 16;              // neighbours that tell the local spacing
+// Discs of a diameter thrown at random until none fits cover 0.547 of the plane.
+constexpr double kNodesAnArea = 0.547 * 4 / std::numbers::pi;
+constexpr double kReachOfNeighbours = 1.5;  // of a node's tangent plane, in reaches
+constexpr int kQuadricNeighbours = 10;      // fewer determine a plane only
+constexpr int kLeastForPlane = 6;           // points that tell which others are off their plane …
+constexpr double kOffInScales = 3;          // … by so much of their own deviation …
+constexpr double kOffInRadii = 0.35;  // … and of the radius of all, which curvature explains
+
+std::uint64_t Mixed(std::uint64_t x) {  // [Steele et al. 2014, SplitMix64]
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+// The first `count` indices in an order that looks random and depends on the coordinates only.
+std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen::Index count) {
+  using Key = std::pair<std::uint64_t, Eigen::Index>;
+  const Eigen::Index m = points.cols();
+  count = std::min(count, m);
+  // Keys are spread evenly: of those below a bound there are hardly ever too few.
+  const auto keys_below = [&](double share) {
+    constexpr double kKeys = 18446744073709551616.0;  // 2^64
+    const std::uint64_t bound = share < 1 ? static_cast<std::uint64_t>(share * kKeys) : UINT64_MAX;
+    std::vector<Key> keys;
+    for (Eigen::Index k = 0; k < m; ++k) {
+      std::uint64_t key = 0;
+      for (int d = 0; d < 3; ++d)
+        key = Mixed(key ^ std::bit_cast<std::uint64_t>(points(d, k) + 0.0));
+      if (key <= bound) keys.emplace_back(key, k);
+    }
+    return keys;
+  };
+  std::vector<Key> keys = keys_below(1.2 * static_cast<double>(count) / static_cast<double>(m));
+  if (std::ssize(keys) < count) keys = keys_below(1);
+  std::partial_sort(keys.begin(), keys.begin() + count, keys.end());
+  std::vector<Eigen::Index> order(static_cast<size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) order[i] = keys[i].second;
+  return order;
+}
+
+// The side of the square that one point has to itself, from the radius that holds 16. Asked place
+// after place in `order`, in which they are near each other.
+Eigen::VectorXd LocalSpacings(const Eigen::Matrix3Xd& points,
+                              const NeighbourIndex& index,
+                              const Eigen::Matrix3Xd& places,
+                              std::span<const int> order,
+                              ThreadPool& pool) {
+  const int k = static_cast<int>(std::min<Eigen::Index>(kCounted + 1, index.size()));
+  Eigen::VectorXd spacings(places.cols());
+  pool.For(places.cols(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    const auto some = order.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
+    const std::vector<int> near = index.Nearest(places(Eigen::all, some), k);
+    for (size_t i = 0; i < some.size(); ++i) {
+      const int last = near[(i + 1) * static_cast<size_t>(k) - 1];
+      spacings[some[i]] = (points.col(last) - places.col(some[i])).norm() *
+                          std::sqrt(std::numbers::pi / std::max(1, k - 1));
+    }
+  });
+  return spacings;
+}
+
+// Reaches that make `most` nodes, as equal as the local spacings allow.
+Eigen::VectorXd Reaches(const Eigen::VectorXd& spacings, double least, Eigen::Index most) {
+  const double floor = std::min(
+      kReachInSpacings,
+      std::sqrt(kNodesAnArea * static_cast<double>(spacings.size()) / static_cast<double>(most)));
+  const auto reaches = [&](double common) {
+    return (floor * spacings).cwiseMax(std::max(common, least)).eval();
+  };
+  const auto nodes = [&](double common) {
+    return kNodesAnArea * spacings.cwiseQuotient(reaches(common)).squaredNorm();
+  };
+  double low = 0, high = spacings.norm();
+  for (int step = 0; step < 60; ++step) {
+    const double middle = low + (high - low) / 2;
+    (nodes(middle) > static_cast<double>(most) ? low : high) = middle;
+  }
+  return reaches(high);
+}
+
+// Those of the places, in their order, that lie in no earlier one's reach.
+std::vector<Eigen::Index> GreedyDiscs(const Eigen::Matrix3Xd& places,
+                                      const NeighbourIndex& index,
+                                      const Eigen::VectorXd& reach) {
+  constexpr int kFirstLook = 48;
+  std::vector<bool> covered(static_cast<size_t>(places.cols()), false);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    if (covered[i]) continue;
+    kept.push_back(i);
+    for (Eigen::Index k = kFirstLook;; k *= 2) {
+      const std::vector<int> near = index.Nearest(places.col(i), static_cast<int>(k));
+      const auto within = [&](int j) { return (places.col(j) - places.col(i)).norm() < reach[i]; };
+      if (k < places.cols() && within(near.back())) continue;
+      for (const int j : near) {
+        if (within(j)) covered[j] = true;
+      }
+      break;
+    }
+  }
+  return kept;
+}
+
+// What a node knows of the sheet around it.
+struct LocalSheet {
+  Eigen::Vector3d place, normal, tangent, curvature;
+  double breadth;
+};
+
+// The plane of least squares; the place is the foot of the origin.
+LocalSheet AlgebraicPlaneFit(const Eigen::Matrix3Xd& local) {
+  const Eigen::Vector3d middle = local.rowwise().mean();
+  const Eigen::Matrix3Xd centred = local.colwise() - middle;
+  const Eigen::Matrix3d scatter = centred * centred.transpose();
+  const double size = scatter.cwiseAbs().maxCoeff();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(scatter / (size > 0 ? size : 1));
+  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector3d longest = solver.eigenvectors().col(2);
+  LocalSheet sheet;
+  sheet.breadth = spread[2] > 0 ? spread[1] / spread[2] : 0;
+  sheet.normal = solver.eigenvectors().col(0).normalized();
+  sheet.tangent = (longest - sheet.normal * sheet.normal.dot(longest)).normalized();
+  sheet.curvature.setZero();
+  sheet.place = sheet.normal * sheet.normal.dot(middle);
+  return sheet;
+}
+
+// The points, nearest first, without those far off the plane of the nearer half: they belong to
+// another turn of the sheet.
+Eigen::Matrix3Xd OnOneSheet(const Eigen::Matrix3Xd& local) {
+  const Eigen::Index half = (local.cols() + 1) / 2;
+  if (half < kLeastForPlane) return local;
+  const LocalSheet plane = AlgebraicPlaneFit(local.leftCols(half));
+  const Eigen::VectorXd off = (local.colwise() - plane.place).transpose() * plane.normal;
+  const double scale = std::sqrt(off.head(half).squaredNorm() / static_cast<double>(half));
+  const double most =
+      kOffInScales * scale + kOffInRadii * std::sqrt(local.colwise().squaredNorm().maxCoeff());
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < local.cols(); ++k) {
+    if (std::abs(off[k]) <= most) kept.push_back(k);
+  }
+  return local(Eigen::all, kept);
+}
+
+// Moves a plane to the quadric of least squares over it:
+//   height c0 + c1 x + c2 y + c3 x²/2 + c4 xy + c5 y²/2, in units of the radius.
+void BendToQuadric(const Eigen::Matrix3Xd& local, double radius, LocalSheet& sheet) {
+  const Eigen::Vector3d binormal = sheet.normal.cross(sheet.tangent);
+  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> rhs = Eigen::Matrix<double, 6, 1>::Zero(), row;
+  for (const auto p : local.colwise()) {
+    const double x = sheet.tangent.dot(p) / radius, y = binormal.dot(p) / radius;
+    row << 1, x, y, x * x / 2, x * y, y * y / 2;
+    gram.noalias() += row * row.transpose();
+    rhs += row * (sheet.normal.dot(p) / radius);
+  }
+  constexpr double kSteady = 1e-5;  // holds back what points on few lines leave open
+  gram.diagonal().tail<3>().array() += kSteady * static_cast<double>(local.cols());
+  gram.diagonal().array() += 1e-12 * static_cast<double>(local.cols());
+  const Eigen::Matrix<double, 6, 1> c = gram.ldlt().solve(rhs);
+  if (!c.allFinite() || c.segment<2>(1).norm() > 1) return;
+  sheet.place = sheet.normal * (c[0] * radius);
+  const Eigen::Vector3d upright = sheet.normal - c[1] * sheet.tangent - c[2] * binormal;
+  sheet.normal = upright.normalized();
+  sheet.tangent = (sheet.tangent - sheet.normal * sheet.normal.dot(sheet.tangent)).normalized();
+  sheet.curvature = c.tail<3>() / (radius * upright.norm());
+}
+
+// The sheet through the points near `place`, nearest first.
+LocalSheet SheetAround(const Eigen::Vector3d& place, const Eigen::Matrix3Xd& near) {
+  const Eigen::Matrix3Xd local = OnOneSheet(near.colwise() - place);
+  LocalSheet sheet = AlgebraicPlaneFit(local);
+  const double radius = std::sqrt(local.colwise().squaredNorm().maxCoeff());
+  if (local.cols() >= kQuadricNeighbours && radius > 0) BendToQuadric(local, radius, sheet);
+  sheet.place += place;
+  return sheet;
+}
+
+}  // namespace
+
+Eigen::Vector3d PoissonDiskSamples::Binormal(Eigen::Index i) const {
+  return Eigen::Vector3d(normals.col(i)).cross(Eigen::Vector3d(tangents.col(i)));
+}
+
+void PoissonDiskSamples::Flip(Eigen::Index i) {
+  normals.col(i) *= -1;
+  // Heights and y change their signs.
+  curvature(0, i) *= -1;
+  curvature(2, i) *= -1;
+}
+
+PoissonDiskSamples PoissonDiskSamples::Picked(const std::vector<Eigen::Index>& indices) const {
+  return {places(Eigen::all, indices),
+          normals(Eigen::all, indices),
+          tangents(Eigen::all, indices),
+          curvature(Eigen::all, indices),
+          reach(indices),
+          breadth(indices)};
+}
+
+PoissonDiskSamples SamplePoissonDisk(const Eigen::Matrix3Xd& points,
+                                     const NeighbourIndex& index,
+                                     double noise,
+                                     const PoissonDiskOptions& options,
+                                     ThreadPool& pool) {
+  const Eigen::Index m = points.cols();
+  const std::vector<Eigen::Index> order = ShuffledByPlace(points, kCandidatesANode * options.most);
+  const Eigen::Matrix3Xd candidates = points(Eigen::all, order);
+  const NeighbourIndex among(candidates, pool);
+  const double share = static_cast<double>(candidates.cols()) / static_cast<double>(m);
+  const Eigen::VectorXd dense = LocalSpacings(points, index, candidates, among.order(), pool);
+  const Eigen::VectorXd spacings = dense / std::sqrt(share);
+  const Eigen::Index most =
+      std::min(options.most, std::max(std::min(m, kFewPoints), m / kPointsANode));
+  const Eigen::VectorXd reach =
+      Reaches(spacings, most < m ? kReachInNoise * noise : 0.0, std::min(most, candidates.cols()));
+  std::vector<Eigen::Index> kept(static_cast<size_t>(candidates.cols()));
+  if (most < m) {
+    kept = GreedyDiscs(candidates, among, reach);
+  } else {
+    std::iota(kept.begin(), kept.end(), 0);
+  }
+
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  PoissonDiskSamples nodes{Eigen::Matrix3Xd(3, n),
+                           Eigen::Matrix3Xd(3, n),
+                           Eigen::Matrix3Xd(3, n),
+                           Eigen::Matrix3Xd(3, n),
+                           reach(kept),
+                           Eigen::VectorXd(n)};
+  const Eigen::Matrix3Xd& cloud = options.own_neighbours ? points : candidates;
+  const NeighbourIndex& neighbours = options.own_neighbours ? index : among;
+  pool.For(n, 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (auto i = begin; i < end; ++i) {
+      const double spacing = options.own_neighbours ? dense[kept[i]] : spacings[kept[i]];
+      const double radius = kReachOfNeighbours * nodes.reach[i] / std::max(spacing, 1e-300);
+      const int k = static_cast<int>(std::clamp(std::numbers::pi * radius * radius,
+                                                static_cast<double>(options.least_neighbours),
+                                                static_cast<double>(options.most_neighbours)));
+      const Eigen::Vector3d place = candidates.col(kept[i]);
+      const LocalSheet sheet = SheetAround(place, cloud(Eigen::all, neighbours.Nearest(place, k)));
+      nodes.places.col(i) = sheet.place;
+      nodes.normals.col(i) = sheet.normal;
+      nodes.tangents.col(i) = sheet.tangent;
+      nodes.curvature.col(i) = sheet.curvature;
+      nodes.breadth[i] = sheet.breadth;
+    }
+  });
+  return nodes;
+}
+
+}  // namespace batten::internal

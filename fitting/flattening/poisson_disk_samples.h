@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// A few thousand places on a sheet that stand for all its points.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "batten/fitting/neighbours.h"
+#include "batten/geometry/thread_pool.h"
+
+namespace batten::internal {
+
+// Places no two of which are nearer than their reach, with the tangent plane and the curvature of
+// the sheet there.
+struct PoissonDiskSamples {
+  Eigen::Matrix3Xd places;     // n of them, moved along the normal onto the sheet
+  Eigen::Matrix3Xd normals;    // of length 1, each with a sign of its own
+  Eigen::Matrix3Xd tangents;   // of length 1, normal to the normals
+  Eigen::Matrix3Xd curvature;  // second derivatives (xx, xy, yy) of the height over the tangent
+                               // plane, x along the tangent, y along normal × tangent
+  Eigen::VectorXd reach;       // distance to the next nodes, about: a radius
+  Eigen::VectorXd breadth;     // of the points around over their length: small where they line up
+
+  Eigen::Index size() const { return places.cols(); }
+  Eigen::Vector3d Binormal(Eigen::Index i) const;
+  // Turns the node over: the other side of the sheet becomes its upper one.
+  void Flip(Eigen::Index i);
+  PoissonDiskSamples Picked(const std::vector<Eigen::Index>& indices) const;
+};
+
+struct PoissonDiskOptions {
+  Eigen::Index most = 2000;     // nodes, about
+  int least_neighbours = 12;    // that a tangent plane is fitted to …
+  int most_neighbours = 60;     // … and most
+  bool own_neighbours = false;  // tangent planes from all points, and not from those that may
+                                // become nodes: of nearer ones, where a sheet comes close to itself
+};
+
+// A greedy Poisson-disc subset of the points, taken in an order that depends on their coordinates
+// only. Nodes are as far apart as makes `most` of them, but at least 1.5 local spacings
+// and 4 times the noise; a normal is the best plane's, a place the foot on the best quadric over
+// it. All points are nodes where there are few. [RSA of discs fills 0.547 of the plane: Feder 1980]
+// O(m) and about 50 neighbour searches a node.
+PoissonDiskSamples SamplePoissonDisk(const Eigen::Matrix3Xd& points,
+                                     const NeighbourIndex& index,
+                                     double noise,
+                                     const PoissonDiskOptions& options,
+                                     ThreadPool& pool);
+
+}  // namespace batten::internal

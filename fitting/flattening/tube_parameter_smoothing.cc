@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/flattening/tube_parameter_smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/flattening/tube_chart.h"
+#include "fitting/knots/knot_grid_selection.h"
+#include "fitting/least_squares/fitting_bases.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kSmoothingDegree = 5;  // smooth enough that its knots do not show in the feet
+constexpr double kSmoothing = 1e-4;
+constexpr Eigen::Index kSample = 10000;
+constexpr int kSmoothingCellsRound[] = {6, 8, 11, 15, 20};
+constexpr double kPointsPerControlPoint = 6;
+constexpr double kAsGood = 1.3;  // root mean square residual, against the best
+constexpr int kSmoothingRounds = 2;
+constexpr double kMostFolded = 1e-4;  // of the area
+
+SplineBasis PeriodicBasis(int cells, double period) {
+  std::vector<double> knots;
+  for (int i = -kSmoothingDegree; i <= cells + kSmoothingDegree; ++i)
+    knots.push_back(period * i / cells);
+  return SplineBasis::Periodic(kSmoothingDegree, std::move(knots));
+}
+
+// Some of the points under the mask, evenly by index.
+std::vector<Eigen::Index> SampleOf(const PointMask& mask) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < mask.size(); ++k) {
+    if (mask[k]) kept.push_back(k);
+  }
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  if (count <= kSample) return kept;
+  std::vector<Eigen::Index> sample;
+  for (Eigen::Index k = 0; k < kSample; ++k) sample.push_back(kept[k * count / kSample]);
+  return sample;
+}
+
+struct Draft {
+  FittingProblem problem;
+  LinearSolution solution;
+  double variance;  // of a residual, what control points take away counted in
+};
+
+// Over ever more cells, nearly square ones.
+std::vector<Draft> StatesOf(const TubeParameters& tube,
+                            const Eigen::Matrix3Xd& points,
+                            ThreadPool& pool) {
+  auto data = std::make_shared<FittingData>();
+  data->parameters = tube.parameters;
+  data->values = points;
+  const auto count = static_cast<double>(points.cols());
+  std::vector<Draft> drafts;
+  for (const int round : kSmoothingCellsRound) {
+    const int along =
+        std::max(1, static_cast<int>(std::lround(round * tube.length_v / tube.length_u)));
+    const double unknowns = round * (along + kSmoothingDegree);
+    if (!drafts.empty() && unknowns * kPointsPerControlPoint > count) break;
+    FittingProblem problem(PeriodicBasis(round, tube.length_u),
+                           FittingBasis(kSmoothingDegree, along, 0, tube.length_v),
+                           data,
+                           kSmoothing);
+    LinearSolution solution = SolveLinear(problem, pool);
+    const double variance = solution.residual_squares / std::max(1.0, count - unknowns);
+    drafts.push_back({std::move(problem), std::move(solution), variance});
+  }
+  return drafts;
+}
+
+NurbsSurface SmoothSurface(const TubeParameters& tube,
+                           const Eigen::Matrix3Xd& points,
+                           ThreadPool& pool) {
+  const std::vector<Draft> drafts = StatesOf(tube, points, pool);
+  double least = drafts.front().variance;
+  for (const Draft& draft : drafts) least = std::min(least, draft.variance);
+  const auto chosen = std::find_if(drafts.begin(), drafts.end(), [&](const Draft& draft) {
+    return draft.variance <= kAsGood * kAsGood * least;
+  });
+  return {chosen->problem.basis_u(), chosen->problem.basis_v(), chosen->solution.coefficients};
+}
+
+// A smooth surface with its chart, and where to look for the points' feet on it.
+struct Settling {
+  NurbsSurface surface;
+  TubeChart chart;
+  Eigen::Matrix2Xd start;
+};
+
+}  // namespace
+
+TubeParameters SmoothTubeParameters(TubeParameters tube,
+                                    const Eigen::Matrix3Xd& points,
+                                    const PointMask& mask,
+                                    double most_distortion,
+                                    ThreadPool& pool) {
+  if (!mask.any()) return tube;
+  const std::vector<Eigen::Index> sample = SampleOf(mask);
+  const Eigen::Matrix3Xd some = points(Eigen::all, sample);
+  std::optional<Settling> settling;
+  TubeParameters current = tube;
+  for (int round = 0; round < kSmoothingRounds; ++round) {
+    if (settling) {
+      // Only points of the sample are moved to their feet, the others carried along.
+      Eigen::Matrix2Xd feet = settling->start;
+      feet(Eigen::all, sample) =
+          DistancesFrom(settling->surface, some, feet(Eigen::all, sample), pool).parameters;
+      const TubeChart& chart = settling->chart;
+      current = {
+          chart.At(feet, pool), chart.length_round(), chart.length_along(), chart.distortion()};
+    }
+    TubeParameters known = current;
+    known.parameters = current.parameters(Eigen::all, sample);
+    NurbsSurface surface = SmoothSurface(known, some, pool);
+    TubeChart chart(surface);
+    if (!(chart.distortion() <= most_distortion && chart.folded() <= kMostFolded)) break;
+    settling = {std::move(surface), std::move(chart), current.parameters};
+  }
+  if (!settling) return tube;
+  const Eigen::MatrixXd feet =
+      DistancesFrom(settling->surface, points, settling->start, pool).parameters;
+  const TubeChart& chart = settling->chart;
+  return {chart.At(feet, pool), chart.length_round(), chart.length_along(), chart.distortion()};
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/curve_components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include "batten/fitting/statistics.h"
+#include "fitting/ordering/curve_closure.h"
+#include "fitting/ordering/curve_sequence.h"
+#include "fitting/ordering/sequence_outliers.h"
+
+namespace batten {
+using namespace internal;
+namespace {
+
+constexpr size_t kFewestForLoneEnds = 50, kMostLone = 3;
+constexpr double kLoneInSteps = 20;
+constexpr double kMostStrays = 0.5;  // of the points: more are no outliers
+
+std::string Length(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+// The gap that was closed because the user said so.
+void TellGap(double gap, double spacing, CurveComponents& result) {
+  constexpr double kWideInSpacings = 5;
+  if (gap <= kWideInSpacings * spacing) return;
+  result.warnings.push_back("the ends of the points are " + Length(gap) +
+                            " apart: the curve bridges that gap");
+}
+
+// Where there are outliers, points at the ends that a step leaves behind, far longer than the others,
+// are more of them.
+PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask strays) {
+  if (!strays.any()) return strays;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    if (!strays[k]) kept.push_back(k);
+  }
+  if (kept.size() < kFewestForLoneEnds) return strays;
+  const auto step = [&](size_t k) {
+    return (points.col(kept[k + 1]) - points.col(kept[k])).norm();
+  };
+  std::vector<double> steps;
+  for (size_t k = 0; k + 1 < kept.size(); ++k) steps.push_back(step(k));
+  const double most = kLoneInSteps * Median(std::move(steps));
+  const auto leave = [&](size_t k) { strays[kept[k]] = true; };
+  for (size_t k = kMostLone; k-- > 0;) {
+    if (step(k) <= most) continue;
+    for (size_t i = 0; i <= k; ++i) leave(i);
+    break;
+  }
+  for (size_t k = kMostLone; k-- > 0;) {
+    const size_t last = kept.size() - 1;
+    if (step(last - 1 - k) <= most) continue;
+    for (size_t i = 0; i <= k; ++i) leave(last - i);
+    break;
+  }
+  return strays;
+}
+
+CurveComponents InOrder(const PointCloud& cloud, const ArrangeOptions& options) {
+  const bool given = options.parameterization == CurveParameterization::kGiven;
+  if (given && options.closed == ClosedChoice::kYes) {
+    throw std::invalid_argument(
+        "given parameters do not say how long the way from the last point to the first is: a "
+        "closed curve needs parameters from the points");
+  }
+  CurveComponents result;
+  result.strays = PointMask::Constant(cloud.size(), false);
+  OrderOptions order;
+  order.parameterization = options.parameterization;
+  order.degree = options.degree;
+  order.keep_order = options.order == PointOrder::kGiven;
+  if (!given) {
+    if (options.find_strays) {
+      const PointMask strays =
+          FindSequenceOutliers(cloud.points(), options.closed == ClosedChoice::kYes);
+      if (static_cast<double>(strays.count()) <= kMostStrays * static_cast<double>(cloud.size()))
+        result.strays = WithLoneEnds(cloud.points(), strays);
+    }
+    order.left_out = result.strays;
+    OrderedPoints open = OrderPoints(cloud, order);
+    if (options.closed == ClosedChoice::kNo) {
+      result.curves.push_back(std::move(open));
+      return result;
+    }
+    const bool meets = JudgeEnds(open.cloud.points(), open.noise).closed;
+    order.closed = meets || options.closed == ClosedChoice::kYes;
+    if (!order.closed) {
+      result.curves.push_back(std::move(open));
+      return result;
+    }
+    if (!meets) TellGap(open.gap, open.spacing, result);
+  }
+  result.curves.push_back(OrderPoints(cloud, order));
+  return result;
+}
+
+CurveComponents ByNeighbourhood(const PointCloud& cloud,
+                                const ArrangeOptions& options,
+                                ThreadPool& pool,
+                                const Progress& progress) {
+  if (options.parameterization == CurveParameterization::kGiven) {
+    throw std::invalid_argument("given parameters are an order of the points already");
+  }
+  const CurveOrder found = OrderAlongCurves(cloud, {options.closed}, pool, progress);
+  CurveComponents result;
+  result.unordered = true;
+  result.strays = PointMask::Constant(cloud.size(), false);
+  for (const Eigen::Index k : found.outliers) result.strays[k] = true;
+  if (found.paths.empty()) {
+    throw std::invalid_argument(
+        "no curve is found in the points: they lie too far apart or scatter too widely to follow "
+        "one "
+        "another");
+  }
+  constexpr double kMostLeftOut = 0.75;
+  if (static_cast<double>(found.outliers.size()) >
+      kMostLeftOut * static_cast<double>(cloud.size())) {
+    throw std::invalid_argument(
+        "no curve is found in the points: " + std::to_string(found.outliers.size()) + " of " +
+        std::to_string(cloud.size()) +
+        " lie far from every line of neighbours, as points of a surface do (batten fit surface)");
+  }
+  if (!found.outliers.empty()) {
+    result.warnings.push_back(std::to_string(found.outliers.size()) +
+                              " points lie far from every curve and are left out");
+  }
+  for (const CurvePath& path : found.paths) {
+    result.curves.push_back(FollowPath(cloud, path));
+    result.lengths.push_back(path.length);
+    if (path.closed) TellGap(path.gap, std::max(path.spacing, 2 * path.noise), result);
+  }
+  return result;
+}
+
+}  // namespace
+
+CurveComponents ArrangeCurves(const PointCloud& cloud,
+                              const ArrangeOptions& options,
+                              ThreadPool& pool,
+                              const Progress& progress) {
+  if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
+  const bool follow = options.order == PointOrder::kGiven ||
+                      options.parameterization == CurveParameterization::kGiven ||
+                      (options.order == PointOrder::kAuto && FollowsCurve(cloud.points()));
+  return follow && options.order != PointOrder::kUnordered
+             ? InOrder(cloud, options)
+             : ByNeighbourhood(cloud, options, pool, progress);
+}
+
+}  // namespace batten

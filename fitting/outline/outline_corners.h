@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Corners of a ragged closed border.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace batten::internal {
+
+struct OutlineLine {
+  Eigen::Vector2d point, direction;  // of length one, the way the border runs
+};
+
+struct OutlineCorner {
+  Eigen::Index index;  // of the border's point next to it
+  OutlineLine before, after;
+  double turn;            // to the left, in (−π, π]
+  Eigen::Vector2d place;  // where the lines meet
+};
+
+// Where two straight windows meet at more than 40°, in ascending order of their indices. `border`:
+// points of a closed border (2 × m) one behind the other, `step` apart along it, in units of the
+// cloud's spacing; ragged by up to about one. Windows are twenty long, then ten and five for what
+// is shorter; two lines must explain the border clearly better than one circle. O(m).
+std::vector<OutlineCorner> OutlineCorners(const Eigen::Matrix2Xd& border, double step);
+
+}  // namespace batten::internal

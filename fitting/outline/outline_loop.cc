@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/outline/outline_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fitting/outline/outline_corners.h"
+
+namespace batten::internal {
+namespace {
+
+using Index = Eigen::Index;
+
+constexpr double kStep = 0.5;
+constexpr double kSmoothed = 3;     // either way
+constexpr double kLookedAt = 5;     // from a corner on, for what is …
+constexpr double kOffSide = 1;      // … this far off its side
+constexpr double kCornerGap = 1.5;  // left out on either side of a corner
+
+Eigen::Vector2d RightOf(const Eigen::Vector2d& way) { return {way.y(), -way.x()}; }
+
+// Points evenly along a closed polygon, and how far apart.
+std::pair<Eigen::Matrix2Xd, double> Evenly(const Eigen::Matrix2Xd& polygon) {
+  const Index n = polygon.cols();
+  double length = 0;
+  for (Index i = 0; i < n; ++i) length += (polygon.col((i + 1) % n) - polygon.col(i)).norm();
+  const Index count = std::max<Index>(8, std::lround(length / kStep));
+  const double step = length / static_cast<double>(count);
+  Eigen::Matrix2Xd result(2, count);
+  Index edge = 0;
+  double begin = 0, size = (polygon.col(1 % n) - polygon.col(0)).norm();
+  for (Index k = 0; k < count; ++k) {
+    const double at = step * static_cast<double>(k);
+    while (at > begin + size && edge + 1 < n) {
+      begin += size;
+      ++edge;
+      size = (polygon.col((edge + 1) % n) - polygon.col(edge)).norm();
+    }
+    const double share = size > 0 ? std::clamp((at - begin) / size, 0.0, 1.0) : 0.0;
+    result.col(k) = polygon.col(edge) + share * (polygon.col((edge + 1) % n) - polygon.col(edge));
+  }
+  return {result, step};
+}
+
+// Samples of the points first … last (wrapped), each smoothed by a line through those near it.
+class StretchSmoothing {
+ public:
+  StretchSmoothing(const Eigen::Matrix2Xd& border, double step, double outwards)
+      : border_(border),
+        reach_(std::clamp<Index>(border.cols() / 16, 2, std::lround(kSmoothed / step))),
+        outwards_(outwards) {}
+
+  OutlineSample Sample(Index i, Index first, Index last) const {
+    const Index low = std::max(first, i - reach_), high = std::min(last, i + reach_);
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero(), slope = mean;
+    double square = 0;
+    const double middle = 0.5 * static_cast<double>(low + high);
+    for (Index k = low; k <= high; ++k) mean += At(k);
+    mean /= static_cast<double>(high - low + 1);
+    for (Index k = low; k <= high; ++k) {
+      const double from = static_cast<double>(k) - middle;
+      slope += from * (At(k) - mean);
+      square += from * from;
+    }
+    if (square > 0) slope /= square;
+    const Eigen::Vector2d right = RightOf(slope.normalized());
+    const Eigen::Vector2d place = mean + (static_cast<double>(i) - middle) * slope;
+    return {place + outwards_ * right, At(i) + outwards_ * right};
+  }
+
+ private:
+  Eigen::Vector2d At(Index i) const {
+    const Index n = border_.cols();
+    return border_.col(((i % n) + n) % n);
+  }
+
+  const Eigen::Matrix2Xd& border_;
+  Index reach_;
+  double outwards_;
+};
+
+// How many points from a corner on, one way, are not yet along its side.
+Index Rounded(const Eigen::Matrix2Xd& border,
+              Index corner,
+              int way,
+              const OutlineLine& side,
+              double step,
+              Index most) {
+  Index count = std::lround(kCornerGap / step);
+  const auto looked = static_cast<Index>(kLookedAt / step);
+  for (Index k = count; k < std::min(looked, most); ++k) {
+    const Index n = border.cols();
+    const Eigen::Vector2d from = border.col(((corner + way * k) % n + n) % n) - side.point;
+    if (std::abs(RightOf(side.direction).dot(from)) > kOffSide) count = k + 1;
+  }
+  return count;
+}
+
+Eigen::Vector2d CornerMoved(const OutlineCorner& corner, double outwards) {
+  const double half = corner.turn / 2;
+  const Eigen::Vector2d along = (corner.before.direction + corner.after.direction).normalized();
+  return corner.place + outwards / std::cos(half) * RightOf(along);
+}
+
+}  // namespace
+
+OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards) {
+  const auto [border, step] = Evenly(polygon);
+  const std::vector<OutlineCorner> corners = OutlineCorners(border, step);
+  const StretchSmoothing smoothing(border, step, outwards);
+  OutlineLoop loop;
+  const Index n = border.cols();
+  if (corners.empty())
+    for (Index i = 0; i < n; ++i) loop.push_back(smoothing.Sample(i, -n, 2 * n));
+  for (size_t c = 0; c < corners.size(); ++c) {
+    const Eigen::Vector2d place = CornerMoved(corners[c], outwards);
+    loop.push_back({place, place, true});
+    const OutlineCorner& next = corners[(c + 1) % corners.size()];
+    const Index end = c + 1 < corners.size() ? next.index : next.index + n;
+    const Index room = (end - corners[c].index) / 3;
+    const Index first =
+        corners[c].index + Rounded(border, corners[c].index, 1, corners[c].after, step, room);
+    const Index last = end - Rounded(border, next.index, -1, next.before, step, room);
+    for (Index i = first; i <= last; ++i) loop.push_back(smoothing.Sample(i, first, last));
+  }
+  return loop;
+}
+
+double SignedArea(const Eigen::Matrix2Xd& polygon) {
+  double twice = 0;
+  const Eigen::Vector2d origin = polygon.col(0);
+  for (Index i = 1; i + 1 < polygon.cols(); ++i) {
+    const Eigen::Vector2d a = polygon.col(i) - origin, b = polygon.col(i + 1) - origin;
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return twice / 2;
+}
+
+Eigen::Matrix2Xd PolygonOf(const OutlineLoop& loop) {
+  Eigen::Matrix2Xd polygon(2, static_cast<Index>(loop.size()));
+  for (size_t i = 0; i < loop.size(); ++i) polygon.col(static_cast<Index>(i)) = loop[i].place;
+  return polygon;
+}
+
+namespace {
+
+// What of a border is inside, from where it comes in to where it goes out.
+struct Chain {
+  OutlineLoop samples;
+  double in, out;  // along the edge, the way a border runs along it
+};
+
+class EdgeCut {
+ public:
+  EdgeCut(int axis, double sign, double at) : axis_(axis), at_(at) {
+    inwards_ = Eigen::Vector2d::Zero();
+    inwards_[axis] = sign;
+    along_ = RightOf(inwards_);
+  }
+
+  void Take(const OutlineLoop& loop) {
+    const size_t n = loop.size();
+    size_t start = 0;  // a sample outside
+    while (start < n && Inside(loop[start])) ++start;
+    if (start == n) {
+      whole_.push_back(loop);
+      return;
+    }
+    for (size_t k = 0; k < n; ++k) {
+      const OutlineSample &a = loop[(start + k) % n], &b = loop[(start + k + 1) % n];
+      if (Inside(a) == Inside(b)) {
+        if (Inside(a)) chains_.back().samples.push_back(b);
+        continue;
+      }
+      OutlineSample crossing = Crossing(a, b);
+      if (Inside(b)) {
+        crossing.along_cut = a.along_cut;
+        chains_.push_back({{crossing, b}, along_.dot(crossing.place), 0});
+      } else {
+        crossing.along_cut = true;
+        chains_.back().out = along_.dot(crossing.place);
+        chains_.back().samples.push_back(crossing);
+      }
+    }
+  }
+
+  // From where a chain goes out, on to the next that comes in.
+  std::vector<OutlineLoop> Joined() {
+    std::vector<char> used(chains_.size(), 0);
+    for (size_t first = 0; first < chains_.size(); ++first) {
+      if (used[first]) continue;
+      OutlineLoop loop;
+      for (size_t c = first;;) {
+        used[c] = 1;
+        loop.insert(loop.end(), chains_[c].samples.begin(), chains_[c].samples.end());
+        size_t next = first;
+        for (size_t d = 0; d < chains_.size(); ++d) {
+          if ((used[d] && d != first) || chains_[d].in < chains_[c].out) continue;
+          if (chains_[next].in < chains_[c].out || chains_[d].in < chains_[next].in) next = d;
+        }
+        if (next == first) break;
+        c = next;
+      }
+      whole_.push_back(std::move(loop));
+    }
+    return std::move(whole_);
+  }
+
+ private:
+  bool Inside(const OutlineSample& sample) const {
+    return inwards_[axis_] * (sample.place[axis_] - at_) >= 0;
+  }
+
+  OutlineSample Crossing(const OutlineSample& a, const OutlineSample& b) const {
+    const double share = (at_ - a.place[axis_]) / (b.place[axis_] - a.place[axis_]);
+    OutlineSample result;
+    result.place = a.place + share * (b.place - a.place);
+    result.place[axis_] = at_;
+    result.measured = result.place;
+    result.corner = true;
+    return result;
+  }
+
+  int axis_;
+  double at_;
+  Eigen::Vector2d inwards_, along_;
+  std::vector<Chain> chains_;
+  std::vector<OutlineLoop> whole_;
+};
+
+}  // namespace
+
+std::vector<OutlineLoop> CutOutlines(const std::vector<OutlineLoop>& loops,
+                                     int axis,
+                                     double sign,
+                                     double at) {
+  EdgeCut cut(axis, sign, at);
+  for (const OutlineLoop& loop : loops) cut.Take(loop);
+  return cut.Joined();
+}
+
+}  // namespace batten::internal

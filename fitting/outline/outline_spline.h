@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// A border smoothed: one closed cubic with its corners.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "batten/geometry/nurbs_curve.h"
+#include "fitting/outline/outline_loop.h"
+
+namespace batten::internal {
+
+// Control point i is column unknown[i] of `points`: those that coincide are the same one. With
+// corners the basis is clamped and begins at a corner; without, it is periodic.
+struct OutlineSpline {
+  SplineBasis basis;
+  std::vector<int> unknown;
+  Eigen::Matrix2Xd points;
+  std::vector<std::array<bool, 2>> fixed;  // coordinates of columns that must not move
+  std::vector<double> corners;             // their parameters
+  std::vector<char> straight;              // the piece from this corner to the next is a given line
+
+  Eigen::Vector2d At(double t) const;
+  bool IsStraight(double t) const;
+  NurbsCurve<2> Curve(double scale) const;  // clamped
+};
+
+// Cubics through samples, straight ones where a border runs along a cut; parameters are lengths.
+// As many control points as the ragged samples can tell from chance, few of them as a rule; `noise`
+// (in spacings) is taken to be no detail. O(length · control points).
+OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise);
+
+// One open cubic between two places through the samples of a piece.
+struct OutlinePiece {
+  std::vector<double> breaks;  // from 0 on
+  Eigen::Matrix2Xd points;
+};
+OutlinePiece SmoothedPiece(const Eigen::Vector2d& start,
+                           const std::vector<OutlineSample>& samples,
+                           const Eigen::Vector2d& end,
+                           double noise);
+
+}  // namespace batten::internal

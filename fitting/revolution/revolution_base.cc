@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/revolution/revolution_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fitting/revolution/cylindrical_chart.h"
+#include "fitting/revolution/revolution_shape.h"
+#include "fitting/revolution/sphere_fit.h"
+#include "fitting/revolution/torus_fit.h"
+#include "geometry/numeric/constants.h"
+#include "geometry/numeric/number_text.h"
+
+namespace batten::internal {
+namespace {
+
+void Check(const char* function,
+           const Eigen::Matrix3Xd& points,
+           const NeighbourIndex& index,
+           double spacing,
+           double noise,
+           double margin) {
+  const std::string name = function;
+  if (points.cols() == 0) throw std::invalid_argument(name + ": no points");
+  if (index.size() != points.cols()) {
+    throw std::invalid_argument(name + ": index must hold the points; it holds " +
+                                std::to_string(index.size()) + " of " +
+                                std::to_string(points.cols()));
+  }
+  const auto rule = [&](const char* field, double value) {
+    if (value >= 0 && std::isfinite(value)) return;
+    throw std::invalid_argument(name + ": " + field + " must not be negative; it is " +
+                                std::to_string(value));
+  };
+  rule("spacing", spacing);
+  rule("noise", noise);
+  rule("margin", margin);
+}
+
+// Parameters where nothing could be found.
+void PutAnywhere(const RoundCloud& cloud, RevolutionParameterization& base) {
+  base.length_u = base.length_v = std::max(cloud.spacing + 2 * cloud.margin, 1e-300);
+  base.parameters.setConstant(2, cloud.points.cols(), base.length_u / 2);
+}
+
+RevolutionParameterization Refused(const RoundCloud& cloud,
+                                   const char* name,
+                                   std::string failure_reason) {
+  RevolutionParameterization base;
+  base.name = name;
+  base.failure_reason = std::move(failure_reason);
+  PutAnywhere(cloud, base);
+  return base;
+}
+
+// The clause for the report, once parameters are laid.
+std::string WhyOf(const RevolutionParameterization& base,
+                  const WayRound& way,
+                  const std::string& shape) {
+  std::string why = shape;
+  if (base.periodic_u) {
+    why += ", closed round its axis along " + Percent(way.share) + " of its profile";
+  } else {
+    why += ", open round its axis (" + std::to_string(std::lround(base.turn * 360 / kTurn)) +
+           " degrees)";
+  }
+  if (base.periodic_v) why += ", its profile closed";
+  if (base.pole_start && base.pole_end) {
+    why += ", with a pole at either end";
+  } else if (base.pole_start || base.pole_end) {
+    why += ", with a pole at one end";
+  }
+  return why;
+}
+
+// Not a slightly bent sheet, nor a rod, which are near huge spheres.
+bool IsBall(const RevolutionSamples& round, const FittedSphere& sphere) {
+  constexpr double kLargest = 3;  // radii against the nodes' mean distance from their centre
+  return sphere.radius > 0 && sphere.radius < kLargest * round.size;
+}
+
+std::string NoAxis(double misfit) {
+  return "the points are off every surface of revolution by " + Percent(misfit) +
+         " of its radius: there is no axis to wind round; fit a part of the cloud that is an open "
+         "sheet";
+}
+
+constexpr const char* kSpiral =
+    "the points go round the axis more than once without closing; lay them out flat as a sheet";
+
+// Where the profile meets the axis near an end of the nodes: from inside outwards.
+std::optional<double> PoleOf(const BaseProfile& profile, double from, double to) {
+  constexpr int kSteps = 64;
+  double before = from;
+  if (!(profile.At(before).place[0] > 0)) return std::nullopt;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double s = from + (to - from) * i / kSteps;
+    if (profile.At(s).place[0] > 0) {
+      before = s;
+      continue;
+    }
+    double inside = before, outside = s;
+    for (int halving = 0; halving < 50; ++halving) {
+      const double middle = (inside + outside) / 2;
+      (profile.At(middle).place[0] > 0 ? inside : outside) = middle;
+    }
+    return inside;
+  }
+  return std::nullopt;
+}
+
+// Where the nodes are nearly on a sphere, the axis that suits it best.
+std::optional<AxisFrame> SphereAxis(const RevolutionSamples& round) {
+  constexpr double kBallLike = 0.03;
+  const FittedSphere sphere = FitSphere(round);
+  if (!IsBall(round, sphere) || sphere.misfit > kBallLike) return std::nullopt;
+  return AxisOfSphere(round, sphere);
+}
+
+CylindricalChart ChartOf(const RevolutionEstimate& shape) {
+  const BaseProfile& profile = *shape.profile;
+  CylindricalChart chart;
+  chart.frame = shape.frame;
+  chart.mean_radius = shape.seen.mean_radius;
+  chart.reach = shape.seen.reach;
+  chart.along = [&profile](const Eigen::Vector2d& place) {
+    return profile.Length(profile.Foot(place));
+  };
+  chart.low = profile.Length(shape.low);
+  chart.high = profile.Length(shape.high);
+  if (shape.closed_along) {
+    chart.period = profile.Length(profile.range());
+    return chart;
+  }
+  constexpr double kInside = 3;  // reaches
+  const double inside = std::min(kInside * shape.seen.reach, (shape.high - shape.low) / 2);
+  if (const auto pole = PoleOf(profile, shape.low + inside, 0)) {
+    chart.low_pole = profile.Length(*pole);
+  }
+  if (const auto pole = PoleOf(profile, shape.high - inside, profile.range())) {
+    chart.high_pole = profile.Length(*pole);
+  }
+  return chart;
+}
+
+// Turn of the place about the tube's middle, from outside over above.
+double TubeAngle(const Ring& ring, const Eigen::Vector2d& place) {
+  return std::atan2(place[1], place[0] - ring.radius);
+}
+
+// How far round its tube a ring goes; the start of an open one follows the widest gap.
+WayRound FindWayAlong(const RevolutionSamples& round,
+                      const Ring& ring,
+                      const SamplesAboutAxis& seen,
+                      double least_closed) {
+  SamplesAboutAxis about = seen;  // the roles of both angles changed
+  for (Eigen::Index i = 0; i < seen.size(); ++i) {
+    about.angles[i] = TubeAngle(ring, seen.places.col(i));
+    about.clear[i] = true;
+  }
+  std::vector<double> across(static_cast<size_t>(seen.size()));
+  for (Eigen::Index i = 0; i < seen.size(); ++i) across[i] = ring.radius * seen.angles[i];
+  return FindWayRound(round, about, across, kTurn * ring.radius, least_closed);
+}
+
+RevolutionSamples NodesOf(const char* function,
+                          const Eigen::Matrix3Xd& points,
+                          const NeighbourIndex& index,
+                          double spacing,
+                          double noise,
+                          double margin,
+                          const RevolutionParameterizationOptions& options,
+                          ThreadPool& pool) {
+  Check(function, points, index, spacing, noise, margin);
+  return SampleRevolution(
+      points, index, noise, {.nodes = options.nodes, .least_share = options.least_share}, pool);
+}
+
+}  // namespace
+
+RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
+                                            const RevolutionParameterizationOptions& options,
+                                            ThreadPool& pool) {
+  constexpr const char* kName = "revolution";
+  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
+  const std::optional<AxisFrame> preferred = SphereAxis(cloud.round);
+  const RevolutionEstimate shape =
+      cloud.shape ? WithPreferredAxis(*cloud.shape, cloud.round, preferred, pool)
+                  : FindRevolution(cloud.round, preferred, pool);
+  if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
+    RevolutionParameterization base = Refused(cloud, kName, NoAxis(std::min(shape.misfit, 1.0)));
+    base.misfit = std::min(shape.misfit, 1.0);
+    return base;
+  }
+  CylindricalChart chart = ChartOf(shape);
+  std::vector<double> lengths;
+  for (const double foot : shape.feet) lengths.push_back(shape.profile->Length(foot));
+  chart.way = FindWayRound(cloud.round, shape.seen, lengths, chart.period, options.least_closed);
+  if (chart.way.winds) return Refused(cloud, kName, kSpiral);
+  RevolutionParameterization base;
+  base.name = kName;
+  base.misfit = shape.misfit;
+  AssignParameters(chart, cloud, pool, base);
+  base.why = WhyOf(base, chart.way, "a surface of revolution");
+  return base;
+}
+
+RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
+                                        const RevolutionParameterizationOptions& options,
+                                        ThreadPool& pool) {
+  constexpr const char* kName = "sphere";
+  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
+  const FittedSphere sphere = FitSphere(cloud.round);
+  if (!IsBall(cloud.round, sphere) || sphere.misfit > options.most_misfit) {
+    const double misfit = IsBall(cloud.round, sphere) ? std::min(sphere.misfit, 1.0) : 1;
+    RevolutionParameterization base =
+        Refused(cloud,
+                kName,
+                "the points are off every sphere by " + Percent(misfit) +
+                    " of its radius; choose another base");
+    base.misfit = misfit;
+    return base;
+  }
+  CylindricalChart chart;
+  chart.frame = AxisOfSphere(cloud.round, sphere);
+  const SamplesAboutAxis seen = CylindricalCoordinates(cloud.round, chart.frame);
+  chart.mean_radius = seen.mean_radius;
+  chart.reach = seen.reach;
+  const double radius = sphere.radius;
+  chart.along = [radius](const Eigen::Vector2d& place) {
+    return radius * std::atan2(place[0], -place[1]);
+  };
+  std::vector<double> lengths;
+  for (const auto place : seen.places.colwise()) lengths.push_back(chart.along(place));
+  chart.low = *std::min_element(lengths.begin(), lengths.end());
+  chart.high = *std::max_element(lengths.begin(), lengths.end());
+  chart.low_pole = 0;
+  chart.high_pole = std::numbers::pi * radius;
+  chart.way = FindWayRound(cloud.round, seen, lengths, 0, options.least_closed);
+  RevolutionParameterization base;
+  base.name = kName;
+  base.misfit = sphere.misfit;
+  AssignParameters(chart, cloud, pool, base);
+  base.why = WhyOf(base, chart.way, "a sphere");
+  return base;
+}
+
+RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
+                                       const RevolutionParameterizationOptions& options,
+                                       ThreadPool& pool) {
+  constexpr const char* kName = "torus";
+  constexpr double kLeastOfTube = std::numbers::pi;
+  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
+  const RevolutionEstimate shape =
+      cloud.shape ? *cloud.shape : FindRevolution(cloud.round, std::nullopt, pool);
+  const auto refused = [&](const std::string& reason, double misfit) {
+    RevolutionParameterization base = Refused(cloud, kName, reason + "; choose another base");
+    base.misfit = misfit;
+    return base;
+  };
+  if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
+    return refused("the points are off every surface of revolution", 1);
+  }
+  const Ring ring = FitTorus(cloud.round, shape.frame);
+  if (!(ring.misfit <= options.most_misfit)) {
+    return refused("the points are off every torus by " + Percent(std::min(ring.misfit, 1.0)) +
+                       " of its radius",
+                   std::min(ring.misfit, 1.0));
+  }
+  if (!(ring.radius > ring.tube) || !(ring.tube > 0)) {
+    return refused("the tube of the torus would meet its axis", ring.misfit);
+  }
+  const SamplesAboutAxis seen = CylindricalCoordinates(cloud.round, ring.frame);
+  WayRound tube = FindWayAlong(cloud.round, ring, seen, options.least_closed);
+  tube.closed = tube.closed || shape.closed_along;
+  if (!tube.closed && tube.turn < kLeastOfTube) {
+    return refused("less than half of a tube is there", ring.misfit);
+  }
+  CylindricalChart chart;
+  chart.frame = ring.frame;
+  chart.mean_radius = ring.radius;
+  chart.reach = seen.reach;
+  chart.period = tube.closed ? kTurn * ring.tube : 0;
+  const double start = tube.closed ? 0 : tube.start + tube.turn / 2 - kTurn / 2;
+  chart.along = [ring, start](const Eigen::Vector2d& place) {
+    double angle = TubeAngle(ring, place) - start;
+    angle -= kTurn * std::floor(angle / kTurn);
+    return ring.tube * (angle < kTurn ? angle : 0);
+  };
+  std::vector<double> lengths;
+  for (const auto place : seen.places.colwise()) lengths.push_back(chart.along(place));
+  chart.low = *std::min_element(lengths.begin(), lengths.end());
+  chart.high = *std::max_element(lengths.begin(), lengths.end());
+  chart.way = FindWayRound(cloud.round, seen, lengths, chart.period, options.least_closed);
+  if (chart.way.winds) return Refused(cloud, kName, kSpiral);
+  RevolutionParameterization base;
+  base.name = kName;
+  base.misfit = ring.misfit;
+  AssignParameters(chart, cloud, pool, base);
+  base.why = WhyOf(base, chart.way, "a torus");
+  return base;
+}
+
+RevolutionParameterization FindRevolutionBase(const Eigen::Matrix3Xd& points,
+                                              const NeighbourIndex& index,
+                                              double spacing,
+                                              double noise,
+                                              double margin,
+                                              const RevolutionParameterizationOptions& options,
+                                              ThreadPool& pool,
+                                              const Progress& progress) {
+  Report(progress, "parameterize", 0.1);
+  const RevolutionSamples round =
+      NodesOf("FindRevolutionBase", points, index, spacing, noise, margin, options, pool);
+  Report(progress, "parameterize", 0.5);
+  return RevolutionBaseOf({points, round, spacing, noise, margin}, options, pool);
+}
+
+RevolutionParameterization FindSphereBase(const Eigen::Matrix3Xd& points,
+                                          const NeighbourIndex& index,
+                                          double spacing,
+                                          double noise,
+                                          double margin,
+                                          const RevolutionParameterizationOptions& options,
+                                          ThreadPool& pool,
+                                          const Progress& progress) {
+  Report(progress, "parameterize", 0.1);
+  const RevolutionSamples round =
+      NodesOf("FindSphereBase", points, index, spacing, noise, margin, options, pool);
+  Report(progress, "parameterize", 0.5);
+  return SphereBaseOf({points, round, spacing, noise, margin}, options, pool);
+}
+
+RevolutionParameterization FindTorusBase(const Eigen::Matrix3Xd& points,
+                                         const NeighbourIndex& index,
+                                         double spacing,
+                                         double noise,
+                                         double margin,
+                                         const RevolutionParameterizationOptions& options,
+                                         ThreadPool& pool,
+                                         const Progress& progress) {
+  Report(progress, "parameterize", 0.1);
+  const RevolutionSamples round =
+      NodesOf("FindTorusBase", points, index, spacing, noise, margin, options, pool);
+  Report(progress, "parameterize", 0.5);
+  return TorusBaseOf({points, round, spacing, noise, margin}, options, pool);
+}
+
+}  // namespace batten::internal

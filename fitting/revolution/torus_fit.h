@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// The torus nearest to nodes.
+#pragma once
+
+#include "fitting/revolution/revolution_axis.h"
+#include "fitting/revolution/revolution_samples.h"
+
+namespace batten::internal {
+
+// A torus about the third direction of a frame, its tube's centre at height 0.
+struct Ring {
+  AxisFrame frame;
+  double radius = 0, tube = 0;
+  double misfit = 0;  // over the radius
+};
+
+// By orthogonal distances: Gauss–Newton steps of axis and circle at once, from an axis that is
+// nearly right and the algebraic circle through the nodes' half plane. O(n).
+Ring FitTorus(const RevolutionSamples& round, const AxisFrame& start);
+
+}  // namespace batten::internal

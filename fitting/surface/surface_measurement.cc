@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/surface_measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/distances.h"
+#include "batten/fitting/fitting_problem.h"
+#include "batten/fitting/optimize.h"
+#include "batten/geometry/closure.h"
+#include "fitting/least_squares/residual_structure.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
+constexpr double kFewPoints = 12;  // to a control point
+constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
+constexpr double kExcessToOptimise = 1.2;  // residual against noise
+constexpr double kExcessToSayNoise = 2;
+constexpr double kFollowsNoise = 0.8;  // residuals against noise: a third of the freedom is gone
+constexpr double kSharedAtMost = 2.5;  // what is greater than so much noise is shape
+constexpr double kStructured = 0.15;   // share of the residuals' variance that is smooth in a cell
+constexpr double kExact = 1e-9;        // of the cloud's size: rounding
+constexpr double kPointsPerFreedomToOptimise = 2.5;
+constexpr int kMostToOptimise = 1500;
+
+// Whether the joint stage is to run, and the sentence that says why.
+bool JointOptimizationReducesError(const SurfaceFitOptions& options,
+                                   const SurfaceState& draft,
+                                   const Eigen::VectorXd& distances,
+                                   ThreadPool& pool,
+                                   double rms,
+                                   double noise,
+                                   Eigen::Index points,
+                                   int unknowns,
+                                   OptimizeSummary& summary) {
+  if (options.optimize && !options.optimize->any()) {
+    summary.why = "not asked for";
+    return false;
+  }
+  if (options.optimize) {
+    summary.why = "asked for";
+    return true;
+  }
+  if (!(noise > 0) || rms <= kExcessToOptimise * noise) {
+    summary.why = "residuals are at the noise";
+    return false;
+  }
+  if (static_cast<double>(points) < kPointsPerFreedomToOptimise * unknowns) {
+    summary.why = "residuals exceed the noise, but the points are too few for free parameters";
+    return false;
+  }
+  if (unknowns > kMostToOptimise) {
+    summary.why =
+        "residuals exceed the noise, but so many control points leave free parameters little to "
+        "gain";
+    return false;
+  }
+  const bool missed = options.tolerance && distances.cwiseAbs().maxCoeff() > *options.tolerance;
+  const double structured =
+      StructuredShare({draft.parameters, distances, options.seed}, unknowns, pool);
+  if (!missed && rms <= kSharedAtMost * noise &&
+      (draft.noise_is_shared || structured < kStructured)) {
+    summary.why =
+        "residuals exceed the noise of nearest neighbours, but they are no shape that "
+        "could be followed: neighbouring points share their noise";
+    return false;
+  }
+  summary.why = "residuals exceed the noise";
+  return true;
+}
+
+// Residuals that rounding of the coordinates alone leaves.
+double RoundingOf(const InputSummary& input) {
+  return kExact * (input.box_max - input.box_min).norm();
+}
+
+// What the user asked for against what the noise of the points allows.
+void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
+  const double noise = report.input.noise;
+  if (options.tolerance && *options.tolerance < noise && report.error.out_of_tolerance > 0) {
+    report.warnings.push_back(
+        "the tolerance is below the noise of the points: a surface that kept it would follow the "
+        "noise");
+  }
+  if (options.control_points && report.error.rms < kFollowsNoise * noise) {
+    report.warnings.push_back(
+        "residuals are well below the noise of neighbouring points: so many control points follow "
+        "the noise");
+  }
+}
+
+// The word for how it ended, held against what was measured.
+void JudgeTermination(const SurfaceFitOptions& options,
+                      const std::string& shape,
+                      FitReport& report) {
+  Termination& termination = report.termination;
+  if (termination == Termination::kCancelled) return;
+  if (options.tolerance) {
+    if (report.error.out_of_tolerance == 0) {
+      termination = Termination::kToleranceReached;
+    } else if (termination == Termination::kToleranceReached) {
+      termination = Termination::kStalled;
+    }
+    return;
+  }
+  if (report.error.rms <=
+      std::max(kExcessToSayNoise * report.input.noise, RoundingOf(report.input))) {
+    return;
+  }
+  if (options.control_points) {
+    termination = Termination::kMaxControlPoints;
+    return;
+  }
+  termination = Termination::kStalled;
+  if (!(report.input.noise > 0)) return;
+  report.warnings.push_back(
+      "residuals are well above the noise of neighbouring points, but more control points would "
+      "not predict left-out points better: the shape has edges, layers or detail that " +
+      shape + " does not follow");
+}
+
+// Fairness beside free parameters. Where there are many points to a control point it only has to
+// smooth what no point holds; few can be followed by folds, which it must keep down.
+double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
+  const double share = static_cast<double>(points) / unknowns;
+  return share < kFewPoints ? kFirmFairness : kFaintFairness;
+}
+
+// The places of the used points as columns of all, NaN for the others.
+Eigen::Matrix2Xd PlacesOf(const PointMask& used, const Eigen::Matrix2Xd& of_used) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Matrix2Xd places = Eigen::Matrix2Xd::Constant(2, used.size(), kNone);
+  Eigen::Index next = 0;
+  for (Eigen::Index k = 0; k < used.size() && next < of_used.cols(); ++k) {
+    if (used[k]) places.col(k) = of_used.col(next++);
+  }
+  return places;
+}
+
+// The rows that hold poles: free control points would open them, or break their tangent planes.
+std::vector<int> PolePoints(const SurfaceState& draft) {
+  std::vector<int> held;
+  const int size_v = draft.surface.size_v();
+  for (int i = 0; i < draft.surface.size_u(); ++i) {
+    const int row = i * size_v;
+    if (draft.poles.start != PoleKind::kNone) held.insert(held.end(), {row, row + 1});
+    if (draft.poles.end != PoleKind::kNone)
+      held.insert(held.end(), {row + size_v - 2, row + size_v - 1});
+  }
+  return held;
+}
+
+}  // namespace
+
+void OptimiseWhereItPays(SurfaceState& draft,
+                         const SurfaceFitOptions& options,
+                         ThreadPool& pool,
+                         Stopwatch& watch,
+                         FitReport& report) {
+  const PointDistances before =
+      DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool);
+  const Eigen::Index points = draft.used.size();
+  const double rms = std::sqrt(before.distances.squaredNorm() / static_cast<double>(points));
+  report.seconds.project += watch.Lap();
+  report.optimize.rms_before = report.optimize.rms_after = rms;
+  if (report.termination == Termination::kCancelled) return;
+  // Of exact points the noise is rounding, and far below what the surface could mend.
+  const double noise =
+      report.input.noise > 0 ? std::max(report.input.noise, RoundingOf(report.input)) : 0;
+  const int unknowns = draft.surface.size_u() * draft.surface.size_v();
+  if (!JointOptimizationReducesError(
+          options, draft, before.distances, pool, rms, noise, points, unknowns, report.optimize))
+    return;
+  OptimizeOptions optimize;
+  if (options.optimize) optimize.free = *options.optimize;
+  // Knots round a closed direction stay where they are.
+  optimize.knots_u = !draft.surface.basis_u().periodic();
+  optimize.knots_v = !draft.surface.basis_v().periodic();
+  optimize.free.knots = optimize.free.knots && (optimize.knots_u || optimize.knots_v);
+  if (!optimize.free.any()) {
+    report.optimize.why = "knots of closed directions stay where they are";
+    return;
+  }
+  optimize.loss = draft.robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
+  optimize.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
+  optimize.fairness = options.smoothing.value_or(FairnessOfFreePoints(points, unknowns));
+  optimize.seed = options.seed;
+  optimize.fixed_control_points = PolePoints(draft);
+  optimize.progress = options.progress;
+  auto data = std::make_shared<FittingData>();
+  data->parameters = draft.parameters;
+  data->values = draft.used.points();
+  data->weights = draft.weights;
+  const FittingProblem problem(
+      draft.surface.basis_u(),
+      draft.surface.basis_v(),
+      std::move(data),
+      options.smoothing.value_or(optimize.free.knots ? kSmoothingOfFreeKnots : kMeasuredSmoothing));
+  OptimizeResult result =
+      Optimize(problem, draft.surface.control_points(), draft.surface.weights(), optimize, pool);
+  report.optimize.ran = result.ran;
+  report.optimize.iterations = result.iterations;
+  if (!result.note.empty()) {
+    report.optimize.why = result.ran ? report.optimize.why + "; " + result.note : result.note;
+  }
+  report.iterations.insert(report.iterations.end(), result.rounds.begin(), result.rounds.end());
+  if (result.cancelled) report.termination = Termination::kCancelled;
+  NurbsSurface optimised(result.problem.basis_u(),
+                         result.problem.basis_v(),
+                         std::move(result.control_points),
+                         std::move(result.weights));
+  const PointDistances after =
+      DistancesFrom(optimised, draft.used.points(), result.problem.data().parameters, pool);
+  const auto keeps_tolerance = [&](const PointDistances& found) {
+    return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
+  };
+  const double rms_after = std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
+  report.seconds.optimize = watch.Lap();
+  if (options.tolerance && !options.optimize && keeps_tolerance(before) &&
+      !keeps_tolerance(after)) {
+    report.optimize.why += "; what it found does not keep the tolerance and was not taken";
+    return;
+  }
+  // An edge can draw back from the last points, and a loss that bounds residuals lets them go.
+  if (rms_after > rms && !(options.tolerance && keeps_tolerance(after))) {
+    report.optimize.why += "; what it found is farther from the points and was not taken";
+    return;
+  }
+  draft.surface = std::move(optimised);
+  report.optimize.rms_after = rms_after;
+}
+
+InputSummary SummariseInput(const PointCloud& cloud,
+                            Eigen::Index duplicates,
+                            const CloudStatistics& statistics) {
+  InputSummary input;
+  input.points = cloud.size();
+  input.duplicates = duplicates;
+  input.spacing = statistics.spacing;
+  input.noise = statistics.noise;
+  input.origin = cloud.origin();
+  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  return input;
+}
+
+SurfaceFit MeasureFit(const NurbsSurface& surface,
+                      const PointCloud& cloud,
+                      const MergedCloud& merged,
+                      const PointMask& used,
+                      const SurfaceFitOptions& options,
+                      const std::string& shape,
+                      ThreadPool& pool,
+                      FitReport report,
+                      const Eigen::Matrix2Xd* start,
+                      const Eigen::Matrix2Xd* near) {
+  const Eigen::Vector3d move = cloud.origin() - options.shift;
+  NurbsSurface written = move.isZero(0) ? surface : surface.Translated(move);
+  const NurbsSurface measured = move.isZero(0) ? surface : written.Translated(-move);
+  const Eigen::Matrix3Xd& points = merged.cloud.points();
+  const auto measure = [&]() -> PointDistances {
+    if (start) return DistancesFrom(measured, points, *start, pool);
+    if (!near) return DistancesTo(measured, points, pool);
+    if (near->cols() == points.cols()) return DistancesTo(measured, points, *near, pool);
+    return DistancesTo(measured, points, PlacesOf(used, *near), pool);
+  };
+  const PointDistances found = measure();
+  SurfaceFit fit{std::move(written),
+                 Eigen::Matrix2Xd(2, cloud.size()),
+                 Eigen::VectorXd(cloud.size()),
+                 PointMask(cloud.size()),
+                 {}};
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const Eigen::Index place = merged.place[k];
+    fit.parameters.col(k) = found.parameters.col(place);
+    fit.residuals[k] = found.distances[place];
+    fit.outliers[k] = !used[place];
+  }
+  report.error_all = Summarise(fit.residuals, options.tolerance);
+  report.error = fit.outliers.any() ? Summarise(fit.residuals, options.tolerance, !fit.outliers)
+                                    : report.error_all;
+  report.input.used = report.error.points;
+  report.input.outliers = fit.outliers.count();
+  report.geometry.kind = "surface";
+  report.geometry.degree = {fit.surface.basis_u().degree(), fit.surface.basis_v().degree()};
+  report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
+  report.geometry.rational = fit.surface.rational();
+  report.geometry.trims = static_cast<int>(fit.surface.trims().size());
+  report.geometry.closed = {fit.surface.basis_u().periodic(), fit.surface.basis_v().periodic()};
+  if (report.geometry.primitive) {  // exact shapes close without periodic knots
+    report.geometry.closed = {Closed(fit.surface, Direction::kU),
+                              Closed(fit.surface, Direction::kV)};
+    const CollapsedEdgeSet collapsed = CollapsedEdges(fit.surface);
+    report.geometry.poles = {collapsed.v_lower, collapsed.v_upper};
+  }
+  if (options.tolerance && report.error_all.out_of_tolerance > report.error.out_of_tolerance) {
+    report.warnings.push_back(
+        std::to_string(report.error_all.out_of_tolerance - report.error.out_of_tolerance) +
+        " points out of tolerance were set aside as outliers and are not counted (error_all "
+        "counts them; --keep-outliers fits them)");
+  }
+  const bool fair = report.geometry.base != "grid";  // grids are filled first
+  if (fair && fit.surface.size_u() * fit.surface.size_v() > report.input.used) {
+    report.warnings.push_back(
+        "there are more control points than points: fairness decides the rest");
+  }
+  WarnOfNoise(options, report);
+  JudgeTermination(options, shape, report);
+  fit.report = std::move(report);
+  return fit;
+}
+
+}  // namespace batten::internal

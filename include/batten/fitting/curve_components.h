@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// From a cloud to the curves in it: which points follow one another, which belong to none.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batten/fitting/curve_options.h"
+#include "batten/fitting/curve_order.h"
+#include "batten/fitting/ordered_points.h"
+#include "batten/fitting/progress.h"
+
+namespace batten {
+
+struct ArrangeOptions {
+  CurveParameterization parameterization = CurveParameterization::kChord;
+  int degree = 3;  // for universal parameters
+  PointOrder order = PointOrder::kAuto;
+  ClosedChoice closed = ClosedChoice::kAuto;
+  bool find_strays = true;  // leave out points far from the line of their neighbours
+};
+
+struct CurveComponents {
+  std::vector<OrderedPoints> curves;  // longest first; one where the cloud's order counts
+  std::vector<double> lengths;        // of their polylines, unordered points only
+  PointMask strays;                   // points of no curve
+  bool unordered = false;             // the neighbourhood's order was taken
+  std::vector<std::string> warnings;  // for the user
+};
+
+// Throws std::invalid_argument, with a sentence for the user, where there is no curve to follow.
+CurveComponents ArrangeCurves(const PointCloud& cloud,
+                              const ArrangeOptions& options,
+                              ThreadPool& pool,
+                              const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/cloud/local_outlier_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace batten::internal::local_outlier_factor_test {
+
+// Points even in the unit square, density falling tenfold from left to right where asked for.
+Eigen::Matrix3Xd Square(Eigen::Index count, bool uneven, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  Eigen::Matrix3Xd points(3, count);
+  for (Eigen::Index k = 0; k < count;) {
+    const double x = unit(random), y = unit(random);
+    if (uneven && unit(random) > std::pow(10, -x)) continue;
+    points.col(k++) << x, y, 1e-3 * unit(random);
+  }
+  return points;
+}
+
+TEST(CompanyTest, PointsOfAShapeHaveCompany) {
+  for (const int seed : {1, 2, 3}) {
+    for (const bool uneven : {false, true}) {
+      SCOPED_TRACE(seed);
+      std::mt19937_64 random(seed);
+      const Eigen::Matrix3Xd points = Square(5000, uneven, random);
+      const PointMask company = IsolatedPoints(points, PointMask::Constant(5000, true));
+      EXPECT_GE(company.count(), 4998);  // a corner point may stand apart by chance
+    }
+  }
+}
+
+// Where the density falls to a tenth at a line, those of the thin side next to it stay.
+TEST(CompanyTest, AStepOfDensityIsNoReasonToStandAlone) {
+  std::mt19937_64 random(5);
+  Eigen::Matrix3Xd points(3, 5500);
+  points << Square(5000, false, random),
+      Square(500, false, random).colwise() + Eigen::Vector3d(1, 0, 0);
+  EXPECT_GE(IsolatedPoints(points, PointMask::Constant(5500, true)).count(), 5496);
+}
+
+TEST(CompanyTest, StraysBesideAnEdgeHaveNone) {
+  std::mt19937_64 random(7);
+  Eigen::Matrix3Xd points(3, 5012);
+  points.leftCols(5000) = Square(5000, false, random);
+  // Five to nine spacings of 1/71 beyond the edge, far from each other: strays in a row keep each
+  // other company.
+  for (int k = 0; k < 12; ++k) {
+    points.col(5000 + k) << (k + 0.5) / 12, (k % 2 ? 1.07 + 0.06 * (k % 4) / 3 : -0.07), 0;
+  }
+  const PointMask company = IsolatedPoints(points, PointMask::Constant(5012, true));
+  EXPECT_EQ(company.tail(12).count(), 0);
+  EXPECT_GE(company.head(5000).count(), 4998);
+}
+
+TEST(CompanyTest, OnlyPointsUnderTheMaskAreAskedAndFewAreLetBe) {
+  std::mt19937_64 random(9);
+  const Eigen::Matrix3Xd points = Square(60, false, random);
+  PointMask mask = PointMask::Constant(60, true);
+  mask.head(20).setConstant(false);
+  EXPECT_TRUE((IsolatedPoints(points, mask) == mask).all());
+  EXPECT_TRUE((IsolatedPoints(1e6 * points, PointMask::Constant(60, true)) ==
+               IsolatedPoints(points, PointMask::Constant(60, true)))
+                  .all());
+}
+
+}  // namespace batten::internal::local_outlier_factor_test

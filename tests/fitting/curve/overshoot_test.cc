@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Curves that leave their data between them, or go on beyond them.
+#include "fitting/curve/overshoot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "dense_samples.h"
+#include "fitting/curve/curve_cut.h"
+#include "random_splines.h"
+#include "tolerances.h"
+
+namespace batten::internal::overshoot_test {
+
+// Points of a curve at the parameters.
+FittingProblem On(const NurbsCurve<2>& curve, const Eigen::VectorXd& u) {
+  auto data = std::make_shared<FittingData>();
+  data->parameters = Eigen::Matrix2Xd::Zero(2, u.size());
+  data->parameters.row(0) = u;
+  data->values.resize(2, u.size());
+  for (Eigen::Index k = 0; k < u.size(); ++k) data->values.col(k) = curve.At(u[k]);
+  return FittingProblem(curve.basis(), std::move(data), 0);
+}
+
+NurbsCurve<2> Bulge(double height) {
+  Eigen::Matrix2Xd net(2, 10);
+  for (int i = 0; i < 10; ++i) net.col(i) << i, 0;
+  net(1, 5) = height;
+  return NurbsCurve<2>(SplineBasis::Uniform(3, 10, 0, 1), net);
+}
+
+TEST(HasOvershootTest, TellsABulgeThatNoDatumHolds) {
+  Eigen::VectorXd beside(20);
+  beside << Eigen::VectorXd::LinSpaced(10, 0, 0.38), Eigen::VectorXd::LinSpaced(10, 0.75, 1);
+  const auto stays = [&](double height, const Eigen::VectorXd& u) {
+    const NurbsCurve<2> curve = Bulge(height);
+    return HasOvershoot(On(curve, u), curve.control_points(), {}, 0);
+  };
+  EXPECT_TRUE(stays(1, beside));  // not higher than the gap is wide
+  EXPECT_FALSE(stays(50, beside));
+  EXPECT_TRUE(stays(50, Eigen::VectorXd::LinSpaced(400, 0, 1)));  // where data follow it
+}
+
+TEST(HasOvershootTest, TellsAnEndBeyondTheData) {
+  const NurbsCurve<2> curve = Bulge(0);
+  EXPECT_TRUE(
+      HasOvershoot(On(curve, Eigen::VectorXd::LinSpaced(15, 0, 1)), curve.control_points(), {}, 0));
+  EXPECT_FALSE(HasOvershoot(
+      On(curve, Eigen::VectorXd::LinSpaced(15, 0.3, 1)), curve.control_points(), {}, 0));
+}
+
+TEST(SampledSizeTest, IsThatOfTheBox) {
+  EXPECT_NEAR(SampledSize(Bulge(0).basis(), Bulge(0).control_points(), Eigen::VectorXd::Ones(10)),
+              9,
+              kRounding * 9);
+}
+
+TEST(CutToDataTest, LeavesTheShapeAndEndsAtTheData) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const NurbsCurve<2> curve = random.Curve<2>(random.Integer(1, 6), true);
+    const SplineBasis& basis = curve.basis();
+    if (basis.periodic()) continue;
+    const double length = basis.upper() - basis.lower();
+    const std::vector<int> spans = basis.Spans();
+    const double first =
+        basis.lower() +
+        0.5 * (basis.knots()[static_cast<size_t>(spans.front()) + 1] - basis.lower());
+    const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(30, first, basis.upper());
+    if (!(first < basis.upper() - 1e-3 * length)) continue;
+    const FittingProblem problem = On(curve, u);
+    const auto cut = CutToData(curve, problem.data());
+    ASSERT_TRUE(cut);
+    EXPECT_EQ(cut->curve.basis().lower(), basis.lower());
+    EXPECT_EQ(cut->curve.basis().upper(), basis.upper());
+    const double size = curve.control_points().cwiseAbs().maxCoeff();
+    for (Eigen::Index k = 0; k < u.size(); ++k) {
+      EXPECT_LT((cut->curve.At(cut->parameters(0, k)) - problem.data().values.col(k)).norm(),
+                kIterated * size);
+    }
+    EXPECT_LT((cut->curve.At(basis.lower()) - curve.At(first)).norm(), kIterated * size);
+  }
+}
+
+TEST(CutToDataTest, GivesUpWhereASpanWouldBeLost) {
+  const NurbsCurve<2> curve = Bulge(1);
+  EXPECT_FALSE(CutToData(curve, On(curve, Eigen::VectorXd::LinSpaced(9, 0.5, 1)).data()));
+  const auto whole = CutToData(curve, On(curve, Eigen::VectorXd::LinSpaced(9, 0, 1)).data());
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->curve, curve);
+}
+
+}  // namespace batten::internal::overshoot_test
