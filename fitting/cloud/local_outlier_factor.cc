@@ -57,7 +57,9 @@ bool StandsApart(const Circles& circles, std::ptrdiff_t i) {
 
 }  // namespace
 
-PointMask IsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask, ThreadPool& pool) {
+PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
+                            const PointMask& mask,
+                            ThreadPool& pool) {
   PointMask company = mask;
   std::vector<Eigen::Index> chosen;
   for (Eigen::Index k = 0; k < mask.size(); ++k) {
@@ -88,9 +90,9 @@ PointMask IsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask, 
   return company;
 }
 
-PointMask IsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask) {
+PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask) {
   ThreadPool alone(1);
-  return IsolatedPoints(points, mask, alone);
+  return NonIsolatedPoints(points, mask, alone);
 }
 
 }  // namespace batten::internal

@@ -16,7 +16,9 @@ namespace batten::internal {
 // tell, for it would follow. Density may change, and edges and corners have neighbours. [Breunig et
 // al. 2000, the local outlier factor, with medians] All where they are fewer than fifty. O(m log
 // m).
-PointMask IsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask);
-PointMask IsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask, ThreadPool& pool);
+PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask);
+PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
+                            const PointMask& mask,
+                            ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -38,7 +38,7 @@ constexpr int kRobustPasses = 3;
 constexpr double kExactAgainstNoise = 0.2;
 constexpr double kLargest = 1.3;  // a joint result against the points
 constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e-3, kRegularizationStep = 10;
-constexpr double kManyStrays = 0.003;      // of the points: then some will have been missed
+constexpr double kManyOutliers = 0.003;    // of the points: then some will have been missed
 constexpr double kExcessToOptimise = 1.1;  // residual against noise
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
 constexpr double kTiny = 1e-300;  // a scale must be positive, even of residuals that vanish
@@ -60,10 +60,14 @@ class CurveFitter {
  public:
   CurveFitter(const PointCloud& cloud,
               const OrderedPoints& ordered,
-              const PointMask& strays,
+              const PointMask& sequence_outliers,
               const CurveFitOptions& options,
               ThreadPool& pool)
-      : cloud_(cloud), ordered_(ordered), strays_(strays), options_(options), pool_(pool) {
+      : cloud_(cloud),
+        ordered_(ordered),
+        sequence_outliers_(sequence_outliers),
+        options_(options),
+        pool_(pool) {
     report_.threads = pool_.threads();
     distance_ = options.distance;
     if (distance_ == CurveDistance::kAuto) {
@@ -281,9 +285,10 @@ class CurveFitter {
 
   void FitAdaptively() {
     std::optional<Loss> loss = options_.loss;
-    const auto strays = static_cast<double>(strays_.count());
+    const auto sequence_outliers = static_cast<double>(sequence_outliers_.count());
     const bool noisy = ordered_.noise > 0;  // else what is off is the curve
-    if (!loss && noisy && strays > kManyStrays * static_cast<double>(strays_.size()))
+    if (!loss && noisy &&
+        sequence_outliers > kManyOutliers * static_cast<double>(sequence_outliers_.size()))
       loss = Loss::kTukey;
     const bool robust = loss && *loss != Loss::kNone;
     const bool many = problem_->size() > kManyPoints && !options_.tolerance;
@@ -385,7 +390,7 @@ class CurveFitter {
     bool told = false;
     for (double smoothing = kFirstRegularization; smoothing <= kLastRegularization;
          smoothing *= kRegularizationStep) {
-      if (HasOvershoot(*problem_, solution.coefficients, {}, noise_)) break;
+      if (!HasOvershoot(*problem_, solution.coefficients, {}, noise_)) break;
       if (smoothing <= problem_->smoothing()) continue;
       problem_ = problem_->WithSmoothing(smoothing);
       solution = SolveLinear(*problem_, pool_);
@@ -597,8 +602,8 @@ class CurveFitter {
     NurbsCurve<Dim> curve(
         result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
     const bool regularized =
-        HasOvershoot(result.problem, curve.control_points(), curve.weights(), noise_) ||
-        !HasOvershoot(*problem_, curve_->control_points(), curve_->weights(), noise_);
+        !HasOvershoot(result.problem, curve.control_points(), curve.weights(), noise_) ||
+        HasOvershoot(*problem_, curve_->control_points(), curve_->weights(), noise_);
     const auto size = [](const NurbsCurve<Dim>& shape) {
       return SampledSize(shape.basis(), shape.control_points(), shape.weights());
     };
@@ -626,7 +631,7 @@ class CurveFitter {
   CurveFit<Dim> Measure() {
     CurveFit<Dim> fit = MeasuredCurve<Dim>({cloud_,
                                             ordered_,
-                                            strays_,
+                                            sequence_outliers_,
                                             options_,
                                             problem_->data().weights,
                                             problem_->data().parameters.row(0).transpose(),
@@ -658,7 +663,7 @@ class CurveFitter {
 
   const PointCloud& cloud_;
   const OrderedPoints& ordered_;
-  const PointMask& strays_;
+  const PointMask& sequence_outliers_;
   const CurveFitOptions& options_;
   ThreadPool& pool_;
   Stopwatch watch_, total_;
@@ -682,10 +687,10 @@ class CurveFitter {
 template <int Dim>
 CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,
-                         const PointMask& strays,
+                         const PointMask& sequence_outliers,
                          const CurveFitOptions& options,
                          ThreadPool& pool) {
-  return CurveFitter<Dim>(cloud, ordered, strays, options, pool).Run();
+  return CurveFitter<Dim>(cloud, ordered, sequence_outliers, options, pool).Run();
 }
 
 template CurveFit<2> FitOrdered<2>(

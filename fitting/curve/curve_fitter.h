@@ -8,11 +8,12 @@
 
 namespace batten::internal {
 
-// Fits the points of one component of a cloud. `outliers` belong to no component. Errors as FitCurve.
+// Fits the points of one component of a cloud. `outliers` belong to no component. Errors as
+// FitCurve.
 template <int Dim>
 CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,
-                         const PointMask& strays,
+                         const PointMask& sequence_outliers,
                          const CurveFitOptions& options,
                          ThreadPool& pool);
 

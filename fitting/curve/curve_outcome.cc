@@ -23,7 +23,7 @@ PointMask Own(const OrderedPoints& ordered) {
 
 // Outliers, and the points that a loss gives no weight.
 PointMask Forgotten(const MeasureInput& grounds) {
-  PointMask forgotten = grounds.strays;
+  PointMask forgotten = grounds.sequence_outliers;
   for (Eigen::Index k = 0; k < forgotten.size() && grounds.weights.size() > 0; ++k) {
     const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
     if (place >= 0 && grounds.weights[place] == 0) forgotten[k] = true;
@@ -100,9 +100,9 @@ CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
                     {}};
   const PointMask own = Own(grounds.ordered), used = own && !fit.outliers;
   report.error = Summarise(fit.residuals, options.tolerance, used);
-  report.error_all = used.all()
-                         ? report.error
-                         : Summarise(fit.residuals, options.tolerance, own || grounds.strays);
+  report.error_all =
+      used.all() ? report.error
+                 : Summarise(fit.residuals, options.tolerance, own || grounds.sequence_outliers);
   if (grounds.distance == CurveDistance::kParameter) {
     report.parameter_error =
         Summarise(OffsetsAtParameters<Dim>(grounds, measured), options.tolerance, used);

@@ -12,7 +12,7 @@ namespace batten::internal {
 struct MeasureInput {
   const PointCloud& cloud;
   const OrderedPoints& ordered;
-  const PointMask& strays;
+  const PointMask& sequence_outliers;
   const CurveFitOptions& options;
   const Eigen::VectorXd& weights;  // of the ordered points in the end; empty: ones
   Eigen::VectorXd parameters;      // of the ordered points, near their foot points

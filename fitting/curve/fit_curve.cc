@@ -33,7 +33,7 @@ class Components {
     arrange.degree = options.degree;
     arrange.order = options.order;
     arrange.closed = options.closed;
-    arrange.find_strays = !options.loss || *options.loss != Loss::kNone;
+    arrange.find_outliers = !options.loss || *options.loss != Loss::kNone;
     arranged_ = ArrangeCurves(cloud, arrange, pool_, options.progress);
     seconds_ = watch_.Lap();
   }
@@ -70,8 +70,8 @@ class Components {
   // `alone`: the others are not fitted.
   CurveFit<Dim> Fit(size_t component, bool alone) {
     Stopwatch watch;
-    CurveFit<Dim> fit =
-        FitOrdered<Dim>(cloud_, arranged_.curves[component], arranged_.strays, options_, pool_);
+    CurveFit<Dim> fit = FitOrdered<Dim>(
+        cloud_, arranged_.curves[component], arranged_.sequence_outliers, options_, pool_);
     fit.report.seconds.prepare += seconds_;
     fit.report.seconds.total = watch.Lap() + seconds_;
     fit.report.warnings.insert(

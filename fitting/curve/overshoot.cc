@@ -85,9 +85,9 @@ bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::MatrixXd& control_points,
                   const Eigen::VectorXd& weights,
                   double noise) {
-  if (weights.size() == 0 && WellHeld(problem)) return true;
-  return control_points.rows() == 2 ? Stays<2>(problem, control_points, weights, noise)
-                                    : Stays<3>(problem, control_points, weights, noise);
+  if (weights.size() == 0 && WellHeld(problem)) return false;
+  return control_points.rows() == 2 ? !Stays<2>(problem, control_points, weights, noise)
+                                    : !Stays<3>(problem, control_points, weights, noise);
 }
 
 namespace {

@@ -8,10 +8,10 @@
 
 namespace batten::internal {
 
-// Between two data with weight that follow one another along the curve, every place of it lies no
-// farther from their chord than that is long, apart from ten standard deviations of the noise and a
-// hundredth of the data's size. 16 samples a span; weights of the curve may be empty. What no data
-// hold may fly off without any residual to show it: this shows it.
+// Whether the curve leaves its data between them, which no residual shows: between two data with
+// weight that follow one another along the curve, some place of it lies farther from their chord
+// than that is long, ten standard deviations of the noise and a hundredth of the data's size added.
+// 16 samples a span; weights of the curve may be empty. O(m + samples).
 bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::MatrixXd& control_points,
                   const Eigen::VectorXd& weights,

@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kFewestForLoneEnds = 50, kMostLone = 3;
 constexpr double kLoneInSteps = 20;
-constexpr double kMostStrays = 0.5;  // of the points: more are no outliers
+constexpr double kMostOutliers = 0.5;  // of the points: more are no outliers
 
 std::string Length(double value) {
   char text[32];
@@ -34,22 +34,22 @@ void TellGap(double gap, double spacing, CurveComponents& result) {
                             " apart: the curve bridges that gap");
 }
 
-// Where there are outliers, points at the ends that a step leaves behind, far longer than the others,
-// are more of them.
-PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask strays) {
-  if (!strays.any()) return strays;
+// Where there are outliers, points at the ends that a step leaves behind, far longer than the
+// others, are more of them.
+PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask sequence_outliers) {
+  if (!sequence_outliers.any()) return sequence_outliers;
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    if (!strays[k]) kept.push_back(k);
+    if (!sequence_outliers[k]) kept.push_back(k);
   }
-  if (kept.size() < kFewestForLoneEnds) return strays;
+  if (kept.size() < kFewestForLoneEnds) return sequence_outliers;
   const auto step = [&](size_t k) {
     return (points.col(kept[k + 1]) - points.col(kept[k])).norm();
   };
   std::vector<double> steps;
   for (size_t k = 0; k + 1 < kept.size(); ++k) steps.push_back(step(k));
   const double most = kLoneInSteps * Median(std::move(steps));
-  const auto leave = [&](size_t k) { strays[kept[k]] = true; };
+  const auto leave = [&](size_t k) { sequence_outliers[kept[k]] = true; };
   for (size_t k = kMostLone; k-- > 0;) {
     if (step(k) <= most) continue;
     for (size_t i = 0; i <= k; ++i) leave(i);
@@ -61,7 +61,7 @@ PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask strays) {
     for (size_t i = 0; i <= k; ++i) leave(last - i);
     break;
   }
-  return strays;
+  return sequence_outliers;
 }
 
 CurveComponents InOrder(const PointCloud& cloud, const ArrangeOptions& options) {
@@ -72,19 +72,20 @@ CurveComponents InOrder(const PointCloud& cloud, const ArrangeOptions& options) 
         "closed curve needs parameters from the points");
   }
   CurveComponents result;
-  result.strays = PointMask::Constant(cloud.size(), false);
+  result.sequence_outliers = PointMask::Constant(cloud.size(), false);
   OrderOptions order;
   order.parameterization = options.parameterization;
   order.degree = options.degree;
   order.keep_order = options.order == PointOrder::kGiven;
   if (!given) {
-    if (options.find_strays) {
-      const PointMask strays =
+    if (options.find_outliers) {
+      const PointMask sequence_outliers =
           FindSequenceOutliers(cloud.points(), options.closed == ClosedChoice::kYes);
-      if (static_cast<double>(strays.count()) <= kMostStrays * static_cast<double>(cloud.size()))
-        result.strays = WithLoneEnds(cloud.points(), strays);
+      if (static_cast<double>(sequence_outliers.count()) <=
+          kMostOutliers * static_cast<double>(cloud.size()))
+        result.sequence_outliers = WithLoneEnds(cloud.points(), sequence_outliers);
     }
-    order.left_out = result.strays;
+    order.left_out = result.sequence_outliers;
     OrderedPoints open = OrderPoints(cloud, order);
     if (options.closed == ClosedChoice::kNo) {
       result.curves.push_back(std::move(open));
@@ -112,8 +113,8 @@ CurveComponents ByNeighbourhood(const PointCloud& cloud,
   const CurveOrder found = OrderAlongCurves(cloud, {options.closed}, pool, progress);
   CurveComponents result;
   result.unordered = true;
-  result.strays = PointMask::Constant(cloud.size(), false);
-  for (const Eigen::Index k : found.outliers) result.strays[k] = true;
+  result.sequence_outliers = PointMask::Constant(cloud.size(), false);
+  for (const Eigen::Index k : found.outliers) result.sequence_outliers[k] = true;
   if (found.paths.empty()) {
     throw std::invalid_argument(
         "no curve is found in the points: they lie too far apart or scatter too widely to follow "

@@ -35,18 +35,18 @@ constexpr Eigen::Index kRareOthers = 50;   // one in so many points
 constexpr size_t kStepsBeside = 4;
 constexpr double kSequenceJump = 1.5;  // times their median
 constexpr Eigen::Index kMany = 6;
-constexpr double kManyJump = 2;       // times the same
+constexpr double kManyJump = 2;             // times the same
 constexpr Eigen::Index kFewestInGroup = 5;  // so many near each other in a row are no outliers
-constexpr double kNearEachOther = 4;  // steps
-constexpr double kVeryFar = 2.5;      // steps: farther than noise reaches
-constexpr double kVeryFarFactor = 5;  // times the median deviation nearby
-constexpr double kFar = 0.75;         // steps: off the line whatever the curve does
-constexpr double kFineFloor = 0.05;   // steps: nothing nearer is marked
-constexpr double kFarFactor = 10;     // times the median deviation nearby
-constexpr double kFineFactor = 15;    // times what three quarters of the next ones keep
-constexpr double kUneven = 6;         // steps over two: next to long ones
-constexpr double kCorner = 0.6;       // of the chord: farther than a right angle reaches
-constexpr double kSuspicious = 4;     // times the median of the quick test
+constexpr double kNearEachOther = 4;        // steps
+constexpr double kVeryFar = 2.5;            // steps: farther than noise reaches
+constexpr double kVeryFarFactor = 5;        // times the median deviation nearby
+constexpr double kFar = 0.75;               // steps: off the line whatever the curve does
+constexpr double kFineFloor = 0.05;         // steps: nothing nearer is marked
+constexpr double kFarFactor = 10;           // times the median deviation nearby
+constexpr double kFineFactor = 15;          // times what three quarters of the next ones keep
+constexpr double kUneven = 6;               // steps over two: next to long ones
+constexpr double kCorner = 0.6;             // of the chord: farther than a right angle reaches
+constexpr double kSuspicious = 4;           // times the median of the quick test
 
 using Values = std::array<double, 4 * kReach>;
 
@@ -223,7 +223,8 @@ bool MayBeOutliers(
     const double step = (line.at(k + 1) - line.at(k)).norm();
     sum += step;
     longest = std::max(longest, step);
-    near_each_other = k > from && k + 1 < to && step <= kNearEachOther * usual ? near_each_other + 1 : 1;
+    near_each_other =
+        k > from && k + 1 < to && step <= kNearEachOther * usual ? near_each_other + 1 : 1;
     if (near_each_other >= kFewestInGroup) return false;
   }
   const Eigen::Index count = to - from - 1;
@@ -232,8 +233,8 @@ bool MayBeOutliers(
 }
 
 // Marks a few points before the first and behind the last point of the way, if they lie farther
-// off than any step of the way is long, and the line has other outliers or even steps: a long step to
-// an end may be a part of it.
+// off than any step of the way is long, and the line has other outliers or even steps: a long step
+// to an end may be a part of it.
 void MarkEnds(const Line& line,
               const std::vector<Eigen::Index>& way,
               double usual,
@@ -419,9 +420,9 @@ PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed) {
     const Eigen::Index found = before - line.size();
     if (found == 0 || found * kFewFound < before) break;
   }
-  PointMask strays = PointMask::Constant(points.cols(), true);
-  for (const Eigen::Index k : line.kept) strays[k] = false;
-  return strays;
+  PointMask sequence_outliers = PointMask::Constant(points.cols(), true);
+  for (const Eigen::Index k : line.kept) sequence_outliers[k] = false;
+  return sequence_outliers;
 }
 
 }  // namespace batten::internal

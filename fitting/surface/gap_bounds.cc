@@ -254,19 +254,19 @@ std::vector<GapBounds> BoundsOfGaps(const FittingProblem& problem,
                                     const GapMap& map,
                                     Eigen::Index measured,
                                     ThreadPool& pool) {
-  const std::vector<DataGap>& voids = map.voids();
+  const std::vector<DataGap>& gaps = map.gaps();
   const double cell = std::max(CellWidth(problem.basis_u()), CellWidth(problem.basis_v()));
   const auto matters = [&](const DataGap& hole) { return hole.reach > cell && !hole.rim.empty(); };
-  std::vector<GapBounds> bounds(voids.size());
+  std::vector<GapBounds> bounds(gaps.size());
   double reach = 0;
-  for (const DataGap& hole : voids) {
+  for (const DataGap& hole : gaps) {
     if (matters(hole)) reach = std::max(reach, hole.reach);
   }
   if (reach == 0) return bounds;
   const auto fill = [&](const auto& of) {
-    for (size_t k = 0; k < voids.size(); ++k) {
-      if (!matters(voids[k])) continue;
-      bounds[k] = of.Of(voids[k], AtPlaces(problem, free.coefficients, map, voids[k].places, pool));
+    for (size_t k = 0; k < gaps.size(); ++k) {
+      if (!matters(gaps[k])) continue;
+      bounds[k] = of.Of(gaps[k], AtPlaces(problem, free.coefficients, map, gaps[k].places, pool));
     }
   };
   if (problem.data().values.rows() == 1) {

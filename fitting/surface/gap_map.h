@@ -28,7 +28,7 @@ class GapMap {
   // Of a surface's problem; `measured` first data are asked, of them those with a weight. O(m).
   GapMap(const FittingProblem& problem, Eigen::Index measured, double spacing);
 
-  const std::vector<DataGap>& voids() const { return gaps_; }
+  const std::vector<DataGap>& gaps() const { return gaps_; }
   double gap_share() const;  // of the domain
   double side() const;       // of a place, the longer one
   Eigen::Vector2d Centre(int place) const;

@@ -107,7 +107,7 @@ class Holding {
     Outcome outcome{free, {}, {}, false};
     const Eigen::MatrixXd filled = Fill(free, owner);
     for (const size_t hole : held_) {
-      const std::vector<int>& places = map_.voids()[hole].places;
+      const std::vector<int>& places = map_.gaps()[hole].places;
       const Eigen::MatrixXd from = AtPlaces(free.problem, free.coefficients, map_, places, pool_);
       const Eigen::MatrixXd to = AtPlaces(free.problem, filled, map_, places, pool_);
       double share = 0, least = bounds_[hole].Excess(from);
@@ -120,7 +120,7 @@ class Holding {
       }
       if (least > bounds_[hole].slack) outcome.out.push_back(hole);
       // The outline of a bent sheet is worth more than what lies beyond.
-      const bool beyond = filled.rows() == 3 && map_.voids()[hole].at_border;
+      const bool beyond = filled.rows() == 3 && map_.gaps()[hole].at_border;
       outcome.wild |= least > (beyond ? kWildBeyond : kWild) * bounds_[hole].radius.maxCoeff();
       if (share == 0) continue;
       outcome.changed.push_back(hole);
@@ -139,7 +139,7 @@ class Holding {
              std::vector<size_t> out,
              double narrowest,
              int most_control_points) const {
-    std::erase_if(out, [&](size_t hole) { return map_.voids()[hole].at_border; });
+    std::erase_if(out, [&](size_t hole) { return map_.gaps()[hole].at_border; });
     std::vector<double> in_u, in_v;
     for (const bool along_u : {true, false}) {
       const SplineBasis& basis = along_u ? net.problem.basis_u() : net.problem.basis_v();
@@ -149,7 +149,7 @@ class Holding {
                      b = basis.knots()[static_cast<size_t>(span) + 1];
         if ((b - a) / 2 < narrowest) continue;
         const bool crosses = std::any_of(out.begin(), out.end(), [&](size_t hole) {
-          const auto [low, high] = Extent(map_.voids()[hole], along_u ? 0 : 1);
+          const auto [low, high] = Extent(map_.gaps()[hole], along_u ? 0 : 1);
           return low < b && high > a;
         });
         if (crosses) knots.push_back((a + b) / 2);
@@ -197,7 +197,7 @@ class Holding {
     Eigen::Index to = 0;
     for (const size_t hole : held_) {
       data->values.middleCols(to, bounds_[hole].fill.cols()) = bounds_[hole].fill;
-      for (const int place : map_.voids()[hole].places)
+      for (const int place : map_.gaps()[hole].places)
         data->parameters.col(to++) = map_.Centre(place);
     }
     const PenalisedSystem system(net.problem.WithData(std::move(data)), pool_);
@@ -307,7 +307,7 @@ GapRegularizationResult SolveWithGapRegularization(const FittingProblem& problem
   result.solution.coefficients = std::move(outcome.net.coefficients);
   for (const size_t hole : outcome.changed) {
     ++result.gaps_held;
-    result.places_held += static_cast<Eigen::Index>(map.voids()[hole].places.size());
+    result.places_held += static_cast<Eigen::Index>(map.gaps()[hole].places.size());
   }
   return result;
 }

@@ -220,7 +220,7 @@ class SurfaceFitter {
   // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
   PointMask WithoutFlagged(PointMask mask) const {
     if (!robust_ || base_.exact || options_.keep_outliers) return mask;
-    return IsolatedPoints(points_.points(), mask, pool_);
+    return NonIsolatedPoints(points_.points(), mask, pool_);
   }
 
   // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale

@@ -115,7 +115,7 @@ void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadP
       kOutlierShareForLoss * static_cast<double>(points.size())) {
     return;
   }
-  statistics.outliers = !IsolatedPoints(points.points(), !statistics.outliers, pool);
+  statistics.outliers = !NonIsolatedPoints(points.points(), !statistics.outliers, pool);
   statistics.outlier_count = statistics.outliers.count();
 }
 

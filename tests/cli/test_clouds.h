@@ -25,7 +25,8 @@ inline std::string Shortest(double value) {
 inline std::string ToText(const std::vector<Row>& rows, const std::string& header = "") {
   std::string text = header;
   for (const Row& row : rows) {
-    for (std::size_t k = 0; k < row.size(); ++k) text += (k > 0 ? " " : "") + Shortest(row[k]);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      text.append(k > 0 ? " " : "").append(Shortest(row[k]));
     text += '\n';
   }
   return text;

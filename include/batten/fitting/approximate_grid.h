@@ -63,12 +63,12 @@ struct ToleratedGrid {
 // proven by the control nets of both over common knots, not sampled. What that surface may itself
 // be off between the points is estimated, from every second line, and kept back from the tolerance;
 // directions in which that is half of it keep their lines. Spans of a direction
-// are placed where they make its errors equal (line_breaks.h); pairs of span counts are tried from
-// the fewest control points on, least squares on samples of the surface through all points, until
-// one keeps the tolerance. Where none does with fewer control points, the surface through all
-// points is the answer. O(rows·columns·p) and some hundred fits of one direction's lines. Throws as
-// InterpolateGrid does, and std::invalid_argument unless the tolerance is positive; Cancelled when
-// progress stops it. [Piegl & Tiller 1997, §9.4.4; de Boor 1973]
+// are placed where they make its errors equal (grid_knot_placement.h); pairs of span counts are
+// tried from the fewest control points on, least squares on samples of the surface through all
+// points, until one keeps the tolerance. Where none does with fewer control points, the surface
+// through all points is the answer. O(rows·columns·p) and some hundred fits of one direction's
+// lines. Throws as InterpolateGrid does, and std::invalid_argument unless the tolerance is
+// positive; Cancelled when progress stops it. [Piegl & Tiller 1997, §9.4.4; de Boor 1973]
 ToleratedGrid ApproximateGrid(const PointNet& net,
                               double tolerance,
                               const GridInterpolationOptions& options,

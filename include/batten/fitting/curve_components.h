@@ -17,13 +17,13 @@ struct ArrangeOptions {
   int degree = 3;  // for universal parameters
   PointOrder order = PointOrder::kAuto;
   ClosedChoice closed = ClosedChoice::kAuto;
-  bool find_strays = true;  // leave out points far from the line of their neighbours
+  bool find_outliers = true;  // leave out points far from the line of their neighbours
 };
 
 struct CurveComponents {
   std::vector<OrderedPoints> curves;  // longest first; one where the cloud's order counts
   std::vector<double> lengths;        // of their polylines, unordered points only
-  PointMask strays;                   // points of no curve
+  PointMask sequence_outliers;        // points of no curve
   bool unordered = false;             // the neighbourhood's order was taken
   std::vector<std::string> warnings;  // for the user
 };

@@ -26,8 +26,8 @@ TEST(CompanyTest, PointsOfAShapeHaveCompany) {
       SCOPED_TRACE(seed);
       std::mt19937_64 random(seed);
       const Eigen::Matrix3Xd points = Square(5000, uneven, random);
-      const PointMask company = IsolatedPoints(points, PointMask::Constant(5000, true));
-      EXPECT_GE(company.count(), 4998);  // a corner point may stand apart by chance
+      const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5000, true));
+      EXPECT_GE(kept.count(), 4998);  // a corner point may stand apart by chance
     }
   }
 }
@@ -38,21 +38,21 @@ TEST(CompanyTest, AStepOfDensityIsNoReasonToStandAlone) {
   Eigen::Matrix3Xd points(3, 5500);
   points << Square(5000, false, random),
       Square(500, false, random).colwise() + Eigen::Vector3d(1, 0, 0);
-  EXPECT_GE(IsolatedPoints(points, PointMask::Constant(5500, true)).count(), 5496);
+  EXPECT_GE(NonIsolatedPoints(points, PointMask::Constant(5500, true)).count(), 5496);
 }
 
 TEST(CompanyTest, StraysBesideAnEdgeHaveNone) {
   std::mt19937_64 random(7);
   Eigen::Matrix3Xd points(3, 5012);
   points.leftCols(5000) = Square(5000, false, random);
-  // Five to nine spacings of 1/71 beyond the edge, far from each other: strays in a row keep each
-  // other company.
+  // Five to nine spacings of 1/71 beyond the edge, far from each other: sequence_outliers in a row
+  // keep each other kept.
   for (int k = 0; k < 12; ++k) {
     points.col(5000 + k) << (k + 0.5) / 12, (k % 2 ? 1.07 + 0.06 * (k % 4) / 3 : -0.07), 0;
   }
-  const PointMask company = IsolatedPoints(points, PointMask::Constant(5012, true));
-  EXPECT_EQ(company.tail(12).count(), 0);
-  EXPECT_GE(company.head(5000).count(), 4998);
+  const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5012, true));
+  EXPECT_EQ(kept.tail(12).count(), 0);
+  EXPECT_GE(kept.head(5000).count(), 4998);
 }
 
 TEST(CompanyTest, OnlyPointsUnderTheMaskAreAskedAndFewAreLetBe) {
@@ -60,9 +60,9 @@ TEST(CompanyTest, OnlyPointsUnderTheMaskAreAskedAndFewAreLetBe) {
   const Eigen::Matrix3Xd points = Square(60, false, random);
   PointMask mask = PointMask::Constant(60, true);
   mask.head(20).setConstant(false);
-  EXPECT_TRUE((IsolatedPoints(points, mask) == mask).all());
-  EXPECT_TRUE((IsolatedPoints(1e6 * points, PointMask::Constant(60, true)) ==
-               IsolatedPoints(points, PointMask::Constant(60, true)))
+  EXPECT_TRUE((NonIsolatedPoints(points, mask) == mask).all());
+  EXPECT_TRUE((NonIsolatedPoints(1e6 * points, PointMask::Constant(60, true)) ==
+               NonIsolatedPoints(points, PointMask::Constant(60, true)))
                   .all());
 }
 

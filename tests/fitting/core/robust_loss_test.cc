@@ -195,7 +195,8 @@ TEST(RobustScaleTest, IsTheStandardDeviationOfNormalNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const double sigma : {1e-6, 1.0, 1e6}) {
-      // The median absolute deviation of 20 000 strays by 0.8 % (1.17 / sqrt(m)); four times that.
+      // The median absolute deviation of 20 000 sequence_outliers by 0.8 % (1.17 / sqrt(m)); four
+      // times that.
       EXPECT_NEAR(RobustScale(NormalSample(seed, 20000, sigma)), sigma, 0.033 * sigma);
     }
   }

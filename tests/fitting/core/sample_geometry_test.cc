@@ -15,8 +15,8 @@
 #include "batten/fitting/distances.h"
 #include "exact_shapes.h"
 #include "random_splines.h"
-#include "tolerances.h"
 #include "refusal.h"
+#include "tolerances.h"
 
 namespace batten::internal::sample_geometry_test {
 
@@ -151,8 +151,8 @@ TEST(SampleGeometryTest, AddsNoiseOfTheGivenDeviationToEveryCoordinate) {
       World(SampleGeometry(UnevenSquare(), {.count = kCount, .noise = kSigma}));
   const Eigen::Matrix3Xd off = noisy - exact;  // the same places: they are drawn first
   for (int d = 0; d < 3; ++d) {
-    // A deviation of 20 000 strays by 1/sqrt(40 000) = 0.5 %, their mean by 0.7 % of it; four times
-    // that.
+    // A deviation of 20 000 sequence_outliers by 1/sqrt(40 000) = 0.5 %, their mean by 0.7 % of it;
+    // four times that.
     EXPECT_NEAR(off.row(d).norm() / std::sqrt(kCount), kSigma, 0.02 * kSigma);
     EXPECT_NEAR(off.row(d).mean(), 0, 0.03 * kSigma);
   }
@@ -166,7 +166,7 @@ TEST(SampleGeometryTest, ReplacesTheGivenFractionByPointsOfTheBox) {
         World(SampleGeometry(Sphere(1), {.count = 10000, .outliers = fraction, .seed = 3}));
     const double off =
         static_cast<double>(((points.colwise().norm().array() - 1).abs() > kHalfDigits).count());
-    // A fraction of 10 000 strays by half a percent at the most; four times that.
+    // A fraction of 10 000 sequence_outliers by half a percent at the most; four times that.
     EXPECT_NEAR(off / 10000, fraction, fraction == 0 ? 0 : 0.02);
     EXPECT_LE(points.cwiseAbs().maxCoeff(), 1 + kRounding);
   }

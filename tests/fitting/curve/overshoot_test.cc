@@ -34,20 +34,20 @@ NurbsCurve<2> Bulge(double height) {
 TEST(HasOvershootTest, TellsABulgeThatNoDatumHolds) {
   Eigen::VectorXd beside(20);
   beside << Eigen::VectorXd::LinSpaced(10, 0, 0.38), Eigen::VectorXd::LinSpaced(10, 0.75, 1);
-  const auto stays = [&](double height, const Eigen::VectorXd& u) {
+  const auto overshoots = [&](double height, const Eigen::VectorXd& u) {
     const NurbsCurve<2> curve = Bulge(height);
     return HasOvershoot(On(curve, u), curve.control_points(), {}, 0);
   };
-  EXPECT_TRUE(stays(1, beside));  // not higher than the gap is wide
-  EXPECT_FALSE(stays(50, beside));
-  EXPECT_TRUE(stays(50, Eigen::VectorXd::LinSpaced(400, 0, 1)));  // where data follow it
+  EXPECT_FALSE(overshoots(1, beside));  // not higher than the gap is wide
+  EXPECT_TRUE(overshoots(50, beside));
+  EXPECT_FALSE(overshoots(50, Eigen::VectorXd::LinSpaced(400, 0, 1)));  // where data follow it
 }
 
 TEST(HasOvershootTest, TellsAnEndBeyondTheData) {
   const NurbsCurve<2> curve = Bulge(0);
-  EXPECT_TRUE(
+  EXPECT_FALSE(
       HasOvershoot(On(curve, Eigen::VectorXd::LinSpaced(15, 0, 1)), curve.control_points(), {}, 0));
-  EXPECT_FALSE(HasOvershoot(
+  EXPECT_TRUE(HasOvershoot(
       On(curve, Eigen::VectorXd::LinSpaced(15, 0.3, 1)), curve.control_points(), {}, 0));
 }
 

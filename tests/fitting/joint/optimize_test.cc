@@ -194,7 +194,7 @@ TEST(LongOptimizeTest, DoesNotFollowTheNoiseOfASheetThatFits) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     auto data = std::make_shared<FittingData>();
-    data->values = batten::Scatter(Franke, 3000, 1e-3, 0, seed);
+    data->values = internal::Scatter(Franke, 3000, 1e-3, 0, seed);
     data->parameters = data->values.topRows(2);
     const SplineBasis basis = SplineBasis::Uniform(3, 18, 0, 1);
     const JointCase c = Linear(FittingProblem(basis, basis, data, 1e-6));
@@ -439,7 +439,7 @@ void BearBadData(const std::vector<double>& units, const std::vector<FreeVariabl
         SCOPED_TRACE(std::string(bad.name) + ", " + Name(free) + ", unit " + std::to_string(unit));
         RandomSplines random(++seed);
         auto data = std::make_shared<FittingData>();
-        data->values = batten::Scatter(Franke, 200, 1e-3, 0, seed);
+        data->values = internal::Scatter(Franke, 200, 1e-3, 0, seed);
         data->parameters = data->values.topRows(2);
         bad.spoil(random, *data);
         data->values *= unit;

@@ -131,7 +131,8 @@ TEST(ChooseGridTest, ChoosesNearlyTheBestSquareGridForANoisyBump) {
 TEST(ChooseGridTest, EstimatesTheMeanSquareAtNewPoints) {
   constexpr double kSigma = 0.05;
   const FittingProblem problem = Measured(Bump, 4000, kSigma, 1);
-  // New points carry the noise anew; its square strays by sqrt(2/4000) = 2 %, four times granted.
+  // New points carry the noise anew; its square sequence_outliers by sqrt(2/4000) = 2 %, four times
+  // granted.
   EXPECT_NEAR(Choose(problem).score, kSigma * kSigma, 0.09 * kSigma * kSigma);
 }
 

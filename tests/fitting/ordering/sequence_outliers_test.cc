@@ -57,23 +57,23 @@ struct Score {
   Eigen::Index far = 0, found = 0, clean = 0, wrong = 0;
 
   // Strays count that lie farther than `least` from every point of the true curve.
-  void Add(const PointMask& strays,
+  void Add(const PointMask& sequence_outliers,
            const Spoilt& spoilt,
            const Eigen::Matrix3Xd& truth,
            double least) {
-    std::vector<bool> moved(static_cast<size_t>(strays.size()), false);
+    std::vector<bool> moved(static_cast<size_t>(sequence_outliers.size()), false);
     for (const Eigen::Index k : spoilt.moved) {
       moved[static_cast<size_t>(k)] = true;
       const double squared =
           (truth.colwise() - spoilt.points.col(k)).colwise().squaredNorm().minCoeff();
       if (squared <= least * least) continue;
       ++far;
-      if (strays[k]) ++found;
+      if (sequence_outliers[k]) ++found;
     }
-    for (Eigen::Index k = 0; k < strays.size(); ++k) {
+    for (Eigen::Index k = 0; k < sequence_outliers.size(); ++k) {
       if (moved[static_cast<size_t>(k)]) continue;
       ++clean;
-      if (strays[k]) ++wrong;
+      if (sequence_outliers[k]) ++wrong;
     }
   }
 };
@@ -130,10 +130,10 @@ TEST(FindSequenceOutliersTest, KeepsNoisyPoints) {
       const bool space = seed % 2 == 0;
       const Eigen::Matrix3Xd curve = space ? Helix(4000) : Flower(4000);
       const double sigma = steps * MeanStep(curve);
-      const PointMask strays =
+      const PointMask sequence_outliers =
           FindSequenceOutliers(random.Scattered(curve, sigma, space ? 3 : 2), !space);
-      marked += strays.count();
-      all += strays.size();
+      marked += sequence_outliers.count();
+      all += sequence_outliers.size();
     }
     EXPECT_LT(1000 * marked, all);
   }
@@ -189,9 +189,9 @@ TEST(FindSequenceOutliersTest, FindsAFewStraysAmongFewPoints) {
   points.col(7) << 0, 3, 0;
   points.col(20) << 1, -2, 0;
   points.col(21) << 1.1, -2.2, 0;
-  const PointMask strays = FindSequenceOutliers(points, false);
-  EXPECT_EQ(strays.count(), 3);
-  EXPECT_TRUE(strays[7] && strays[20] && strays[21]);
+  const PointMask sequence_outliers = FindSequenceOutliers(points, false);
+  EXPECT_EQ(sequence_outliers.count(), 3);
+  EXPECT_TRUE(sequence_outliers[7] && sequence_outliers[20] && sequence_outliers[21]);
 }
 
 TEST(FindSequenceOutliersTest, FindsStraysAtTheSeamOfARing) {
@@ -199,9 +199,9 @@ TEST(FindSequenceOutliersTest, FindsStraysAtTheSeamOfARing) {
     SCOPED_TRACE("place " + std::to_string(place));
     Eigen::Matrix3Xd points = Ellipse(200, 2, 1);
     points.col(place) << 0.3, 0.2, 0;
-    const PointMask strays = FindSequenceOutliers(points, true);
-    EXPECT_EQ(strays.count(), 1);
-    EXPECT_TRUE(strays[place]);
+    const PointMask sequence_outliers = FindSequenceOutliers(points, true);
+    EXPECT_EQ(sequence_outliers.count(), 1);
+    EXPECT_TRUE(sequence_outliers[place]);
   }
 }
 
@@ -210,9 +210,9 @@ TEST(FindSequenceOutliersTest, FindsStraysAtTheEnds) {
     SCOPED_TRACE("place " + std::to_string(place));
     Eigen::Matrix3Xd points = Arc(200, 180);
     points.col(place) << 0.1, -0.5, 0;
-    const PointMask strays = FindSequenceOutliers(points, false);
-    EXPECT_EQ(strays.count(), 1);
-    EXPECT_TRUE(strays[place]);
+    const PointMask sequence_outliers = FindSequenceOutliers(points, false);
+    EXPECT_EQ(sequence_outliers.count(), 1);
+    EXPECT_TRUE(sequence_outliers[place]);
   }
 }
 
@@ -222,13 +222,13 @@ TEST(FindSequenceOutliersTest, MarksTheSamePointsInOtherUnitsAndPlaces) {
     NoisyPoints random(seed);
     const Eigen::Matrix3Xd curve = random.Scattered(Helix(500), 0.01, 3);
     const Eigen::Matrix3Xd points = Strewn(random, curve, 0.2, 1).points;
-    const PointMask strays = FindSequenceOutliers(points, false);
+    const PointMask sequence_outliers = FindSequenceOutliers(points, false);
     // Powers of two change no digit.
     for (const double scale : {std::ldexp(1, -20), std::ldexp(1, 20)}) {
-      EXPECT_TRUE((FindSequenceOutliers(scale * points, false) == strays).all());
+      EXPECT_TRUE((FindSequenceOutliers(scale * points, false) == sequence_outliers).all());
     }
     const Eigen::Matrix3Xd far = points.colwise() + Eigen::Vector3d(5e6, -4e6, 300);
-    EXPECT_LE((FindSequenceOutliers(far, false) != strays).count(),
+    EXPECT_LE((FindSequenceOutliers(far, false) != sequence_outliers).count(),
               1);  // at the limit of a threshold
   }
 }

@@ -12,22 +12,21 @@
 
 #include "batten/fitting/fit_primitive.h"
 #include "batten/geometry/exact_shape.h"
+#include "geometry/numeric/constants.h"
 #include "measured_shapes.h"
 #include "primitive_clouds.h"
 #include "tolerances.h"
-#include "geometry/numeric/constants.h"
 
 namespace batten::internal::primitive_surfaces_test {
 
 using ::testing::HasSubstr;
-
 
 PrimitiveKind KindOf(SurfaceKind kind) {
   return static_cast<PrimitiveKind>(static_cast<int>(PrimitiveKind::kPlane) +
                                     static_cast<int>(kind));
 }
 
-double OffShape(const PrimitiveShape& shape, const Eigen::Vector3d& p) {
+double DistanceOffShape(const PrimitiveShape& shape, const Eigen::Vector3d& p) {
   return std::visit([&](const auto& s) { return DistanceTo(s, p); }, shape);
 }
 
@@ -66,7 +65,7 @@ TEST(PrimitiveSurfacesTest, ExactPointsGiveExactShapes) {
     for (int k = 0; k < 20; ++k) {
       const Eigen::Vector3d p = truth.At(piece.u_start + random.Real(0, 1) * piece.u_length,
                                          piece.v_start + random.Real(0, 1) * piece.v_length);
-      EXPECT_LT(OffShape(fit.shape, p), rounding);
+      EXPECT_LT(DistanceOffShape(fit.shape, p), rounding);
     }
     ExpectFeet(fit, points, rounding);
     const GeometrySummary& report = fit.report.geometry;
@@ -163,7 +162,9 @@ TEST(PrimitiveSurfacesTest, PlaceAttitudeAndUnitChangeNothing) {
     EXPECT_NEAR(there.report.error.rms / place.scale, here.report.error.rms, 1e-9);
     for (int k = 0; k < 10; ++k) {
       const Eigen::Vector3d p = random.Vector(1);
-      EXPECT_NEAR(OffShape(there.shape, place(p)) / place.scale, OffShape(here.shape, p), 1e-6);
+      EXPECT_NEAR(DistanceOffShape(there.shape, place(p)) / place.scale,
+                  DistanceOffShape(here.shape, p),
+                  1e-6);
     }
     const PrimitiveAccuracy& a = *here.report.geometry.primitive->accuracy;
     const PrimitiveAccuracy& b = *there.report.geometry.primitive->accuracy;
@@ -195,7 +196,7 @@ TEST(PrimitiveSurfacesTest, OutliersCountInNothing) {
     for (int k = 0; k < 200; ++k) {
       const Eigen::Vector3d p = truth.At(piece.u_start + random.Real(0, 1) * piece.u_length,
                                          piece.v_start + random.Real(0, 1) * piece.v_length);
-      squares += std::pow(OffShape(fit.shape, p), 2) / 200;
+      squares += std::pow(DistanceOffShape(fit.shape, p), 2) / 200;
     }
     EXPECT_LT(std::sqrt(squares), 4e-4);
     // Distances of points beyond the edges are those from the patch.

@@ -57,7 +57,7 @@ Where Outside(double u, double v, double radius) {
 TEST(GapMapTest, FindsNoneWherePointsAreEven) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     for (const bool round : {false, true}) {
-      EXPECT_TRUE(MapOf([](double, double) { return true; }, round, round, seed).voids().empty());
+      EXPECT_TRUE(MapOf([](double, double) { return true; }, round, round, seed).gaps().empty());
     }
   }
 }
@@ -66,17 +66,17 @@ TEST(GapMapTest, FindsNoneWherePointsAreEven) {
 TEST(GapMapTest, AVoidAcrossTheSeamIsOne) {
   constexpr double kRadius = 0.25;
   const GapMap middle = MapOf(Outside(1, 0.5, kRadius), true);
-  ASSERT_EQ(middle.voids().size(), 1);
+  ASSERT_EQ(middle.gaps().size(), 1);
   EXPECT_NEAR(middle.gap_share(),
               std::numbers::pi * kRadius * kRadius / (kLengthU * kLengthV),
               0.15 * middle.gap_share());
   for (const double u : {0.0, 0.1, 1.9}) {
     SCOPED_TRACE(u);
     const GapMap map = MapOf(Outside(u, 0.5, kRadius), true);
-    ASSERT_EQ(map.voids().size(), 1);
-    const DataGap& hole = map.voids()[0];
+    ASSERT_EQ(map.gaps().size(), 1);
+    const DataGap& hole = map.gaps()[0];
     EXPECT_FALSE(hole.at_border);
-    EXPECT_NEAR(hole.reach, middle.voids()[0].reach, 2 * map.side());
+    EXPECT_NEAR(hole.reach, middle.gaps()[0].reach, 2 * map.side());
     EXPECT_NEAR(map.gap_share(), middle.gap_share(), 0.1 * middle.gap_share());
     EXPECT_EQ(map.GapAt({std::fmod(u + 0.1, kLengthU), 0.5}), 0);
     EXPECT_EQ(map.GapAt({std::fmod(u + 1.9, kLengthU), 0.5}), 0);
@@ -94,17 +94,17 @@ TEST(GapMapTest, AVoidAcrossTheSeamIsOne) {
 
 TEST(GapMapTest, WithoutASeamTheSameIsTwoAtTheBorder) {
   const GapMap map = MapOf(Outside(0, 0.5, 0.25), false);
-  ASSERT_EQ(map.voids().size(), 2);
-  for (const DataGap& hole : map.voids()) EXPECT_TRUE(hole.at_border);
+  ASSERT_EQ(map.gaps().size(), 2);
+  for (const DataGap& hole : map.gaps()) EXPECT_TRUE(hole.at_border);
   const GapMap round_v = MapOf(Outside(1, 0, 0.25), false, true);
-  ASSERT_EQ(round_v.voids().size(), 1);
-  EXPECT_FALSE(round_v.voids()[0].at_border);
+  ASSERT_EQ(round_v.gaps().size(), 1);
+  EXPECT_FALSE(round_v.gaps()[0].at_border);
 }
 
 TEST(GapMapTest, RoundBothWaysTheCornersAreOnePlace) {
   const GapMap map = MapOf(Outside(0, 0, 0.3), true, true);
-  ASSERT_EQ(map.voids().size(), 1);
-  EXPECT_FALSE(map.voids()[0].at_border);
+  ASSERT_EQ(map.gaps().size(), 1);
+  EXPECT_FALSE(map.gaps()[0].at_border);
   for (const double u : {0.05, 1.95})
     for (const double v : {0.05, 0.95}) EXPECT_EQ(map.GapAt({u, v}), 0);
 }
@@ -115,8 +115,8 @@ TEST(GapMapTest, DistancesGoRoundTheShorterWay) {
   for (const double u : {0.0, 0.05, 1.8}) {
     SCOPED_TRACE(u);
     const GapMap map = MapOf(Outside(u, 0.5, kRadius), true);
-    ASSERT_EQ(map.voids().size(), 1);
-    const DataGap& hole = map.voids()[0];
+    ASSERT_EQ(map.gaps().size(), 1);
+    const DataGap& hole = map.gaps()[0];
     for (size_t k = 0; k < hole.places.size(); ++k) {
       const Eigen::Vector2d at = map.Centre(hole.places[k]);
       const double du = std::abs(at[0] - u);
@@ -131,17 +131,17 @@ TEST(GapMapTest, DistancesGoRoundTheShorterWay) {
 TEST(GapMapTest, ABandAllRoundIsSurrounded) {
   const Where where = [](double, double v) { return v < 0.3 || v > 0.7; };
   const GapMap map = MapOf(where, true);
-  ASSERT_EQ(map.voids().size(), 1);
-  EXPECT_FALSE(map.voids()[0].at_border);
+  ASSERT_EQ(map.gaps().size(), 1);
+  EXPECT_FALSE(map.gaps()[0].at_border);
   EXPECT_NEAR(map.gap_share(), 0.4, 0.04);
-  EXPECT_TRUE(MapOf(where, false).voids()[0].at_border);
+  EXPECT_TRUE(MapOf(where, false).gaps()[0].at_border);
 }
 
 // The equation knows no seam: the fill of what is moved round is the fill moved round.
 TEST(GapMapTest, TheFillStaysBetweenTheRimsValuesAcrossTheSeam) {
   const GapMap map = MapOf(Outside(0, 0.5, 0.3), true);
-  ASSERT_EQ(map.voids().size(), 1);
-  const DataGap& hole = map.voids()[0];
+  ASSERT_EQ(map.gaps().size(), 1);
+  const DataGap& hole = map.gaps()[0];
   const auto rims = static_cast<Eigen::Index>(hole.rim.size());
   const Eigen::MatrixXd flat = map.HarmonicFill(hole, Eigen::MatrixXd::Constant(2, rims, 3.5));
   EXPECT_LE((flat.array() - 3.5).abs().maxCoeff(), kIterated);
@@ -190,8 +190,8 @@ TEST(GapMapTest, PolesAreNoVoids) {
   for (const Eigen::Index count : {2000, 8000, 30000}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       SCOPED_TRACE(std::to_string(count) + " points, seed " + std::to_string(seed));
-      EXPECT_TRUE(SphereMap(count, 0, true, seed).voids().empty());
-      without += SphereMap(count, 0, false, seed).voids().empty() ? 0 : 1;
+      EXPECT_TRUE(SphereMap(count, 0, true, seed).gaps().empty());
+      without += SphereMap(count, 0, false, seed).gaps().empty() ? 0 : 1;
     }
   }
   EXPECT_GE(without, 10) << "the case is meant to look empty to who knows of no poles";
@@ -205,7 +205,7 @@ TEST(GapMapTest, AHoleAboutAPoleIsAVoid) {
       const GapMap map = SphereMap(8000, radius, true, seed);
       const int number = map.GapAt({1, 0});
       ASSERT_GE(number, 0);
-      const DataGap& hole = map.voids()[static_cast<size_t>(number)];
+      const DataGap& hole = map.gaps()[static_cast<size_t>(number)];
       EXPECT_TRUE(hole.at_border);
       for (const double u : {0.0, 0.5, 2.0, 3.5}) EXPECT_EQ(map.GapAt({u, 0.5 * radius}), number);
       EXPECT_NEAR(hole.reach, radius, 0.25 * radius);

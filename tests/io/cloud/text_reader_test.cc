@@ -344,7 +344,7 @@ TEST(TextReaderTest, ADamagedFirstRowIsNoHeader) {
   for (const char* row : {"0x10 2 3", "1\"2 3", "-52.4D+00 1 2", "l0 2 3", "N/A,2,3", "1,5x;2;3"}) {
     for (const char* after : {"", "1 2 3\n4 5 6\n"}) {
       const std::string failure =
-          FailureOf("a.xyz", "# first\n" + (row + ("\n" + std::string(after))));
+          FailureOf("a.xyz", std::string("# first\n").append(row).append("\n").append(after));
       EXPECT_THAT(failure, AllOf(HasSubstr("line 2"), HasSubstr("expected a number"))) << row;
     }
   }

@@ -19,8 +19,8 @@
 
 #include "batten/geometry/make_surface.h"
 #include "batten/io/geometry_file.h"
-#include "io/exchange/geometry_names.h"
 #include "batten/io/read_error.h"
+#include "io/exchange/geometry_names.h"
 #include "random_geometry.h"
 #include "random_trims.h"
 #include "temporary_folder.h"
@@ -80,12 +80,12 @@ TEST_F(GeometryNamesTest, QuotesInStepAreReadWhateverFollowsThem) {
     for (const char c : name) doubled += c == '\'' ? "''" : std::string(1, c);
     for (const char* comment : {"", " /* it's, a ')' */ ", "\t", " \r\n\t "}) {
       std::string changed = text;
-      changed.replace(at,
-                      plain.size(),
-                      "PRODUCT(" + std::string(comment) + "'1'" + comment + ",'" + doubled + "'" +
-                          comment + ",");
+      std::string product("PRODUCT(");
+      product.append(comment).append("'1'").append(comment).append(",'").append(doubled);
+      product.append("'").append(comment).append(",");
+      changed.replace(at, plain.size(), product);
       // The face has the name too, and its own counts first.
-      for (size_t k; (k = changed.find("'NAME'")) != changed.npos;) changed.replace(k, 6, "''");
+      for (size_t k; (k = changed.find("'NAME'")) != changed.npos;) changed.erase(k + 1, 4);
       EXPECT_THAT(ReadGeometryContents(folder_.With("quoted.step", changed)).names,
                   ElementsAre(name));
     }
