@@ -220,8 +220,7 @@ EditOutcome MovePoint(const EditOperation& op, const Geometry& shape) {
 
 EditOutcome Extend(const EditOperation& op, const Geometry& shape) {
   const bool upper = op.Word("end") == "upper";
-  const Continuation how =
-      op.Word("how") == "calm" ? Continuation::kFair : Continuation::kNatural;
+  const Continuation how = op.Word("how") == "calm" ? Continuation::kFair : Continuation::kNatural;
   const double length = op.Number("by");
   if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
     if (!op.direction) op.Refuse("a surface has two directions; say dir=u or dir=v");

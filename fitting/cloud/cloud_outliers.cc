@@ -16,33 +16,33 @@ namespace {
 
 constexpr int kPlaneNeighbours = 24;
 constexpr int kReachNeighbour = 6;
-constexpr double kAgrees = 3;         // an inlier's offset in deviations of its neighbours
-constexpr double kUsualScales = 2.5;  // an inlier's deviation from its plane, …
-constexpr double kFlat = 0.1;         // … or this share of its neighbours' reach
-constexpr double kSparser = 2;        // than the points around it, or than the nearest surface
-constexpr double kExact = 0.03;       // of the reach: less deviation is none
+constexpr double kAgrees = 3;         // standard deviations; a greater offset is no inlier's
+constexpr double kUsualScales = 2.5;  // usual deviations; beyond, the place is no plane …
+constexpr double kFlat = 0.1;         // … nor a quadric, unless within this share of reach
+constexpr double kSparser = 2;        // ratio of reaches; beyond, a point is sparser than others
+constexpr double kExact = 0.03;       // share of the reach; smaller deviations count as this
 constexpr int kQuadricNeighbours = 30;
-constexpr int kLookedAt = 48;  // points, for so many inliers
+constexpr int kLookedAt = 48;  // points searched for the inliers of a quadric
 constexpr int kOthers[] = {
-    3, 6, 10, 15, 21};              // of the nearest points, whose surroundings are asked
-constexpr double kOff = 4.5;        // deviations that make an outlier
-constexpr double kResolved = 0.06;  // of the reach: less is no deviation
-constexpr int kCompanions = 2;      // inliers among the nearest
-constexpr double kAway = 2.5;       // reaches from the nearest inlier
+    3, 6, 10, 15, 21};              // ranks of the inliers whose neighbourhoods get a quadric
+constexpr double kOff = 4.5;        // standard deviations from every quadric: an outlier
+constexpr double kResolved = 0.06;  // share of the reach; smaller deviations count as this
+constexpr int kCompanions = 2;      // inliers needed among the nearest six
+constexpr double kAway = 2.5;       // reaches from the nearest inlier: off the surface
 constexpr double kLonelier = 3;
 constexpr double kFillsSpace = 0.2;
-constexpr double kMostNeighbourLeverage = 4;  // beyond, a quadric says nothing of the place
+constexpr double kMostNeighbourLeverage = 4;  // beyond, a quadric is not used
 
-constexpr Eigen::Index kTypical = 4096;  // points that usual values are taken from
+constexpr Eigen::Index kTypical = 4096;  // points from which the usual values are estimated
 constexpr std::ptrdiff_t kAskedPerTask = 256;
-constexpr double kPays = 0.5;  // of the points, that a screen must pass
+constexpr double kPays = 0.5;  // share of the points; below, the prescreen is discarded
 
-// How a point stands to its neighbours.
+// Statistics of a point relative to its neighbours.
 struct PointStatistics {
-  double offset = 0;         // off the plane of its neighbours
-  double scale = 0;          // of the neighbours' own deviations from that plane
+  double offset = 0;         // distance from the plane of its neighbours
+  double scale = 0;          // robust standard deviation of the neighbours from that plane
   double reach = 0;          // distance of its sixth neighbour
-  double nearest_reach = 0;  // of the nearest other point, or one nearly so
+  double nearest_reach = 0;  // reach of the nearest other point, or nearly the nearest
   int nearest = 0;           // that point
 };
 
@@ -58,11 +58,11 @@ class NeighbourStatistics {
   NeighbourStatistics(const Eigen::Matrix3Xd& points, const NeighbourIndex& index)
       : points_(points), index_(index) {}
 
-  // Points that stay at their places in the list.
+  // Points measured so far; each keeps its place in the list.
   const std::vector<int>& asked() const { return asked_; }
   const PointStatistics& operator[](size_t i) const { return statistics_[i]; }
 
-  // Asks for points not asked for yet, without the reaches of those nearest to them.
+  // Measures points not measured yet, without the reaches of those nearest to them.
   void Ask(std::span<const int> chosen, ThreadPool& pool, const Progress& progress) {
     const auto old = std::ssize(asked_);
     asked_.insert(asked_.end(), chosen.begin(), chosen.end());
@@ -81,7 +81,7 @@ class NeighbourStatistics {
     }
   }
 
-  // Adds the reaches of the nearest points.
+  // Adds the reach of each measured point's nearest point.
   void AskNearest(ThreadPool& pool) {
     pool.For(std::ssize(asked_), kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       std::vector<int> nearest;
@@ -140,13 +140,13 @@ class NeighbourStatistics {
   std::vector<PointStatistics> statistics_;
 };
 
-// What is usual of the points.
+// Median deviation and reach of the points.
 struct Usual {
   double scale = 0, reach = 0;
 };
 
-// Of the points under a mask `sampled` only were asked for, each of them stands for `stands_for`
-// such points; of the others all.
+// Computes weighted medians: a measured point under the mask `sampled` represents `stands_for`
+// points, every other one itself.
 Usual UsualOf(const NeighbourStatistics& standings, const PointMask& sampled, double stands_for) {
   std::vector<std::pair<double, double>> scales, reaches;
   for (size_t i = 0; i < standings.asked().size(); ++i) {
@@ -157,11 +157,11 @@ Usual UsualOf(const NeighbourStatistics& standings, const PointMask& sampled, do
   return {WeightedMedian(std::move(scales)), WeightedMedian(std::move(reaches))};
 }
 
-// Judges candidate points by the inliers.
+// Classifies candidate points by the inliers near them.
 class OutlierClassifier {
  public:
-  // Trusted are points `screened` and, of those whose statistics were asked for, those that
-  // agree with their neighbours.
+  // Inliers are the points `screened` and, of those measured, the ones that agree with their
+  // neighbours.
   OutlierClassifier(const Eigen::Matrix3Xd& points,
                     const NeighbourIndex& index,
                     const NeighbourStatistics& standings,
@@ -197,7 +197,7 @@ class OutlierClassifier {
     const std::vector<char> classes = JudgeAll(candidates, pool);
     for (size_t i = 0; i < candidates.size(); ++i)
       outliers[PointOf(candidates[i])] = classes[i] != kGood;
-    // Several off together, as dense as the surface, are structure.
+    // Several points off the surface together, as dense as it, are structure.
     PointMask kept = outliers;
     pool.For(std::ssize(candidates), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
@@ -213,8 +213,8 @@ class OutlierClassifier {
 
   int PointOf(int place) const { return statistics_.asked()[static_cast<size_t>(place)]; }
 
-  // Where a surface bends much within a few spacings, its points agree with quadrics. So do, by
-  // chance, some of the points scattered far from it: trust spreads from neighbour to neighbour.
+  // Adds inliers where the surface bends much within a few spacings: points that agree with a
+  // quadric. Some scattered points do so by chance; so a point must also be next to inliers.
   void TrustCurvedPlaces(ThreadPool& pool) {
     std::vector<int> candidates;
     for (size_t i = 0; i < statistics_.asked().size(); ++i) {
@@ -274,8 +274,8 @@ class OutlierClassifier {
     return local;
   }
 
-  // Of every candidate point. Nearly all find their inliers among those around them; the ones
-  // deep among their like find theirs in an index of these.
+  // Classifies every candidate. Nearly all have enough inliers among the points around them; for
+  // those deep among outliers an index of the inliers is searched.
   std::vector<char> JudgeAll(const std::vector<int>& candidates, ThreadPool& pool) const {
     constexpr char kUnjudged = -1;
     std::vector<char> classes(candidates.size(), kUnjudged);
@@ -309,7 +309,7 @@ class OutlierClassifier {
     return classes;
   }
 
-  // The inliers nearest to a point without itself, fewer where it is deep among others.
+  // The inliers nearest to a point without itself; fewer if it is deep among outliers.
   std::vector<int> InliersAround(int point) const {
     std::vector<int> near = index_.Nearest(points_.col(point), kLookedAt);
     const auto last =
@@ -318,7 +318,7 @@ class OutlierClassifier {
     return near;
   }
 
-  // `near` are the inliers nearest to a point.
+  // Classifies a candidate; `near` are the inliers nearest to it.
   PointClass Judge(int place, const std::vector<int>& near) const {
     const int point = PointOf(place);
     const Eigen::Vector3d p = points_.col(point);
@@ -370,8 +370,8 @@ class OutlierClassifier {
   PointMask inliers_;
 };
 
-// The inliers of a cloud that need no judgement, or none where they are few: such a cloud is rough, its plain
-// places would vouch for what is off them, and would save little.
+// The prescreened inliers of a cloud, or none if they are few: such a cloud is rough, outliers near
+// its few smooth places could pass as inliers, and little time would be saved.
 PointMask Screened(const Eigen::Matrix3Xd& points,
                    const NeighbourIndex& index,
                    const Usual& usual,
@@ -412,7 +412,7 @@ PointMask FindOutliers(const Eigen::Matrix3Xd& points,
       if (!asked[point]) rest.push_back(point);
     }
     standings.Ask(rest, pool, progress);
-    // The sample alone is a coarse judge, and of all but plain places every point is known now.
+    // The sample alone is a coarse estimate; now every point that the prescreen left is measured.
     usual = UsualOf(standings,
                     good,
                     static_cast<double>(good.count()) /

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points that stand off the surface their neighbours lie in.
+// Outlier detection in a cloud: points that lie off the surface of their neighbours.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,12 +11,12 @@
 
 namespace batten::internal {
 
-// Points (3 × m, m ≥ 20, distinct, those of the index) with their noise and spacing. Trusted are
-// points that agree with the plane of their neighbours. Every other point is measured against the
-// trusted ones nearest to it: it is an outlier where it stands off the quadric through them by
-// several of their own deviations, or away from all of them, unless it lies near others there with
-// others like itself (a rib, a step, rough ground). All thresholds are local, so that density may
-// vary. O(m log m).
+// Finds the outliers among points (3 × m, m ≥ 20, distinct, those of the index) of given spacing
+// and noise. Points that agree with the plane of their neighbours are inliers. Every other point is
+// compared with the inliers nearest to it: it is an outlier if it lies off quadrics through points
+// near them by several standard deviations, or far from all of them, unless most of its own
+// nearest neighbours are off too and form a thin layer (a rib, a step, rough ground). All
+// thresholds are local, so that density may vary. O(m log m).
 PointMask FindOutliers(const Eigen::Matrix3Xd& points,
                        const NeighbourIndex& index,
                        double spacing,

@@ -19,8 +19,8 @@ constexpr int kFewPoints = 20;
 constexpr int kNarrowBall = 14, kWideBall = 30, kWidestBall = 480;  // points
 constexpr double kClearlyLess = 0.7;
 constexpr double kOnALine = 0.2;    // breadth over length: such balls see one scan line
-constexpr double kNearlyAll = 0.1;  // this share of the balls may be as narrow
-constexpr double kThick = 0.2;      // deviation over radius: larger balls are asked
+constexpr double kNearlyAll = 0.1;  // share of the balls that may be as narrow
+constexpr double kThick = 0.2;      // deviation over radius; above, larger balls are used
 
 Eigen::Matrix3Xd Neighbourhood(const Eigen::Matrix3Xd& points,
                                const Eigen::Vector3d& centre,
@@ -31,7 +31,7 @@ Eigen::Matrix3Xd Neighbourhood(const Eigen::Matrix3Xd& points,
   return local;
 }
 
-// How broad points are over their length.
+// Ratio of the points' breadth to their length.
 double BreadthOf(const Eigen::Matrix3Xd& local) {
   const Eigen::Matrix3Xd centred = local.colwise() - Eigen::Vector3d(local.rowwise().mean());
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -104,7 +104,7 @@ double MeasureNoise(const Eigen::Matrix3Xd& points,
   if (m < 2 * kWideBall) return narrow.deviation;
   const int wider_ball = ball == kNarrowBall ? kWideBall : 2 * ball;
   BallNoise wide = noise_at(wider_ball);
-  // Where a smaller neighbourhood deviates clearly less, the larger one measured shape, not noise.
+  // If a smaller neighbourhood deviates clearly less, the larger one measured shape, not noise.
   if (narrow.deviation < kClearlyLess * wide.deviation) return narrow.deviation;
   for (int k = 2 * wider_ball; wide.Thickness() > kThick && k <= kWidestBall && k < m / 10;
        k *= 2) {

@@ -22,8 +22,8 @@ struct Weighted {
   double value, weight;
 };
 
-// The middle of the values between which half of the weight lies on either side: turning all signs
-// turns its sign. Reorders the values.
+// Weighted median; the mean of both middle values at a tie, so that negating all values negates it.
+// Reorders the values.
 double MiddleOf(std::span<Weighted> sample) {
   std::sort(sample.begin(), sample.end(), [](const Weighted& a, const Weighted& b) {
     return a.value < b.value;
@@ -67,7 +67,7 @@ double RobustMean(std::span<Weighted> sample) {
   return centre;
 }
 
-// Those of the feet that count, about their middle.
+// The finite foot points, relative to their centre.
 struct FootPointSet {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Matrix3Xd places;

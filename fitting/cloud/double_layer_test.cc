@@ -18,7 +18,7 @@ constexpr int kAround = 120;
 constexpr double kTwoHeights = 1.6;
 constexpr double kMostSkewness = 1.5;       // a fifth of the points on one of the sheets
 constexpr double kLeastApart = 0.4;         // spacings; rounded coordinates keep to two heights too
-constexpr double kMoreThanByChance = 0.13;  // of the points on the side of their neighbour
+constexpr double kMoreThanByChance = 0.13;  // share of the points on the side of their neighbour
 
 // Standardised moments of residuals about their mean.
 struct Shape {
@@ -35,8 +35,8 @@ Shape ShapeOf(const Eigen::ArrayXd& values) {
           centred.square().square().mean() / (variance * variance)};
 }
 
-// The share of points that lie on the side of the point nearest to them in the plane, less what
-// chance makes of two sheets of so many points.
+// Share of points that lie on the side of the point nearest to them in the plane, less the share
+// expected by chance for two sheets of so many points.
 double ExcessBesideTheirLike(const Eigen::Matrix3Xd& local,
                              const Eigen::Vector3d& normal,
                              const Eigen::ArrayXd& residuals) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two sheets so close that they look like one thick sheet.
+// Test for a double layer: two sheets so close that they look like one thick sheet.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,25 +11,26 @@
 
 namespace batten::internal {
 
-// A cloud with a greater share is two sheets. One sheet, however noisy, bent, creased or rounded,
-// stays below 0.01, and below 0.06 where it waves within eight spacings; two parallel ones one to
-// three spacings apart come above 0.7.
+// Threshold of DoubleLayerFraction above which a cloud is two sheets. One sheet, however noisy,
+// bent, creased or rounded, stays below 0.01, and below 0.06 if it has waves shorter than eight
+// spacings; two parallel sheets one to three spacings apart exceed 0.7.
 constexpr double kLayersAbove = 0.1;
 
 struct LayerTestOptions {
-  int samples = 600;       // points whose surroundings are looked at
-  std::uint64_t seed = 1;  // chooses them
-  // Where the sheets are charts of a plane: its unit normal. The surroundings tell when absent.
+  int samples = 600;       // points whose neighbourhoods are tested
+  std::uint64_t seed = 1;  // of the random choice of these points
+  // Unit normal of the plane over which the sheets are height fields; if absent, the normal is
+  // estimated in each neighbourhood.
   std::optional<Eigen::Vector3d> heights = std::nullopt;
 };
 
-// The share of sampled points in whose surroundings (120 neighbours) the offsets from the
-// least-squares quadric keep to two heights: their kurtosis less their squared skewness, 1 for two
-// values and 3 for one normal, is below 1.6; the two are apart by a good part of the spacing; and
-// which of them a point keeps to is not what its neighbours in the plane do, as it would be where
-// the surface bends more than a quadric. Points (3 × m) without gross outliers, those of the index;
-// 0 below 240 of them. Sheets more than four spacings apart have surroundings of their own, but
-// where neighbours are those of a plane.
+// Returns the share of sampled points in whose neighbourhoods (120 neighbours) the residuals of the
+// least-squares quadric are bimodal: their kurtosis less their squared skewness, 1 for two values
+// and 3 for a normal distribution, is below 1.6; the two modes are apart by a good part of the
+// spacing; and the mode of a point does not follow that of its neighbours in the plane, as it would
+// where the surface bends more than a quadric. Points (3 × m) have no gross outliers and are those
+// of the index; the result is 0 below 240 of them. Sheets more than four spacings apart have
+// separate neighbourhoods, unless neighbours are searched in a plane.
 // O(samples · 120²).
 double DoubleLayerFraction(const Eigen::Matrix3Xd& points,
                            const NeighbourIndex& index,

@@ -13,23 +13,23 @@ namespace batten::internal {
 namespace {
 
 constexpr int kCount = PlacePoints::kCount;
-constexpr double kExactPatch = 0.03;   // of the reach: less deviation is none
-constexpr double kMostReaches = 3;     // of the usual one, that a place's own counts for
-constexpr double kNarrow = 0.02;       // a variance across over that along: points on a line
-constexpr double kAgreesInPatch = 3;   // deviations of a good point
-constexpr double kCommon = 1.5;        // deviations that a place may have itself
-constexpr double kMost = 0.85;         // of the points, that must agree
-constexpr float kMostLeverage = 0.5F;  // the rest says nothing of such a point
+constexpr double kExactPatch = 0.03;   // share of the reach; smaller deviations count as this
+constexpr double kMostReaches = 3;     // usual reaches; a patch's own counts for at most this
+constexpr double kNarrow = 0.02;       // variance across over along; below, points are on a line
+constexpr double kAgreesInPatch = 3;   // deviations from the quadric; beyond, not an inlier
+constexpr double kCommon = 1.5;        // root mean square, in deviations; above, a patch is skipped
+constexpr double kMost = 0.85;         // share of the points that must agree
+constexpr float kMostLeverage = 0.5F;  // above, the other points do not determine the quadric there
 constexpr int kRounds = 3;
 constexpr int kPatchNeighbours = 6;
-constexpr double kWithinReaches = 2.25;  // a corner of a place sees a quarter of its neighbours
-constexpr double kLink = 1.5;            // reaches between points that hang together
+constexpr double kWithinReaches = 2.25;  // at a patch's corner only a quarter of a disc is seen
+constexpr double kLink = 1.5;            // reaches between connected points
 constexpr double kRidge = 1e-6;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// One place in a unit of its own.
+// One patch of points, scaled to unit size.
 class Place {
  public:
   // `chosen` are kCount points.
@@ -46,7 +46,7 @@ class Place {
     }
   }
 
-  // Sets those of the place's points that are inliers.
+  // Marks the inliers among the patch's points.
   void Judge(double deviation, double reach, bool* good) {
     if (!(unit_ > 0) || !std::isfinite(unit_) || !TakeFrame()) return;
     const double least =
@@ -58,7 +58,7 @@ class Place {
                static_cast<float>(kLink * reach_),
                counts,
                groups);
-    // A quadric follows a clump beside its other points.
+    // A quadric would also fit a clump beside the other points.
     int members[kCount] = {};
     for (const int group : groups) ++members[group];
     const auto body = static_cast<int>(std::max_element(members, members + kCount) - members);
@@ -72,8 +72,8 @@ class Place {
   }
 
  private:
-  // Turns the points into their own frame, and takes their reach from the area they cover as if
-  // evenly. Whether they cover one.
+  // Rotates the points into their principal frame, and estimates their reach from the area they
+  // cover, assuming even density. Returns false if they lie on a line.
   bool TakeFrame() {
     double m[6];
     SecondMoments(points_, m);
@@ -94,7 +94,8 @@ class Place {
     return true;
   }
 
-  // Fits the quadric, the weights by the deviation that points should have. Whether most agree.
+  // Fits the quadric robustly, with weights scaled by `deviation`. Returns whether most points
+  // agree.
   bool Agree(float deviation) {
     std::fill_n(fit_.weights, kCount, 1.0F);
     for (int round = 0; round < kRounds; ++round) {
@@ -108,7 +109,7 @@ class Place {
         squares += agrees ? ratio * ratio : 0;
         fit_.weights[k] = 1 / (1 + ratio * ratio / 4);
       }
-      // Weights have begun to tell outliers from the rest, or there is nothing to tell.
+      // Weights have begun to separate outliers from the rest, or there are no outliers.
       const bool settled = round > 0 || agree == kCount;
       if (settled && agree >= kMost * kCount && squares <= kCommon * kCommon * agree) return true;
     }

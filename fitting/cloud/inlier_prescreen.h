@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points that need no judgement of their own.
+// A quick prescreen for inliers, which then need no outlier test of their own.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,12 +10,12 @@
 
 namespace batten::internal {
 
-// Points near each other are taken 64 at a time. Those are inliers that agree with a quadric
-// through most of their 64, as if they were not in it, and have neighbours there as near as points
-// of a surface have them. `deviation` is the usual one of points from the planes of their
-// neighbours, `reach` the usual distance of the sixth neighbour; small ones count for less than
-// a share of the place's own reach. Wherever the 64 do not agree none is inliers. The same
-// on any number of threads. O(m).
+// Tests the points in patches of 64 neighbouring ones. A point is an inlier if its leave-one-out
+// residual from a robust quadric through its patch is small and its neighbours in the patch are as
+// near as those on a surface. `deviation` is the typical deviation of points from the planes of
+// their neighbours (not less than a share of the patch's own reach is used), `reach` the typical
+// distance of the sixth neighbour. In a patch whose points mostly do not agree with one quadric,
+// no point is an inlier. The same on any number of threads. O(m).
 PointMask PrescreenInliers(const Eigen::Matrix3Xd& points,
                            const NeighbourIndex& index,
                            double deviation,

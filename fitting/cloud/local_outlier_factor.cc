@@ -75,7 +75,7 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
     for (auto i = begin; i < end; ++i)
       apart[static_cast<size_t>(i)] = StandsApart(circles, i) ? 1 : 0;
   });
-  // Where the density falls at a line, those of the thin side next to it have others behind them.
+  // Where the density drops across a line, points on its sparse side are counted by sparse ones.
   std::vector<int> counted_by(chosen.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     if (apart[static_cast<size_t>(i)]) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points that others lie near, by the measure of those others.
+// Isolated points by a local outlier factor with medians.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,13 @@
 
 namespace batten::internal {
 
-// Of the points under a mask, those whose sixth neighbour among them is not much farther away than
-// theirs from them (two and a half times the median), or that two others of whom
-// that holds count among their own six nearest. Where outliers are known to be, a point that stands
-// alone, by chance on the shape's continuation beyond its edge, is one of them; no surface can
-// tell, for it would follow. Density may change, and edges and corners have neighbours. [Breunig et
-// al. 2000, the local outlier factor, with medians] All where they are fewer than fifty. O(m log
-// m).
+// Returns the points under a mask without the isolated ones. A point is isolated if its sixth
+// neighbour under the mask is more than 2.5 times as far away as the median of its neighbours'
+// sixth neighbours, and fewer than two points that are not isolated by that count it among their
+// own six nearest. In a cloud with outliers, an isolated point that happens to lie on the
+// continuation of the shape beyond its edge is an outlier; residuals cannot show it, since a fitted
+// surface would follow it. Density may vary; points on edges and corners are kept. Below fifty
+// points all are kept. [Breunig et al. 2000, the local outlier factor, with medians] O(m log m).
 PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask);
 PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,

@@ -23,7 +23,7 @@ BATTEN_INLINE double SumOf(const Lanes& lanes) {
   return sum;
 }
 
-// Σ a b in lanes.
+// Dot product Σ a b, summed in lanes.
 BATTEN_INLINE double Dot(const float* a, const float* b) {
   Lanes sum{};
   for (int k = 0; k < kCount; k += kLanes)

@@ -1,41 +1,40 @@
 // SPDX-License-Identifier: MIT
-// The hot part of judging a place by one quadric: plain numbers, compiled for several processors.
+// Kernels of the quadric fit to a patch of 64 points, compiled for several instruction sets.
 #pragma once
 
 namespace batten::internal {
 
-// Points of one place relative to its middle, of a size near one.
+// Points of one patch relative to its mean, scaled to a size near one.
 struct PlacePoints {
   static constexpr int kCount = 64;
   alignas(64) float x[kCount], y[kCount], z[kCount];
 };
 
-// Weights of the points, their heights over a quadric of the plane of z and, as if they were not
-// in it, those that go with it.
+// Weights of the points, their heights over the quadric z(x, y), and their leverages in its fit.
 struct PlaceFit {
   alignas(64) float weights[PlacePoints::kCount], heights[PlacePoints::kCount],
       leverages[PlacePoints::kCount];
 };
 
-// Σ xx, xy, xz, yy, yz, zz.
+// Computes the sums Σ xx, xy, xz, yy, yz, zz.
 void SecondMoments(const PlacePoints& points, double* moments);
 
-// Turns points into a frame: rows are its axes.
+// Rotates points into a frame whose axes are the rows of a 3 × 3 matrix.
 void TurnInto(const float* axes, PlacePoints& points);
 
-// Normal equations of the quadric 1, x, y, xx, xy, yy for z: the lower half of the matrix row by
-// row (21 numbers), then the right-hand side (6).
+// Sums up the normal equations of the quadric 1, x, y, xx, xy, yy for z: the lower half of the
+// matrix row by row (21 numbers), then the right-hand side (6).
 void AddUpQuadric(const PlacePoints& points, const float* weights, double* sums);
 
-// Heights over the quadric of these coefficients, and leverages by the inverse of the matrix (6 ×
-// 6) times the weights.
+// Computes the heights over the quadric of these coefficients, and the leverages by the inverse of
+// the matrix (6 × 6) times the weights.
 void LeaveQuadric(const PlacePoints& points,
                   const float* coefficients,
                   const float* inverse,
                   PlaceFit& fit);
 
-// How many of the points are within a distance of each, itself included, and the numbers of the
-// groups, from 0 on, that chains of links no longer than `link` hold together.
+// Counts the points within a distance of each point, itself included, and numbers the connected
+// components, from 0 on, of the graph with edges no longer than `link`.
 void LinkWithin(const PlacePoints& points, float within, float link, int* counts, int* groups);
 
 }  // namespace batten::internal

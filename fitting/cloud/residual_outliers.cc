@@ -11,29 +11,30 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kStructureInSpacings = 4;  // what a surface may miss between points
-constexpr int kWitnesses = 8;               // neighbours asked whether a point is alone
-constexpr int kWitnessesNeeded = 3;         // that are off as it is
+constexpr double kStructureInSpacings = 4;  // height of structure a surface may miss between points
+constexpr int kWitnesses = 8;               // neighbours that are compared with a point
+constexpr int kWitnessesNeeded = 3;         // of them alike make it structure within reach
 constexpr double kNearlyEqual = 1.25;
-constexpr int kMostWitnesses = 5;  // that make it structure at any distance
-constexpr double kAlike = 2;       // within this factor of its distance
+constexpr int kMostWitnesses = 5;  // of them nearly equal make it structure at any distance
+constexpr double kAlike = 2;       // ratio of distances, either way
 constexpr double kFlatTail = 0.6;
 
-// How many of a point's neighbours in the plane are off as it is.
+// Number of a point's neighbours in the plane with similar distances.
 struct Neighbourhood {
   int alike = 0;         // to the same side, within a factor of two
   int nearly_equal = 0;  // within a quarter
 };
 
 Neighbourhood NeighbourhoodOf(Eigen::Index point,
-                  const NeighbourIndex& index,
-                  const Eigen::Matrix3Xd& plan,
-                  const Eigen::VectorXd& distances) {
+                              const NeighbourIndex& index,
+                              const Eigen::Matrix3Xd& plan,
+                              const Eigen::VectorXd& distances) {
   Neighbourhood neighbourhood;
   for (const int j : index.Nearest(plan.col(point), kWitnesses + 1)) {
     const double ratio = distances[j] / distances[point];
     if (j != point && ratio > 1 / kAlike && ratio < kAlike) ++neighbourhood.alike;
-    if (j != point && ratio > 1 / kNearlyEqual && ratio < kNearlyEqual) ++neighbourhood.nearly_equal;
+    if (j != point && ratio > 1 / kNearlyEqual && ratio < kNearlyEqual)
+      ++neighbourhood.nearly_equal;
   }
   return neighbourhood;
 }
@@ -81,10 +82,11 @@ PointMask ResidualInliers(const Eigen::Matrix2Xd& places,
            64,
            [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
              for (std::ptrdiff_t i = begin; i < end; ++i) {
-               const Neighbourhood neighbourhood = NeighbourhoodOf(candidates[i], index, plan, distances);
-               close[candidates[i]] =
-                   neighbourhood.nearly_equal >= kMostWitnesses ||
-                   (std::abs(distances[candidates[i]]) <= reach && neighbourhood.alike >= kWitnessesNeeded);
+               const Neighbourhood neighbourhood =
+                   NeighbourhoodOf(candidates[i], index, plan, distances);
+               close[candidates[i]] = neighbourhood.nearly_equal >= kMostWitnesses ||
+                                      (std::abs(distances[candidates[i]]) <= reach &&
+                                       neighbourhood.alike >= kWitnessesNeeded);
              }
            });
   return close;

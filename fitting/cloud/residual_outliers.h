@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Telling outliers from structure by the distances of points from a first surface.
+// Outliers by their residuals from a first surface, told apart from structure it has missed.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +9,17 @@
 
 namespace batten::internal {
 
-// Where outliers begin: the least doubling of `limit` beyond which the tail of the distances is
-// flat, most of what exceeds it exceeding even twice as much. Noise and structure the surface has
-// missed thin out with distance; outliers do not care. Infinity where the tail thins out all the
-// way.
+// Returns the residual at which outliers begin: the least doubling of `limit` beyond which the tail
+// of the distances is flat, most of the points beyond it being beyond twice as much too. Noise and
+// structure missed by the surface become rarer with distance; outliers do not. Infinity if the tail
+// is nowhere flat.
 double OutlierThreshold(const Eigen::VectorXd& distances, double limit);
 
-// Which points a surface speaks for, given their signed distances from it and their places in the
-// plane: those this side of where outliers begin, no nearer than `least`; and beyond it, where the
-// surface is what is wrong, those that several neighbours are off with, to the same side: by nearly
-// as much within the reach of structure between points (several spacings), at any distance by the
-// same.
+// Returns the inliers of a surface, given the points' signed distances from it and their places in
+// the plane: the points within OutlierThreshold(distances, least), and points beyond it where the
+// surface has missed structure. These are off to the same side as several of their 8 neighbours:
+// within four spacings (or the threshold, if larger) as at least 3 whose distance is within a
+// factor of two, at any distance as at least 5 whose distance is within a quarter of theirs.
 PointMask ResidualInliers(const Eigen::Matrix2Xd& places,
                           const Eigen::VectorXd& distances,
                           double least,

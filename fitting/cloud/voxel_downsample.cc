@@ -18,7 +18,7 @@ DownsampledCloud Thinned(const PointCloud& cloud, double cell) {
   const auto m = static_cast<std::size_t>(p.cols());
   if (m == 0) return {cloud, {}, {}};
   const Eigen::Vector3d corner = p.rowwise().minCoeff();
-  // Whole numbers as doubles. Where even they overflow no two points share a cell.
+  // Cell numbers are doubles; if even these overflow, no two points share a cell.
   if (!((p.rowwise().maxCoeff() - corner) / cell).allFinite()) {
     DownsampledCloud all{cloud, std::vector<Eigen::Index>(m), {}};
     std::iota(all.kept.begin(), all.kept.end(), Eigen::Index{0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The curves that edges of a surface are given.
+// Boundary curves given for edges of a surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,33 +22,32 @@ struct NeighbourEdge {
   bool upper = false;
 };
 
-// A curve that an edge of the surface is to be, in the cloud's local coordinates.
+// A prescribed boundary curve of the surface, in the cloud's local coordinates.
 struct BoundaryEdge {
   NurbsCurve<3> curve;                     // polynomial and clamped
-  std::optional<NeighbourEdge> neighbour;  // whose edge the curve is
+  std::optional<NeighbourEdge> neighbour;  // the surface whose edge the curve is
   std::string name;
   bool reversed = false;  // against the neighbour's edge
 };
 
-// The curves of the conditions; of a neighbour that edge which runs along the points. Curves are
-// freed of knots within the tolerance asked for, and rational ones followed by cubics within that,
-// or 1e-10 of the size. Throws std::invalid_argument, with a sentence for the user, where a curve
-// is closed or has no length, or runs far from the points.
+// The curves of the boundary conditions; for a neighbour, the edge that runs along the points.
+// Knots are removed from curves within options.boundary_tolerance, and rational curves approximated
+// by cubics within that, or 1e-10 of the size. Throws std::invalid_argument, with a sentence for
+// the user, where a curve is closed or has no length, or runs far from the points.
 std::vector<BoundaryEdge> BoundaryEdges(const SurfaceFitOptions& options,
                                         const Eigen::Vector3d& origin,
                                         const Eigen::Matrix3Xd& points,
                                         const NeighbourIndex& index,
                                         double spacing);
 
-// Places along a side for every half spacing of its length, not too few and not too many; with
-// their parameters.
+// Samples of a side at every half spacing of its length, bounded in number, with their parameters.
 struct SideSamples {
   Eigen::VectorXd parameters;
   Eigen::Matrix3Xd points;
 };
 SideSamples SampleSide(const BoundaryEdge& side, double spacing);
 
-// The same in the other direction, over the same interval.
+// The side reversed, over the same interval.
 BoundaryEdge Turned(const BoundaryEdge& side);
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The base of a surface that is to meet curves and points exactly.
+// The parameterization of a surface that meets curves and points exactly.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,14 +20,15 @@ struct MetPoint {
   Eigen::Vector2d parameters;
 };
 
-// What a surface over a base is to meet.
+// The interpolation conditions of a surface over a base.
 struct SurfaceConditions {
   std::vector<PlacedBoundary> sides;
   std::vector<MetPoint> points;
   bool any() const { return !sides.empty() || !points.empty(); }
 };
 
-// The same for the linear stage; the tangent planes of neighbours included.
+// Converts the conditions to constraints of the linear stage, tangent planes of neighbours
+// included.
 SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions);
 
 struct ConditionedBase {
@@ -35,11 +36,11 @@ struct ConditionedBase {
   SurfaceConditions conditions;
 };
 
-// ChooseBase for the points together with places along the curves of options.boundary and the
-// points of options.meet, which then get their places in it; the rectangle ends in the curves. A
-// sheet with nothing given ends in the points' own outline where that is nearly a rectangle; with
-// options.domain the rectangle is that. Throws as ChooseBase, and where a condition cannot be
-// placed.
+// Runs ChooseBase on the points together with samples of the curves of options.boundary and the
+// points of options.meet, which then get parameters in the base; the edges of the rectangle are the
+// curves. A sheet without boundary curves ends in the points' own outline where that is nearly a
+// rectangle; with options.domain the rectangle is that domain. Throws as ChooseBase, and where a
+// condition cannot be placed.
 ConditionedBase ChooseConditionedBase(const PointCloud& points,
                                       const NeighbourIndex& index,
                                       const CloudStatistics& statistics,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The linear stage of a surface under constraints that are met exactly.
+// Linear least squares for a surface under exact equality constraints.
 #pragma once
 
 #include <memory>
@@ -15,27 +15,26 @@ namespace batten::internal {
 struct ConstrainedSolution {
   NurbsSurface surface;         // over the bases' knots and those the edges need
   double residual_squares = 0;  // Σ w |S − z|²
-  int unknowns = 0;             // numbers free to follow the points: three a free control point
-  bool regularised = false;     // smoothing had to be raised
-  double angle_gap = 0;         // the widest to tangent planes along edges, as measured; radians
-  std::vector<MissedConstraint> missed;  // contradictions: what could not be met as well
+  int unknowns = 0;             // degrees of freedom: three for each free control point
+  bool regularised = false;     // smoothing was raised to solve the system
+  double angle_gap = 0;         // the largest measured to tangent planes along edges; radians
+  std::vector<MissedConstraint> missed;  // contradicting constraints, and by how much
 };
 
-// The surface of a FittingProblem's least sum (points, fairness of the whole surface) among those
-// that meet the constraints. Free are only the inner control points over the problem's own, coarse,
-// bases and along tangent fields the coefficients of two coarse splines; so edges of many control
-// points bring no freedom to follow noise (edge_rows.h). What the free ones cannot give is not
-// asked of them: edges are met by construction, to rounding; along a tangent field the angle to its
-// planes is below 1e-6 (6e-5 where knots for it would be too many); points and normals are met by
-// Lagrange multipliers, to rounding. Conditions that follow from earlier ones are left out; where
-// they contradict them (in the order corners, points as given) the earlier are met and the solution
-// says by how much each other is missed.
+// Minimises a FittingProblem's sum (points, fairness of the whole surface) over the surfaces that
+// meet the constraints. Unknowns are only the inner control points over the problem's own, coarse,
+// bases and, along tangent fields, the coefficients of two coarse splines; so edges with many
+// control points add no freedom to follow noise (edge_rows.h). Edges are met by construction, to
+// rounding; along a tangent field the angle to its planes is below 1e-6 (6e-5 where knots for it
+// would be too many); points and normals are met by Lagrange multipliers, to rounding. Dependent
+// conditions are left out; of contradicting ones (in the order corners, points as given) the
+// earlier are met and the solution says by how much each other is missed.
 //
-// Built once for bases and constraints, solved for any data, weights, parameters and smoothing over
-// these bases, from any thread.
+// The system is built once for bases and constraints and solved for any data, weights, parameters
+// and smoothing over these bases, from any thread.
 class ConstrainedSystem {
  public:
-  // `centre`: a point near the data, so that far origins cost no digits. Throws
+  // `centre` is a point near the data, so that far origins cost no digits. Throws
   // std::invalid_argument as edge_rows.h says, and where points lie outside the domain or are not
   // finite, or a normal is zero.
   ConstrainedSystem(const SplineBasis& basis_u,
@@ -57,7 +56,7 @@ class ConstrainedSystem {
   std::unique_ptr<Parts> parts_;
 };
 
-// Both at once.
+// Builds the system and solves it once.
 ConstrainedSolution SolveConstrained(const FittingProblem& problem,
                                      const SurfaceConstraints& constraints,
                                      ThreadPool& pool);

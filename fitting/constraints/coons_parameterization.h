@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A base's parameters laid onto the rectangle between four sides: curves the edges are given, and
-// the outline of the points for the others.
+// Coons parameterization: a base's parameters mapped to the rectangle between four sides, which are
+// given curves or the outline of the points.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct PlacedBoundary {
   BoundaryEdge side;
 };
 
-// A given side and where its samples are in the base's parameters.
+// A given side with the base's parameters of its samples.
 struct PlacedSide {
   BoundaryEdge side;
   Eigen::VectorXd parameters;  // of the samples, on its curve
@@ -32,14 +32,15 @@ struct PlacedSide {
 
 struct PlacedBoundaries {
   std::vector<PlacedBoundary> sides;
-  Eigen::Index beyond = 0;  // points on the far side of a given one, not reached any more
+  Eigen::Index beyond = 0;  // points beyond a given side, no longer reached
   std::vector<std::string> warnings;
 };
 
-// Changes the base so that its rectangle ends in the given sides. `points` are those of its
-// parameters, `reached` those with a place; outside given sides they lose it. Throws
-// std::invalid_argument, with a sentence for the user, where neighbouring sides do not meet (the
-// gap), two want one edge, or the region between the sides cannot be laid onto a rectangle.
+// Reparameterizes the base so that the given sides are edges of its rectangle. `points` are those
+// of its parameters, `reached` marks those with a place; points beyond given sides lose theirs.
+// Throws std::invalid_argument, with a sentence for the user, where neighbouring sides do not meet
+// (it names the gap), two sides claim one edge, or the region between the sides cannot be mapped to
+// a rectangle.
 PlacedBoundaries ParameterizeByCoons(Parameterization& base,
                                      PointMask& reached,
                                      const Eigen::Matrix3Xd& points,
@@ -48,8 +49,8 @@ PlacedBoundaries ParameterizeByCoons(Parameterization& base,
                                      double noise,
                                      ThreadPool& pool);
 
-// Changes the base of a sheet so that its rectangle ends in the outline of the points where that is
-// nearly a rectangle: four corners and sides that bend a little. Returns whether it did.
+// Reparameterizes the base of a sheet so that the outline of the points becomes its rectangle,
+// where the outline has four corners and slightly bent sides. Returns whether it did.
 bool ParameterizeByOutline(Parameterization& base,
                            const PointMask& reached,
                            double spacing,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A surface's domain as the user prescribes it.
+// A domain of the surface prescribed by the user.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace batten::internal {
 
-// Makes the base's rectangle the box: over a plane, world coordinates along its axes (so that where
-// those are x and y, it is a box of x and y); over a sheet, lengths from the corner of its own
-// rectangle. Points outside lose their place. Throws std::invalid_argument where fewer than four
-// are left, or the base closes.
+// Sets the base's rectangle to the box: over a plane, world coordinates along its axes (a box of x
+// and y where those are the axes); over a sheet, lengths from the corner of its own rectangle.
+// Points outside lose their place. Throws std::invalid_argument where fewer than four points are
+// left, or the base is closed.
 void TakeDomain(Parameterization& base,
                 PointMask& reached,
                 const Eigen::Vector3d& origin,

@@ -76,14 +76,15 @@ EdgeEnergy EnergyOf(const EdgeRows& edges, FairnessEnergy energy) {
   for (const EnergyTerm& term :
        EnergyTerms(energy, edges.u.coarse.degree(), edges.v.coarse.degree())) {
     const ColumnSparse gram_u = GramOf(edges.u.fine, term.outer),
-                 gram_v = GramOf(edges.v.fine, term.inner);
+                       gram_v = GramOf(edges.v.fine, term.inner);
     for (int d = 0; d < 3; ++d) {
       const ColumnSparse forced_u = gram_u * factors.u[d], forced_v = gram_v * factors.v[d];
-      pairs += term.factor *
-               Eigen::MatrixXd(ColumnSparse(factors.u[d].transpose() * forced_u))
-                   .cwiseProduct(Eigen::MatrixXd(ColumnSparse(factors.v[d].transpose() * forced_v)));
+      pairs +=
+          term.factor *
+          Eigen::MatrixXd(ColumnSparse(factors.u[d].transpose() * forced_u))
+              .cwiseProduct(Eigen::MatrixXd(ColumnSparse(factors.v[d].transpose() * forced_v)));
       const ColumnSparse on_u = edges.u.raised.transpose() * forced_u,
-                   on_v = edges.v.raised.transpose() * forced_v;
+                         on_v = edges.v.raised.transpose() * forced_v;
       for (int c = 0; c < columns; ++c) {
         auto inner = result.inner[d].col(std::min(c, unknowns));
         for (ColumnSparse::InnerIterator a(on_u, c); a; ++a) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a tangent row is made of: coarse functions times the directions that span tangent planes.
+// Products of coarse B-splines with the directions that span the tangent planes along an edge.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -10,9 +10,9 @@
 
 namespace batten::internal {
 
-// The coordinates of M_m·T (first three) and of M_m·E (last three), column m each, M the coarse
-// functions, T the field of the edge and E the derivative of its curve by `speed`, as splines over
-// the fine basis: their local projections. Values and slopes at the ends are right.
+// The coordinates of M_m·T (first three) and of M_m·E (last three), column m each, as splines over
+// the fine basis by local projection; M are the coarse functions, T is the field of the edge and E
+// the derivative of its curve by `speed`. Values and slopes at the ends are exact.
 std::array<Eigen::SparseMatrix<double, Eigen::RowMajor>, 6> EdgeProducts(const SplineBasis& coarse,
                                                                          const SplineBasis& fine,
                                                                          const ReadyEdge& edge,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of a constrained surface that its edges decide: rows and columns of curves.
+// The part of a constrained surface determined by its edges: rows and columns of curves.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,24 +21,26 @@ namespace batten::internal {
 // edges exactly, and the fields where the coefficients of r_j and l_i that stand for one another at
 // a corner are the same: conditions on t. [Coons 1967; Gordon 1969]
 
-// One row (or column): a curve over the fine basis along it, times one coarse function across.
+// One row (or column) of the net: a curve over the fine basis along it, times one coarse function
+// across it.
 struct EdgeRow {
   bool along_u;
-  int edge;     // its place among the edges
+  int edge;     // its index among the edges
   int profile;  // the coarse function of the other direction
-  int first;    // of its unknowns
-  int count;    // how many; none of a row that is given
-  // Coordinates, size of the fine basis × (count + 1): of each unknown, last what is given.
+  int first;    // index of its first unknown
+  int count;    // number of unknowns; zero for a given row
+  // For each coordinate, size of the fine basis × (count + 1): a column for each unknown, the last
+  // one for the given part.
   std::array<Eigen::SparseMatrix<double, Eigen::RowMajor>, 3> curves;
 };
 
-// Three equations g + G t = 0: what is asked at a corner. In the first two of them the edges'
-// common tangent plane, the third across it.
+// Three equations g + G t = 0 at a corner: the first two in the edges' common tangent plane, the
+// third across it.
 struct CornerCondition {
   std::string name;
   Eigen::MatrixXd unknowns;  // 3 × count
   Eigen::Vector3d given;
-  double length = 0;  // that turns the third into the sine of an angle; none: lengths
+  double length = 0;  // scale by which the third is the sine of an angle; 0: a length
 };
 
 struct EdgeRows {
@@ -50,10 +52,10 @@ struct EdgeRows {
   std::vector<char> taken_u, taken_v;  // I and J, by coarse function
 };
 
-// About the centre. Edges whose ends at a corner are less than 1e-9 of the edges' size apart meet
-// in the middle. Throws std::invalid_argument, naming the edges, where they are further apart, an
-// edge is given twice or is no edge (its direction closes), a basis is neither clamped nor
-// periodic, or has too few functions for all that is asked.
+// Builds the rows, with coordinates about the centre. Edges whose ends at a corner are less than
+// 1e-9 of the edges' size apart meet in the middle. Throws std::invalid_argument, naming the edges,
+// where they are further apart, an edge is given twice or does not exist (its direction is
+// periodic), a basis is neither clamped nor periodic, or has too few functions for the conditions.
 EdgeRows EdgeRowsOf(const SplineBasis& basis_u,
                     const SplineBasis& basis_v,
                     const std::vector<FixedEdge>& edges,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the rows of edges are worth at one parameter.
+// Evaluation of edge rows at one parameter.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace batten::internal {
 
-// The functions of one axis, or their derivatives of an order, at one parameter; the fine ones only
-// when asked for.
+// Values, or derivatives of an order, of one axis' B-splines at one parameter; fine ones are
+// evaluated on demand.
 class AxisValues {
  public:
   AxisValues(const RefinedEdgeBasis& axis, double at, int order)
@@ -17,14 +17,14 @@ class AxisValues {
     Fill(axis.coarse, coarse_span_ = axis.coarse.Span(at), coarse_.data());
   }
 
-  // Of coarse function i; zero where it does not act.
+  // The value of coarse function i; zero outside its support.
   double Coarse(int i) const {
     const int r = i - coarse_span_ + axis_.coarse.degree();
     return r < 0 || r > axis_.coarse.degree() ? 0.0 : coarse_[static_cast<size_t>(r)];
   }
   int first() const { return coarse_span_ - axis_.coarse.degree(); }
 
-  // Calls add(column, value) for what a row's curve, coordinate d, has there, column by column.
+  // Calls add(column, value) with the value of each column of a row's curve, for one coordinate.
   template <typename Add>
   void Curve(const Eigen::SparseMatrix<double, Eigen::RowMajor>& curve, const Add& add) {
     if (fine_span_ < 0) Fill(axis_.fine, fine_span_ = axis_.fine.Span(at_), fine_.data());
@@ -54,8 +54,8 @@ class AxisValues {
   std::array<double, kMaxDegree + 1> coarse_, fine_;
 };
 
-// Calls add(unknown, d, value) for every unknown of the rows that acts at (u, v), perhaps several
-// times, with coordinate d of what it is worth there; the unknown is −1 for what is given.
+// Calls add(unknown, d, value), perhaps several times, for every unknown of the rows with support
+// at (u, v), with coordinate d of its value there; the unknown is −1 for the given part.
 template <typename Add>
 void VisitEdges(const EdgeRows& edges, AxisValues& u, AxisValues& v, const Add& add) {
   for (const EdgeRow& row : edges.rows) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The conditions on a constrained surface that construction alone does not meet.
+// Linear equality constraints of a constrained surface: corners, points, normals.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace batten::internal {
 
-// Some equations that belong together.
+// A block of equations of one condition.
 struct ConditionBlock {
   enum class Kind { kPlace, kNormal, kCornerPlane, kTwist };
   Kind kind;
@@ -34,16 +34,17 @@ struct LinearConstraints {
 
   Eigen::Index count() const { return right.size(); }
 
-  // The equations by all unknowns: those of `columns` (each an index of a coarse control point) for
-  // x, y and z, then t.
+  // The dense matrix of the equations: columns for x, y and z of `columns` (indices of coarse
+  // control points), then t.
   Eigen::MatrixXd Rows(const std::vector<Eigen::Index>& columns) const;
 
-  // The coarse control points that take part.
+  // The coarse control points that the equations involve.
   std::vector<Eigen::Index> Columns() const;
 };
 
-// Corners first, then places and normals in order. Throws std::invalid_argument where a point is
-// outside the domain or not finite, asks for nothing, or its normal is zero.
+// Builds the constraints: corners first, then places and normals in order. Throws
+// std::invalid_argument where a point is outside the domain or not finite, asks for nothing, or its
+// normal is zero.
 LinearConstraints ConditionsOf(const EdgeRows& edges,
                                const std::vector<FixedPoint>& points,
                                const Eigen::Vector3d& centre);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An edge of a neighbour as one that a surface has to meet.
+// The edge constraint for a surface that continues a neighbouring surface.
 #pragma once
 
 #include "fitting/constraints/surface_constraints.h"
@@ -8,13 +8,14 @@
 
 namespace batten::internal {
 
-// The derivative of a surface without weights across one of its edges, by the rising parameter, as
-// a spline along the edge: exact. Throws std::invalid_argument for weights, and where the direction
+// The cross-boundary derivative of a non-rational surface at an edge, by the rising parameter, as
+// an exact spline along the edge. Throws std::invalid_argument for weights, and where the direction
 // across is periodic.
 NurbsCurve<3> CrossDerivative(const NurbsSurface& surface, const SurfaceEdge& edge);
 
-// What makes `own` edge of a surface, over the domain of `along`, go on from the `theirs` edge of
-// the neighbour, run backwards where `reversed`: its curve, and where `tangent` its tangent planes.
+// The constraint under which the `own` edge of a surface, over the domain of `along`, continues the
+// `theirs` edge of the neighbour, run backwards where `reversed`: its curve and, where `tangent`,
+// its tangent planes.
 FixedEdge EdgeOfNeighbour(const NurbsSurface& neighbour,
                           const SurfaceEdge& theirs,
                           const SurfaceEdge& own,

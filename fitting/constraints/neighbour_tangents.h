@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tangent planes along an edge of a surface.
+// The cross-boundary derivative along an edge of a neighbouring surface.
 #pragma once
 
 #include "batten/geometry/nurbs_curve.h"
@@ -7,9 +7,9 @@
 
 namespace batten::internal {
 
-// The derivative across the edge, out of the neighbour, over the edge's own parameter: exactly for
-// a surface without weights, else cubics through it and its derivative on 64 parts of every span,
-// whose angle is off by less than 1e-6.
+// The derivative across the edge, outward from the neighbour, over the edge's own parameter: exact
+// for a non-rational surface, else Hermite cubics on 64 parts of every span with an angle error
+// below 1e-6.
 NurbsCurve<3> OutwardDerivative(const NeighbourEdge& edge);
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An edge condition whose curves stand over the knots of the edge.
+// An edge constraint refined to the knots of the fine basis.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace batten::internal {
 
-// An edge made ready: the curve is over knots of the fine basis, about the centre that was asked
-// for; the field across has length one at most.
+// An edge whose curve is over the knots of the fine basis, relative to the given centre; the field
+// across has length one at most.
 struct ReadyEdge {
   SurfaceEdge edge;
   NurbsCurve<3> curve;  // over the fine basis
-  NurbsCurve<3> plain;  // over no more knots than its own
+  NurbsCurve<3> plain;  // over its own knots only
   std::optional<NurbsCurve<3>> across;
   std::string name;  // "the edge u = lower"
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A basis no finer than the tangent planes along an edge need.
+// Reduction of an edge's fine basis to the knots its tangent planes need.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,18 +10,19 @@
 
 namespace batten::internal {
 
-// Where curves over the fine basis of an axis go: to a coarser one.
+// A coarser basis for curves over the fine basis of an axis, with the conversion matrices.
 struct ReducedEdgeBasis {
   SplineBasis basis;
-  Eigen::SparseMatrix<double> raised;   // of the coarse functions
-  Eigen::SparseMatrix<double> thinned;  // of splines over the fine basis: nearly the same ones
+  Eigen::SparseMatrix<double> raised;   // coarse functions over this basis
+  Eigen::SparseMatrix<double> thinned;  // projects splines over the fine basis
 };
 
-// A fine basis has to carry every product of a coarse function with a tangent field; those that the
-// solution is made of are smoother. The least basis is refined where the tangent rows of the
-// solution (`unknowns`: t) would leave their tangent planes by more than 6e-7 or their own
-// amount by more than 1e-5; ten or a hundred times that where it would take more than 400 functions
-// and six times the least basis'. Ends and end slopes stay. Without tangent fields: the fine basis.
+// Refines the least basis where the tangent rows of the solution (`unknowns`: t) would deviate from
+// their tangent planes by more than 6e-7 or from their own amount by more than 1e-5; ten or a
+// hundred times that where it would need more than 400 functions and six times those of the least
+// basis. The fine basis represents every product of a coarse function with a tangent field; the
+// products in the solution are smoother and need fewer knots. Ends and end slopes stay. Without
+// tangent fields the result is the fine basis.
 ReducedEdgeBasis Thinned(const EdgeRows& edges, bool along_u, const Eigen::VectorXd& unknowns);
 
 }  // namespace batten::internal

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One direction of a constrained surface: coarse for what the points decide, fine for what its
-// edges ask.
+// The bases of one direction of a constrained surface: coarse for the points, fine for the edges.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,14 +13,15 @@
 
 namespace batten::internal {
 
-// "the edge u = lower", …
+// The edge's name, such as "the edge u = lower".
 std::string NameOf(const SurfaceEdge& edge);
 
-// The curve over the basis' degree and exactly its domain; with the basis' knots where its own are
-// next to them. Throws std::invalid_argument where the edge or its field does not suit the basis.
+// Raises the curve to the basis' degree and maps it to exactly its domain; knots next to those of
+// the basis are moved onto them. Throws std::invalid_argument where the edge or its field does not
+// suit the basis.
 ReadyEdge ReadyFor(const FixedEdge& edge, const SplineBasis& along, const Eigen::Vector3d& centre);
 
-// Bases of one degree, each with the knots of the one before.
+// Nested bases of one degree, each with the knots of the one before.
 struct RefinedEdgeBasis {
   SplineBasis coarse;
   SplineBasis least;  // with the knots of the curves and fields
@@ -29,24 +29,23 @@ struct RefinedEdgeBasis {
   Eigen::SparseMatrix<double> raised;  // column i: coarse function i over the fine basis
 };
 
-// About the speed of a curve: its size by its domain.
+// The approximate speed of a curve: its size divided by the length of its domain.
 double SpeedOf(const NurbsCurve<3>& curve);
 
-// The coarse functions over a basis with more knots, a column each.
+// The knot insertion matrix: column i is coarse function i over a basis with more knots.
 Eigen::SparseMatrix<double> RaisedTo(const SplineBasis& finer, const SplineBasis& coarse);
 
-// The curve over a basis with more knots.
+// The curve refined to a basis with more knots.
 NurbsCurve<3> RefinedTo(const SplineBasis& finer, const NurbsCurve<3>& curve);
 
-// The basis with these simple knots more, each inside a span.
+// Inserts simple knots into the basis, each inside a span.
 SplineBasis WithKnots(const SplineBasis& basis, const std::vector<double>& knots);
 
-// The basis refined by the knots of the curves of the edges that run along it. Along an edge with a
-// tangent field it is fine enough that every product of a coarse function with the field, or with
-// the curve's derivative, is a spline over it to 1e-7 of their size, unless that takes more than
-// some 1500 functions. The curves get its knots.
-// Throws std::invalid_argument where a curve with a field has a corner, or the field vanishes or
-// runs along the curve.
+// Refines the basis by the knots of the edge curves that run along it. For an edge with a tangent
+// field the fine basis represents every product of a coarse function with the field, or with the
+// curve's derivative, to 1e-7 of their size, unless that needs more than some 1500 functions. The
+// curves are refined to the fine basis. Throws std::invalid_argument where a curve with a field has
+// a corner, or the field vanishes or runs along the curve.
 RefinedEdgeBasis RefinedEdgeBasisFor(const SplineBasis& coarse, std::vector<ReadyEdge>& edges);
 
 }  // namespace batten::internal

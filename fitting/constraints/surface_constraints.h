@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a surface has to meet exactly, whatever the points say.
+// Exact constraints on a surface: edge curves, tangent fields, points and normals.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ struct FixedEdge {
   std::optional<NurbsCurve<3>> across = std::nullopt;
 };
 
-// At (u, v) the surface has this place, or this normal (either sign), or both.
+// A point constraint: at (u, v) the surface has this place, or this normal (either sign), or both.
 struct FixedPoint {
   double u = 0, v = 0;
   std::optional<Eigen::Vector3d> place = std::nullopt;
@@ -39,7 +39,7 @@ struct SurfaceConstraints {
   bool any() const { return !edges.empty() || !points.empty(); }
 };
 
-// A condition that contradicts those before it, and what the surface misses it by.
+// A constraint that contradicts earlier ones, and the amount by which the surface misses it.
 struct MissedConstraint {
   std::string condition;  // which
   double amount = 0;      // the data's units; an angle in radians

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clouds completed by their mirror image, and parameters that know of it.
+// Clouds completed by their mirror image, and parameterizations symmetric under the reflection.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,15 +13,15 @@
 
 namespace batten::internal {
 
-// The points and, behind them, their mirror images; a point whose image is itself stands once.
-// Weights, colours and (mirrored) normals go along, given parameters do not.
+// The points followed by their mirror images; a point that is its own image occurs once. Weights,
+// colours and (mirrored) normals go along, given parameters do not.
 struct SymmetricCloud {
   PointCloud cloud;
-  std::vector<Eigen::Index> twins;  // of every point the index of its image
+  std::vector<Eigen::Index> twins;  // for every point, the index of its image
 };
 
-// The plane in world coordinates. Throws std::invalid_argument unless its normal has length one (to
-// 1e-9, and is then made so) and all is finite.
+// Adds the mirror images in a plane given in world coordinates. Throws std::invalid_argument unless
+// its normal has length one (to 1e-9; it is then normalised) and all values are finite.
 SymmetricCloud WithMirrorImage(const PointCloud& cloud, const MirrorPlane& plane);
 
 // A base under which the mirror image of the point at (u, v) is at (length_u − u, v) or at
@@ -32,14 +32,15 @@ struct SymmetricBase {
   Direction reflected = Direction::kU;
 };
 
-// From any base of a cloud that is its own mirror image in the plane (in the cloud's coordinates,
-// relative to its origin), with twins given; points outside the mask may have any parameters. A
-// plane base is turned upright in the mirror plane. Else the parameters of twins must be related by
-// a reflection of the parameter plane or of a circle to within a twentieth of the lengths; the
-// frame is turned so that it reflects u or v, and each point takes the mean of its own parameters
-// and those its twin stands for. Throws std::invalid_argument, with a sentence for the user, where
-// there is no such reflection: the image lies over the cloud as a second layer, there is a gap
-// between the two as wide as either, or the parameters are related by something else.
+// Makes a base symmetric for a cloud that is its own mirror image in the plane (in the cloud's
+// coordinates, relative to its origin), with twins given; points outside the mask may have any
+// parameters. A plane base is turned until its normal lies in the mirror plane. For other bases the
+// parameters of twins must be related by a reflection of the parameter plane or of a circle to
+// within a twentieth of the lengths; the frame is turned so that it reflects u or v, and each point
+// gets the mean of its own parameters and its twin's reflected ones. Throws std::invalid_argument,
+// with a sentence for the user, where there is no such reflection: the image lies over the cloud as
+// a second layer, there is a gap between the two as wide as either, or the parameters are related
+// otherwise.
 SymmetricBase SymmetricParameters(const Parameterization& base,
                                   const PointCloud& cloud,
                                   const PointMask& mask,

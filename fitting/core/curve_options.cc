@@ -12,8 +12,9 @@ namespace batten {
 using namespace internal;
 void Check(const CurveFitOptions& options) {
   if (options.degree < 1 || options.degree > kMaxDegree) {
-    Reject("CurveFitOptions", "degree is " + std::to_string(options.degree) + ", not in [1, " +
-           std::to_string(kMaxDegree) + "]");
+    Reject("CurveFitOptions",
+           "degree is " + std::to_string(options.degree) + ", not in [1, " +
+               std::to_string(kMaxDegree) + "]");
   }
   if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
     Reject("CurveFitOptions", "tolerance must be positive");
@@ -57,11 +58,12 @@ void Check(const CurveFitOptions& options) {
     if (options.smooth_by != SmoothBy::kWeight)
       Reject("CurveFitOptions", "smoothing can't be chosen at given parameters");
     if (options.order == PointOrder::kUnordered)
-      Reject("CurveFitOptions", "parameterization given is an order already; order can't be unordered");
+      Reject("CurveFitOptions",
+             "parameterization given is an order already; order can't be unordered");
     if (options.closed == ClosedChoice::kYes)
-      Reject("CurveFitOptions", 
-          "given parameters can't close: they do not tell the way from the last point to the "
-          "first");
+      Reject("CurveFitOptions",
+             "given parameters can't close: they do not tell the way from the last point to the "
+             "first");
   }
   if (!options.shift.allFinite()) Reject("CurveFitOptions", "shift must be finite");
 }

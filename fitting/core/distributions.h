@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tails of the F and t distributions.
+// Tail probabilities of the F distribution and quantiles of the t distribution.
 #pragma once
 
 namespace batten::internal {
@@ -8,12 +8,12 @@ namespace batten::internal {
 // fraction. [Abramowitz & Stegun 1964, 26.5.8; Lentz 1976]
 double IncompleteBeta(double x, double a, double b);
 
-// How likely F with these freedoms (> 0, not all whole numbers) is above f.
+// The probability that F with these degrees of freedom (> 0, need not be whole numbers) exceeds f.
 double FTail(double f, double freedoms_above, double freedoms_below);
 
-// How much wider than three standard deviations an error's interval of the same probability
-// (99.73 %) is where the standard deviation is itself estimated with so many freedoms left: t's
-// quantile over 3. 78 with one, 1.15 with twenty; infinite with none.
+// The t quantile at 99.73 % divided by 3: the factor by which an interval of three standard
+// deviations widens where the standard deviation is estimated with so many degrees of freedom left.
+// 78 with one, 1.15 with twenty; infinite with none.
 double FewFactor(double freedoms_left);
 
 }  // namespace batten::internal

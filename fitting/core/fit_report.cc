@@ -13,7 +13,7 @@
 namespace batten {
 namespace {
 
-// Digits down to the second of the deviation; ten of them where there is none.
+// Formats a value down to the second digit of its deviation, with ten digits where there is none.
 std::string WithDeviation(double value, double deviation) {
   char text[80];
   if (!(deviation > 0)) {

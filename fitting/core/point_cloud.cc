@@ -54,7 +54,7 @@ struct Extent {
   bool finite;
 };
 
-// Of at least one point, in one pass.
+// The bounding box of at least one point, in one pass.
 Extent ExtentOf(const Eigen::Matrix3Xd& points) {
   constexpr int kLanes = 6;  // two points beside each other
   double low[kLanes], high[kLanes];
@@ -194,8 +194,8 @@ HashBlocks BlocksOf(const Eigen::Matrix3Xd& p) {
   return result;
 }
 
-// For every point the first one at its place, by a small table with open addressing for each block
-// of hashes. [Knuth 1998, 6.4, algorithm L]
+// Finds for every point the first one at its place, by a small open-addressing hash table for each
+// block of hashes. [Knuth 1998, 6.4, algorithm L]
 std::vector<Eigen::Index> FirstAtPlace(const Eigen::Matrix3Xd& p) {
   constexpr std::uint32_t kFree = ~std::uint32_t{0};
   const HashBlocks blocks = BlocksOf(p);
@@ -207,7 +207,8 @@ std::vector<Eigen::Index> FirstAtPlace(const Eigen::Matrix3Xd& p) {
     table.assign(size, {0, kFree});
     for (Eigen::Index i = begin; i < end; ++i) {
       const HashedPoint& own = blocks.points[static_cast<size_t>(i)];
-      // Of few digits both halves of a hash end alike: its upper bits choose the place.
+      // The upper bits choose the slot, since hashes of numbers of few digits agree in their low
+      // bits.
       std::uint64_t at = own.hash * size >> 32;
       const auto other = [&](const HashedPoint& held) {
         return held.hash != own.hash || p.col(held.point) != p.col(own.point);

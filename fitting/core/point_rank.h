@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether points fill space, a plane, a line or a place.
+// The affine rank of a point set: 3 for space, 2 a plane, 1 a line, 0 a single place.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace batten::internal {
 
-// The number of directions (0 … d) in which columns spread by more than 1e-6 of the widest spread:
-// squares of less drown in rounding. O(m).
+// The number of principal directions (0 … d) in which columns spread by more than 1e-6 of the
+// widest spread; squares of smaller spreads are lost in rounding. O(m).
 inline int PointRank(const Eigen::Ref<const Eigen::MatrixXd>& points) {
   constexpr double kFlat = 1e-6;
   if (points.cols() == 0) return 0;

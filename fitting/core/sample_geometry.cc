@@ -53,7 +53,7 @@ std::vector<double> Strips(const SplineBasis& basis) {
   return strips;
 }
 
-// The same of a trimmed surface within the outer loop's reach along an axis, which is cut further.
+// Strips of a trimmed surface's axis within the outer loop's range, cut finer.
 std::vector<double> Strips(const SplineBasis& basis, const NurbsCurve<2>& outer, int axis) {
   constexpr int kParts = 32;
   const Eigen::AlignedBox2d reach = BoundingBox(outer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Seconds of stages.
+// A stopwatch for the stages of a fit, in seconds.
 #pragma once
 
 #include <chrono>

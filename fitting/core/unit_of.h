@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The unit in which data are of size one. Used by the optimisers only.
+// The power of two that scales data to size one. Used by the optimisers only.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,8 @@
 
 namespace batten::internal {
 
-// The power of two next to the longest side of the box of the columns, so that dividing by it
-// changes no digit; 1 where there is no size. Optimisers that work in it give the same steps in
-// every unit.
+// The power of two next to the longest side of the columns' bounding box, so that division by it is
+// exact; 1 where there is no size. Optimisers that work in it give the same steps in every unit.
 inline double UnitOf(const Eigen::MatrixXd& points) {
   constexpr int kMostBits = 450;  // the fourth power is still a number
   double size = 0;

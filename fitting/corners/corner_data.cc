@@ -17,9 +17,9 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr Index kReach = 3;         // neighbours on either side of a median
-constexpr double kSteady = 0.15;    // of the steps: noise that leaves their lengths
+constexpr double kSteady = 0.15;    // in steps: noise below this hardly changes their lengths
 constexpr double kGross = 8;        // standard deviations, beyond the steps' size
-constexpr double kSteps = 4;        // median steps that a point may be off
+constexpr double kSteps = 4;        // in median steps: how far a point may be off
 constexpr Index kMostBlocks = 200;  // of the polyline that measures the length
 constexpr Index kFewestInBlock = 4;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scattered points made ready for windows. Used by the search for corners only.
+// Inliers and arc lengths for the search for corners. Used by it only.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace batten::internal {
 
-// The points that are no outliers, and where they stand along the curve.
+// The inliers and their arc lengths along the curve.
 struct CornerData {
   Eigen::Matrix3Xd points;
   Eigen::VectorXd lengths;     // from 0, in the units of the points
@@ -20,14 +20,14 @@ struct CornerData {
   double ParameterAt(double place) const;  // 0 ≤ place ≤ length
 };
 
-// Indices of the points that are no outliers: far from the median of themselves and three
-// neighbours on either side, compared with the noise and with steps. O(m).
+// Returns the indices of the inliers. Outliers are points far from the median of themselves and
+// three neighbours on either side, compared with the noise and with steps. O(m).
 std::vector<Eigen::Index> WithoutOutliers(const Eigen::Matrix3Xd& points,
                                           const CornerOptions& options);
 
-// Lengths are those of the steps where noise is small against them. Else parameters become lengths
-// by one factor, from the polyline of block means, and the detours that they took to outliers are
-// left out. O(m).
+// Removes outliers and computes arc lengths: those of the steps where noise is small against them;
+// else parameters become lengths by one factor, from the polyline of block means, and the detours
+// that they took to outliers are left out. O(m).
 CornerData CornerDataOf(const Eigen::Matrix3Xd& points,
                         const Eigen::VectorXd& parameters,
                         const CornerOptions& options);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// A corner of a curve, and what the search for corners is told.
+// A corner of a curve, and the options of the search for corners.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace batten::internal {
 
-// A place where the tangents of both sides differ: the curve is continuous, its direction is not.
+// A place of a curve where the tangents of both sides differ: the curve is continuous, its
+// direction is not.
 struct CurveCorner {
   double parameter;       // in the units of the given parameters
   double angle;           // by which the direction turns, 0 … π

@@ -14,12 +14,12 @@ using Eigen::Vector3d;
 constexpr double kFewestInScreenBlock = 24;
 constexpr double kScreenLineAngle = 0.05;  // standard deviation of the direction from mean to mean
 constexpr Index kFewestBlocks = 200;
-constexpr Index kAcross = 3;    // blocks from a direction to the one it is compared with
-constexpr double kShare = 0.5;  // of the least angle that a smooth curve may turn
-constexpr double kWidestScreen = 3;   // of the variance that noise gives a straight block
-constexpr double kScreenReach = 8;    // sides of windows, either way
+constexpr Index kAcross = 3;         // blocks from a direction to the one it is compared with
+constexpr double kShare = 0.5;       // of the least angle that a smooth curve may turn
+constexpr double kWidestScreen = 3;  // of the variance that noise gives a straight block
+constexpr double kScreenReach = 8;   // sides of windows, either way
 constexpr double kSideSteps = 30, kSideWidths = 60;  // at most, of the narrowest side
-constexpr double kMostScreened = 0.5;                        // of the points: beyond, ranges do not pay
+constexpr double kMostScreened = 0.5;                // of the points: beyond, ranges do not pay
 
 // The mean of a block and how far from it its points are, across the line from end to end.
 struct Block {
@@ -80,7 +80,8 @@ std::vector<CornerRange> RangesWithCorners(const Eigen::Matrix3Xd& points,
   const Index m = points.cols();
   const std::vector<CornerRange> all{{0, m}};
   const double noise = options.noise / step;  // in steps; means of n have √2 σ / √n across n steps
-  const double in_block = std::max(kFewestInScreenBlock, std::pow(2 * noise / kScreenLineAngle, 2.0 / 3.0));
+  const double in_block =
+      std::max(kFewestInScreenBlock, std::pow(2 * noise / kScreenLineAngle, 2.0 / 3.0));
   if (!(in_block * static_cast<double>(kFewestBlocks) <= static_cast<double>(m))) return all;
   const auto blocks = static_cast<Index>(static_cast<double>(m) / in_block);
   const std::vector<bool> suspect = Suspects(points, blocks, options);

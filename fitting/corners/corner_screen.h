@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where among very many points corners may be. Used by FindCorners only.
+// Screening of very many points for ranges that may hold corners. Used by FindCorners only.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ struct CornerRange {
   Eigen::Index begin, size;
 };
 
-// The ranges that hold every corner, with as much on either side as it takes to judge one; all in
-// one range where that would be most of the points, or where they are few. A corner is excluded
+// Returns ranges that hold every corner, with as much on either side as it takes to judge one; all
+// in one range where that would be most of the points, or where they are few. A corner is excluded
 // where blocks of points are straight but for the noise and the lines through their means turn by
 // clearly less than the least angle over a few blocks. `noise` is above 0, `step` is the median
 // distance of neighbours along the curve. O(m).

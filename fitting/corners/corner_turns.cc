@@ -28,7 +28,8 @@ double Angle(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// What three points say of the direction in which the curve leaves a place at or before the first.
+// Estimate from three points of the direction in which the curve leaves a place at or before the
+// first.
 struct Side {
   Vector3d direction;  // unit
   double bend;         // between the direction of the first two and that of the parabola

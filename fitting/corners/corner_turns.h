@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Corners of points that noise hardly moves: each point counts. Used by FindCorners only.
+// Corner detection in exact points, by turns at single points. Used by FindCorners only.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// As FindCorners, of options that are checked and points that differ from their neighbours.
+// FindCorners for exact points. Options must be checked, and points differ from their neighbours.
 std::vector<CurveCorner> CornersOfExact(const Eigen::Matrix3Xd& points,
                                         const Eigen::VectorXd& parameters,
                                         const CornerOptions& options);

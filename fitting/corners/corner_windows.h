@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Corners of points that scatter: windows of many points count. Used by FindCorners only.
+// Corner detection in noisy points, by windows of many points. Used by FindCorners only.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// As FindCorners, of options that are checked and a noise above 0.
+// FindCorners for noisy points. Options must be checked, and their noise above 0.
 std::vector<CurveCorner> CornersOfNoisy(const Eigen::Matrix3Xd& points,
                                         const Eigen::VectorXd& parameters,
                                         const CornerOptions& options);

@@ -17,9 +17,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kExact = 0.02;  // of the spacing: noise that leaves the direction of single steps
+constexpr double kExact = 0.02;  // in spacings: below it single steps keep their direction
 
-constexpr double kNoisy = 0.05;  // of the spacing: noise that must not be taken for exact
+constexpr double kNoisy = 0.05;  // in spacings: above it points are not exact
 constexpr double kClearlyMore = 1.15;
 constexpr Index kMostSteps = 5000;  // about, of which a median is taken
 
@@ -27,17 +27,20 @@ void CheckParameters(const Eigen::Matrix3Xd& points,
                      const Eigen::VectorXd& parameters,
                      const CornerOptions& options) {
   if (parameters.size() != points.cols()) {
-    Reject("FindCorners", "parameters must be one a point, got " + std::to_string(parameters.size()) + " for " +
-           std::to_string(points.cols()) + " points");
+    Reject("FindCorners",
+           "parameters must be one a point, got " + std::to_string(parameters.size()) + " for " +
+               std::to_string(points.cols()) + " points");
   }
   for (Index k = 1; k < parameters.size(); ++k) {
     if (!(parameters[k] > parameters[k - 1]))
-      Reject("FindCorners", "parameters must increase, parameter " + std::to_string(k) + " does not");
+      Reject("FindCorners",
+             "parameters must increase, parameter " + std::to_string(k) + " does not");
   }
   if (options.closed && parameters.size() > 0 &&
       !(parameters[parameters.size() - 1] - parameters[0] <= options.period * (1 + 1e-12))) {
-    Reject("FindCorners", "parameters of a closed curve must not exceed its period, " +
-           std::to_string(options.period));
+    Reject("FindCorners",
+           "parameters of a closed curve must not exceed its period, " +
+               std::to_string(options.period));
   }
 }
 
@@ -49,7 +52,7 @@ double MedianStep(const Eigen::Matrix3Xd& points) {
   return Median(std::move(steps));
 }
 
-// Of points at one place in a row the first; on a closed curve the first follows the last.
+// Keeps the first of consecutive coincident points; on a closed curve the first follows the last.
 std::vector<Index> Different(const Eigen::Matrix3Xd& points, bool closed) {
   std::vector<Index> kept;
   for (Index k = 0; k < points.cols(); ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The corners of a curve that is known by points along it.
+// Corner detection in points along a curve.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 
 namespace batten::internal {
 
-// Corners in the order of their parameters. `points` (3 × m; plane ones have z = 0) follow the
-// curve, `parameters` increase and are about arc length; those of a closed curve span no more than
-// a period, and span all of it only if its last point repeats the first.
+// Finds the corners, in the order of their parameters. `points` (3 × m; plane ones have z = 0)
+// follow the curve, `parameters` increase and are about arc length; those of a closed curve span no
+// more than a period, and span all of it only if its last point repeats the first.
 //
 // Where noise is far below the spacing every point counts: a corner is a turn that neither side
 // announces, at a point or between two. A turn that is spread over less than about a spacing cannot
@@ -20,9 +20,9 @@ namespace batten::internal {
 // kink that explains them better than smooth curves do, better than a turn that takes half the
 // window, and not worse than a turn a little rounded: what is rounded by less than noise can tell
 // is a corner. Their sides must be long, about 40 points and 35 standard deviations of the noise
-// from half a spacing of noise on: shorter bends of smooth curves look the same. Single points far
-// off do not count. Corners that noise hides are not found; at the ends of an open curve there are
-// none. O(m log m).
+// from half a spacing of noise on: shorter bends of smooth curves look the same. Single outliers do
+// not count. Corners that noise hides are not found; at the ends of an open curve there are none.
+// O(m log m).
 //
 // Throws std::invalid_argument where sizes differ, parameters do not increase or a closed curve's
 // exceed the period.

@@ -14,11 +14,11 @@ using Eigen::Index;
 using Eigen::RowVector3d;
 
 constexpr int kMostWindowMeans = static_cast<int>(kMostMeans);
-// Of a window's means; nothing is allocated.
+// Vectors over a window's means, without allocation.
 using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWindowMeans, 1>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMostWindowMeans, 3>;
 
-// By how much, in squared standard deviations of the noise, the kink must leave less than …
+// Squared standard deviations of the noise by which the kink must leave less than …
 constexpr double kOverCubic = 8, kPerChance = 2;  // and so much more for each e-fold of places
 constexpr double kOverQuartic = 3;                // with half of that
 constexpr double kSurelyTurns = 25;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether the points of a window turn at one place. Used by the search for corners only.
+// Corner test of one window: a parabola with one kink against smooth curves. Used by the search for
+// corners only.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +11,7 @@ namespace batten::internal {
 
 inline constexpr size_t kMostMeans = 48;
 
-// Means p of n points at mean parameters u, in a row.
+// A window of consecutive means p of n points each, at mean parameters u.
 struct KinkWindow {
   std::vector<double> u, n;
   std::vector<Eigen::Vector3d> p;
@@ -29,12 +30,12 @@ struct PointClass {
   Kink kink;           // the one that fits best
 };
 
-// The parabola with one kink near `at` that fits best, if it is a corner: it turns by the least
-// angle, beats the cubic, the quartic, the sextic and turns that take a sixth of the window to half
-// of it, the latter clearly unless its sides are straight, and turns that are a little rounded do
-// not beat it, all measured in the variance of the noise. `noise` is the standard deviation of a
-// coordinate of a single point, `chances` the logarithm of how many such windows there are.
-// O(means).
+// Fits the best parabola with one kink near `at` and decides whether it is a corner: it turns by
+// the least angle, beats the cubic, the quartic, the sextic and turns that take a sixth of the
+// window to half of it, the latter clearly unless its sides are straight, and turns that are a
+// little rounded do not beat it, all measured in the variance of the noise. `noise` is the standard
+// deviation of a coordinate of a single point, `chances` the logarithm of how many such windows
+// there are. O(means).
 PointClass KinkOf(
     const KinkWindow& window, double at, double noise, double least_angle, double chances);
 

@@ -11,7 +11,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMostCut = 0.9;  // of an end span
+constexpr double kMostCut = 0.9;  // share of an end span: a longer cut is not made
 
 }  // namespace
 

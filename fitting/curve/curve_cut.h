@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Open curves cut to the data they were fitted to.
+// Trimming of open curves to the parameter range of their data.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ struct CutCurve {
   Eigen::Matrix2Xd parameters;  // of the data, on it
 };
 
-// The curve from the first to the last parameter of the data with weight: beyond, nothing but
-// chance leads it. Periodic curves, and those that end at their data, come back as they are. None
-// where less than a tenth of an end span would be left.
+// Trims the curve to the range from the first to the last parameter of the data with weight; beyond
+// it no data determine the curve. Periodic curves, and those that end at their data, come back as
+// they are. Returns nullopt where less than a tenth of an end span would be left.
 template <int Dim>
 std::optional<CutCurve<Dim>> CutToData(const NurbsCurve<Dim>& curve, const FittingData& data);
 

@@ -9,9 +9,9 @@ namespace batten::internal {
 namespace {
 
 constexpr double kShareOfFarthest = 0.7;
-constexpr double kLongest = 0.25;  // of the end span, that an end may move
+constexpr double kLongest = 0.25;  // share of the end span by which an end may move at most
 
-// How far, in parameters, the end at `u` (direction −1 or 1 out of the domain) should move.
+// The distance, in parameters, by which the end at `u` moves (direction −1 or 1 out of the domain).
 double Move(const CorrectedFit& fit, double u, double direction, double noise, double spacing) {
   const SplineBasis& basis = fit.problem.basis_u();
   const int span = basis.Span(u), p = basis.degree();

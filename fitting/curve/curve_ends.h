@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where an open curve ends, when its points are noisier than they are close.
+// Extension of open curves at their ends, where the noise exceeds the point spacing.
 #pragma once
 
 #include "fitting/curve/parameter_correction.h"
@@ -7,9 +7,10 @@
 
 namespace batten::internal {
 
-// The fit's layout with a longer domain. Points beyond a clamped end all have their foot at it and
-// hold it back; each end moves out by the farthest of them along the tangent, less what noise does
-// to the farthest of so many (0.7 σ √(2 ln count)), plus a mean spacing.
+// Returns the fit's span layout with its domain extended at both ends. Points beyond a clamped end
+// all have their foot point at it and hold it back; each end moves out by the farthest of them
+// along the tangent, less what noise does to the farthest of so many (0.7 σ √(2 ln count)), plus a
+// mean spacing.
 SpanLayout WithLooseEnds(const SpanLayout& layout,
                          const CorrectedFit& fit,
                          double noise,

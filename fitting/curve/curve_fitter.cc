@@ -32,18 +32,19 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kSmoothing = 1e-10;  // enough for gaps, too little to be seen elsewhere
+constexpr double kSmoothing = 1e-10;  // relative fairness: bridges data gaps, negligible elsewhere
 constexpr int kBasisPasses = 2;       // weights choose spans, spans choose weights
 constexpr int kRobustPasses = 3;
 constexpr double kExactAgainstNoise = 0.2;
-constexpr double kLargest = 1.3;  // a joint result against the points
+constexpr double kLargest = 1.3;  // largest size of a joint result over the points'
 constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e-3, kRegularizationStep = 10;
-constexpr double kManyOutliers = 0.003;    // of the points: then some will have been missed
-constexpr double kExcessToOptimise = 1.1;  // residual against noise
+constexpr double kManyOutliers = 0.003;  // share of the points: above it some were missed
+constexpr double kExcessToOptimise =
+    1.1;  // rms residual over noise: below, no joint optimization without a tolerance
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
 constexpr double kTiny = 1e-300;  // a scale must be positive, even of residuals that vanish
-constexpr double kExact = 1e-9;   // of the cloud's size: rounding
-constexpr double kAlike = 1e-8;   // of the size: curves that differ less are one
+constexpr double kExact = 1e-9;   // share of the cloud's size: below it rounding
+constexpr double kAlike = 1e-8;   // share of the size: curves that differ less are equal
 constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kStartSpans = 15, kStartForTolerance = 5;
 constexpr Eigen::Index kPointsOfStartSpan = 8;
@@ -165,8 +166,8 @@ class CurveFitter {
         options_.degree, spans, ordered_.lower, ordered_.upper, corners, ordered_.closed);
   }
 
-  // As many spans as were asked for, at the given parameters, or as the data carry; with a loss,
-  // the weights it gives too.
+  // Fits at the given parameters, with the number of spans asked for or chosen by the data; with a
+  // loss, also with its weights.
   void FitAtParameters() {
     const bool robust = options_.loss && *options_.loss != Loss::kNone;
     const FittingProblem start = *problem_;
@@ -233,7 +234,7 @@ class CurveFitter {
     return adapt;
   }
 
-  // From a few equal spans to as many as the data tell apart, or the tolerance needs.
+  // Adapts from a few equal spans to as many as the data distinguish or the tolerance needs.
   SpanAdaptation Adapted(const FittingProblem& problem, const std::vector<double>& corners) const {
     const Eigen::Index few = std::max<Eigen::Index>(1, problem.size() / kPointsOfStartSpan);
     const int start = options_.tolerance ? kStartForTolerance : kStartSpans;
@@ -252,8 +253,8 @@ class CurveFitter {
     return RelocatedSpans(std::move(adapted), AdaptOptions(), pool_);
   }
 
-  // With the corners that were found, unless in noise a smooth curve explains the data as well with
-  // fewer control points: what looks like a corner close by may be a bend of the whole.
+  // Adapts with the corners that were found, unless with noise a smooth curve explains the data as
+  // well with fewer control points: an apparent corner may be a bend of the whole curve.
   SpanAdaptation Adapted(const FittingProblem& problem) {
     SpanAdaptation sharp = Adapted(problem, corners_);
     if (corners_.empty() || near_exact_) return sharp;
@@ -335,7 +336,8 @@ class CurveFitter {
     return adapted;
   }
 
-  // All data at their feet on a curve fitted to some of them or to means, weighted by the loss.
+  // Returns all data at their foot points on a curve fitted to some of them or to means, weighted
+  // by the loss.
   FittingProblem WeightedWhole(const SpanAdaptation& part, Loss loss) const {
     const FittingProblem whole = problem_->WithBasis(part.layout.Basis());
     const SpanAdaptation all{
@@ -350,14 +352,14 @@ class CurveFitter {
     return WeightedByLoss(all, Losses(loss, true), whole.data().weights, pool_);
   }
 
-  // What all data ask for once some of them have told which are far off.
+  // Adapts to all data, with the outliers taken from a fit to some of them.
   SpanAdaptation AdaptedToAll(const SpanAdaptation& some, Loss loss) {
     SpanAdaptation adapted = Adapted(MeansOfRows(WeightedWhole(some, loss), kMeans));
     Record(adapted.rounds);
     return adapted;
   }
 
-  // The last fits, on all data; open ends first go where noise lets the points say they are.
+  // Makes the last fits on all data; noisy open ends are extended to their points first.
   void Settle(FittingProblem problem, SpanLayout layout) {
     // Of many points one step says as much.
     const int steps = distance_ != CurveDistance::kPoint ? 0
@@ -385,7 +387,7 @@ class CurveFitter {
     Take(Regularized(std::move(fit.solution)));
   }
 
-  // The problem's solution; where the curve leaves its data between them, with more fairness.
+  // Returns the problem's solution, with more fairness where the curve overshoots between its data.
   LinearSolution Regularized(LinearSolution solution) {
     bool told = false;
     for (double smoothing = kFirstRegularization; smoothing <= kLastRegularization;
@@ -409,8 +411,8 @@ class CurveFitter {
     return minimise;
   }
 
-  // More spans than the data need, and fairness that keeps them from following the noise: chosen on
-  // means where there are many points, which leaves its meaning, and once more at the feet.
+  // Fits more spans than the data need, with a fairness weight that suppresses the noise: chosen on
+  // means where there are many points, which keeps its meaning, and once more at the foot points.
   void FitSmoothly() {
     const auto most = static_cast<int>(problem_->size() / kPointsOfSmoothSpan);
     const int beside = (ordered_.closed ? 0 : options_.degree) +
@@ -439,7 +441,7 @@ class CurveFitter {
     report_.seconds.solve = watch_.Lap();
   }
 
-  // Spans for so many control points: equal ones, or spread as the data would have them.
+  // Fits the number of control points asked for, with equal spans or spans adapted to the data.
   void FitWithControlPoints() {
     const int asked = *options_.control_points;
     const int ends = ordered_.closed ? 0 : options_.degree;
@@ -469,8 +471,8 @@ class CurveFitter {
     report_.seconds.solve = watch_.Lap();
   }
 
-  // As many spans as `even` has, where the data would have them: spread as adaptation finds them,
-  // and both with their knots relocated.
+  // Layouts with as many spans as `even`, adapted to the data: with the density that adaptation
+  // finds, and both with relocated knots.
   std::vector<SpanLayout> SpreadLayouts(const SpanLayout& even) const {
     const int spans = even.spans();
     if (spans <= 1 + static_cast<int>(corners_.size())) return {};
@@ -496,8 +498,8 @@ class CurveFitter {
         "the points do not determine every control point: fairness was raised");
   }
 
-  // What is free by the options or, where they leave it open, where it pays: parameters, or knots
-  // where the parameters stay as they are given.
+  // Runs the joint optimisation over what the options free or, where they leave it open, where it
+  // pays: over parameters, or over knots where the parameters are given.
   void OptimiseWhereItPays() {
     OptimizeSummary& summary = report_.optimize;
     // Of many points the squares of the solution say as much, at once.
@@ -559,7 +561,7 @@ class CurveFitter {
     optimize.progress = options_.progress;
   }
 
-  // With weights free, few spans may do what takes many without.
+  // Tries few rational spans where weights are free.
   bool FitRationally() {
     if (!options_.optimize || !options_.optimize->weights || options_.control_points) return false;
     OptimizeSummary& summary = report_.optimize;
@@ -623,7 +625,7 @@ class CurveFitter {
     report_.seconds.optimize = watch_.Lap();
   }
 
-  // Distances at the parameters, across the curve where these are foot points.
+  // Returns the distances at the parameters, orthogonal to the curve where these are foot points.
   Eigen::VectorXd AtTheirPlaces(const FittingProblem& problem, const Eigen::MatrixXd& net) const {
     return DistancesAt(problem, net, distance_ == CurveDistance::kPoint, pool_);
   }
@@ -647,7 +649,7 @@ class CurveFitter {
     return fit;
   }
 
-  // That the noise has: plane points in space are noisy in the plane only.
+  // The number of directions that the noise has: plane points in space are noisy in the plane only.
   double Directions() const {
     const int along = distance_ == CurveDistance::kPoint ? 1 : 0;
     return std::max(1, PointRank(problem_->data().values) - along);

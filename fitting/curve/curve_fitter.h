@@ -8,8 +8,8 @@
 
 namespace batten::internal {
 
-// Fits the points of one component of a cloud. `outliers` belong to no component. Errors as
-// FitCurve.
+// Fits the points of one component of a cloud. `sequence_outliers` marks the points that belong to
+// no component. Throws as FitCurve does.
 template <int Dim>
 CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,

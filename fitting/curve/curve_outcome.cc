@@ -12,7 +12,7 @@ namespace batten::internal {
 namespace {
 
 constexpr double kExcessToSayNoise = 2;
-constexpr double kExactFit = 1e-9;  // of the cloud's size: rounding
+constexpr double kExactFit = 1e-9;  // share of the cloud's size: below it rounding
 
 // The points of this curve.
 PointMask Own(const OrderedPoints& ordered) {
@@ -21,7 +21,7 @@ PointMask Own(const OrderedPoints& ordered) {
   return own;
 }
 
-// Outliers, and the points that a loss gives no weight.
+// Outliers, and the points to which the loss gives zero weight.
 PointMask Forgotten(const MeasureInput& grounds) {
   PointMask forgotten = grounds.sequence_outliers;
   for (Eigen::Index k = 0; k < forgotten.size() && grounds.weights.size() > 0; ++k) {
@@ -47,7 +47,7 @@ NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve, const Eigen::Matrix<double, 
   return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + move, curve.weights());
 }
 
-// Of every point from the curve at its own parameter; zero for those of no curve.
+// Distance of every point from the curve at its own parameter; zero for points of no curve.
 template <int Dim>
 Eigen::VectorXd OffsetsAtParameters(const MeasureInput& grounds, const NurbsCurve<Dim>& curve) {
   Eigen::VectorXd offsets = Eigen::VectorXd::Zero(grounds.cloud.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A fitted curve as it is handed out, measured and judged.
+// The result of a curve fit: final coordinates, residuals and termination.
 #pragma once
 
 #include "batten/fitting/curve_options.h"
@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// What a fit rests on.
+// The inputs from which a fitted curve is measured.
 struct MeasureInput {
   const PointCloud& cloud;
   const OrderedPoints& ordered;
@@ -21,9 +21,9 @@ struct MeasureInput {
   int control_points;              // that differ
 };
 
-// The curve, given less the points' middle in local coordinates, moved to its place; every point's
-// distance from it as it is handed out, rounding of far coordinates included; and the word for how
-// the fit ended, held against what was measured. The report brings the stages' history.
+// Moves the curve, given relative to `middle` in local coordinates, to its final coordinates,
+// measures every point's distance from the result, rounding of far coordinates included, and sets
+// the termination by what was measured. `report` holds the history of the stages.
 template <int Dim>
 CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
                             const NurbsCurve<Dim>& curve,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a loss makes of a curve's data between adaptations.
+// Robust weights of a curve's data between span adaptations.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,21 +14,22 @@ namespace batten::internal {
 struct RobustCurve {
   Loss loss;
   std::optional<double> scale;  // standard deviation of good points; estimated when absent
-  // Three points or more in a row far from the curve are its own: where nobody asked for a loss,
-  // the curve is more likely not there yet.
+  // Whether three or more consecutive points far from the curve count as inliers: where no loss was
+  // asked for, the fit more likely has not reached them yet.
   bool spare_runs;
   bool feet;           // parameters are foot points
   double least_scale;  // > 0
   std::vector<Eigen::Index> anchored;
 };
 
-// A start for the loss: least absolute distances, nearly, on the layout there is, so that whatever
-// most points follow is followed. [Huber's loss with a scale well below the residuals']
+// Refits the present layout by nearly least absolute distances, as a start for the loss, so that
+// the curve follows the majority of the points. [Huber's loss with a scale well below the
+// residuals']
 SpanAdaptation NearLeastAbsolute(SpanAdaptation adapted,
                                  const RobustCurve& losses,
                                  ThreadPool& pool);
 
-// The adapted problem with weights by the loss, times those that the data came with (`own`; empty:
+// Returns the adapted problem with the weights of the loss times those of the data (`own`; empty:
 // ones).
 FittingProblem WeightedByLoss(const SpanAdaptation& adapted,
                               const RobustCurve& losses,

@@ -19,9 +19,9 @@ namespace {
 constexpr double kFreedomFactor = 1.4;
 constexpr double kDataPerControlPoint = 2;  // fewer, and the score has nothing to judge by
 constexpr double kLadderStep = 1.22;
-constexpr double kExactSpans = 1e-9;                // of the data's extent: nothing left to gain
+constexpr double kExactSpans = 1e-9;           // of the data's extent: nothing left to gain
 constexpr double kNoisyPerControlPoint = 2.1;  // data for each, where they are not exact
-constexpr double kExactAgainstSpans = 0.25;         // noise in tolerances below which they are
+constexpr double kExactAgainstSpans = 0.25;    // noise in tolerances below which they are
 constexpr int kMostSpanRounds = 100;
 
 using Clock = std::chrono::steady_clock;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Curves nearest to points by orthogonal distance: point, tangent and squared distance
-// minimisation.
+// Orthogonal distance fitting of curves: point, tangent and squared distance minimisation.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +11,9 @@
 
 namespace batten::internal {
 
-// What stands for the distance while the control points move: |r|² less (1 − τ)(r·t)², r from the
-// point to the curve at the foot's parameter, t the tangent there.
+// The quadratic model of the squared distance while the control points move:
+// |r|² less (1 − τ)(r·t)², r from the point to the curve at the foot's parameter, t the tangent
+// there.
 enum class DistanceModel {
   kPoint,    // τ = 1: every datum holds its foot. Safe and slow [Hoschek 1988]
   kTangent,  // τ = 0: feet slide along the tangent [Blake & Isard 1998]
@@ -43,8 +43,8 @@ struct DistanceMinimum {
 // the problem's parameters lead to; w and λ are the problem's, λ as at the start. Each round solves
 // the quadratic model, moves, and corrects the feet. Steps that do not lower E are not taken: then
 // τ is raised, for all points at least to a common damping, which falls again with steps that keep
-// what the model promised. At damping 1 the step is that of point distances, which can't fail: so
-// E never rises, whatever the curvature, and at ends, where τ is 1. Bases may be periodic.
+// what the model promised. At damping 1 the step is that of point distances, which cannot fail, so
+// that E never rises, whatever the curvature, and at ends, where τ is 1. Bases may be periodic.
 // Throws std::invalid_argument unless the problem is a curve's of dimension 2 or 3, the net fits it
 // and, over a periodic basis, repeats its first p points, and the options keep their rules.
 // O(m p² d²) a round.

@@ -12,8 +12,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kNoiseToAnchor = 0.1;  // of the spacing
-constexpr double kAtCorner = 1e-9;      // of the domain
+constexpr double kNoiseToAnchor = 0.1;  // in spacings: noisier points anchor no corners
+constexpr double kAtCorner = 1e-9;      // share of the domain: so near a parameter is at the corner
 constexpr Eigen::Index kFewPoints = 100;
 
 class Corners {
@@ -47,7 +47,7 @@ class Corners {
   }
 
  private:
-  // Where the curve has run so far, linear between points.
+  // The parameter at an arc length, linear between points.
   double ParameterAt(double length) const {
     const Eigen::VectorXd &lengths = ordered_.lengths, &u = ordered_.parameters;
     if (ordered_.closed) length -= ordered_.length * std::floor(length / ordered_.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The corners that a curve's fit gets, in the parameters of its points.
+// Selection of the corners that a curve fit keeps.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,16 +14,17 @@ struct FitCorners {
   // Points at corners, where points follow the curve closely: each holds its corner. Between sides
   // that hardly part nothing else would.
   std::vector<Eigen::Index> anchored;
-  // So few points that they were taken as exact: what looks like their noise may be their corners.
+  // Whether corners were sought as in exact points because there are so few: their apparent noise
+  // may be their corners.
   bool sought_as_exact = false;
   Eigen::VectorXd data;  // the points' parameters, moved so that the seam is at the sharpest corner
 };
 
-// Whether points scatter about the curve by far less than they are apart.
+// Whether the noise of the points is far below their spacing.
 bool FollowsClosely(const OrderedPoints& ordered);
 
-// Corners by curve_corners.h, without those that have hardly a point between them, nor those beyond
-// the sharpest that so many control points allow.
+// Finds corners by FindCorners, without those that have too few points between them, and at most as
+// many, the sharpest, as `most_control_points` allows.
 FitCorners CornersForFit(const OrderedPoints& ordered, int degree, int most_control_points);
 
 }  // namespace batten::internal

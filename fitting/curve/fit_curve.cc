@@ -40,7 +40,7 @@ class Components {
 
   size_t size() const { return arranged_.curves.size(); }
 
-  // Whether the longest is all but a few of the points.
+  // Whether the longest component holds all but a few of the points.
   bool Alone() const {
     Eigen::Index all = 0;
     for (const OrderedPoints& curve : arranged_.curves) all += curve.cloud.size() + curve.repeats;

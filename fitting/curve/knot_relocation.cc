@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMeansInSpan = 10;
 constexpr int kSweeps = 4;
-constexpr double kNarrowest = 0.7;  // of what the span was: narrower ones follow the noise
+constexpr double kNarrowest = 0.7;  // share of the span before: narrower spans follow the noise
 constexpr double kFirstShare = 0.35, kShrink = 0.6;
 
 // The lower band of a symmetric matrix, row by row.

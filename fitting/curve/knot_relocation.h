@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Knots of a curve moved to where the data want them, at fixed parameters.
+// Relocation of a curve's knots by least squares at fixed parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,9 @@
 
 namespace batten::internal {
 
-// Sums of squares of many layouts on the same data, cheaply: the data are replaced by means of
-// neighbours, some ten to a span, which loses little where spans are much wider.
+// Evaluates the sum of squares of many span layouts on the same data at low cost: the data are
+// replaced by means of neighbours, some ten to a span, which loses little where spans are much
+// wider.
 class LayoutTrials {
  public:
   // The problem's data at its parameters. `spans`: about as many as the layouts will have.
@@ -21,8 +22,8 @@ class LayoutTrials {
   // do not determine the curve.
   double Squares(const SpanLayout& layout) const;
 
-  // What each span's means give to the normal matrix and the right-hand sides, a column each: a
-  // layout that differs by one break has the other columns in common.
+  // The contributions of each span's means to the normal matrix and the right-hand sides, one
+  // column a span: a layout that differs by one break has the other columns in common.
   Eigen::MatrixXd Sums(const SplineBasis& basis) const;
   void SumSpan(const SplineBasis& basis, int span, Eigen::Ref<Eigen::VectorXd> sums) const;
   double Squares(const SplineBasis& basis, const Eigen::MatrixXd& sums) const;
@@ -35,8 +36,8 @@ class LayoutTrials {
 };
 
 // Moves each inner break in turn by a share of the span beside it, as long as the squares fall, in
-// sweeps of smaller and smaller shares. Corners and ends stay, no span gets narrower than 0.7
-// of what it was. Not worse than it was.
+// sweeps of smaller and smaller shares. Corners and ends stay, no span gets narrower than 0.7 of
+// what it was. The squares never rise.
 SpanLayout RelocateKnots(const LayoutTrials& trials, SpanLayout layout);
 
 }  // namespace batten::internal

@@ -10,7 +10,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kSamples = 16;  // of a span
+constexpr int kSamples = 16;  // samples of a span
 constexpr int kDataOfFunction = 3;
 constexpr Eigen::Index kEnoughToCount = 20000;
 constexpr double kNoise = 10, kOfSize = 0.01;
@@ -63,7 +63,7 @@ bool Stays(const FittingProblem& problem,
   return true;
 }
 
-// Whether every span has data enough to hold a polynomial curve.
+// Whether every span has enough data to determine a polynomial curve.
 bool WellHeld(const FittingProblem& problem) {
   const SplineBasis& basis = problem.basis_u();
   const int enough = kDataOfFunction * (basis.degree() + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a fitted curve stays with its data between them.
+// Detection of overshoot of a fitted curve between its data.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// Whether the curve leaves its data between them, which no residual shows: between two data with
+// Whether the curve overshoots between its data, which no residual shows: between two data with
 // weight that follow one another along the curve, some place of it lies farther from their chord
 // than that is long, ten standard deviations of the noise and a hundredth of the data's size added.
 // 16 samples a span; weights of the curve may be empty. O(m + samples).
@@ -17,7 +17,7 @@ bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::VectorXd& weights,
                   double noise);
 
-// The diagonal of the box around 16 samples a span of a curve.
+// The diagonal of the bounding box of a curve, from 16 samples a span.
 double SampledSize(const SplineBasis& basis,
                    const Eigen::MatrixXd& control_points,
                    const Eigen::VectorXd& weights);

@@ -12,8 +12,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kNearCorner = 1.5;   // mean steps: so far from a corner data may end
-constexpr double kLeastFilled = 0.5;  // of a piece; less, and the curve is far from its data
+constexpr double kNearCorner = 1.5;   // in mean steps: distance from a corner at which data may end
+constexpr double kLeastFilled = 0.5;  // share of a piece: below it the curve is far from its data
 
 template <int Dim>
 CurveSamples SamplesOf(const FittingProblem& problem,
@@ -159,7 +159,7 @@ std::vector<double> OfWeight(const FittingProblem& problem) {
   return parameters;
 }
 
-// Whether parameters still run forward, by the means of blocks of data in a row: noise makes single
+// Whether parameters still increase, by the means of consecutive blocks of data: noise makes single
 // ones step back. Around a closed curve steps count the short way.
 bool RunForward(const FittingProblem& problem) {
   constexpr size_t kBlocks = 200, kLeastBlock = 3;
@@ -252,7 +252,7 @@ CorrectedFit FitWithCorrection(const FittingProblem& problem,
                                int steps,
                                ThreadPool& pool,
                                const std::vector<Eigen::Index>& anchored) {
-  // What a loss forgets may have been all there was at an end.
+  // Data of zero weight under a loss may have been all there was at an end.
   Eigen::Matrix2Xd parameters = problem.data().parameters;
   if (steps > 0 && problem.data().weights.size() > 0) KeepReach(problem, parameters);
   const FittingProblem filled =

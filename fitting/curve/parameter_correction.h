@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every datum of a curve's problem moved to its foot point, near where it is.
+// Parameter correction of curves: every datum's parameter moves to its local foot point.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,8 @@
 
 namespace batten::internal {
 
-// What the coefficients (d × n, d = 2 or 3) are at the problem's parameters, and across the curve.
+// Points and unit tangents of the curve with coefficients d × n (d = 2 or 3) at the problem's
+// parameters.
 struct CurveSamples {
   Eigen::MatrixXd points;    // d × m: of the curve
   Eigen::MatrixXd tangents;  // d × m: of length 1, zero where the curve stands still
@@ -21,15 +22,16 @@ CurveSamples CurveAt(const FittingProblem& problem,
                      const Eigen::MatrixXd& coefficients,
                      ThreadPool& pool);
 
-// How often the curvature of a plane curve changes its sign, by 16 samples a span; 0 in space.
+// The number of inflections (sign changes of the curvature) of a plane curve, from 16 samples a
+// span; 0 in space.
 int Inflections(const SplineBasis& basis, const Eigen::MatrixXd& coefficients);
 
-// The part of each column across the unit tangents.
+// The component of each column orthogonal to its unit tangent.
 Eigen::MatrixXd Across(Eigen::MatrixXd columns, const Eigen::MatrixXd& tangents);
 
-// The problem with every parameter at the local foot point below it, those of an open curve then
-// stretched over the domain where they leave its ends empty. About 10 million a second and core.
-// Data of the `anchored` indices stay: those at a corner, which keep it in its place.
+// Returns the problem with every parameter moved to its local foot point; those of an open curve
+// are then stretched over the domain where they leave its ends empty. About 10 million a second and
+// core. Data of the `anchored` indices stay: those at a corner, which keep it in its place.
 FittingProblem CorrectedParameters(const FittingProblem& problem,
                                    const Eigen::MatrixXd& coefficients,
                                    ThreadPool& pool,
@@ -48,18 +50,18 @@ struct CorrectedFit {
   int steps = 0;  // taken
 };
 
-// Solves, then `steps` times at most moves the parameters to the feet and solves again. Data are in
-// order along the curve; a step that would turn that order round, because the curve is still far
-// from them, is not taken.
+// Solves, then `steps` times at most moves the parameters to the foot points and solves again. Data
+// are in order along the curve; a step that would reverse that order, because the curve is still
+// far from them, is not taken.
 CorrectedFit FitWithCorrection(const FittingProblem& problem,
                                int steps,
                                ThreadPool& pool,
                                const std::vector<Eigen::Index>& anchored = {});
 
-// The fit brought down by the distances of a model (distance_minimisation.h), which follows the
-// points as closely as the basis can; `steps` counts its rounds. An open curve that has become
-// longer than its data is cut to them, its domain the same; by more than an end span, and the fit
-// comes back as it was.
+// Refines the fit by point, tangent or squared distance minimisation (distance_minimisation.h), so
+// that it follows the points as closely as the basis can; `steps` counts its rounds. An open curve
+// that has become longer than its data is cut to them, its domain the same; where the cut would
+// exceed an end span, the fit comes back unchanged.
 CorrectedFit AtMinimumDistance(const CorrectedFit& fit,
                                const DistanceMinimisationOptions& options,
                                ThreadPool& pool);

@@ -9,7 +9,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kPointsOfControlPoint = 3;  // every one of which has a weight too
+constexpr int kPointsOfControlPoint = 3;  // data at least; each control point has a weight too
 
 template <int Dim>
 double Farthest(const OptimizeResult& result, ThreadPool& pool) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// As few spans of a curve as free weights need.
+// The fewest rational spans, with free weights, that fit a curve's data.
 #pragma once
 
 #include <optional>
@@ -18,10 +18,11 @@ struct RationalSpansOptions {
   int foot_point_steps = 2;  // before the joint stage
 };
 
-// Few rational spans do what takes many polynomial ones: an arc of a conic is one or two. Tries 1,
-// 2, 3, 4, 5, 6, 8, … equal spans between the corners of `start`, each with a joint optimisation,
-// and returns the first that reaches the goal, or every tolerance where one is given. None if none
-// does. Data are those of `problem`, in order; its basis is not looked at.
+// Finds the fewest rational spans that reach a goal; few of them replace many polynomial ones, an
+// arc of a conic takes one or two. Tries 1, 2, 3, 4, 5, 6, 8, … equal spans between the corners of
+// `start`, each with a joint optimisation, and returns the first that reaches the goal, or every
+// tolerance where one is given. Returns nullopt if none does. Data are those of `problem`, in
+// order; its basis is ignored.
 std::optional<OptimizeResult> FewestRationalSpans(const FittingProblem& problem,
                                                   const SpanLayout& start,
                                                   const RationalSpansOptions& options,

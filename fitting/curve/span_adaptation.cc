@@ -19,15 +19,15 @@ namespace {
 constexpr int kAdaptationSteps = 2, kMostFootPointSteps = 12;
 constexpr Eigen::Index kManyAdaptedPoints = 100000;  // for steps beyond the first ones
 constexpr int kMostAdaptationRounds = 40;
-constexpr int kMoreToBeFair = 5;  // of the spans, one more
+constexpr int kMoreToBeFair = 5;  // one more for so many spans
 constexpr int kAdaptationRoundsOfDistance = 20;
-constexpr double kGainInVariances = 4;  // a span is halved for
-constexpr double kCostInVariances = 3;  // a knot stays for
+constexpr double kGainInVariances = 4;  // variances of the noise: a larger difference halves a span
+constexpr double kCostInVariances = 3;  // variances of the noise: cheaper knots are removed
 constexpr double kCostRelocated = 2;    // in variances, of each knot [Akaike 1974]
 constexpr int kPointsInHalf = 6;        // where residuals are noise,
 constexpr int kPointsWhereFar = 2;      // and where they are far above it
 constexpr double kFarInNoise = 2;
-constexpr double kExactAgainst = 0.05;  // noise against the tolerance
+constexpr double kExactAgainst = 0.05;  // noise in tolerances: below it data are exact
 constexpr double kMargin = 0.85;        // of the tolerance: fewer knots shall not bend more
 constexpr size_t kFewestForNoise = 12;
 constexpr int kFewInSpan = 20;
@@ -36,7 +36,7 @@ constexpr double kLeastShare = 0.25;  // of the degrees of freedom left for the 
 // Around a closed curve no fewer than its functions can tell apart.
 int FewestSpans(const SpanLayout& layout) { return layout.closed() ? layout.degree() + 1 : 1; }
 
-// Noise is not to be followed; where a tolerance is to be kept parameters settle.
+// Few steps without a tolerance, so as not to follow noise; with one, until parameters settle.
 int FootPointSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
   if (!options.feet || !options.tolerance) return options.feet ? kAdaptationSteps : 0;
   const Eigen::Index affordable = kManyAdaptedPoints / std::max<Eigen::Index>(1, problem.size());
@@ -165,7 +165,7 @@ class Adapter {
     return true;
   }
 
-  // As many control points as there are data, at most.
+  // The most control points: as many as there are data.
   int Limit() const {
     const Eigen::VectorXd& weights = problem_.data().weights;
     const Eigen::Index data = weights.size() > 0 ? (weights.array() > 0).count() : problem_.size();
@@ -185,7 +185,7 @@ class Adapter {
       worst[span] = std::max(worst[span], distances_[k]);
       ++(u < breaks[span] + (breaks[span + 1] - breaks[span]) / 2 ? left : right)[span];
     }
-    // Of few points what looks like noise may be their distance: the finer curve knows better.
+    // With few points apparent noise may be distance from the coarse curve: use the finer curve.
     const double exact = Directions() * options_.exact * options_.exact;
     double noise = Directions() * options_.noise * options_.noise;
     if (variance_ > 0) noise = std::min(noise, variance_);
@@ -220,7 +220,7 @@ class Adapter {
       weights += weight;
     }
     const double used = static_cast<double>(control_points) / static_cast<double>(order.size());
-    // So few points do not tell what noise is.
+    // So few points do not determine the noise.
     if (options_.noise == 0 && order.size() < kFewestForNoise) return 0;
     return weights > 0 ? 0.5 * sum / weights / std::max(kLeastShare, 1 - used) : 0;
   }
@@ -259,7 +259,7 @@ class Adapter {
     return thinner;
   }
 
-  // Removes the knots that are worth nothing.
+  // Removes the knots that cost less than noise would.
   void Prune() {
     for (int round = 0; round < kMostAdaptationRounds; ++round) {
       Report(options_.progress, "solve", 0.9 + 0.1 * round / kMostAdaptationRounds);
@@ -372,7 +372,7 @@ class Relocation {
     return layouts;
   }
 
-  // Where a tolerance is to be kept, distances as low as they get.
+  // Fits the layout; with a tolerance, at minimum distances.
   CorrectedFit Fit(const SpanLayout& layout) const {
     CorrectedFit fit = FitWithCorrection(problem_.WithBasis(layout.Basis()),
                                          FootPointSteps(problem_, options_),

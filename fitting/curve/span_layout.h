@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The knot spans of a curve that is being fitted: where they end, where the curve may have corners,
-// and whether it closes.
+// The knot span layout of a curve fit: breaks, corners, open or closed.
 #pragma once
 
 #include <vector>
@@ -9,17 +8,17 @@
 
 namespace batten::internal {
 
-// Simple knots at the increasing breaks, but corners of multiplicity p, where the curve is only
-// continuous. Open: clamped, n = p + the inner knots. Closed: periodic over [front, back]; the seam
-// is a break like any other, and may be a corner.
+// A knot vector with simple knots at the increasing breaks and knots of multiplicity p at corners,
+// where the curve is only continuous. Open: clamped, n = p + the inner knots. Closed: periodic over
+// [front, back]; the seam is a break like any other, and may be a corner.
 class SpanLayout {
  public:
   // `corners` are some of the breaks; of an open curve inner ones. Throws std::invalid_argument
   // unless there are two breaks, increasing, and corners are among them.
   SpanLayout(int degree, std::vector<double> breaks, std::vector<double> corners, bool closed);
 
-  // `spans` of them in all, as equal as the corners between allow; each side of a corner gets one
-  // at least.
+  // A layout of `spans` spans, as equal as the corners between allow; each side of a corner gets
+  // one at least.
   static SpanLayout Equal(int degree,
                           int spans,
                           double lower,
@@ -40,20 +39,20 @@ class SpanLayout {
   // The span that holds a parameter.
   int SpanOf(double parameter) const;
 
-  // The middle of every span where `where` is set becomes a break.
+  // Halves every span where `where` is set.
   SpanLayout Halved(const std::vector<bool>& where) const;
 
-  // Without the break; neither an end nor a corner.
+  // Removes a break, which is neither an end nor a corner.
   SpanLayout Without(int break_index) const;
 
-  // As many spans as that, spread as these are: breaks at equal steps of the present ones' count,
-  // corner to corner.
+  // A layout of `spans` spans with the present density: breaks at equal steps of the present ones'
+  // count, corner to corner.
   SpanLayout Resampled(int spans) const;
 
-  // The same with other breaks between the same ends and corners.
+  // This layout with other breaks between the same ends and corners.
   SpanLayout WithBreaks(std::vector<double> breaks) const;
 
-  // The domain of an open curve made longer at its ends, its end breaks moved.
+  // Extends the domain of an open curve to [lower, upper] by moving its end breaks.
   SpanLayout Stretched(double lower, double upper) const;
 
  private:

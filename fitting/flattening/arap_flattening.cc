@@ -16,15 +16,15 @@ using Complex = std::complex<double>;
 
 constexpr int kInverseIterations = 30;
 constexpr int kMostRounds = 80;
-constexpr double kSettled = 1e-4;  // share of the misfit that a round no longer takes away
+constexpr double kSettled = 1e-4;  // relative decrease of the misfit; below, rounds stop
 
-// What r_second must be multiplied with to give r_first.
+// Rotation of an edge: the factor that turns r_second into r_first.
 Complex Turn(const PlanarEdge& e) {
   const Complex turn = -e.from_second * std::conj(e.from_first);
   return turn / std::abs(turn);
 }
 
-// Rotations carried from node to node, breadth first.
+// Propagates rotations from node to node, breadth first.
 Eigen::VectorXcd CarriedRotations(Eigen::Index n, const std::vector<PlanarEdge>& edges) {
   std::vector<std::vector<std::pair<int, Complex>>> next(static_cast<size_t>(n));
   for (const PlanarEdge& e : edges) {

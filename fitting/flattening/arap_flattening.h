@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Laying the nodes of a bent sheet out in the plane with the least change of lengths.
+// As-rigid-as-possible (ARAP) flattening of the nodes of a bent sheet.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,20 +12,20 @@ struct Flattening {
   Eigen::VectorXcd places;         // of the nodes in the plane, lengths as along the sheet
   Eigen::VectorXcd conformal;      // the map around a node: dz = a q + b conj(q), q = x + iy in its
   Eigen::VectorXcd anticonformal;  // tangent plane; a and b
-  double period = 0;  // of a tube: places mean the same so far apart along the real axis
+  double period = 0;  // of a tube: places this far apart along the real axis are the same
   double distortion =
       0;  // root of Σ w |change of an edge|² / Σ w |edge|²: 0 for developable sheets
   double folded = 0;  // share of nodes with |a| ≤ |b|: the map is turned over there
 };
 
-// Minimises Σ w |z_j − z_i − r_i q_ij|² over places z and rotations r, |r_i| = 1, with w the
-// weights of VoronoiEdgeWeights and q_ij the edge in node i's tangent plane, as long as the arc
-// between both normals. Starts from the rotations that agree best along the edges: the least
-// eigenvector of a Hermitian matrix, by inverse iteration; then in turns the places, by one
-// factorised Laplacian, and the rotations, those of the best local maps: from irregular edges the
-// map's shear, where lengths must change, would turn the rotations of least squares. [Singer 2011
-// for the first rotations; Sorkine & Alexa 2007, Liu et al. 2008 for the rounds] The graph is
-// connected and has an edge. O(n^1.5) and rounds of O(n log n).
+// Flattens a sheet: minimises Σ w |z_j − z_i − r_i q_ij|² over places z and rotations r, |r_i| = 1,
+// with w the weights of VoronoiEdgeWeights and q_ij the edge in node i's tangent plane, as long as
+// the arc between both normals. The initial rotations agree best along the edges: they are the
+// eigenvector of a Hermitian matrix to its least eigenvalue, by inverse iteration. Each round then
+// solves for the places, by one factorised Laplacian, and takes the rotations of the best local
+// linear maps: with irregular edges, least-squares rotations would be biased by the map's shear
+// where lengths must change. [Singer 2011 for the first rotations; Sorkine & Alexa 2007, Liu et al.
+// 2008 for the rounds] The graph is connected and has an edge. O(n^1.5) and rounds of O(n log n).
 Flattening FlattenArap(const SheetGraph& graph);
 
 }  // namespace batten::internal

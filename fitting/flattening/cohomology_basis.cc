@@ -133,8 +133,8 @@ class Cuts {
     }
   }
 
-  // What the last unknown edge of a triangle crosses follows from the other two; where none is
-  // unknown they may contradict.
+  // Derives the crossings of a triangle's last unknown edge from the other two; if none is unknown,
+  // they may contradict and give a relation.
   void Close(const Triangle& triangle) {
     int unknown = -1, count = 0;
     Count sum = Count::Zero(most_loops_);
@@ -150,7 +150,7 @@ class Cuts {
     if (count == 0 && !sum.isZero()) relations_.push_back(std::move(sum));
   }
 
-  // The known way from the edge's first end to its second: its length and what it crosses.
+  // Finds the shortest known path between the edge's ends: its length and crossings.
   std::optional<std::pair<double, Count>> KnownWay(int edge, double farthest) {
     const int from = edges_[edge].first, to = edges_[edge].second;
     Search(from, to, farthest, [&](int e) { return known_[e]; });
@@ -167,7 +167,8 @@ class Cuts {
     return std::pair(distance_[to], sum);
   }
 
-  // An edge whose ends a short known way joins closes a loop that encloses nothing.
+  // Fills small loops: an edge whose ends are joined by a short known path encloses nothing with
+  // it.
   void FillSmallLoops() {
     for (bool filled = true; filled;) {
       filled = false;
@@ -183,8 +184,8 @@ class Cuts {
     }
   }
 
-  // Of the edges left that with the shortest way back; of some of them, unless that is so short
-  // that all are soon asked: those of holes are to be told one by one. False if none is left.
+  // Begins a loop at the unknown edge with the shortest way back. Some edges are tried, or all if
+  // that way is short, so that loops round holes are found one by one. False if no edge is left.
   bool BeginLoop() {
     std::vector<int> left;
     for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
@@ -211,8 +212,8 @@ class Cuts {
     return true;
   }
 
-  // Takes a loop that is a sum of others out of everything; one that is nothing, or that only some
-  // multiple of is, becomes nothing.
+  // Eliminates loops by the relations: a loop that is a sum of others is replaced by them, one that
+  // is zero, or has a multiple that is zero, becomes zero.
   void Resolve() {
     std::vector<Count> pending = std::move(relations_);
     for (size_t r = 0; r < pending.size(); ++r) {

@@ -38,7 +38,7 @@ struct NodeMap {
     return at + conformal * z + anticonformal * std::conj(z);
   }
 
-  // Distance from the quadric along the normal.
+  // Signed distance from the quadric along the normal.
   double Off(const Eigen::Vector3d& d) const {
     const Eigen::Vector2d t(d.dot(tangent), d.dot(binormal));
     return std::abs(d.dot(normal) - t.dot(curvature * t) / 2);
@@ -85,7 +85,7 @@ double Weight(double square) {
   return square < 1 ? (1 - square) * (1 - square) * (1 - square) : 0.0;
 }
 
-// What brings a place as near as can be to one so far from it.
+// Multiple of the period that brings a place nearest to another one.
 double WholePeriods(const Complex& way, double period) {
   return period > 0 ? period * std::round(way.real() / period) : 0.0;
 }

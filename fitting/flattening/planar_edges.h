@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ways between neighbouring nodes of a sheet as its tangent planes see them, and the maps that
-// lay them out in the plane.
+// Edges of a sheet's graph in the tangent planes of their ends, and the local linear maps that
+// flatten them.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,28 +11,28 @@
 
 namespace batten::internal {
 
-// An edge seen from both its ends: the way to the other one in the own tangent plane, as long as
-// the arc between both normals.
+// An edge as a vector in the tangent plane of each of its ends, as long as the arc between both
+// normals.
 struct PlanarEdge {
   int first, second;  // first < second
   double weight;      // of VoronoiEdgeWeights
   std::complex<double> from_first, from_second;
 };
 
-// In the order of VoronoiEdgeWeights.
+// Returns the edges of the graph, in the order of VoronoiEdgeWeights.
 std::vector<PlanarEdge> PlanarEdges(const SheetGraph& graph);
 
-// The linear maps dz = a q + b conj(q) that serve the edges around each node best. The edges are
+// Least-squares linear maps dz = a q + b conj(q) of the edges around each node. The edges are
 // referred to, not copied.
 class LocalMaps {
  public:
   LocalMaps(Eigen::Index nodes, const std::vector<PlanarEdge>& edges);
 
-  // `ways` of the edges in the plane, from first to second. Near the rotations where edges leave a
-  // map open. O(edges).
+  // Fits the maps to `ways`, the edges in the plane from first to second. A map that its edges
+  // leave undetermined is taken near the rotation. O(edges).
   void Fit(const Eigen::VectorXcd& ways, const Eigen::VectorXcd& rotations);
 
-  // The rotations of the maps; those given where a map has none.
+  // Returns the rotations of the maps; those given if a map has none.
   Eigen::VectorXcd Rotations(const Eigen::VectorXcd& otherwise) const;
 
   double Folded() const;  // share of the nodes with |a| ≤ |b|
@@ -45,7 +45,7 @@ class LocalMaps {
   Eigen::VectorXcd squares_;
 };
 
-// Root of Σ w |way − r q|² / Σ w |q|² over both ends of all edges.
+// Returns the relative misfit, the root of Σ w |way − r q|² / Σ w |q|² over both ends of all edges.
 double MisfitOf(const std::vector<PlanarEdge>& edges,
                 const Eigen::VectorXcd& ways,
                 const Eigen::VectorXcd& rotations);

@@ -21,14 +21,14 @@ namespace {
 constexpr Eigen::Index kCandidatesANode = 10;
 constexpr double kReachInSpacings = 1.5;  // at the edge spacings seem up to twice as large
 constexpr double kReachInNoise = 4;
-constexpr Eigen::Index kFewPoints = 200;  // so few are all nodes
+constexpr Eigen::Index kFewPoints = 200;  // points; below, all are nodes
 constexpr Eigen::Index kPointsANode = 8;  // at least, of more points
-constexpr int kCounted = 16;              // neighbours that tell the local spacing
+constexpr int kCounted = 16;              // neighbours that give the local spacing
 // Discs of a diameter thrown at random until none fits cover 0.547 of the plane.
 constexpr double kNodesAnArea = 0.547 * 4 / std::numbers::pi;
 constexpr double kReachOfNeighbours = 1.5;  // of a node's tangent plane, in reaches
 constexpr int kQuadricNeighbours = 10;      // fewer determine a plane only
-constexpr int kLeastForPlane = 6;           // points that tell which others are off their plane …
+constexpr int kLeastForPlane = 6;           // points whose plane shows which others are off it …
 constexpr double kOffInScales = 3;          // … by so much of their own deviation …
 constexpr double kOffInRadii = 0.35;  // … and of the radius of all, which curvature explains
 
@@ -65,8 +65,8 @@ std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen:
   return order;
 }
 
-// The side of the square that one point has to itself, from the radius that holds 16. Asked place
-// after place in `order`, in which they are near each other.
+// Local spacings: the side of the square of area that one point owns, from the radius that holds 16
+// points. Queries follow `order`, in which they are near each other.
 Eigen::VectorXd LocalSpacings(const Eigen::Matrix3Xd& points,
                               const NeighbourIndex& index,
                               const Eigen::Matrix3Xd& places,
@@ -86,7 +86,7 @@ Eigen::VectorXd LocalSpacings(const Eigen::Matrix3Xd& points,
   return spacings;
 }
 
-// Reaches that make `most` nodes, as equal as the local spacings allow.
+// Computes reaches that give `most` nodes, as equal as the local spacings allow.
 Eigen::VectorXd Reaches(const Eigen::VectorXd& spacings, double least, Eigen::Index most) {
   const double floor = std::min(
       kReachInSpacings,
@@ -105,7 +105,7 @@ Eigen::VectorXd Reaches(const Eigen::VectorXd& spacings, double least, Eigen::In
   return reaches(high);
 }
 
-// Those of the places, in their order, that lie in no earlier one's reach.
+// Selects the places, in their order, that lie within no earlier one's reach.
 std::vector<Eigen::Index> GreedyDiscs(const Eigen::Matrix3Xd& places,
                                       const NeighbourIndex& index,
                                       const Eigen::VectorXd& reach) {
@@ -128,13 +128,13 @@ std::vector<Eigen::Index> GreedyDiscs(const Eigen::Matrix3Xd& places,
   return kept;
 }
 
-// What a node knows of the sheet around it.
+// Local plane and quadric of the sheet at a node.
 struct LocalSheet {
   Eigen::Vector3d place, normal, tangent, curvature;
   double breadth;
 };
 
-// The plane of least squares; the place is the foot of the origin.
+// Least-squares plane; the place is the foot point of the origin.
 LocalSheet AlgebraicPlaneFit(const Eigen::Matrix3Xd& local) {
   const Eigen::Vector3d middle = local.rowwise().mean();
   const Eigen::Matrix3Xd centred = local.colwise() - middle;
@@ -153,8 +153,8 @@ LocalSheet AlgebraicPlaneFit(const Eigen::Matrix3Xd& local) {
   return sheet;
 }
 
-// The points, nearest first, without those far off the plane of the nearer half: they belong to
-// another turn of the sheet.
+// Removes points, given nearest first, that are far off the plane of the nearer half: they belong
+// to another turn of the sheet.
 Eigen::Matrix3Xd OnOneSheet(const Eigen::Matrix3Xd& local) {
   const Eigen::Index half = (local.cols() + 1) / 2;
   if (half < kLeastForPlane) return local;
@@ -170,7 +170,7 @@ Eigen::Matrix3Xd OnOneSheet(const Eigen::Matrix3Xd& local) {
   return local(Eigen::all, kept);
 }
 
-// Moves a plane to the quadric of least squares over it:
+// Fits the least-squares quadric over a plane and moves the plane's place and normal to it:
 //   height c0 + c1 x + c2 y + c3 x²/2 + c4 xy + c5 y²/2, in units of the radius.
 void BendToQuadric(const Eigen::Matrix3Xd& local, double radius, LocalSheet& sheet) {
   const Eigen::Vector3d binormal = sheet.normal.cross(sheet.tangent);

@@ -25,9 +25,9 @@ constexpr double kNear = 1;        // reaches in the plane between nodes that li
 constexpr double kFarApart = 3.5;  // … and more than so many in space
 constexpr double kTornApart = 4;   // reaches in the plane between ends of a contradicting edge …
 constexpr int kLeastTorn = 5;      // … of which a few are slips
-constexpr double kThin = 0.05;     // breadth over length of neighbourhoods on a line
+constexpr double kThin = 0.05;     // breadth over length; below, neighbourhoods are on a line
 
-// One way to look at the cloud.
+// Settings of one attempt.
 struct Look {
   PoissonDiskOptions nodes;
   SheetGraphOptions graph;
@@ -77,8 +77,8 @@ double OverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
   return static_cast<double>(covered) / static_cast<double>(n);
 }
 
-// Whether edges whose ends disagree about the upper side join parts that are far from each other
-// in the plane: a way round that turns the sheet over.
+// Whether the sheet is one-sided: edges whose ends disagree about the upper side join parts that
+// are far from each other in the plane.
 bool IsOneSided(const SheetGraph& graph, const Flattening& unfolding) {
   const auto torn = [&](const SheetEdge& e) {
     return std::abs(unfolding.places[e.second] - unfolding.places[e.first]) >
@@ -113,14 +113,14 @@ std::string RefusalOf(const SheetBase& base, const SheetBaseOptions& options) {
   return {};
 }
 
-// How bad an attempt that does not serve is.
+// Badness of an attempt that does not serve.
 double Badness(const SheetBase& base, const SheetBaseOptions& options) {
   return base.distortion / options.most_distortion + base.folded / options.most_folded +
          base.overlap / options.most_overlap + (1 - base.share) / (1 - options.least_share) +
          (base.orientation_consistent ? 0 : 1);
 }
 
-// Seen from the side to which the normals look on the whole.
+// Flips all normals, if need be, so that the largest component of their sum is positive.
 void LookFromAbove(SheetGraph& graph) {
   const Eigen::Vector3d mean = graph.nodes.normals.rowwise().sum();
   Eigen::Index largest;
@@ -190,7 +190,7 @@ void PutIntoRectangle(const SpreadPlaces& spread,
   base.reached = spread.reached;
 }
 
-// Parameters where nothing could be laid out.
+// Fallback parameters of a sheet that was not flattened.
 void PutAnywhere(Eigen::Index count, double spacing, double margin, SheetBase& base) {
   base.length_u = base.length_v = spacing + 2 * margin;
   base.parameters.setConstant(2, count, base.length_u / 2);
@@ -218,7 +218,7 @@ void Check(const Eigen::Matrix3Xd& points,
   rule("margin", margin, margin >= 0);
 }
 
-// Why so few or such nodes cannot carry a sheet; empty where they may.
+// Reason why the nodes cannot represent a sheet (too few, or on lines); empty if they may.
 std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
   if (nodes.size() < kLeastNodes) {
     return "too few points, or too much noise, for a bent sheet: only " +
@@ -232,7 +232,7 @@ std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
   return {};
 }
 
-// Connects the nodes and lays them out; fills in what the base tells of it.
+// Connects and flattens the nodes; fills in the base's measures of the result.
 Flattened LayOut(const PoissonDiskSamples& nodes,
                  const SheetGraphOptions& graph_options,
                  const SheetBaseOptions& options,

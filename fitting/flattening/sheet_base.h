@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A bent sheet laid out flat, so that a surface can be fitted over it.
+// Flattening of a bent sheet, whose plane coordinates are the parameters of a surface fit.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,15 +15,15 @@
 namespace batten::internal {
 
 struct SheetBase {
-  // 2 × m: lengths along the sheet, in [0, length_u] × [0, length_v]: the smallest rectangle around
-  // the points reached, widened by the margin. A smooth function of the point.
+  // Parameters (2 × m) as lengths along the sheet, in [0, length_u] × [0, length_v], the smallest
+  // rectangle around the points reached, widened by the margin. A smooth function of the point.
   Eigen::Matrix2Xd parameters;
   PointMask reached;  // false where a point stands off the sheet: its parameters are a guess
   double length_u = 0, length_v = 0;
   double distortion = 0;  // relative change of lengths, root mean square
-  double folded = 0;      // share of the nodes at which the sheet came to lie face down
-  double overlap = 0;     // share of the nodes that came to lie on another part of the sheet
-  double share = 0;       // of the nodes in the largest connected part
+  double folded = 0;      // share of the nodes at which the flattening is turned over
+  double overlap = 0;     // share of the nodes that lie on another part of the flattened sheet
+  double share = 0;       // share of the nodes in the largest connected component
   bool orientation_consistent = true;  // false: one-sided, as a Möbius band
   Eigen::Index nodes = 0;
   std::string failure_reason;  // empty when the flattening serves, else why not and what to do
@@ -39,15 +39,15 @@ struct SheetBaseOptions {
   double least_share = 0.9;
 };
 
-// Flattens the sheet that distinct points lie on: its outline and holes are free, turns of a roll
-// may come within about three spacings of each other, lengths change as little as can be. Points
-// should be rid of outliers, and two parallel sheets less than about five spacings apart be told
-// from one by the caller. u runs along the longer side. `spacing` and `noise` are those of
-// MeasureCloud. What is returned is the first attempt that serves, each looking closer than the one
-// before, else the best with its refusal; parameters are always finite and inside. The same for
-// every order of the points up to rounding, and bit for bit for every number of threads. Throws
-// std::invalid_argument unless there are points and index, spacing, noise and margin fit them;
-// Cancelled when progress asks to stop. O(m log m).
+// Flattens the sheet that distinct points lie on with as little change of lengths as possible; its
+// outline and holes are free, and turns of a roll may come within about three spacings of each
+// other. Points should be rid of outliers, and the caller should rule out two parallel sheets less
+// than about five spacings apart. u runs along the longer side. `spacing` and `noise` are those of
+// MeasureCloud. Each attempt has a finer resolution than the one before; the first that serves is
+// returned, else the best with its failure reason. Parameters are always finite and inside. The
+// same for every order of the points up to rounding, and bit for bit for every number of threads.
+// Throws std::invalid_argument unless there are points and index, spacing, noise and margin fit
+// them; Cancelled when progress asks to stop. O(m log m).
 SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
                        const NeighbourIndex& index,
                        double spacing,
@@ -57,11 +57,11 @@ SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
                        ThreadPool& pool,
                        const Progress& progress = {});
 
-// The same in steps: laid out by its nodes, which are few, a sheet tells whether it serves before
-// any point has a place. Points and index are referred to.
+// FlattenSheet in steps: the few nodes are flattened first and show whether the sheet serves,
+// before parameters of points are computed. Points and index are referred to.
 class SheetLayout {
  public:
-  // The first attempt. Throws as FlattenSheet.
+  // Makes the first attempt. Throws as FlattenSheet.
   SheetLayout(const Eigen::Matrix3Xd& points,
               const NeighbourIndex& index,
               double spacing,
@@ -71,13 +71,13 @@ class SheetLayout {
               ThreadPool& pool,
               const Progress& progress = {});
 
-  // The attempts that look closer, while none serves.
+  // Makes the further attempts, at finer resolution, until one serves.
   void LookCloser();
 
   const PoissonDiskSamples& nodes() const { return nodes_; }  // of the first attempt
   const SheetBase& found() const { return best_; }            // the best attempt: no parameters yet
 
-  // With parameters of some of the points (3 × m), in the rectangle of those.
+  // Returns the best attempt with parameters of some of the points (3 × m), in their rectangle.
   SheetBase Over(const Eigen::Matrix3Xd& some) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rolling the nodes of a tube off into the plane.
+// As-rigid-as-possible (ARAP) flattening of the nodes of a tube into a periodic strip.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace batten::internal {
 
-// As Unfold, over places that repeat: minimises Σ w |z_j + c_ij P − z_i − r_i q_ij|² over places,
-// rotations and the period P, c_ij the crossings of the edges. Starts from the rotations that lay
-// the gradient of the harmonic angle round the tube along the real axis: they close round it
-// whatever the tube's curvature; a few rounds then even out what holes did to it. In the end all is
-// turned so that P is real. Where lengths round the tube differ, they are shared out over one
-// period. The crossings are those of a loop that no sum of triangles makes vanish. O(n^1.5) and
-// rounds of O(n log n).
+// Flattens a tube as FlattenArap does a sheet, over periodic places: minimises
+// Σ w |z_j + c_ij P − z_i − r_i q_ij|² over places, rotations and the period P, c_ij the crossings
+// of the edges. The initial rotations turn the gradient of the harmonic angle round the tube to the
+// real axis: they close round it whatever the tube's curvature; a few rounds then even out the
+// effect of holes. The result is rotated so that P is real. Where lengths round the tube differ,
+// the differences are distributed over one period. The crossings are those of a loop that is no sum
+// of triangles. O(n^1.5) and rounds of O(n log n).
 Flattening FlattenTubeArap(const SheetGraph& graph,
                            const std::vector<PlanarEdge>& edges,
                            const std::vector<int>& crossings);

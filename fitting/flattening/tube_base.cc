@@ -25,19 +25,19 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kLeastTubeNodes = 40;
-constexpr double kFilledLoop = 10;       // reaches round a gap between nodes that is no hole
+constexpr double kFilledLoop = 10;       // reaches; a shorter loop is a gap between nodes, no hole
 constexpr int kMostTubeLoops = 64;       // so many holes are too many
-constexpr double kHole = 0.5;            // of the longest loop: shorter ones go round holes
+constexpr double kHole = 0.5;            // times the longest loop: shorter ones go round holes
 constexpr double kSpacingOfNodes = 1.3;  // in reaches
 constexpr double kLeastRound = 16;       // nodes
-constexpr double kOpenAngle = 2.1;       // between neighbours of a node at an edge
+constexpr double kOpenAngle = 2.1;       // radians between neighbours of a node at an edge
 constexpr double kTubeNear = 1;  // reaches in the plane between nodes that lie on each other …
 constexpr double kTubeFarApart = 3.5;  // … and more than so many in space
 constexpr int kTubeTornApart = 7;      // edges between ends of a contradicting edge …
 constexpr int kLeastTubeTorn = 5;      // … of which a few are slips
 constexpr double kLeastLeft = 0.3;  // of a tube's length where its ends come nearest to each other
 
-// One way to look at the cloud.
+// Settings of one attempt.
 struct Attempt {
   PoissonDiskOptions nodes;
   SheetGraphOptions graph;
@@ -97,8 +97,8 @@ double TubeOverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
   return static_cast<double>(covered) / static_cast<double>(n);
 }
 
-// Whether edges whose ends disagree about the upper side join parts that are far from each other
-// along the others: a way round that turns the sheet over.
+// Whether the sheet is one-sided: edges whose ends disagree about the upper side join parts that
+// are far from each other along the other edges.
 bool IsOneSided(const SheetGraph& graph) {
   const std::vector<std::vector<int>> neighbours = NeighboursOf(graph.nodes.size(), graph.edges);
   const auto torn = [&](const SheetEdge& edge) {
@@ -121,7 +121,7 @@ bool IsOneSided(const SheetGraph& graph) {
          kLeastTubeTorn;
 }
 
-// How many nodes have no neighbour over a wide angle.
+// Number of nodes that have no neighbour over a wide angle.
 Eigen::Index NodesAtEdges(Eigen::Index n, const std::vector<PlanarEdge>& edges) {
   std::vector<std::vector<double>> angles(static_cast<size_t>(n));
   for (const PlanarEdge& e : edges) {
@@ -140,7 +140,7 @@ double MedianReach(const PoissonDiskSamples& nodes) {
   return Median({nodes.reach.begin(), nodes.reach.end()});
 }
 
-// How many nodes would be needed to have enough of them round a tube as curved as the nodes say.
+// Number of nodes needed for enough of them round the tube, by the curvature at the nodes.
 Eigen::Index NodesNeeded(const PoissonDiskSamples& nodes) {
   std::vector<double> bends;
   for (Eigen::Index i = 0; i < nodes.size(); ++i) {
@@ -155,7 +155,7 @@ Eigen::Index NodesNeeded(const PoissonDiskSamples& nodes) {
   return static_cast<Eigen::Index>(static_cast<double>(nodes.size()) * std::min(more, 16.0));
 }
 
-// Why the loops found are not those of a tube with two ends; empty where they are.
+// Reason why the loops found are not those of a tube with two ends; empty if they are.
 std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
                            Eigen::Index at_edges,
                            const PoissonDiskSamples& nodes) {
@@ -206,7 +206,7 @@ std::string RefusalOfRoll(const TubeBase& base, const TubeBaseOptions& options) 
   return {};
 }
 
-// Turned over, so that normals look the other way.
+// Turns the result over, so that normals point the other way.
 void Mirror(RolledOff& rolled) {
   Flattening& u = rolled.unfolding;
   for (Eigen::Index i = 0; i < rolled.graph.nodes.size(); ++i) rolled.graph.nodes.Flip(i);
@@ -217,7 +217,7 @@ void Mirror(RolledOff& rolled) {
   u.anticonformal = u.anticonformal.conjugate().eval();
 }
 
-// Whether normals look away from what lies on the other side of the tube.
+// Whether normals point away from the opposite side of the tube.
 bool LooksOutwards(const RolledOff& rolled) {
   const Eigen::VectorXcd& places = rolled.unfolding.places;
   const double period = rolled.unfolding.period;
@@ -234,7 +234,8 @@ bool LooksOutwards(const RolledOff& rolled) {
   return 2 * outwards >= nodes.size();
 }
 
-// v grows with the coordinate it has most to do with, and normals look outwards.
+// Orients the axes: v grows with the coordinate it correlates with most, and normals point
+// outwards.
 void ChooseAxes(RolledOff& rolled) {
   if (!LooksOutwards(rolled)) Mirror(rolled);
   Flattening& u = rolled.unfolding;
@@ -298,7 +299,7 @@ void PutIntoStrip(const RolledOff& rolled,
   for (double& v : base.parameters.row(1)) v = std::clamp(v - low + margin, 0.0, base.length_v);
 }
 
-// The parameters on a smooth surface through the points.
+// Smooths the parameters by a smooth surface through the points.
 void Settle(const Eigen::Matrix3Xd& points,
             double most_distortion,
             ThreadPool& pool,
@@ -315,7 +316,7 @@ void Settle(const Eigen::Matrix3Xd& points,
   base.distortion = settled.distortion;
 }
 
-// Parameters where nothing could be rolled off.
+// Fallback parameters of a tube that was not flattened.
 void PutAnywhere(Eigen::Index count, double spacing, double margin, TubeBase& base) {
   base.length_u = base.length_v = spacing + 2 * margin;
   base.parameters.setConstant(2, count, base.length_u / 2);
@@ -343,7 +344,7 @@ void CheckTubeInput(const Eigen::Matrix3Xd& points,
   rule("margin", margin, margin >= 0);
 }
 
-// Connects the nodes and rolls them off; fills in what the base tells of it.
+// Connects and flattens the nodes; fills in the base's measures of the result.
 RolledOff RollOff(const PoissonDiskSamples& nodes,
                   const SheetGraphOptions& graph_options,
                   const TubeBaseOptions& options,

@@ -145,7 +145,7 @@ Dirichlet DirichletOf(const std::vector<Sample>& samples,
 
 using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 
-// What is added to u / period by the harmonic function that grows by one round the surface.
+// Periodic part, added to u / period, of the harmonic function that grows by one round the surface.
 Eigen::VectorXd RoundPart(const Dirichlet& energy, double period) {
   Eigen::SparseMatrix<double> matrix = energy.matrix;
   matrix.coeffRef(0, 0) *= 2;  // holds the constant
@@ -233,7 +233,7 @@ Eigen::VectorXd LengthsOver(const std::vector<Sample>& samples,
   return lengths;
 }
 
-// g' at t.
+// Derivative g' at t.
 double SlopeOf(const SplineBasis& basis, const Eigen::VectorXd& coefficients, double t) {
   const Local local(basis, basis.Clamp(t));
   double slope = basis.periodic() ? coefficients[DistinctCount(basis)] : 0.0;

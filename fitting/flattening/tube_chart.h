@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The coordinates of a tube that suit its shape: round it and along it, at right angles.
+// Orthogonal coordinates of a tube, round it and along it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,18 +9,19 @@
 
 namespace batten::internal {
 
-// Smooth functions on the parameter domain of a surface that closes in u: `round` grows by
+// Smooth orthogonal coordinates on the parameter domain of a surface closed in u: `round` grows by
 // length_round once round it, `along` from 0 at one end to length_along at the other. Their level
-// lines meet at right angles on the surface, and each is as near to length as a function of that
-// coordinate alone can make it. On a surface of revolution: angle times a mean radius, and length
-// of the profile; on a pipe bent in a circle: the angles round the pipe and round the bend.
+// lines meet at right angles on the surface, and each coordinate is scaled, as a function of itself
+// alone, to be as near to length as possible. On a surface of revolution they are angle times a
+// mean radius, and length of the profile; on a pipe bent in a circle, the angles round pipe and
+// bend.
 class TubeChart {
  public:
-  // The harmonic function that grows by one round the surface and the one that grows by one along
-  // it, by least Dirichlet energy among bicubic splines; then each by the spline function of it
-  // alone that minimises ∫ (|gradient| − 1)². `u` of the surface's basis is periodic and both its
-  // partial derivatives are independent; else the result is not finite. [isothermic coordinates:
-  // do Carmo 1976, §4-2; circular ones: Gu & Yau 2003]
+  // Computes the harmonic function that grows by one round the surface and the one that grows by
+  // one along it, by least Dirichlet energy among bicubic splines; then scales each by the spline
+  // function of it alone that minimises ∫ (|gradient| − 1)². `u` of the surface's basis is periodic
+  // and the partial derivatives are independent; else the result is not finite. [isothermic
+  // coordinates: do Carmo 1976, §4-2; circular ones: Gu & Yau 2003]
   // O(cells along) for a fixed number of cells round.
   explicit TubeChart(const NurbsSurface& surface);
 

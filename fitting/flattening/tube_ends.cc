@@ -18,7 +18,7 @@ namespace {
 constexpr double kBinInSpacings = 4;
 constexpr double kLeastBins = 12, kMostBins = 96;
 constexpr int kMostHarmonics = 6;
-constexpr int kEndRounds = 4;        // of bins below the wave of the round before
+constexpr int kEndRounds = 4;     // of bins below the wave of the round before
 constexpr int kReweightings = 6;  // of bins that have no place near the edge
 constexpr double kTukey = 4.685;
 
@@ -53,7 +53,7 @@ Lowest LowestAbove(const PeriodicWave& wave,
   return lowest;
 }
 
-// Adds to the wave what brings it through most of the lowest places; faster waves cost more.
+// Corrects the wave to pass through most of the lowest places; higher harmonics cost more.
 void FollowLowest(const Lowest& lowest, double spacing, PeriodicWave& wave) {
   const auto count = static_cast<Eigen::Index>(lowest.u.size());
   const Eigen::Index terms = wave.coefficients.size();

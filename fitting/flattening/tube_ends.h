@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a tube rolled off into the plane begins and ends.
+// Ends of a flattened tube as periodic curves.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace batten::internal {
 
-// A function of the way round a tube: c0 + Σ c_k cos(2πku/P) + d_k sin(2πku/P).
+// A Fourier series round a tube: c0 + Σ c_k cos(2πku/P) + d_k sin(2πku/P).
 class PeriodicWave {
  public:
   PeriodicWave(double period, int harmonics);
@@ -21,9 +21,9 @@ class PeriodicWave {
   double period_;
 };
 
-// The smooth waves under and over the places (u round, v along) that the mask lets count, as close
-// to the outermost as these are to each other; where the edge of the cloud is ragged, or has a gap,
-// through most of it. `spacing` is that of the places. O(m).
+// Smooth curves below and above the places (u round, v along) under the mask, as close to the
+// outermost places as these are to each other; where the edge of the cloud is ragged, or has a gap,
+// they pass through most of it. `spacing` is that of the places. O(m).
 struct TubeEnds {
   PeriodicWave low, high;
 };

@@ -53,7 +53,7 @@ struct Draft {
   double variance;  // of a residual, what control points take away counted in
 };
 
-// Over ever more cells, nearly square ones.
+// Fits surfaces with ever more cells, nearly square ones.
 std::vector<Draft> StatesOf(const TubeParameters& tube,
                             const Eigen::Matrix3Xd& points,
                             ThreadPool& pool) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Smooth coordinates of a tube from those of its nodes.
+// Smoothing of a flattened tube's parameters by the chart of a surface fitted over them.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,12 +15,12 @@ struct TubeParameters {
   double distortion;  // of lengths, relative: root mean square
 };
 
-// Laying out nodes leaves small wrinkles, which a surface over the parameters must follow with
-// cells of their size. So a smooth surface of few cells, as few as leave residuals not much larger
-// than the finest do, is fitted over them, and the feet of the points on it become parameters by
-// the surface's own chart; then once more from there. A surface that has no chart, or one that
-// folds or changes lengths by more than `most_distortion`, leaves the parameters as they are.
-// Points under the mask make the surface. O(m).
+// Smooths the parameters of a tube. Flattening leaves small wrinkles, which a surface over the
+// parameters must follow with cells of their size. A smooth surface with as few cells as leave
+// residuals not much larger than the finest ones do is therefore fitted to the points under the
+// mask, and the foot points on it become parameters by the surface's own chart; this is done twice.
+// If the surface has no chart, or one that folds or distorts lengths by more than
+// `most_distortion`, the parameters are left unchanged. O(m).
 TubeParameters SmoothTubeParameters(TubeParameters tube,
                                     const Eigen::Matrix3Xd& points,
                                     const PointMask& mask,

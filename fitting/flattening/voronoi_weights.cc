@@ -29,7 +29,7 @@ Cell RoundCell(double radius) {
   return cell;
 }
 
-// Takes away what is nearer to q than to the origin.
+// Clips off the part of the cell nearer to q than to the origin.
 void CutOff(Cell& cell, const Eigen::Vector2d& q, int neighbour) {
   const double middle = q.squaredNorm() / 2;
   Cell rest;

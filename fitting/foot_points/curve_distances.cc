@@ -16,7 +16,7 @@ constexpr double kSafe = 1 - 1e-9;  // bounds are computed with rounding
 constexpr std::ptrdiff_t kDistanceBlock = 1024;
 constexpr size_t kTogether = 16;  // pieces in a box
 
-// What is known of one span of a curve.
+// Bounds of the curve and its derivatives over one span.
 template <int Dim>
 struct Piece {
   using Point = Eigen::Matrix<double, Dim, 1>;
@@ -81,8 +81,8 @@ std::vector<Piece<Dim>> PiecesOf(const NurbsCurve<Dim>& curve) {
   return pieces;
 }
 
-// The pieces of a curve and, for each, how far a point may be from its foot there for that to be
-// the nearest of all.
+// The pieces of a curve and, for each, the distance up to which a local foot point on it is
+// provably the nearest.
 template <int Dim>
 class Certainty {
  public:
@@ -123,7 +123,7 @@ class Certainty {
     return (from - t * chord).norm() - piece.swell >= distance;
   }
 
-  // Law (1), over the piece and those that go on from it.
+  // Condition (1), over the piece and those that go on from it.
   double Convex(size_t i) const {
     std::vector<size_t> around{i};
     if (Joined(Before(i), i)) around.push_back(Before(i));
@@ -142,7 +142,7 @@ class Certainty {
     return bend > 0 ? kSafe * least * least / (bend * (1 + 2 * most / least)) : kInfinity;
   }
 
-  // Law (2).
+  // Condition (2).
   void LimitByOthers() {
     std::vector<Box<Dim>> boxes(pieces_.size()), together;
     for (size_t i = 0; i < pieces_.size(); ++i) {
@@ -167,7 +167,8 @@ class Certainty {
   std::vector<double> sure_;
 };
 
-// Takes the points of one block whose nearest place is sure, and tells of the others.
+// Accepts the points of one block whose foot point is provably the nearest, and marks them in
+// `sure`.
 template <int Dim>
 void TakeSure(const CurvePieceTable& table,
               const Certainty<Dim>& certainty,

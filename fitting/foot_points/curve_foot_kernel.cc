@@ -12,7 +12,7 @@ namespace {
 constexpr int kLanes = 8;
 constexpr int kMaxSteps = 8;
 constexpr double kLastStep = 1e-6;    // of half a piece; squared by the step that is taken still
-constexpr double kLeastBend = 0.1;    // second derivative of the distance against straight lines'
+constexpr double kLeastBend = 0.1;    // second derivative over that of a straight line
 constexpr double kFarthest = 4;       // step, of half a piece: farther might go all the way round
 constexpr double kInside = 1 - 1e-9;  // of x
 constexpr double kRounding = 1e-12;   // a foot may be farther than its start by that share
@@ -41,7 +41,7 @@ BATTEN_INLINE double Half(const CurvePieceTable& t, int i) {
   return 0.5 * (t.breaks[i + 1] - t.breaks[i]);
 }
 
-// The piece that holds u, looked for from another one on.
+// The piece that holds u, searched from another piece on.
 BATTEN_INLINE int PieceOf(const CurvePieceTable& t, double u, int near) {
   int i = near;
   if (u < t.breaks[i] || !(u < t.breaks[i + 1])) {
@@ -110,7 +110,7 @@ BATTEN_INLINE Lanes Squares(const Group<Dim>& g, int degree, const Lanes* q) {
   return sum;
 }
 
-// Steps for one group; which lanes have found their foot.
+// Newton steps for one group; returns which lanes have converged.
 template <int Dim>
 BATTEN_INLINE Mask
 Descend(const CurvePieceTable& t, const Lanes* q, Group<Dim>& g, Lanes& squares) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A polynomial curve span by span, for foot points of points near it.
+// A polynomial curve as power-basis pieces, one a span, for foot-point search.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@
 
 namespace batten::internal {
 
-// The table of LocalCurveFootPoints. The curve must have no weights and a degree of kMaxFootDegree
-// at most. O(n p²).
+// Builds the table that LocalCurveFootPoints reads. The curve must have no weights and a degree of
+// kMaxFootDegree at most. O(n p²).
 template <int Dim>
 class CurvePieces {
  public:
@@ -35,9 +35,9 @@ class CurvePieces {
 extern template class CurvePieces<2>;
 extern template class CurvePieces<3>;
 
-// Foot points from starts in the domain, a local minimum each: many at once by LocalCurveFootPoints
-// where that does, by CurveFootPoints::Near elsewhere. Points are Dim × m. About 30 million a
-// second and core. The same for every number of threads.
+// Foot points, a local minimum each, from starts in the domain: many at once by
+// LocalCurveFootPoints where that converges, by CurveFootPoints::Near elsewhere. Points are Dim ×
+// m. About 30 million a second and core. Results do not depend on the number of threads.
 template <int Dim>
 Eigen::VectorXd LocalFootPointsKernel(const NurbsCurve<Dim>& curve,
                                       const Eigen::MatrixXd& points,

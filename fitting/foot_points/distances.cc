@@ -20,7 +20,7 @@ double Signed(const SurfaceEvaluator& surface, const Eigen::Vector3d& q, const S
   return below ? -foot.distance : foot.distance;
 }
 
-// Of every point the place thought near its foot, or any.
+// A start for every point: the given guess of its foot parameters, or any place.
 Eigen::Matrix2Xd StartsFrom(const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
   const Eigen::Vector2d any(surface.basis_u().lower(), surface.basis_v().lower());
   Eigen::Matrix2Xd starts = near;
@@ -48,7 +48,7 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   return result;
 }
 
-// Local feet first, many at a time. Most are surely the nearest.
+// Finds local foot points first, many at a time; most are provably the nearest.
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            const Eigen::Matrix2Xd& near,

@@ -14,7 +14,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kPlaces = 4;  // orientations a cell and direction
+constexpr int kPlaces = 4;  // places of orientation in a cell, each direction
 constexpr std::ptrdiff_t kJointBlock = 512;
 
 NurbsSurface ToSurface(const TensorShape& shape) {
@@ -26,8 +26,8 @@ NurbsCurve<Dim> ToCurve(const TensorShape& shape) {
   return NurbsCurve<Dim>(shape.basis_u, shape.net, shape.weights);
 }
 
-// Whether a foot point cannot move both ways: at an end, or at a knot where the shape may have a
-// kink.
+// Whether a foot point cannot move in both directions: at an end, or at a knot where the shape may
+// have a kink.
 bool Held(const SplineBasis& basis, double u) {
   if (!basis.periodic() && (u <= basis.lower() || u >= basis.upper())) return true;
   const std::vector<double>& knots = basis.knots();
@@ -43,7 +43,7 @@ void Resize(FootPointSet& feet, Eigen::Index dimension, Eigen::Index count) {
   feet.directions.resize(static_cast<size_t>(count));
 }
 
-// Two unit vectors that with the unit vector t are at right angles.
+// Two unit vectors that form an orthonormal frame with the unit vector t.
 void Complement(const Eigen::Vector3d& t,
                 Eigen::Ref<Eigen::VectorXd> a,
                 Eigen::Ref<Eigen::VectorXd> b) {
@@ -118,7 +118,7 @@ std::vector<double> Places(const SplineBasis& basis) {
   return places;
 }
 
-// The place of a direction whose part of the span holds a parameter.
+// The index of the place in one direction whose part of the span holds a parameter.
 class PlaceFinder {
  public:
   explicit PlaceFinder(const SplineBasis& basis)

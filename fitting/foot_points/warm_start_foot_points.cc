@@ -85,7 +85,7 @@ class BlockSearch {
     constexpr double kPerpendicular = 1e-7;
     const double length = std::sqrt(speed * squares);
     if (std::abs(slope) <= kPerpendicular * length) return false;
-    // Where the distance is concave, its curvature still says how far to look.
+    // Where the distance is concave, the magnitude of its curvature still sets the step length.
     constexpr double kFlattest = 1e-2;
     state.step = -slope / std::max(std::abs(speed + bend), kFlattest * speed);
     return Try(state, k);

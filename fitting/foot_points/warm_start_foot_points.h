@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Foot points of many points on a curve that has moved little since they were last known.
+// Warm-started foot points of many points on a curve that has moved little since the last search.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace batten::internal {
 
-// What a curve is like at the foot points of m points.
+// Position, tangent and curvature terms of a curve at the foot points of m points.
 template <int Dim>
 struct WarmStartFootPoints {
   using Columns = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
@@ -25,10 +25,11 @@ struct WarmStartFootPoints {
   double Squares(const Eigen::VectorXd& weights) const;  // Σ w |C − q|²; no weights: ones
 };
 
-// Newton steps for |C(u) − q|² from the given parameters, which never go uphill: the result is no
-// farther from any point than the start is. Until the difference is perpendicular to the tangent to
-// 1e-7. Ends hold, periodic curves are gone round. Local minima only. O(m), at some millions of
-// points a second; the same for every number of threads. [Piegl & Tiller 1997, §6.1]
+// Descending Newton steps for |C(u) − q|² from the given parameters: the result is no farther from
+// any point than the start is. They stop when the difference is perpendicular to the tangent to
+// 1e-7. Steps stop at the ends of open curves and pass the seam of periodic ones. Only local minima
+// are found. O(m), at some millions of points a second; results do not depend on the number of
+// threads. [Piegl & Tiller 1997, §6.1]
 template <int Dim>
 WarmStartFootPoints<Dim> FootPointsFrom(const CurveEvaluator<Dim>& curve,
                                         const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,

@@ -17,7 +17,7 @@ namespace batten {
 using namespace internal;
 namespace {
 
-// What came out, and the sentence that says how.
+// The fitted surface and the sentence of the report that says how it was fitted.
 struct GridAnswer {
   InterpolatedGrid grid;
   std::string how;
@@ -69,7 +69,7 @@ GridAnswer Answer(const GridInput& input, const GridFitOptions& options, ThreadP
   return {LeastSquaresGrid(input.net, squares, pool), "least squares"};
 }
 
-// What the grid says of itself: spacing is the mean step.
+// Cloud statistics of the grid: spacing is the mean step.
 InputSummary Summarise(const PointCloud& cloud, const GridInput& input, Eigen::Index duplicates) {
   CloudStatistics statistics;
   const Eigen::Vector2d lengths = MeanLengths(input.net, input.closed);
@@ -77,7 +77,7 @@ InputSummary Summarise(const PointCloud& cloud, const GridInput& input, Eigen::I
   return SummariseInput(cloud, duplicates, statistics);
 }
 
-// Where each of the merged points was, as parameters.
+// The parameters of every point of the cloud, merged lines included.
 Eigen::Matrix2Xd StartsOf(const MergedCloud& merged,
                           const GridInput& input,
                           const GridParameters& parameters,

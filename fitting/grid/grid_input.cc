@@ -9,13 +9,13 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMeets = 1e-12;  // of the size: a last line that repeats the first
+constexpr double kMeets = 1e-12;  // of the size: a last line this close repeats the first
 
 std::string Plural(Eigen::Index count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
 }
 
-// What grids so many points could be.
+// The sizes of grids that so many points could fill.
 std::string WhatFits(Eigen::Index points, int rows, int columns) {
   std::string fits;
   const auto add = [&](Eigen::Index n, Eigen::Index m) {
@@ -47,7 +47,7 @@ PointNet NetOf(const PointCloud& cloud, const GridFitOptions& options) {
     if (missing > 0 && options.missing[k]) continue;
     net.points.col(k) = cloud.points().col(next++);
   }
-  // What stands in missing cells must not widen the box.
+  // Contents of missing cells must not widen the box.
   for (Eigen::Index k = 0; missing > 0 && next > 0 && k < cells; ++k) {
     if (options.missing[k]) net.points.col(k) = cloud.points().col(0);
   }
@@ -107,7 +107,7 @@ Eigen::VectorXd Picked(const Eigen::VectorXd& values, const std::vector<int>& ke
   return picked;
 }
 
-// Leaves out lines that repeat the one before, and those without a point.
+// Drops lines that repeat the one before, and lines without a point.
 void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
   const LineView lines{input.net, rows};
   const std::string name = rows ? "row" : "column";
@@ -136,7 +136,7 @@ void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
   input.net = WithLines(input.net, rows, kept);
 }
 
-// Whether a direction closes; a last line that repeats the first is then left out.
+// Whether a direction closes; a last line that repeats the first is then dropped.
 bool CloseDirection(bool rows, bool wanted, bool allowed, GridInput& input) {
   if (!allowed) return false;
   const LineView lines{input.net, rows};
@@ -156,7 +156,7 @@ bool CloseDirection(bool rows, bool wanted, bool allowed, GridInput& input) {
 }
 
 void RequireSheet(const PointNet& net) {
-  constexpr double kLineSquared = 1e-13;  // share of the spread across a line: rounding of the sums
+  constexpr double kLineSquared = 1e-13;  // of the largest eigenvalue: below, all is on a line
   const Eigen::Vector3d middle = MiddleOf(net);
   const double size = (net.points.colwise() - middle).cwiseAbs().maxCoeff();
   const Eigen::Matrix3Xd unit = (net.points.colwise() - middle) / size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A cloud as the grid it was measured in. Used by FitGrid only.
+// Reads a cloud as a grid of rows and columns. Used by FitGrid only.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace batten::internal {
 
-// The grid of a cloud, lines that say nothing new left out.
+// The grid of a cloud, without repeated and empty lines.
 struct GridInput {
   PointNet net;               // in the cloud's local coordinates
   GridParameters parameters;  // of its lines, in lengths (given ones as they are)
@@ -25,8 +25,9 @@ struct GridInput {
   std::string parameters_from;
 };
 
-// Throws std::invalid_argument, with a sentence for the user that says what would fit, where the
-// cloud does not hold one point for every cell that is not missing.
+// Reads the grid from the cloud. Throws std::invalid_argument, with a sentence for the user that
+// names sizes that would fit, where the cloud does not hold one point for every cell that is not
+// missing.
 GridInput ReadGrid(const PointCloud& cloud, const GridFitOptions& options);
 
 }  // namespace batten::internal

@@ -22,7 +22,7 @@ constexpr double kLeastBreakShare = 1e-3;  // of the largest error: no span grow
 constexpr int kRetreats = 5;               // halvings of a move that leaves a span without samples
 constexpr double kSamplesPerSpan = 2;
 
-// As many spans spread as the others are.
+// Breaks of a given number of spans, distributed as the given breaks are.
 std::vector<double> Resampled(const std::vector<double>& breaks, int spans) {
   std::vector<double> result{breaks.front()};
   const size_t last = breaks.size() - 1;
@@ -107,7 +107,7 @@ std::vector<double> GridKnotSearch::Moved(const std::vector<double>& breaks,
     most[span] = std::max(most[span], errors[k]);
   }
   const double least = kLeastBreakShare * *std::max_element(most.begin(), most.end());
-  // How many breaks' worth each span is.
+  // The share of the new breaks that each span gets.
   std::vector<double> worth(spans);
   double whole = 0;
   for (size_t k = 0; k < spans; ++k) {
@@ -171,12 +171,12 @@ const GridKnotPlacement& GridKnotSearch::Best(int spans, ThreadPool& pool) {
 
 int GridKnotSearch::SpansFor(double tolerance, int most, ThreadPool& pool) {
   const auto keeps = [&](int spans) { return Best(spans, pool).error <= tolerance; };
-  int low = closed_ ? degree_ + 1 : 1, high = low;  // below `low` it is not kept
+  int low = closed_ ? degree_ + 1 : 1, high = low;  // below `low` the tolerance is not kept
   while (high <= most && !keeps(high)) {
     low = high + 1;
     high = 2 * high;
   }
-  // Where no power of two keeps it, the most may.
+  // If no power of two keeps the tolerance, `most` spans may.
   if (high > most) {
     if (low > most || !keeps(most)) return most + 1;
     high = most;

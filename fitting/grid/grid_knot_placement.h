@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the knot lines of one direction of a grid go, so that few of them keep a tolerance.
+// Knot placement in one direction of a grid: few knot lines that keep a tolerance.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,11 +17,11 @@ struct GridKnotPlacement {
   double error = 0;
 };
 
-// Curves that share their parameters and are to share their knots: the lines of a grid in one
+// Searches knots common to curves that share their parameters: the lines of a grid in one
 // direction. For a number of spans, breaks start at equal shares of the samples and move in rounds
-// of: fit all curves, take each span's largest error e; an error goes as the width to the power
-// p + 1, so that the density of breaks grows in proportion to e^{1/(p+1)}, half of it a round in
-// the logarithm. At the end errors of spans are nearly equal, which is best to first order.
+// of: fit all curves, take each span's largest error e; an error goes as the width to the power p +
+// 1, so that the density of breaks grows in proportion to e^{1/(p+1)}, half of it a round in the
+// logarithm. At the end errors of spans are nearly equal, which is best to first order.
 // [equidistribution: de Boor 1973, "Good approximation by splines with variable knots"]
 class GridKnotSearch {
  public:
@@ -36,11 +36,12 @@ class GridKnotSearch {
                  bool closed,
                  bool meet_ends);
 
-  // The most spans that the samples determine and that have fewer control points than that.
+  // The largest number of spans that the samples determine with fewer than `control_points` control
+  // points.
   int SpansBelow(int control_points) const;
 
-  // The best breaks found for so many spans, remembered; what is known of nearly as many is where
-  // the search begins. O(lines · curves · p) for each of about ten rounds.
+  // The best breaks found for so many spans, cached; the search starts from the breaks of a similar
+  // number of spans where these are known. O(lines · curves · p) for each of about ten rounds.
   const GridKnotPlacement& Best(int spans, ThreadPool& pool);
 
   // The least number of spans found, by doubling and halving, that keeps the tolerance; most + 1

@@ -59,8 +59,8 @@ Eigen::VectorXd MeanLengthsOf(const Lines& lines) {
   return mean;
 }
 
-// Mean over the lines across of each step's share of the whole. Where cells are missing, of the
-// steps themselves.
+// Each step's share of the whole length, averaged over the lines across; where cells are missing,
+// the mean of the steps themselves.
 Eigen::VectorXd MeanSteps(const Lines& lines, bool complete, bool centripetal) {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(lines.steps()), step(lines.steps());
   Eigen::VectorXd count = Eigen::VectorXd::Zero(lines.steps());
@@ -142,7 +142,7 @@ Twists TwistsOf(const PointNet& net) {
   return twists;
 }
 
-// Steps along the lines seen in a plane; nothing where they do not keep one direction and length.
+// Steps along the lines projected to a plane; none where they do not keep one direction and length.
 std::optional<Eigen::VectorXd> StepsInPlane(const Lines& lines, const Eigen::Matrix3d& flat) {
   const auto step_at = [&](int k, int l) -> Eigen::Vector3d {
     return flat * (lines.At(lines.line_after(k), l) - lines.At(k, l));

@@ -23,17 +23,17 @@ namespace {
 
 constexpr Eigen::Index kSamples = 200;  // a direction, at least
 constexpr Eigen::Index kCurves = 48;    // that the search of a direction looks at, about
-constexpr double kOptimistic = 1.25;    // errors of the two directions hardly ever add up
-constexpr double kSurely = 0.8;
+constexpr double kOptimistic = 1.25;    // tolerances: pairs of a larger summed error are not tried
+constexpr double kSurely = 0.8;         // tolerances: below, more spans are not tried
 constexpr double kFartherOut = 1.25;    // spans beyond those one direction needs, as a factor
 constexpr int kSpansFarther = 3;        // and more
-constexpr int kFewSpans = 24;           // of which each count is looked at
+constexpr int kFewSpans = 24;           // numbers of spans up to it are all tried
 constexpr double kLeastShare = 0.1;     // of the tolerance, for each direction's own error
 constexpr double kMostDoubt = 0.5;      // of the tolerance
-constexpr double kRoomForProof = 0.98;  // of the tolerance, for errors of samples
-constexpr double kMostLines = 800;      // of the nets that prove it, where they are cut
+constexpr double kRoomForProof = 0.98;  // of the tolerance: larger sampled errors fail at once
+constexpr double kMostLines = 800;      // lines of the refined nets in the proof, at most
 
-// Every line or every second, and where the direction is open the last.
+// The indices of every `step`-th line, and of the last where the direction is open.
 std::vector<int> Every(int step, int lines, bool closed) {
   std::vector<int> kept;
   for (int k = 0; k < lines; k += step) kept.push_back(k);
@@ -41,7 +41,8 @@ std::vector<int> Every(int step, int lines, bool closed) {
   return kept;
 }
 
-// Those parameters, and where the direction closes the last, the first one's again.
+// The parameters of these lines, and where the direction closes also the last, at which it is back
+// at the first.
 Eigen::VectorXd Picked(const Eigen::VectorXd& t, const std::vector<int>& kept, bool closed) {
   const auto count = static_cast<Eigen::Index>(kept.size());
   Eigen::VectorXd picked(count + (closed ? 1 : 0));
@@ -88,7 +89,7 @@ PointNet Sampled(const SurfaceEvaluator& surface,
   return {static_cast<int>(u.size()), static_cast<int>(v.size()), std::move(grid.points), {}};
 }
 
-// One direction's knots, and how far the lines are from their fits over them.
+// Knots of one direction and the largest error of the lines' fits over them.
 struct Choice {
   SplineBasis basis;
   double error;
@@ -107,7 +108,7 @@ int Distinct(const SplineBasis& basis) {
 // The search for a surface within the tolerance of the one through all points.
 class ToleranceSearch {
  public:
-  // Directions that are not to be thinned keep the knots of the surface through all points.
+  // Directions that are not thinned keep the knots of the interpolant.
   ToleranceSearch(
       const InterpolatedGrid& through, double tolerance, bool thin_u, bool thin_v, ThreadPool& pool)
       : through_(through.surface),
@@ -141,7 +142,7 @@ class ToleranceSearch {
   }
 
   std::optional<ToleratedGrid> Find(const Progress& progress) {
-    // Where the first list fails, what looks kept in each direction is not: ask for less error.
+    // If no candidate keeps the tolerance, the search repeats with a smaller share of it.
     for (double share = 1; share > kLeastShare; share *= 0.7) {
       const std::vector<Choice> us =
                                     ChoicesOf(*u_, through_.basis_u(), thin_u_, share * tolerance_),
@@ -222,7 +223,7 @@ std::optional<ToleratedGrid> ToleranceSearch::Try(const Candidate& candidate) {
   if (!(sampled <= kRoomForProof * tolerance_)) return std::nullopt;
   double bound = NetDistance(surface, through_);
   if (bound > tolerance_) {
-    // What the bound is too large by falls with the square of the cuts.
+    // The excess of the bound falls with the square of the cuts.
     const auto cuts =
         static_cast<int>(std::ceil(std::sqrt((bound - sampled) / (tolerance_ - sampled)))) + 1;
     const double lines = std::sqrt(static_cast<double>(through_.control_points().cols()));
@@ -233,9 +234,9 @@ std::optional<ToleratedGrid> ToleranceSearch::Try(const Candidate& candidate) {
   return std::nullopt;
 }
 
-// How far the surface through all points is off the shape they are of, between them in one
-// direction: a part of its distance from the one through every second line, as where errors fall
-// with the power p + 1 of the step. Of few lines nothing can be said: 0. [Richardson]
+// Richardson estimate of the interpolant's error between the points in one direction: a part of its
+// distance from the interpolant of every second line, assuming errors that fall with the power p +
+// 1 of the step. 0 for few lines, which allow no estimate.
 double DoubtOf(const PointNet& net,
                const InterpolatedGrid& through,
                const GridInterpolationOptions& options,
@@ -287,7 +288,8 @@ ToleratedGrid ApproximateGrid(const PointNet& net,
   }
   InterpolatedGrid through = InterpolateGrid(net, options, pool);
   Report(progress, "grid", 0.2);
-  // What the points leave open in each direction; where that is too much, all lines stay.
+  // The interpolation error of each direction; where their sum is too large, the worse direction
+  // keeps all its lines.
   double unsure_u = DoubtOf(net, through, options, true, pool),
          unsure_v = DoubtOf(net, through, options, false, pool);
   struct {

@@ -47,7 +47,7 @@ SplineBasis OpenKnots(int degree, const Eigen::VectorXd& t, GridKnots rule) {
   return SplineBasis(degree, std::move(knots));
 }
 
-// One direction: where its lines are, and what its control points are over.
+// One direction: the parameters of its lines and its basis.
 struct Side {
   SplineBasis basis;
   Eigen::VectorXd parameters;  // one a line, inside the domain

@@ -11,21 +11,21 @@
 
 namespace batten::internal {
 
-// The matrix N_j(t_i) of an open basis at as many increasing parameters, and its factors. Such a
-// matrix is totally positive, so that elimination without interchanges is stable and rounding
-// errors are as small as those of the best order. [de Boor & Pinkus 1977; Piegl & Tiller 1997,
-// A9.1]
+// The LU factors of the collocation matrix N_j(t_i) of an open basis at as many increasing
+// parameters. Such a matrix is totally positive, so that elimination without interchanges is stable
+// and rounding errors are as small as those of the best order. [de Boor & Pinkus 1977; Piegl &
+// Tiller 1997, A9.1]
 class LineInterpolation {
  public:
   // Throws std::invalid_argument where the Schoenberg–Whitney condition fails: each function needs
   // a parameter of its own inside its support. O(n·p²).
   LineInterpolation(const SplineBasis& basis, std::span<const double> parameters);
 
-  // Values at the parameters become control points, in place: along the lines, whose rows of
+  // Replaces values at the parameters by control points, in place: along the lines, whose rows of
   // `width` numbers are solved side by side. O(n·p·width).
   void SolveLines(double* data, Eigen::Index width, ThreadPool& pool) const;
 
-  // The same within each of `count` lines of n points of `dimension` numbers.
+  // Does the same within each of `count` lines of n points of `dimension` numbers.
   void SolveWithin(double* data, Eigen::Index count, int dimension, ThreadPool& pool) const;
 
  private:

@@ -11,7 +11,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kLeastSquaresWidth = 48;  // numbers solved side by side: some rows stay in the cache
+constexpr Eigen::Index kLeastSquaresWidth =
+    48;  // numbers solved side by side: some rows stay in the cache
 constexpr double kSingular = 1e-14;
 
 void Subtract(double factor, const double* from, Eigen::Index width, double* x) {

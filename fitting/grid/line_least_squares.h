@@ -25,21 +25,21 @@ class LineLeastSquares {
                    bool meet_ends,
                    std::span<const double> weights = {});
 
-  Eigen::Index size() const { return size_; }  // control points, repeated ones too
-  bool regular() const { return regular_; }    // else nothing it solves for means anything
+  Eigen::Index size() const { return size_; }  // control points, repeated ones included
+  bool regular() const { return regular_; }    // otherwise solutions are meaningless
   Eigen::Index data_size() const { return data_size_; }
 
-  // m lines of `width` numbers become n lines of control points. O(m·p·width).
+  // Turns m lines of `width` numbers into n lines of control points. O(m·p·width).
   void SolveLines(const double* data, Eigen::Index width, double* control, ThreadPool& pool) const;
 
-  // The same within each of `count` lines of m points of `dimension` numbers.
+  // Does the same within each of `count` lines of m points of `dimension` numbers.
   void SolveWithin(const double* data,
                    Eigen::Index count,
                    int dimension,
                    double* control,
                    ThreadPool& pool) const;
 
-  // The values at the parameters of n lines of control points: m lines.
+  // Evaluates n lines of control points at the parameters: m lines.
   void EvaluateLines(const double* control, Eigen::Index width, double* values) const;
 
  private:

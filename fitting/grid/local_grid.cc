@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-// A sum of three lines in a row, or two where there are no more.
+// A linear combination of three successive lines, or of two where there are no more.
 struct Mix {
   Eigen::Index first = 0;
   double factors[3] = {0, 0, 0};

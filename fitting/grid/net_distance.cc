@@ -55,7 +55,7 @@ double NetDistance(const NurbsSurface& a, const NurbsSurface& b, int cuts) {
     first = RefineKnots(first, direction, more);
     second = RefineKnots(second, direction, more);
   }
-  // Knots repeated round a period are rounded.
+  // Knots repeated by a period carry rounding errors.
   const auto same = [](const SplineBasis& x, const SplineBasis& y) {
     constexpr double kRounded = 1e-12;
     return SameKnots(x, y, kRounded * std::max(std::abs(x.lower()), std::abs(x.upper())));

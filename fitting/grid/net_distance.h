@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A bound of how far two surfaces are apart, from their control nets over common knots.
+// Upper bound of the distance between two surfaces from their control nets over common knots.
 #pragma once
 
 #include "batten/geometry/nurbs_surface.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A vector's values as a span.
+// View of an Eigen vector's values as a std::span.
 #pragma once
 
 #include <Eigen/Core>

@@ -56,10 +56,10 @@ Steps StepsOf(const std::vector<ChainPiece<Dim>>& pieces) {
   return steps;
 }
 
-// Whether the last piece goes on into the first as one of C¹ polynomials.
+// Whether the seam is C¹ between polynomial pieces.
 template <int Dim>
 bool ContinuousAtSeam(const std::vector<ChainPiece<Dim>>& pieces, const Steps& steps) {
-  constexpr double kEqual = 1e-11;  // the sum of roundings along the chain
+  constexpr double kEqual = 1e-11;  // relative: rounding summed along the chain
   const ChainPiece<Dim>&first = pieces.front(), &last = pieces.back();
   if (first.points.cols() < 3 || !last.smooth || !Polynomial(first) || !Polynomial(last)) {
     return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bézier pieces one after the other, as one NURBS curve.
+// Joins a chain of Bézier pieces into one NURBS curve.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace batten::internal {
 
-// A piece of degree p, whose first and last weight are 1.
+// A Bézier piece of degree p, whose first and last weight are 1.
 template <int Dim>
 struct ChainPiece {
   Eigen::Matrix<double, Dim, Eigen::Dynamic> points;  // Dim × (p + 1)
@@ -24,11 +24,12 @@ struct Chain {
   Eigen::VectorXd breaks;  // where pieces begin, and the end
 };
 
-// The pieces over [0, 1], in the order given, each beginning where the last one ends. Where they
-// are smooth, the lengths of their domains make the curve C¹, and between polynomials the common
-// point is no control point (knots of multiplicity p − 1). Lengths that would drift away from those
-// of the pieces begin anew; there, at corners and beside rational pieces knots have multiplicity p.
-// Closed: periodic, from the first piece round to it. O(pieces).
+// Joins the pieces over [0, 1], in the order given, each beginning where the last one ends. Where
+// they are smooth, the lengths of their domains make the curve C¹, and between polynomials the
+// common point is no control point (knots of multiplicity p − 1). Domain lengths that would drift
+// out of proportion to the pieces' lengths restart from those; there, at corners and beside
+// rational pieces knots have multiplicity p. Closed: periodic, from the first piece round to it.
+// O(pieces).
 template <int Dim>
 Chain<Dim> Chained(const std::vector<ChainPiece<Dim>>& pieces, bool closed);
 

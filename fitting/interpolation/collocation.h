@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splines from as many conditions as they have control points.
+// Spline collocation: as many conditions as control points.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,13 +16,13 @@ struct SplineCondition {
   int order = 0;
 };
 
-// The control points (d × n) over the basis that meet the conditions, whose values are the columns
-// of `values` (d × as many). There are as many conditions as the basis has different functions
-// (n, periodic n − p), u in its domain and in increasing order, or the band is as wide as the
-// disorder. Derivatives are taken from the right, at the upper end from the left.
-// Nothing where the conditions do not determine the spline. Near the ends of high degrees they do
-// so by a thread: `regular` says that the Schoenberg–Whitney condition is known to hold, and that
-// small pivots are no sign of the contrary. O(n·p²).
+// Solves for the control points (d × n) over the basis that meet the conditions, whose values are
+// the columns of `values` (d × as many). There are as many conditions as the basis has different
+// functions (n, periodic n − p), u in its domain and in increasing order, otherwise the band widens
+// by as much as they are out of order. Derivatives are taken from the right, at the upper end from
+// the left. Returns none where the conditions do not determine the spline. At the ends of splines
+// of high degree the system is nearly singular: `regular` says that the Schoenberg–Whitney
+// condition is known to hold, and that small pivots are no sign of the contrary. O(n·p²).
 std::optional<Eigen::MatrixXd> SolveConditions(const SplineBasis& basis,
                                                const std::vector<SplineCondition>& conditions,
                                                const Eigen::MatrixXd& values,

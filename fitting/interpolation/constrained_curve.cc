@@ -31,21 +31,25 @@ void CheckSizes(const SplineBasis& basis,
                 const std::vector<CurveCondition>& conditions) {
   const Eigen::Index m = parameters.size();
   if (values.cols() != m) {
-    Reject("ConstrainedLeastSquares", std::to_string(m) + " parameters and " + std::to_string(values.cols()) +
-           " values do not agree");
+    Reject("ConstrainedLeastSquares",
+           std::to_string(m) + " parameters and " + std::to_string(values.cols()) +
+               " values do not agree");
   }
   if (weights.size() != 0 && weights.size() != m) {
-    Reject("ConstrainedLeastSquares", std::to_string(m) + " parameters and " + std::to_string(weights.size()) +
-           " weights do not agree");
+    Reject("ConstrainedLeastSquares",
+           std::to_string(m) + " parameters and " + std::to_string(weights.size()) +
+               " weights do not agree");
   }
   if (!parameters.allFinite() || !values.allFinite() || !weights.allFinite()) {
     Reject("ConstrainedLeastSquares", "a parameter, value or weight is not finite");
   }
-  if (weights.size() > 0 && weights.minCoeff() < 0) Reject("ConstrainedLeastSquares", "a weight is negative");
+  if (weights.size() > 0 && weights.minCoeff() < 0)
+    Reject("ConstrainedLeastSquares", "a weight is negative");
   const auto inside = [&](double u) { return u >= basis.lower() && u <= basis.upper(); };
   for (Eigen::Index k = 0; k < m; ++k) {
     if (!inside(parameters[k])) {
-      Reject("ConstrainedLeastSquares", "parameter " + NumberText(parameters[k]) + " leaves the domain");
+      Reject("ConstrainedLeastSquares",
+             "parameter " + NumberText(parameters[k]) + " leaves the domain");
     }
   }
   for (size_t i = 0; i < conditions.size(); ++i) {
@@ -56,7 +60,8 @@ void CheckSizes(const SplineBasis& basis,
       Reject("ConstrainedLeastSquares", name + ": the order is not between 0 and the degree");
     }
     if (c.value.size() != values.rows() || !c.value.allFinite()) {
-      Reject("ConstrainedLeastSquares", name + ": the value has not " + std::to_string(values.rows()) + " finite coordinates");
+      Reject("ConstrainedLeastSquares",
+             name + ": the value has not " + std::to_string(values.rows()) + " finite coordinates");
     }
     if (c.weight && !(*c.weight > 0 && std::isfinite(*c.weight))) {
       Reject("ConstrainedLeastSquares", name + ": the weight is not positive");
@@ -132,9 +137,9 @@ class Places {
   std::vector<Eigen::Index> control_, multiplier_;
 };
 
-// Elimination among the exact conditions, each row less those before it that reach into it; what
-// nothing is left of depends on them. Rows are over all different control points where the basis is
-// periodic, over a window of them otherwise.
+// Checks independence of the exact conditions by elimination; a row that vanishes depends on those
+// before it. Rows are over all different control points where the basis is periodic, over a window
+// of them otherwise.
 void CheckIndependent(const SplineBasis& basis,
                       const std::vector<ExactCondition>& exact,
                       const std::vector<CurveCondition>& conditions) {
@@ -178,8 +183,9 @@ void CheckIndependent(const SplineBasis& basis,
           return std::abs(a) < std::abs(b);
         });
     if (!(std::abs(*largest) > kNothing)) {
-      Reject("ConstrainedLeastSquares", NameOf(exact[j].index, conditions[exact[j].index]) +
-             " follows from the other exact conditions or contradicts them");
+      Reject("ConstrainedLeastSquares",
+             NameOf(exact[j].index, conditions[exact[j].index]) +
+                 " follows from the other exact conditions or contradicts them");
     }
     row.pivot = row.first + static_cast<int>(largest - row.values.begin());
     rows.push_back(std::move(row));
@@ -201,12 +207,14 @@ class Problem {
     constexpr double kSingular = 4 * std::numeric_limits<double>::epsilon();
     const Eigen::Index stop = matrix_.Factor(kSingular);
     if (stop < places_.size()) {
-      Reject("ConstrainedLeastSquares", "the points and conditions do not determine the control points near u = " +
-             NumberText(ParameterOf(stop)) + ": there are too few of them there for this basis");
+      Reject("ConstrainedLeastSquares",
+             "the points and conditions do not determine the control points near u = " +
+                 NumberText(ParameterOf(stop)) +
+                 ": there are too few of them there for this basis");
     }
   }
 
-  // d × n. Corrections by residuals of the data give digits back that the sums have lost.
+  // d × n. Iterative refinement by residuals of the data restores digits lost in the sums.
   Eigen::MatrixXd Solve(Eigen::Index dimension) {
     constexpr int kCorrections = 2;
     Eigen::MatrixXd unknowns = Eigen::MatrixXd::Zero(places_.size(), dimension);
@@ -269,7 +277,7 @@ class Problem {
     return matrix;
   }
 
-  // Of every unknown: the sums get ones on their diagonal, conditions a largest entry of one.
+  // Scale of every unknown: the sums get ones on their diagonal, conditions a largest entry of one.
   Eigen::VectorXd Scaling() const {
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(places_.size());
     for (const Observation& o : observations_) {
@@ -295,7 +303,7 @@ class Problem {
     return scaling;
   }
 
-  // What the equations lack of zero.
+  // The residual of the equations.
   Eigen::MatrixXd RightHandSide(const Eigen::MatrixXd& unknowns) const {
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(unknowns.rows(), unknowns.cols());
     const auto value_of = [&](const Form& form) {
@@ -323,7 +331,7 @@ class Problem {
     return result;
   }
 
-  // Where the control point at this place acts most.
+  // The parameter at which the control point at this place acts most.
   double ParameterOf(Eigen::Index place) const {
     Eigen::Index nearest = 0;
     for (int i = 0; i < basis_.size(); ++i) {
@@ -351,7 +359,7 @@ Eigen::MatrixXd ConstrainedLeastSquares(const SplineBasis& basis,
                                         const Eigen::VectorXd& weights,
                                         const std::vector<CurveCondition>& conditions) {
   CheckSizes(basis, parameters, values, weights, conditions);
-  // Taken from the middle of the data: a place far away costs no digits.
+  // Values are relative to the middle of the data, so that large coordinates cost no digits.
   Eigen::VectorXd middle = Eigen::VectorXd::Zero(values.rows());
   if (values.cols() > 0) {
     const Eigen::VectorXd low = values.rowwise().minCoeff();

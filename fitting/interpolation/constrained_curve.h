@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Least-squares splines that meet some conditions exactly.
+// Least-squares spline curves under exact linear conditions.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace batten::internal {
 
-// The curve, or its derivative of an order, at a parameter: exactly, or with a weight beside the
-// data.
+// A condition on the curve, or its derivative of an order, at a parameter: met exactly, or weighted
+// along with the data.
 struct CurveCondition {
   double u = 0;
   int order = 0;          // 0 … degree
@@ -36,7 +36,7 @@ Eigen::MatrixXd ConstrainedLeastSquares(const SplineBasis& basis,
                                         const Eigen::VectorXd& weights = {},
                                         const std::vector<CurveCondition>& conditions = {});
 
-// The same as a curve in the plane or in space.
+// ConstrainedLeastSquares as a curve in the plane or in space.
 template <int Dim>
 NurbsCurve<Dim> ConstrainedCurve(const SplineBasis& basis,
                                  const Eigen::VectorXd& parameters,

@@ -16,21 +16,25 @@ namespace {
 template <int Dim>
 void CheckData(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points, const Eigen::VectorXd& t) {
   if (points.cols() < 2) {
-    Reject("CubicSplineCurve", "a spline needs at least 2 points; there are " + std::to_string(points.cols()));
+    Reject("CubicSplineCurve",
+           "a spline needs at least 2 points; there are " + std::to_string(points.cols()));
   }
   if (t.size() != points.cols()) {
-    Reject("CubicSplineCurve", std::to_string(points.cols()) + " points and " + std::to_string(t.size()) +
-           " parameters do not agree");
+    Reject("CubicSplineCurve",
+           std::to_string(points.cols()) + " points and " + std::to_string(t.size()) +
+               " parameters do not agree");
   }
-  if (!points.allFinite() || !t.allFinite()) Reject("CubicSplineCurve", "a point or parameter is not finite");
+  if (!points.allFinite() || !t.allFinite())
+    Reject("CubicSplineCurve", "a point or parameter is not finite");
   for (Eigen::Index k = 1; k < t.size(); ++k) {
     if (!(t[k] > t[k - 1])) {
-      Reject("CubicSplineCurve", "parameter " + std::to_string(k) + " is not above the one before it");
+      Reject("CubicSplineCurve",
+             "parameter " + std::to_string(k) + " is not above the one before it");
     }
   }
 }
 
-// The parameters without those that are no knots.
+// The parameters that are knots.
 std::vector<double> Breaks(const Eigen::VectorXd& t, bool drop_second, bool drop_last_but_one) {
   std::vector<double> breaks(t.begin(), t.end());
   if (drop_last_but_one && breaks.size() > 2) breaks.erase(breaks.end() - 2);
@@ -41,7 +45,7 @@ std::vector<double> Breaks(const Eigen::VectorXd& t, bool drop_second, bool drop
 template <int Dim>
 using Point = Eigen::Matrix<double, Dim, 1>;
 
-// What the spline is to do, in increasing order of the parameters.
+// The spline's conditions in increasing order of the parameters.
 template <int Dim>
 struct SplineConditions {
   explicit SplineConditions(int size) : values(Dim, size) {}
@@ -69,7 +73,8 @@ NurbsCurve<Dim> CubicSplineCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic
                                  const CubicEndCondition<Dim>& start,
                                  const CubicEndCondition<Dim>& end) {
   CheckData<Dim>(points, t);
-  if (!start.value.allFinite() || !end.value.allFinite()) Reject("CubicSplineCurve", "an end's value is not finite");
+  if (!start.value.allFinite() || !end.value.allFinite())
+    Reject("CubicSplineCurve", "an end's value is not finite");
   const Eigen::Index m = points.cols();
   const bool free_start = start.kind == CubicEnd::kNotAKnot,
              free_end = end.kind == CubicEnd::kNotAKnot;
@@ -79,7 +84,7 @@ NurbsCurve<Dim> CubicSplineCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic
   SplineConditions<Dim> conditions(basis.size());
   conditions.Require(t[0], 0, points.col(0) - middle);
   if (!free_start) conditions.Require(t[0], start);
-  // Where no knot is left to go without, the degree is lower instead.
+  // Where no knot is left to remove, the degree is lowered instead.
   const Eigen::Index missing = basis.size() - m - (free_start ? 0 : 1) - (free_end ? 0 : 1);
   for (Eigen::Index k = 0; k < missing; ++k) {
     conditions.Require(t[0], static_cast<int>(3 - k), Point<Dim>::Zero());

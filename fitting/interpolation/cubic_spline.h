@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cubic splines: C² through points, with knots at their parameters.
+// Cubic spline interpolation: C² curves through points, with knots at their parameters.
 #pragma once
 
 #include <Eigen/Core>

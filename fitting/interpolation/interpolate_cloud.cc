@@ -28,7 +28,8 @@ void Check(const CloudInterpolationOptions& options) {
     RefuseCloud("a closed curve has no ends: it takes no start or end tangent");
   }
   if (options.degree == 1 && (options.start_tangent || options.end_tangent)) {
-    RefuseCloud("a curve of degree 1 goes straight to the next point: it takes no start or end tangent");
+    RefuseCloud(
+        "a curve of degree 1 goes straight to the next point: it takes no start or end tangent");
   }
 }
 
@@ -59,7 +60,7 @@ Row<Dim> RowOf(const PointCloud& cloud, const CloudInterpolationOptions& options
     for (Eigen::Index k = 1; k < count; ++k) {
       if (u[k] > u[k - 1]) continue;
       RefuseCloud("two different points have the parameter u = " + NumberText(u[k]) +
-             ": no curve goes through both there");
+                  ": no curve goes through both there");
     }
     row.parameters.resize(points + (options.closed ? 1 : 0));
     row.parameters.head(points) = u.head(points);
@@ -101,7 +102,8 @@ InterpolatedCurve<Dim> Interpolated(const Row<Dim>& row, const CloudInterpolatio
   return InterpolateCurve<Dim>(row.points, how, derivatives);
 }
 
-// Steps of the parameters that differ by many orders of size leave the solution no digits.
+// Throws where the curve misses its points: parameter steps that differ by many orders of magnitude
+// leave the solution no digits.
 template <int Dim>
 void RequireMet(const InterpolatedCurve<Dim>& local, const Row<Dim>& row) {
   const double size =
@@ -141,7 +143,7 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
   const InterpolatedCurve<Dim> local = Interpolated<Dim>(row, options);
   RequireMet(local, row);
   report.seconds.solve = watch.Lap();
-  // What is reported is measured on the curve as it is handed out.
+  // Errors are measured on the curve that is returned.
   const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - options.shift).template head<Dim>();
   CurveFit<Dim> fit{
       NurbsCurve<Dim>(local.curve.basis(), local.curve.control_points().colwise() + move),

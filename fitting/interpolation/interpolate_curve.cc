@@ -20,7 +20,7 @@ namespace {
 
 [[noreturn]] void Refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
-// What the curve is to do, in increasing order of the parameters.
+// The curve's conditions in increasing order of the parameters.
 struct Conditions {
   std::vector<SplineCondition> at;
   std::vector<Eigen::Index> source;  // < m: that point; else m + the index of the derivative
@@ -154,7 +154,7 @@ Base ChosenBase(const Eigen::VectorXd& parameters,
             parameters};
   }
   const ClosedKnots knots = KnotsAround(p, sites);
-  // Of conditions at one point the first stands for it.
+  // The first condition at a point stands for the point.
   Eigen::VectorXd at(parameters.size() - 1);
   Eigen::Index k = 0;
   for (size_t i = 0; i + 1 < sites.size(); ++i) {
@@ -206,7 +206,7 @@ InterpolatedCurve<Dim> InterpolateCurve(const Eigen::Matrix<double, Dim, Eigen::
   Base base = options.basis ? GivenBase<Dim>(parameters, derivatives, options)
                             : ChosenBase<Dim>(parameters, derivatives, options);
   const Conditions conditions = ConditionsOf<Dim>(base.parameters, derivatives);
-  // Taken from the middle of the points: a place far away costs no digits.
+  // Points are relative to their middle, so that large coordinates cost no digits.
   const Eigen::Matrix<double, Dim, 1> middle =
       points.rowwise().minCoeff() + (points.rowwise().maxCoeff() - points.rowwise().minCoeff()) / 2;
   Eigen::MatrixXd values(Dim, conditions.at.size());

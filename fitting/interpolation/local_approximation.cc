@@ -16,7 +16,9 @@
 namespace batten::internal {
 namespace {
 
-[[noreturn]] void RefuseApproximation(const std::string& reason) { throw std::invalid_argument(reason); }
+[[noreturn]] void RefuseApproximation(const std::string& reason) {
+  throw std::invalid_argument(reason);
+}
 
 template <int Dim>
 using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
@@ -30,7 +32,8 @@ void CheckInput(const Points<Dim>& points,
   }
   if (options.corner_angle &&
       !(*options.corner_angle > 0 && *options.corner_angle < std::numbers::pi)) {
-    RefuseApproximation("the corner angle " + NumberText(*options.corner_angle) + " is not between 0 and pi");
+    RefuseApproximation("the corner angle " + NumberText(*options.corner_angle) +
+                        " is not between 0 and pi");
   }
   TangentOptions checked;  // the same rules for points and corners
   checked.closed = options.closed;
@@ -106,7 +109,7 @@ class Run {
  private:
   Eigen::Index Index(Eigen::Index k) const { return (start_ + k) % points_.cols(); }
 
-  // Point and direction, from the points of its own stretch.
+  // The point and its tangent, estimated from the points of its own stretch.
   DirectedPoint<Dim> At(Eigen::Index k) const {
     Eigen::Index first = first_, last = last_;
     if (closed_ && corners_.empty()) {  // half way round, where windows would meet themselves
@@ -129,8 +132,7 @@ class Run {
                                                  : FitConicRun<Dim>(start, end, inner, tolerance_);
   }
 
-  // Adds what reaches from a point to the farthest one that doubling and halving find; returns
-  // where it ends.
+  // Adds the longest piece from a point that doubling and halving find; returns where it ends.
   Eigen::Index AddLongest(Eigen::Index from) {
     constexpr int kTries = 3;  // runs that are too long, before it is believed
     const DirectedPoint<Dim> start = At(from);
@@ -192,7 +194,7 @@ LocalApproximation<Dim> ApproximateLocally(const Points<Dim>& points,
                                            double tolerance,
                                            const LocalApproximationOptions& options) {
   CheckInput<Dim>(points, tolerance, options);
-  // Taken from the middle of the points: a place far away costs no digits.
+  // Points are relative to their middle, so that large coordinates cost no digits.
   const Eigen::Matrix<double, Dim, 1> middle =
       points.rowwise().minCoeff() + (points.rowwise().maxCoeff() - points.rowwise().minCoeff()) / 2;
   const Points<Dim> local = points.colwise() - middle;

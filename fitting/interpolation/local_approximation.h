@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Curves along points within a tolerance, piece by piece.
+// Local curve approximation within a tolerance, piece by piece.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,9 +18,9 @@ enum class ApproximationPieces {
 struct LocalApproximationOptions {
   ApproximationPieces pieces = ApproximationPieces::kCubics;
   bool closed = false;  // the first point follows the last
-  // Points where the polygon turns by more than this (radians, in ]0, π[), and outstandingly, over
-  // legs of five tolerances at least, are corners (SharpTurns in smooth_tangents.h). None are
-  // sought when absent.
+  // Turning angle of the polygon (radians, in ]0, π[) above which points are corners, if they turn
+  // much more than their neighbours do, over legs of five tolerances at least (SharpTurns in
+  // smooth_tangents.h). No corners are sought when absent.
   std::optional<double> corner_angle = 0.5;
   std::vector<Eigen::Index> corners = {};  // further points that are corners
 };
@@ -34,15 +34,15 @@ struct LocalApproximation {
   Eigen::Index pieces = 0;
 };
 
-// From the first point on, the longest run of points that one piece describes within the tolerance
-// (> 0, data's units), and so on; pieces meet at points of the data, in one direction except at
-// corners. Where not even two steps can be described, the piece between two neighbours goes
-// exactly through both. The curve is C¹ as InterpolateLocally's is; domain [0, 1]; closed:
-// periodic. Meant for points whose noise is below the tolerance: directions are taken from as many
-// neighbours as agree on one. O(m log m) tests of a point against a piece for each piece's length.
-// Throws std::invalid_argument if the tolerance is not positive or the angle not in ]0, π[, there
-// are fewer than two points (closed: three), one is not finite, neighbours lie in one place, or a
-// corner is no point. [Piegl & Tiller 1997, §9.5]
+// Approximates the points greedily: from the first point on, the longest run of points that one
+// piece fits within the tolerance (> 0, data's units), and so on; pieces meet at points of the
+// data, in one direction except at corners. Where no piece fits even two steps, the piece between
+// two neighbours goes exactly through both. The curve is C¹ as InterpolateLocally's is; domain [0,
+// 1]; closed: periodic. Meant for points whose noise is below the tolerance: directions are taken
+// from as many neighbours as agree on one. O(m log m) tests of a point against a piece for each
+// piece's length. Throws std::invalid_argument if the tolerance is not positive or the angle not in
+// ]0, π[, there are fewer than two points (closed: three), one is not finite, neighbours lie in one
+// place, or a corner is no point. [Piegl & Tiller 1997, §9.5]
 template <int Dim>
 LocalApproximation<Dim> ApproximateLocally(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                            double tolerance,

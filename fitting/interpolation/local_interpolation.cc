@@ -15,7 +15,7 @@ InterpolatedCurve<Dim> InterpolateLocally(const Eigen::Matrix<double, Dim, Eigen
                                           const TangentOptions& options) {
   const PointTangents<Dim> tangents = TangentsAt<Dim>(points, options);
   const Eigen::Index m = points.cols(), steps = options.closed ? m : m - 1;
-  // Taken from the middle of the points: a place far away costs no digits.
+  // Points are relative to their middle, so that large coordinates cost no digits.
   const Eigen::Matrix<double, Dim, 1> middle =
       points.rowwise().minCoeff() + (points.rowwise().maxCoeff() - points.rowwise().minCoeff()) / 2;
   std::vector<ChainPiece<Dim>> pieces;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Curves through points, piece by piece: every piece depends on a few points nearby only.
+// Local curve interpolation: every piece depends on a few points nearby only.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,8 @@ enum class LocalPieces {
   kCubics,     // one cubic between neighbours, C¹, of nearly constant speed
 };
 
-// Through all points (Dim × m), in the directions that TangentsAt finds for them; corners stay
-// corners. Every change of a point acts on six pieces at most (Akima). Elsewhere the curve has one
+// Interpolates all points (Dim × m) with the tangents that TangentsAt finds for them; corners stay
+// corners. A change of one point affects six pieces at most (Akima). Elsewhere the curve has one
 // tangent: it is C¹ but where domains of the pieces would grow out of proportion, and at the seam
 // of closed parabolas and conics. Straight stretches come out straight, circles circular from
 // conics with Bessel's tangents. Domain [0, 1]; closed: periodic. O(m). Throws

@@ -14,7 +14,7 @@ using Vector = Eigen::Matrix<double, Dim, 1>;
 template <int Dim>
 using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 
-constexpr Eigen::Index kSample = 64;  // points that the shape is found from
+constexpr Eigen::Index kSample = 64;  // points that determine the piece
 constexpr int kRounds = 12;
 
 // A Bézier curve of degree 2 or 3 with its first two derivatives, by its power form about the
@@ -152,8 +152,8 @@ std::optional<FittedRun<Dim>> Judged(std::vector<ChainPiece<Dim>> pieces,
   return result;
 }
 
-// Improves a piece round by round as long as the sum of squares falls, from `improve`(piece,
-// sample), and judges the best.
+// Improves a piece by `improve`(piece, sample) in rounds while the sum of squares falls, and tests
+// the best against the tolerance.
 template <int Dim, typename Improve>
 std::optional<FittedRun<Dim>> Fitted(ChainPiece<Dim> piece,
                                      const Points<Dim>& inner,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bézier pieces along a run of points, between given directions at its ends.
+// Fits Bézier pieces to a run of points with given end tangents.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,8 +35,9 @@ std::optional<FittedRun<Dim>> FitCubicRun(const DirectedPoint<Dim>& start,
                                           const Eigen::Matrix<double, Dim, Eigen::Dynamic>& inner,
                                           double tolerance);
 
-// The conic arc in the triangle of both ends whose weight does the same; where there is no
-// triangle, as about an inflection, the two arcs of ConicPieces. [Piegl & Tiller 1997, §9.5.1]
+// The conic arc in the triangle of both end tangents whose weight gives the least squared
+// distances; where there is no triangle, as about an inflection, the two arcs of ConicPieces.
+// [Piegl & Tiller 1997, §9.5.1]
 template <int Dim>
 std::optional<FittedRun<Dim>> FitConicRun(const DirectedPoint<Dim>& start,
                                           const DirectedPoint<Dim>& end,

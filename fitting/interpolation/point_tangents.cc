@@ -56,7 +56,7 @@ class Stretch {
     return Turn(Step(k - 1), Step(k)) > 0 || Step(k - 1).dot(Step(k)) < 0;
   }
 
-  // Nothing before and nothing behind tells how the curve turns at k.
+  // Whether the neighbours on both sides leave the turn at k undetermined.
   bool Undecided(Eigen::Index k) const {
     return !(Turn(Step(k - 2), Step(k - 1)) + Turn(Step(k), Step(k + 1)) > 0);
   }
@@ -91,7 +91,7 @@ class Stretch {
 // The unit vector of v, or of `otherwise` where the steps v is a mean of cancel.
 template <int Dim>
 Vector<Dim> Unit(const Vector<Dim>& v, const Vector<Dim>& otherwise) {
-  constexpr double kCancelled = 1e-12;
+  constexpr double kCancelled = 1e-12;  // of a step: a shorter mean is rounding
   return v.norm() > kCancelled * otherwise.norm() ? Vector<Dim>(v.normalized())
                                                   : Vector<Dim>(otherwise.normalized());
 }
@@ -102,13 +102,13 @@ void CheckPoints(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
   const Eigen::Index m = points.cols(), least = options.closed ? 3 : 2;
   if (m < least) {
     RefuseTangents(std::string(options.closed ? "a closed curve" : "a curve") + " needs at least " +
-           std::to_string(least) + " different points; there are " + std::to_string(m));
+                   std::to_string(least) + " different points; there are " + std::to_string(m));
   }
   if (!points.allFinite()) RefuseTangents("a point is not finite");
   for (Eigen::Index k = options.closed ? 0 : 1; k < m; ++k) {
     if (points.col(k) != points.col((k + m - 1) % m)) continue;
     RefuseTangents("points " + std::to_string(k == 0 ? m : k) + " and " + std::to_string(k + 1) +
-           " lie in one place: leave one of them out");
+                   " lie in one place: leave one of them out");
   }
   for (const Eigen::Index corner : options.corners) {
     if (corner < 0 || corner >= m) {
@@ -117,7 +117,7 @@ void CheckPoints(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
   }
 }
 
-// The tangents of a row of points, stretch by stretch.
+// Finds the tangents of a sequence of points, stretch by stretch.
 template <int Dim>
 class TangentRow {
  public:
@@ -131,7 +131,7 @@ class TangentRow {
     for (Eigen::Index k = 0; k < steps_.cols(); ++k) {
       steps_.col(k) = points.col((k + 1) % count_) - points.col(k);
     }
-    // In units of the largest: products neither vanish nor overflow.
+    // Steps in units of the largest, so that products neither vanish nor overflow.
     const double unit = steps_.cwiseAbs().maxCoeff();
     steps_ /= unit;
     rounding_ = 4 * std::numeric_limits<double>::epsilon() * (points.cwiseAbs().maxCoeff() / unit);
@@ -159,7 +159,7 @@ class TangentRow {
   }
 
  private:
-  // From corner to corner, as these were given.
+  // Stretches from corner to given corner.
   void FillStretches() {
     const std::vector<bool> ends = corner_;
     const auto is_end = [&](Eigen::Index k) { return ends[static_cast<size_t>(k % count_)]; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Directions of a curve at its points, from their neighbours.
+// Tangents of a curve at its points, estimated from their neighbours.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 namespace batten::internal {
 
 enum class TangentRule {
-  // Of the circle through the point and its two neighbours, which is also the direction of their
-  // parabola over chord lengths. Circles come out exactly. [Bessel; Ackland 1915]
+  // The tangent of the circle through the point and its two neighbours, which is also the direction
+  // of their parabola over chord lengths. Circles come out exactly. [Bessel; Ackland 1915]
   kBessel,
   // A mean of the steps before and after, in which the step beside the straighter pair counts more:
   // straight stretches stay straight and corners between them show. [Akima 1970]
@@ -25,18 +25,18 @@ struct TangentOptions {
   std::vector<Eigen::Index> corners = {};  // further points that are corners
 };
 
-// Unit vectors (Dim × m). They differ at corners only; at the ends of an open curve they do not.
+// Unit tangents (Dim × m) before and after each point. They differ at corners only; at the ends of
+// an open curve they agree.
 template <int Dim>
 struct PointTangents {
   Eigen::Matrix<double, Dim, Eigen::Dynamic> arriving, leaving;
   std::vector<Eigen::Index> corners;  // found and given, increasing, without the ends
 };
 
-// Beside corners and at ends only points on the same side count. Where the curve turns back on
-// itself the point is a corner. O(m).
-// Throws std::invalid_argument if there are fewer than two points (closed: three), one is not
-// finite, neighbours lie in one place, or a corner is no point.
-// [Piegl & Tiller 1997, §9.3.1, eqs. 9.28–9.33]
+// Tangents at all points. Beside corners and at ends only points on the same side count. Where the
+// curve turns back on itself the point is a corner. O(m). Throws std::invalid_argument if there are
+// fewer than two points (closed: three), one is not finite, neighbours lie in one place, or a
+// corner is no point. [Piegl & Tiller 1997, §9.3.1, eqs. 9.28–9.33]
 template <int Dim>
 PointTangents<Dim> TangentsAt(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                               const TangentOptions& options = {});

@@ -13,7 +13,7 @@ template <int Dim>
 using Vector = Eigen::Matrix<double, Dim, 1>;
 
 constexpr Eigen::Index kWidest = 4096;    // points on either side
-constexpr Eigen::Index kMostPoints = 64;  // of them that are looked at
+constexpr Eigen::Index kMostPoints = 64;  // of them that are used
 
 // The parabola over the points first … last (going round), or some of many, by least squares, chord
 // lengths from point `at` on as parameters.
@@ -62,7 +62,7 @@ Parabola<Dim> FitParabola(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& poin
   return result;
 }
 
-// The points of a row or ring seen from a distance.
+// Polygon turns of an open or closed sequence of points at a given resolution.
 template <int Dim>
 class Legs {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bézier pieces between two points with given directions.
+// Conic and cubic Bézier pieces between two points with given tangents.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,10 @@ struct DirectedPoint {
   Eigen::Matrix<double, Dim, 1> place, direction;
 };
 
-// Where the tangents at both ends meet, ahead of the first and behind the second: the triangle of a
-// conic arc. None where they do not lie in a plane, meet on the wrong side, or so that the arc
-// would turn by more than 150° or shrink to a corner. Straight on: the middle.
+// The point where the tangents at both ends meet, ahead of the first and behind the second: the
+// corner of a conic arc's control triangle. None where they do not lie in a plane, meet on the
+// wrong side, or so that the arc would turn by more than 150° or shrink to a corner. Straight on:
+// the middle.
 template <int Dim>
 std::optional<Eigen::Matrix<double, Dim, 1>> TangentCorner(const DirectedPoint<Dim>& start,
                                                            const DirectedPoint<Dim>& end);
@@ -32,7 +33,7 @@ std::vector<ChainPiece<Dim>> ConicPieces(const DirectedPoint<Dim>& start,
                                          const DirectedPoint<Dim>& end,
                                          bool rational);
 
-// The cubic that is equally fast at both ends and in the middle. [Piegl & Tiller 1997, §9.3.4]
+// The cubic whose speed is equal at both ends and in the middle. [Piegl & Tiller 1997, §9.3.4]
 template <int Dim>
 ChainPiece<Dim> CubicPiece(const DirectedPoint<Dim>& start, const DirectedPoint<Dim>& end);
 

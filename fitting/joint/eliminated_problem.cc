@@ -156,7 +156,7 @@ int EliminatedProblem::columns() const {
   return count;
 }
 
-// From the unknowns to the shape; false where they don't make one.
+// Computes the shape from the unknowns; false where they give none.
 bool EliminatedProblem::UpdateShape() {
   if (!net_.allFinite() || !log_weights_.allFinite()) return false;
   if (log_weights_.cwiseAbs().maxCoeff() > kWildestWeight) return false;
@@ -230,12 +230,14 @@ void EliminatedProblem::AcceptState() {
   if (start_squares_ < 0) start_squares_ = SquaredDistances();
   // Fairness where the data determine the shape fades as the misfit does, so that exact data are
   // met exactly.
-  const double regularized = start_squares_ > 0
-                          ? std::pow(std::min(1.0, SquaredDistances() / start_squares_), kFading)
-                          : 0.0;
+  const double regularized =
+      start_squares_ > 0 ? std::pow(std::min(1.0, SquaredDistances() / start_squares_), kFading)
+                         : 0.0;
   for (Cell& cell : cells_) {
     const Eigen::Index points = cell.end - cell.begin;
-    cell.regularized = points == 0 ? kRegularizationOfGaps : points > functions_ ? regularized : 1.0;
+    cell.regularized = points == 0           ? kRegularizationOfGaps
+                       : points > functions_ ? regularized
+                                             : 1.0;
   }
   bool knots_moved = false;
   for (size_t d = 0; d < directions_.size(); ++d) {

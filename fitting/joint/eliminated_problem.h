@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The joint problem seen cell by cell: what every knot cell says about the unknowns once all foot
-// points are eliminated. Used by the joint stage only.
+// The joint problem with foot points eliminated: one quadratic form in the unknowns per knot cell.
+// Used by the joint stage only.
 #pragma once
 
 #include <Eigen/Core>
@@ -60,35 +60,35 @@ class EliminatedProblem {
   // trusted, or a normal has turned over.
   bool Project();
 
-  // The same without asking how far the accepted state is.
+  // Projects without checking the distance from the accepted state.
   bool Return();
 
-  // Makes the present state the one that later steps start from: foot points, damping, Jacobians.
-  // The latter on the pool, so that nothing depends on its number of threads.
+  // Accepts the present state as the start of later steps: foot points, damping, Jacobians. The
+  // latter on the pool, so that nothing depends on its number of threads.
   void Accept();
 
-  // The same without Jacobians, which only Ceres asks for. `damping` is not looked at.
+  // Accepts the present state without Jacobians, which only Ceres needs. `damping` is ignored.
   void AcceptState();
 
-  // Whether nothing is free but control points: then the sums of the cells say all there is.
+  // Whether only control points are free: then the sums of the cells determine the cost.
   bool only_points() const { return !options_.free_weights && local_knots() == 0; }
 
-  // Those of one cell at the accepted state, as AddCellProducts (joint_kernels.h) leaves them, with
-  // M the part of the unit matrix that moving the foot can not undo, and one, both times the
-  // point's weight and over the square of Σ N w; where all weights are equal that is 1.
+  // The sums of one cell at the accepted state, as AddCellProducts (joint_kernels.h) leaves them,
+  // with M the part of the unit matrix that moving the foot point cannot undo, and one, both times
+  // the point's weight and over the square of Σ N w; where all weights are equal that is 1.
   struct Sums {
     int span_u, span_v;
     const double* pairs;
     const double* pulls;
     const Eigen::MatrixXd& fairness;  // in the functions of the cell; may be empty
-    double regularized;                      // what counts of it
+    double regularized;               // what counts of it
   };
   Sums SumsOf(int cell) const;
   double function_weight(int control_point) const {
     return rational_ ? shape_.weights[control_point] : 1.0;
   }
 
-  // What Evaluate's residuals, without derivatives, come to at a damping: half their squares.
+  // Half the sum of squares of Evaluate's residuals at a damping, without derivatives.
   double Cost(double of_damping) const;
 
   // Residuals (rows()) of a cell whose squares add up to twice its cost; with their Jacobian
@@ -119,7 +119,7 @@ class EliminatedProblem {
     int span_u, span_v;
     Eigen::MatrixXd fairness;         // form in the functions of the cell
     Eigen::MatrixXd proximal;         // how far the shape moves, at the accepted state
-    double regularized = 1;                  // what of the fairness counts
+    double regularized = 1;           // what of the fairness counts
     Eigen::Index begin = 0, end = 0;  // its points in order_
   };
   struct Workspace;

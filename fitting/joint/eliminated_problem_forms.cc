@@ -47,7 +47,7 @@ Eigen::MatrixXd CellFairness(
 
 }  // namespace
 
-// What the rows of one point are made of.
+// The factors of the rows of one point.
 struct EliminatedProblem::Workspace {
   int span_u = 0, span_v = 0;
   Eigen::VectorXd R;       // rational functions
@@ -191,7 +191,8 @@ Eigen::MatrixXd EliminatedProblem::CellForm(const Cell& cell) const {
     const Eigen::MatrixXd pull = regularized * work.corner * cell.fairness;
     for (int a = 0; a < f; ++a) {
       for (int b = 0; b <= a; ++b) {
-        for (int d = 0; d < dim; ++d) form(dim * a + d, dim * b + d) += regularized * cell.fairness(a, b);
+        for (int d = 0; d < dim; ++d)
+          form(dim * a + d, dim * b + d) += regularized * cell.fairness(a, b);
       }
       for (int d = 0; d < dim; ++d) form(n, dim * a + d) += pull(d, a);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the points of single cells say where only control points are free.
+// Sums over the points of each knot cell where only control points are free.
 #include <algorithm>
 #include <cmath>
 

@@ -14,8 +14,8 @@ namespace batten::internal {
 namespace {
 
 constexpr double kLeastDamping = 1e-9, kMostDamping = 1e3;
-constexpr double kLeastShare = 1e-3;  // of the fall that was promised: a step with less is refused
-constexpr double kNoStep = 1e-14;     // of the net
+constexpr double kLeastShare = 1e-3;  // share of the predicted fall: a step with less is refused
+constexpr double kNoStep = 1e-14;     // share of the net's size
 constexpr int kMostRefusals = 12;
 
 class Clock {

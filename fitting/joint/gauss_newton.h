@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The joint stage's steps where only control points are free. Used by the joint stage only.
+// Gauss-Newton descent of the joint stage where only control points are free. Used by the joint
+// stage only.
 #pragma once
 
 #include <vector>

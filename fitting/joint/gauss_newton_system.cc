@@ -11,7 +11,7 @@
 namespace batten::internal {
 namespace {
 
-// Of the diagonal: keeps the factorisation from failing, and no more.
+// Shares of the diagonal: a ridge that only keeps the factorisation from failing.
 constexpr double kRidge = 1e-8, kLeastDiagonal = 1e-6, kRaise = 100, kMostRidge = 1e-2;
 
 // Which direction of the net is the outer one of the matrix.
@@ -100,7 +100,7 @@ void GaussNewtonSystem::Refresh() {
   }
 }
 
-// What a cell adds to one block row of the matrix.
+// Adds a cell's part to one block row of the matrix.
 void GaussNewtonSystem::AddCell(int cell, int row, double damping) {
   const EliminatedProblem::Sums sums = cells_.SumsOf(cell);
   const std::vector<Function> functions = FunctionsOf(sums);
@@ -119,8 +119,8 @@ void GaussNewtonSystem::AddCell(int cell, int row, double damping) {
       const int j = PairIndex(q, std::min(s, s2), std::max(s, s2));
       const double* m = sums.pairs + (j * pairs + i) * kMetricLanes;
       const double w = of_a.weight * of_b.weight;
-      const double even =
-          w * damping * m[6] + (sums.fairness.size() > 0 ? sums.regularized * sums.fairness(a, b) : 0.0);
+      const double even = w * damping * m[6] +
+                          (sums.fairness.size() > 0 ? sums.regularized * sums.fairness(a, b) : 0.0);
       auto block = matrix_.at(row, row - of_b.row);
       const Eigen::Index size = block.outerStride();
       double* to = block.data() + dim * of_b.place * size + dim * of_a.place;

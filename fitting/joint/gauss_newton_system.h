@@ -19,7 +19,7 @@ class GaussNewtonSystem {
   // `fixed`: the blocks of the cells that stay.
   GaussNewtonSystem(const EliminatedProblem& cells, std::vector<bool> fixed, ThreadPool& pool);
 
-  // Takes in the sums of the accepted state: the gradient.
+  // Updates the gradient from the sums of the accepted state.
   void Refresh();
 
   // The greatest entry of the gradient.

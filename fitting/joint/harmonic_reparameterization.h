@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parameters that give every part of a surface its share.
+// Harmonic reparameterization of a surface, which evens out its stretch.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,10 +19,11 @@ class ReparameterizeHarmonically {
   // The surface's bases must not be periodic. O(places^1.5), 80 × 80 places.
   ReparameterizeHarmonically(const NurbsSurface& surface, ThreadPool& pool);
 
-  // The largest stretch of the surface over the least, of 95 % of places: |S_u × S_v| before.
+  // Ratio of the largest to the least stretch |S_u × S_v| of the surface before the map, over 95 %
+  // of the places.
   double unevenness() const { return unevenness_; }
 
-  // Where the parameters (u,v), one a column, go.
+  // Maps the parameters (u,v), one a column.
   Eigen::Matrix2Xd operator()(const Eigen::Matrix2Xd& parameters) const;
 
  private:

@@ -8,8 +8,8 @@ namespace batten::internal {
 namespace {
 
 constexpr double kExactRms = 4e-9;  // of the size: exact for CAD; on from here while it falls fast
-constexpr double kRoundingRms = 1e-13;  // of the size: nothing is left but rounding
-constexpr double kFast = 0.25;          // of the rms before, left by a fast step
+constexpr double kRoundingRms = 1e-13;  // share of the size: below it only rounding is left
+constexpr double kFast = 0.25;          // share of the rms before that a fast step leaves
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Watches the steps of the joint stage: the noise, the user, and the record. Used by the joint
-// stage only.
+// Monitor of the joint stage's steps: noise level, cancellation and record. Used by the joint stage
+// only.
 #pragma once
 
 #include "fitting/joint/eliminated_problem.h"
@@ -14,16 +14,16 @@ class IterationMonitor {
   IterationMonitor(const EliminatedProblem& cells, const JointOptions& options, JointResult& result)
       : cells_(cells), options_(options), result_(result) {}
 
-  // Whether what is left of the distances is noise.
+  // Whether the remaining distances are at the noise level.
   static bool AtNoise(const EliminatedProblem& cells, const JointOptions& options);
 
-  // Asks the user whether to go on after so many iterations.
+  // Reports progress after so many iterations; true when the user cancels.
   bool Cancelled(int iterations);
 
-  // Records the accepted state, of so much cost.
+  // Records the accepted state with its cost.
   void Record(double cost, double seconds);
 
-  // Whether the state recorded last is the end: at the noise, or exact.
+  // Whether the state recorded last ends the descent: at the noise level, or exact.
   bool Settled();
 
  private:

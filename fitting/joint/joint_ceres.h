@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The joint stage's steps by Ceres, for whatever is free and for terms of the user's. Used by the
-// joint stage only.
+// Minimisation by Ceres in the joint stage, for all free variables and the user's terms. Used by
+// the joint stage only.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the joint optimisation is told: what is free, what is added, when to stop.
+// Options of the joint optimisation: free variables, added terms, stopping rules.
 #pragma once
 
 #include <memory>

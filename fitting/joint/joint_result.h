@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the joint optimisation hands back: the shape, its foot points, and the record of the steps.
+// Result of the joint optimisation: the shape, its foot points, and the record of the steps.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace batten::internal {
 
-// JointResult::note where the residuals are noise.
+// JointResult::note where the residuals are at the noise level.
 inline constexpr const char* kAtNoise = "the residuals are at the noise";
 
 struct JointResult {

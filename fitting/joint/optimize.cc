@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kSettlingSteps = 10;    // of points and parameters before all are free
 constexpr double kCoalesced = 1e-6;   // of the domain
-constexpr double kFinestGain = 1e-9;  // where weights or knots are free: valleys are long
+constexpr double kFinestGain = 1e-9;  // relative, with free weights or knots: convergence is slow
 constexpr int kValleySteps = 300;
 constexpr int kQuickSteps = 40;
 constexpr double kFaintFairness = 1e-9;
@@ -38,8 +38,8 @@ constexpr double kMarginOfNoise = 0.001;  // what neighbours share is counted as
 constexpr double kSlack = 0.03;           // of the squares: bias that is worth no start,
 constexpr double kSlackOfFew = 1.5;       // the error of the estimate, by the root of the points,
 constexpr double kSlackOfFairness = 0.5;  // and what fairness takes of each control point
-constexpr double kMargin = 0.05;    // of the domain, by which the shape is larger than the data
-constexpr double kLeastEnd = 0.95;  // of an end span: further in it is not cut
+constexpr double kMargin = 0.05;          // share of the domain by which the shape exceeds the data
+constexpr double kLeastEnd = 0.95;        // of an end span: further in it is not cut
 
 bool HasInteriorKnots(const FittingProblem& problem) {
   return problem.basis_u().Spans().size() > 1 ||
@@ -89,7 +89,7 @@ class Optimizer {
   }
 
  private:
-  // What the shape given comes to, and whether the residuals are noise.
+  // Measures the given shape, and whether its residuals are at the noise level.
   void Start() {
     JointOptions probe = Settings({.parameters = options_.free.parameters});
     probe.max_iterations = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parameters that scatter, made a smooth function of place.
+// Smoothing of scattered parameters into a smooth function of position.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +11,9 @@
 
 namespace batten::internal {
 
-// How much the parameters of neighbours contradict each other: the standard deviation, in the
-// data's units, that is not shared by neighbours of S(u_k, v_k) − q_k along the shape, beside that
-// across it, which is noise.
+// The scatter of parameters among neighbours: the standard deviation, in the data's units, that is
+// not shared by neighbours of S(u_k, v_k) − q_k along the shape, beside that across it, which is
+// noise.
 struct ParameterScatter {
   double along = 0, across = 0;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A user's residual term as Ceres wants it. Used by the joint stage only.
+// A user's residual term as a Ceres cost function. Used by the joint stage only.
 #pragma once
 
 #include <memory>
@@ -16,9 +16,9 @@
 
 namespace batten::internal {
 
-// Hands the term the values of the present shape, and turns its derivatives into those of the
-// optimiser's unknowns: logarithms of weights and of gaps between knots, one block for all copies
-// of a control point.
+// Evaluates the term at the present shape and turns its derivatives into those of the optimiser's
+// unknowns: logarithms of weights and of gaps between knots, one block for all copies of a control
+// point.
 class TermCost : public ceres::CostFunction {
  public:
   // `unit`: of the cells' lengths, in the user's; the term sees the user's. Throws
@@ -30,8 +30,8 @@ class TermCost : public ceres::CostFunction {
   // The unknowns it depends on, in the order of Evaluate's parameters.
   std::vector<double*> Blocks(EliminatedProblem& cells) const;
 
-  // Whether some of them is free, of control points and weights those that are not `fixed`, block
-  // by block. Of what is not, no step takes notice.
+  // Whether any of them is free: knots, or control points and weights that are not `fixed`, block
+  // by block. Other terms do not affect the steps.
   bool SeesFree(const std::vector<bool>& fixed) const;
 
   bool Evaluate(const double* const*, double* residuals, double** jacobians) const override;

@@ -14,16 +14,16 @@ namespace batten::internal {
 namespace {
 
 constexpr double kBlockInSpacings = 8;
-constexpr double kLeastBlocks = 40;    // fewer say nothing for certain
+constexpr double kLeastBlocks = 40;    // fewer blocks are not conclusive
 constexpr double kWidening = 1.5;      // of blocks, from one round to the next
-constexpr double kWidestBlock = 1.2;   // in cells: wider holes nothing that fine could bridge
+constexpr double kWidestBlock = 1.2;   // in cells: a grid cannot bridge wider gaps
 constexpr double kCoarser = 0.83;      // cells in a direction, from one grid to the next
 constexpr double kStep = 0.9;          // cells in one direction alone, around the best
 constexpr double kClearly = 2;         // standard errors
 constexpr double kClearlyFewer = 0.8;  // control points
-constexpr double kSharedAtMost = 2.5;  // times the noise that nearest neighbours tell
+constexpr double kSharedAtMost = 2.5;  // times the noise estimated from nearest neighbours
 constexpr double kNoiseAtMost = 4;     // times the squares that are left by the finer grid
-constexpr double kEverywhere = 0.25;   // share of the blocks that noise is in
+constexpr double kEverywhere = 0.25;   // share of the blocks that show noise
 constexpr int kGridsToGiveUp = 2;
 
 using Cells = std::pair<int, int>;

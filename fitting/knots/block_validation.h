@@ -9,14 +9,15 @@
 
 namespace batten::internal {
 
-// Side of the square, in the parameter domain, that one point has to itself: √(area / m) over the
-// part of the domain that holds points. O(m).
+// Mean spacing of the points in the parameter domain: √(area / m) over the part of the domain that
+// holds points. O(m).
 double ParameterSpacing(const FittingProblem& problem);
 
-// How well bases foresee blocks of points that were left out. The domain is cut into square blocks;
-// every fifth is left out at a time, none of them neighbours, so that no left-out point has a near
-// neighbour in its own fit but at a block's rim. Noise correlated over less than a block is then
-// foreseen by no basis. Fairness and weights are the problem's. [Roberts et al. 2017, Ecography 40]
+// Block cross-validation: measures how well bases predict blocks of points that were left out. The
+// domain is cut into square blocks; every fifth is left out at a time, none of them neighbours, so
+// that no left-out point has a near neighbour in its own fit but at a block's rim. Noise correlated
+// over less than a block is then predicted by no basis. Fairness and weights are the problem's.
+// [Roberts et al. 2017, Ecography 40]
 class BlockValidation {
  public:
   // Blocks of about `width`, in the units of the parameters. Throws std::invalid_argument unless

@@ -16,28 +16,28 @@ namespace batten {
 using namespace internal;
 namespace {
 
-// How hard to search follows from the work of one evaluation, in products of a datum with its basis
+// The search effort follows from the work of one evaluation, in products of a datum with its basis
 // functions (about 0.1 µs): 201 data of a cubic curve have 800, 4000 of a bicubic surface 64 000.
 // Below the first number the search is full; above the second the last steps on all data are few;
 // above the third, descents run one after another on all threads instead of side by side.
 constexpr double kFullSearch = 4e3, kCheap = 2e4, kSideBySide = 1e5;
 
-// What factoring the matrix of k free knots and its eigenvalues take, in k³.
+// Work of factoring the matrix of k free knots and of its eigenvalues, in units of k³.
 constexpr double kKnotsCubed = 0.05;
 
-// Iterations times the work of one, that insertion, and exchanging knots, may take.
+// Budget of insertion and of exchanging knots: iterations times the work of one.
 constexpr double kWork = 2e7;
 
-// Of one descent to the precision that insertion needs.
+// Iterations of one descent to the precision that insertion needs.
 constexpr double kIterationsOfOne = 15;
 
 // Gaps below this share of the domain are closed if that costs nothing.
 constexpr double kNarrow = 1e-3;
 
-// Share of Φ that a step must still gain where a place is sought, or a step is dear.
+// Share of Φ that a step must gain to go on, in rough descents and where a step is expensive.
 constexpr double kRough = 1e-6;
 
-// How many descents are polished.
+// Number of the best descents that are polished.
 constexpr int kPolished = 4;
 
 // Asks the caller and the clock whether to go on; the caller only from the caller's thread.
@@ -101,7 +101,7 @@ double WorkOf(const VariableProjection& projection, const MovingKnots& knots) {
          kKnotsCubed * std::pow(knots.free(), 3);
 }
 
-// How many data say enough about where knots belong.
+// The number of data that suffices to place knots.
 Eigen::Index SearchedData(const MovingKnots& knots) {
   return std::max<Eigen::Index>(knots.v ? 4000 : 1000, Eigen::Index{20} * knots.unknowns());
 }

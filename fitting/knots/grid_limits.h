@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bounds the choice of a knot grid: degrees, control points, where to look, and the noise.
+// Limits of the choice of a knot grid: degrees, control points, search range and noise.
 #pragma once
 
 #include <limits>
@@ -12,8 +12,8 @@ struct GridLimits {
   // A grid chosen for nearly the same data: only its surroundings are searched. Both 0: everything.
   int near_cells_u = 0, near_cells_v = 0;
   bool blocks = true;  // check the choice by leaving out blocks of points
-  // Standard deviation of the data as nearest neighbours tell, > 0: what is several times as large
-  // is shape, not noise that neighbours share.
+  // Standard deviation of the data as nearest neighbours tell, > 0: residuals several times as
+  // large are shape, not correlated noise.
   double noise = std::numeric_limits<double>::infinity();
 };
 

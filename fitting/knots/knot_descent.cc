@@ -18,7 +18,7 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// A logarithm that changes by two multiplies a gap by seven: farther nothing is to be trusted.
+// Longest change of a log gap in one step: two multiplies a gap by seven, the limit of trust.
 constexpr double kLongestStep = 2;
 
 // Below this share of the largest, an eigenvalue of a matrix made of differences is rounding.

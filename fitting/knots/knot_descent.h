@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Moving knots downhill from one start. Used by the free-knot search only.
+// Local optimisation of free knots from one start. Used by the free-knot search only.
 #pragma once
 
 #include <functional>
@@ -22,10 +22,10 @@ struct Descent {
   int iterations = 0;
 };
 
-// Levenberg–Marquardt by Ceres in the logarithms of the gaps, no step longer than 2 in any of them.
-// When two groups come nearer than `coalesce` they are merged, as far as the degree allows, and
-// the search goes on without the lost variable. Never worse than the start, except by what the
-// merging of knots nearer than `coalesce` costs, which is undone where it costs more than
+// Minimises Φ by Ceres' Levenberg–Marquardt in the logarithms of the gaps, no step longer than 2 in
+// any of them. When two groups come nearer than `coalesce` they are merged, as far as the degree
+// allows, and the search goes on without the lost variable. Never worse than the start, except by
+// what the merging of knots nearer than `coalesce` costs, which is undone where it costs more than
 // `tolerance`.
 Descent Descend(const VariableProjection& projection,
                 const MovingKnots& start,

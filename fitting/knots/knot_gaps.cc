@@ -7,7 +7,7 @@
 namespace batten::internal {
 namespace {
 
-// Of the domain: less is rounding of the knots themselves.
+// Share of the domain: a smaller gap is rounding of the knots.
 constexpr double kLeastGap = 1e-13;
 
 }  // namespace

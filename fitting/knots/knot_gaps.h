@@ -42,14 +42,14 @@ class KnotGaps {
   // ∂t/∂x, k × (k+1), at the present knots.
   Eigen::MatrixXd Derivatives() const;
 
-  // Groups `group` and `group` + 1 as one, at the mean of their knots; nothing if their
+  // Merges groups `group` and `group` + 1 into one, at the mean of their knots; nothing if their
   // multiplicities add up to more than the degree. Requires 0 ≤ group < groups() − 1.
   std::optional<KnotGaps> Merged(int group) const;
 
-  // The narrowest gap between two groups that may be merged: its left group, or −1 without one.
+  // The left group of the narrowest gap between two groups that may be merged, or −1.
   int NarrowestMergeable() const;
 
-  // Everything merged that is nearer than `gap`, as far as the degree allows.
+  // Merges all groups nearer than `gap`, as far as the degree allows.
   KnotGaps Coalesced(double gap) const;
 
  private:

@@ -147,8 +147,8 @@ std::shared_ptr<const FittingData> EveryPart(const FittingData& data, Eigen::Ind
   return part;
 }
 
-// From coarse to fine until the score has risen several times in a row; `enough` can stop it after
-// a grid that is the best so far. From `first` cells on in either direction.
+// Tries grids from coarse to fine until the score has risen several times in a row; `enough` can
+// stop it after a grid that is the best so far. From `first` cells on in either direction.
 std::pair<int, int> ClimbLadder(Search& search,
                                 double first,
                                 const std::function<bool(std::pair<int, int>)>& enough,

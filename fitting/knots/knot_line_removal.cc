@@ -195,7 +195,7 @@ double Score(const FittingProblem& problem, const LinearSolution& solution) {
   return points * solution.residual_squares / (freedom * freedom);
 }
 
-// Without the lines that cross-validation does not want.
+// Removes the lines that cross-validation rejects.
 ScoredProblem Scored(const FittingProblem& problem, ThreadPool& pool) {
   const LinearSolution solution = SolveLinear(problem, pool);
   double score = Score(problem, solution);

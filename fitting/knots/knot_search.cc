@@ -40,7 +40,7 @@ KnotGaps WithoutKnot(const KnotGaps& gaps, size_t index) {
 
 size_t CountInterior(const KnotGaps& gaps) { return InteriorKnots(gaps.basis()).size(); }
 
-// How many knots are still to be inserted.
+// The number of knots still to be inserted.
 size_t MissingIn(const MovingKnots& knots, const MovingKnots& wanted, bool u) {
   if (u) return wanted.move_u ? CountInterior(wanted.u) - CountInterior(knots.u) : 0;
   return wanted.v && wanted.move_v ? CountInterior(*wanted.v) - CountInterior(*knots.v) : 0;
@@ -69,7 +69,7 @@ double UniformReal(std::mt19937_64& generator) {
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
 
-// As many increasing random numbers in the open domain as the basis has interior knots.
+// Draws as many increasing random numbers in the open domain as the basis has interior knots.
 KnotGaps RandomKnots(const KnotGaps& gaps, std::mt19937_64& generator) {
   std::vector<double> interior = InteriorKnots(gaps.basis());
   for (;;) {
@@ -302,10 +302,10 @@ const Descent* Least(const std::vector<Descent>& results) {
   return least == results.end() ? nullptr : &*least;
 }
 
-// Enough to see whether a place is any good.
+// Iterations of a trial descent that ranks a start.
 constexpr int kFewIterations = 10;
 
-// What counts as lower, and what as no higher.
+// Relative change of Φ: a larger fall counts as lower, a smaller rise as no higher.
 constexpr double kLower = 1e-4;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From where knots are sent downhill: insertion, random starts, exchange. Used by the free-knot
-// search only.
+// Global search of free knots: insertion, random starts and exchange. Used by the free-knot search
+// only.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace batten::internal {
 
-// Interior knots of a basis replaced by others (increasing, inside the domain); those at the ends
-// of the domain and outside stay.
+// Returns the basis with its interior knots replaced by others (increasing, inside the domain);
+// those at the ends of the domain and outside stay.
 SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double>& interior);
 
-// Those inside the open domain, with repetition.
+// The knots inside the open domain, with repetition.
 std::vector<double> InteriorKnots(const SplineBasis& basis);
 
 // A search over one set of data. Everything it returns is the same on any number of threads.
@@ -32,19 +32,18 @@ class KnotSearch {
   std::vector<Descent> DescendAll(const std::vector<MovingKnots>& starts,
                                   const DescentOptions& options);
 
-  // From no free knots to as many as `wanted` has, one at a time (a sixteenth of them at a time
-  // when they are many): the worst spans, all of them while they are few, are tried at the middle
-  // and at the centroid of the squared residuals, the best `tried` are sent downhill and the best
-  // `kept` of them go on.
+  // Inserts knots, from no free ones to as many as `wanted` has, one at a time (a sixteenth of them
+  // at a time when they are many): the worst spans, all of them while they are few, are tried at
+  // the middle and at the centroid of the squared residuals, descents start from the best `tried`,
+  // and the best `kept` of them go on.
   std::vector<Descent> Insert(const MovingKnots& wanted, int kept, int tried);
 
-  // `count` sets of as many simple knots as `wanted` has, uniformly random. Fewer where the data do
-  // not determine the coefficients even after several draws.
+  // Draws `count` sets of as many simple knots as `wanted` has, uniformly random. Fewer where the
+  // data do not determine the coefficients even after several draws.
   std::vector<MovingKnots> RandomStarts(const MovingKnots& wanted, int count, std::uint64_t seed);
 
-  // Merges the nearest neighbours, and takes out the knots that are missed least to put them
-  // elsewhere, as long as that lowers Φ after descending and until about `most_iterations` of
-  // descents.
+  // Merges the nearest neighbours and moves the least needed knots elsewhere, as long as that
+  // lowers Φ after descending and until about `most_iterations` of descents.
   Descent Improve(Descent best, int most_iterations);
 
   // Closes gaps that are narrower than `share` of the domain where that raises Φ by no more than a
@@ -72,7 +71,7 @@ class KnotSearch {
                  bool in_v,
                  size_t count,
                  std::vector<Trial>& trials);
-  // The knots that are missed least, each put where it serves best.
+  // The least needed knots, each moved to its best place.
   std::vector<MovingKnots> Exchanges(const MovingKnots& knots, bool in_u);
 
   const VariableProjection& projection_;

@@ -13,7 +13,8 @@
 namespace batten::internal {
 namespace {
 
-// As SolveLinear judges, with a margin of two, so that what is taken here is taken there too.
+// SolveLinear's limit of singularity with a margin of two, so that problems accepted here are
+// accepted there too.
 constexpr double kSingularInJitters = 32;
 constexpr double kFirmSmoothing = 1e-7;
 
@@ -191,7 +192,7 @@ std::optional<ProjectedSquares> VariableProjection::Evaluate(const MovingKnots& 
 
 namespace {
 
-// What the points of one cell say about the knots that act on it, with D = (∂B/∂t)c.
+// The sums of the points of one cell for the knots that act on it, with D = (∂B/∂t)c.
 struct CellSums {
   Eigen::MatrixXd products;  // Σ w D Dᵀ, active × active
   Eigen::VectorXd gradient;  // Σ w D r

@@ -43,11 +43,11 @@ class VariableProjection {
  public:
   explicit VariableProjection(const FittingProblem& problem);
 
-  // Nothing where the data do not determine the coefficients, in the sense in which SolveLinear
-  // would have to raise the smoothing. O(m + n · min(n_u, n_v)²).
+  // Evaluates Φ; nothing where the data do not determine the coefficients, in the sense in which
+  // SolveLinear would have to raise the smoothing. O(m + n · min(n_u, n_v)²).
   std::optional<ProjectedSquares> Evaluate(const MovingKnots& knots, ThreadPool& pool) const;
 
-  // The same with derivatives.
+  // Evaluates with derivatives.
   std::optional<ProjectedSquares> Linearise(const MovingKnots& knots, ThreadPool& pool) const;
 
   // Σ |S − z|² w of every span of u (v: of every span of v) and the mean parameter of its points

@@ -9,7 +9,7 @@
 namespace batten::internal {
 namespace {
 
-// Points dealt out together: enough for every cell to get a batch worth the name, few enough to
+// Points sorted into cells together: enough for every cell to get a sizeable batch, few enough to
 // stay in a cache.
 constexpr std::ptrdiff_t kChunk = 1 << 17;
 constexpr std::ptrdiff_t kChunkPerCell = 32;
@@ -18,10 +18,10 @@ constexpr std::ptrdiff_t kChunkPerCell = 32;
 constexpr std::ptrdiff_t kBlock = 1 << 14;
 constexpr std::ptrdiff_t kBlockPerCell = 8;
 
-// Cells are summed in so many parts at most, a few cells at least.
+// The largest number of parts in which cells are summed, and the least cells in a part.
 constexpr std::ptrdiff_t kParts = 256, kCells = 8;
 
-// A chunk of points, dealt out to cells.
+// A chunk of points, sorted by cell.
 class DealtPoints {
  public:
   DealtPoints(const AxisTable& outer,

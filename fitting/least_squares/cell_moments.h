@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The moments of scattered points by knot cell.
+// Moments of scattered points, summed knot cell by knot cell.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace batten::internal {
 
-// Every knot cell's moments, as moment_kernels.h says. Points are taken a chunk at a time, dealt
-// out to their cells within it, and added in their own order, so that the sums do not depend on the
-// number of threads. Parameters must lie in the axes' domains. O(m (2p + 1)(2q + 1)); memory of a
-// chunk besides the moments.
+// The moments of every knot cell, as moment_kernels.h defines them. Points are taken a chunk at a
+// time, sorted into their cells within it, and added in their own order, so that the sums do not
+// depend on the number of threads. Parameters must lie in the axes' domains. O(m (2p + 1)(2q + 1));
+// memory of a chunk besides the moments.
 class CellMoments {
  public:
   // inner: null for a curve, whose points have no inner parameters either.

@@ -33,7 +33,7 @@ double Points(const FittingProblem& problem) {
                             : static_cast<double>(problem.size());
 }
 
-// One problem at several smoothings: its data are gathered once.
+// One problem solved at several smoothings; its data are assembled once.
 class Trials {
  public:
   Trials(const FittingProblem& problem, ThreadPool& pool)
@@ -56,7 +56,7 @@ class Trials {
   Trial At(double smoothing) const {
     const PenalisedSystem::Solution solution = system_.Solve(smoothing);
     Trial trial{FreeVariables(solution.factor), solution.residual_squares};
-    // Sums of squares lose what is less than this share of them.
+    // Below this share of the sum of squares, cancellation leaves no digits.
     if (trial.residual_squares < kRoundedOff * system_.squares())
       trial.residual_squares =
           SolveLinear(problem_.WithSmoothing(smoothing), pool_).residual_squares;
@@ -64,7 +64,7 @@ class Trials {
   }
 
  private:
-  // In parts of a fixed number of columns, so that threads change nothing.
+  // Works in parts of a fixed number of columns, so that the result does not depend on threads.
   double FreeVariables(const TiedSystem& factor) const {
     const Eigen::Index parts = (probes_.cols() + kColumns - 1) / kColumns;
     std::vector<double> sums(static_cast<size_t>(parts), 0.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The weight of fairness of a curve's or surface's least-squares problem, from the data.
+// Chooses the smoothing weight of a least-squares problem from the data: cross-validation or a
+// known noise.
 #pragma once
 
 #include "batten/fitting/fitting_problem.h"
@@ -7,15 +8,15 @@
 
 namespace batten::internal {
 
-// How many parameters of noise a smoothed solution has: tr((A + λP)⁻¹A), between the dimension of
-// what fairness does not see and the number of control points. Exact up to 256 control points,
-// beyond by 16 to 64 random probes of a fixed seed (Hutchinson 1990), to about a hundredth. O(m)
-// once, and one factorisation.
+// The effective degrees of freedom of a smoothed solution, tr((A + λP)⁻¹A): between the dimension
+// of the fairness energy's null space and the number of control points. Exact up to 256 control
+// points, beyond by 16 to 64 random probes of a fixed seed (Hutchinson 1990), to about a hundredth.
+// O(m) once, and one factorisation.
 double EffectiveFreedom(const FittingProblem& problem, ThreadPool& pool);
 
-// The smoothing of least generalised cross-validation score N·RSS/(N − tr H)², tr H the effective
-// freedom, over 1e-12 … 1e9 by steps of a factor ten, then to a tenth of that. The same in every
-// unit. [Craven & Wahba 1979]
+// The smoothing with the least generalised cross-validation score N·RSS/(N − tr H)², tr H the
+// effective freedom, searched over 1e-12 … 1e9 by steps of a factor ten, then to a tenth of that.
+// It does not depend on the data's unit. [Craven & Wahba 1979]
 double SmoothingByCrossValidation(const FittingProblem& problem,
                                   ThreadPool& pool,
                                   const Progress& progress = {});

@@ -18,14 +18,13 @@ struct Quadrature {
   Eigen::VectorXd nodes, weights;
 };
 
-// Row i, column a: ∫ N_i^(k) N_{i+a}^(k) over the domain, a = 0 … p. Gauss–Legendre quadrature with
-// p+1 nodes a span, which is exact.
+// The banded Gram matrix of k-th derivatives: row i, column a holds ∫ N_i^(k) N_{i+a}^(k) over the
+// domain, a = 0 … p. Gauss–Legendre quadrature with p+1 nodes a span, which is exact.
 Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order);
 
 // A fairness energy as a quadratic form in the coefficients, integrated exactly on the knot spans;
-// of a curve, without an inner basis (null). Where a degree is below the energy's order, the
-// highest order both degrees carry. Parameters should be lengths, so that both directions weigh the
-// same.
+// a curve has no inner basis (null). Where a degree is below the energy's order, the highest order
+// both degrees carry is used. Parameters should be lengths, so that both directions weigh the same.
 class FairnessForm {
  public:
   FairnessForm(const SplineBasis& outer,

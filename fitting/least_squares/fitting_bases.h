@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bases a fit chooses between: so many cells on a domain, open or round.
+// Spline bases with a given number of knot cells on a domain, open or periodic.
 #pragma once
 
 #include <vector>
@@ -13,14 +13,15 @@ namespace batten::internal {
 // where there are three or more: at an edge a cell has data on one side only.
 SplineBasis FittingBasis(int degree, int cells, double lower, double upper);
 
-// That on the domain of another basis; of a periodic one the periodic basis of equal spans, at
-// least LeastCells.
+// FittingBasis on the domain of the basis `like`; for a periodic one, the periodic basis of equal
+// spans, at least LeastCells of them.
 SplineBasis FittingBasisLike(const SplineBasis& like, int degree, int cells);
 
-// Round a circle fewer than degree + 1 cells would meet themselves.
+// The least number of cells: periodic functions would overlap themselves over fewer than degree +
+// 1.
 int LeastCells(const SplineBasis& like, int degree);
 
-// How many different coefficients a basis like this one has over so many cells.
+// The number of distinct coefficients of a basis like this one over so many cells.
 int FreedomOfCells(const SplineBasis& like, int degree, int cells);
 
 // The basis with simple knots added inside its domain, or without some of its simple inner knots;

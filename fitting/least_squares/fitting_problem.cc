@@ -34,12 +34,13 @@ Eigen::AlignedBox2d BoxOf(const Eigen::Matrix2Xd& parameters) {
 
 }  // namespace
 
-// Once for data that many problems share.
+// Checked once for data that many problems share.
 FittingProblem::CheckedData FittingProblem::Check(std::shared_ptr<const FittingData> data) {
   if (!data) Reject("FittingProblem", "no data");
   if (data->values.cols() != data->parameters.cols())
     Reject("FittingProblem", "values and parameters differ in number");
-  if (!data->values.allFinite() || !data->parameters.allFinite()) Reject("FittingProblem", "data are not finite");
+  if (!data->values.allFinite() || !data->parameters.allFinite())
+    Reject("FittingProblem", "data are not finite");
   CheckWeights(data->weights, data->parameters.cols());
   return {data, BoxOf(data->parameters)};
 }
@@ -134,7 +135,8 @@ FittingProblem FittingProblem::WithEnergy(FairnessEnergy energy) const {
 
 FittingProblem FittingProblem::WithPoles(const Poles& poles) const {
   if (is_curve()) Reject("FittingProblem", "a curve has no poles");
-  if (poles.any() && basis_v_->periodic()) Reject("FittingProblem", "a periodic direction has no pole");
+  if (poles.any() && basis_v_->periodic())
+    Reject("FittingProblem", "a periodic direction has no pole");
   if (poles.any() && !(poles.turn > 0 && std::isfinite(poles.turn)))
     Reject("FittingProblem", "the angle about a pole must be positive");
   return FittingProblem(basis_u_, basis_v_, data_, smoothing_, energy_, poles);

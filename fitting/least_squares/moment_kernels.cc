@@ -180,7 +180,7 @@ BATTEN_INLINE double WeighValues(const Rows& rows, int dimension, int count) {
   return Sum(sum);
 }
 
-// The record is known to the compiler where it is short.
+// Short record lengths are compile-time constants.
 BATTEN_INLINE void UnpackAny(const TableSpan& outer,
                              const TableSpan& inner,
                              int dimension,

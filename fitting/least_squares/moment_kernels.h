@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Points dealt out to knot cells, and the moments of those of one cell: loops over plain memory,
-// compiled for several instruction sets and chosen at run time. No Eigen type crosses this header.
+// Kernels that sort points into knot cells and sum the moments of one cell: loops over plain
+// memory, compiled for several instruction sets and chosen at run time. No Eigen type crosses this
+// header.
 //
 // On a cell t, o = 1 − t ∈ [0, 1] are the places in its outer span from start and end, and s, r
 // those in its inner one. The moments of a cell, one behind the other, are

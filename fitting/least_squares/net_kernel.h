@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Values of a tensor-product spline at scattered points: a loop over plain memory, compiled for
-// several instruction sets and chosen at run time. No Eigen type crosses this header.
+// Kernel that evaluates a tensor-product spline at scattered points: a loop over plain memory,
+// compiled for several instruction sets and chosen at run time. No Eigen type crosses this header.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace batten::internal {
 
-// A coefficient net, a component after the other: component d of coefficient (i, j) is
+// A coefficient net stored one component after the other: component d of coefficient (i, j) is
 // planes[d·plane + i·row + j]. Behind the last plane there are four readable finite numbers more.
 struct NetPlanes {
   const double* planes;

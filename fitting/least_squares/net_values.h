@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Values of a coefficient net at scattered points.
+// Evaluates a tensor-product spline's coefficient net at scattered points.
 #pragma once
 
 #include <Eigen/Core>

@@ -21,7 +21,7 @@ OptionalAxis AxisOf(const SplineBasis* basis) {
 
 const AxisTable* Table(const OptionalAxis& axis) { return axis ? &axis->table() : nullptr; }
 
-// How the moments of a span become sums over products of its functions, p being the degree.
+// Converts moments of a span into sums over products of its basis functions, p being the degree.
 class SpanForms {
  public:
   // Function r of a span is Σ_j E[j][r] t^j o^(p−j), so that N_r N_{r+a} = Σ_k C[k][r][a] t^k

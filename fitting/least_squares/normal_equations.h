@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The normal equations of a scattered least-squares problem, gathered knot cell by knot cell.
+// The normal equations of a scattered least-squares problem, assembled knot cell by knot cell.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace batten::internal {
 
-// Points in the order of the knot cells their parameters lie in.
+// Sorts points by the knot cell their parameters lie in.
 class CellOrder {
  public:
   // `outer` and `inner` hold one parameter a point, inside the bases' domains. A curve has no inner
@@ -70,8 +70,8 @@ class NormalEquations {
   double squares_ = 0, trace_ = 0;
 };
 
-// Points of m parameters each (inner: empty for a curve), values d × m, weights empty for ones.
-// What it is made of must live as long as it is used.
+// A view of m points: parameters (inner: empty for a curve), values d × m, weights empty for ones.
+// Its arguments must outlive it.
 PointRows RowsOf(const Eigen::VectorXd& outer,
                  const Eigen::VectorXd& inner,
                  const Eigen::MatrixXd& values,

@@ -13,10 +13,11 @@
 namespace batten::internal {
 namespace {
 
-// Where nothing but the jitter holds a coefficient, its pivot is hardly more.
+// Singularity threshold: a coefficient that only the jitter determines has a pivot hardly above it.
 constexpr double kSingularInJitters = 16;
 
-// Smoothing from which on fairness carries what it can; what it leaves free no weight would hold.
+// Smoothing from which on the fairness energy determines what it can; coefficients still
+// undetermined are in its null space.
 constexpr double kFirmSmoothing = 1e-7;
 
 constexpr int kAttempts = 16;
@@ -80,7 +81,7 @@ BlockBandedMatrix PenalisedSystem::Matrix(double smoothing, double jitters) cons
 PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* pool) const {
   const double asked = smoothing;
   for (int attempt = 0; attempt <= kAttempts; ++attempt) {
-    // High degrees need more than rounding's worth of jitter.
+    // High degrees need more jitter than the rounding unit.
     TiedSystem matrix(Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5))), ties_);
     if (matrix.Factor(pool) &&
         (smoothing >= kFirmSmoothing || matrix.SmallestPivot() > kSingularInJitters * jitter_)) {

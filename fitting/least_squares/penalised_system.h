@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The matrix A + λP of a fitting problem: the data gathered once, solved for any smoothing.
+// The penalised normal equations (A + λP) of a fitting problem, assembled once and solved for any
+// smoothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,14 +16,14 @@
 namespace batten::internal {
 
 // The normal matrix A of a problem's data and the form P of its energy; the longer direction of the
-// net is outside, so that the band stays narrow. What rounding adds to a semidefinite matrix is met
-// by a jitter on the diagonal, a few units in the last place.
+// net is outside, so that the band stays narrow. A jitter on the diagonal, a few units in the last
+// place, keeps a semidefinite matrix positive definite under rounding.
 class PenalisedSystem {
  public:
   // Gathers the data. O(m (2p+1)(2q+1)).
   PenalisedSystem(const FittingProblem& problem, ThreadPool& pool);
 
-  // The same of bases (v null: a curve) with one parameter a point.
+  // The same system from bases (v null: a curve) with one parameter a point in each direction.
   PenalisedSystem(const SplineBasis& basis_u,
                   const SplineBasis* basis_v,
                   const Eigen::VectorXd& u,
@@ -40,9 +41,10 @@ class PenalisedSystem {
     double residual_squares = 0;  // Σ w |S − z|², as a difference of sums over the data
   };
 
-  // The least sum under the problem's conditions (poles), which are met by elimination. Where the
-  // matrix is singular, the smoothing is raised tenfold at a time; throws std::invalid_argument
-  // where that does not help. A pool, where given, helps with large nets. O(n · min(n_u, n_v)²).
+  // Minimises the penalised sum under the problem's conditions (poles), which are met by
+  // elimination. Where the matrix is singular, the smoothing is raised tenfold at a time; throws
+  // std::invalid_argument where that does not help. A pool, where given, helps with large nets. O(n
+  // · min(n_u, n_v)²).
   Solution Solve(double smoothing, ThreadPool* pool = nullptr) const;
 
   // A + smoothing · tr(A)/tr(P) · P and so many jitters, not factored.
@@ -55,7 +57,7 @@ class PenalisedSystem {
   bool u_outside() const { return u_outside_; }
   int unknowns() const { return static_cast<int>(equations_.rhs().rows()); }
 
-  // Σ over the columns of cᵀPc.
+  // The energy Σ cᵀPc over the columns c.
   double Roughness(const Eigen::MatrixXd& rows) const;
 
   // The solver's rows as the coefficients d × (n_u · n_v) of the problem, repeated ones too, v

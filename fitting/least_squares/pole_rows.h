@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The conditions of poles in the order of the solver.
+// Pole conditions as ties on the rows of the normal matrix.
 #pragma once
 
 #include "batten/fitting/poles.h"
@@ -8,8 +8,8 @@
 
 namespace batten::internal {
 
-// What PoleConditions leave free, on the rows of the normal matrix: those of the outer basis in its
-// CoefficientOrder, inside each the different inner coefficients.
+// The unknowns that PoleConditions leave free, on the rows of the normal matrix: those of the outer
+// basis in its CoefficientOrder, inside each the different inner coefficients.
 NetTies PoleTies(const SplineBasis& basis_u,
                  const SplineBasis& basis_v,
                  const Poles& poles,

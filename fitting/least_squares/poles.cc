@@ -30,7 +30,7 @@ Eigen::MatrixXd Harmonics(const SplineBasis& basis, double turn, int order) {
       values(i, 2 * k) = std::sin(k * angle);
     }
   }
-  // Where collocation is nearly singular, the least solution.
+  // The minimum-norm solution where collocation is nearly singular.
   return at.completeOrthogonalDecomposition().solve(values);
 }
 
@@ -47,7 +47,7 @@ Split SplitBy(const Eigen::MatrixXd& columns) {
   return {q.leftCols(inside), q.rightCols(columns.rows() - inside)};
 }
 
-// What takes 1 to one, γ and δ to zero: the part of a row that is the same all round.
+// The functional that maps 1 to one, γ and δ to zero: the mean part of a row, constant in angle.
 Eigen::VectorXd MiddleForm(const Eigen::MatrixXd& round_row) {
   const Eigen::Vector3d first(1, 0, 0);
   return Eigen::MatrixXd(round_row.transpose()).completeOrthogonalDecomposition().solve(first);
@@ -65,7 +65,7 @@ std::vector<PoleRows> RowsAt(const SplineBasis& basis_v, const Poles& poles) {
   const int ends = (poles.start != PoleKind::kNone) + (poles.end != PoleKind::kNone);
   const auto add = [&](PoleKind kind, int edge, int step) {
     if (kind == PoleKind::kNone) return;
-    // Of degree q, row j sees the pole's derivatives up to the j-th alone while j < q.
+    // At degree q, row j depends on the pole's derivatives up to the j-th only, while j < q.
     const bool second = n >= 2 + ends && basis_v.degree() > 1;
     const bool third = n >= 3 * ends && n > 3 && basis_v.degree() > 2 && kind == PoleKind::kSmooth;
     rows.push_back({kind, edge, second ? edge + step : -1, third ? edge + 2 * step : -1});
@@ -75,7 +75,7 @@ std::vector<PoleRows> RowsAt(const SplineBasis& basis_v, const Poles& poles) {
   return rows;
 }
 
-// How many numbers a row of m keeps that carries harmonics up to an order.
+// The number of unknowns of a row of m coefficients restricted to harmonics up to an order.
 int KeptOf(int m, int order) { return std::min(m, 1 + 2 * order); }
 
 }  // namespace

@@ -44,7 +44,7 @@ ResidualNoise::ResidualNoise(const Eigen::Matrix2Xd& parameters) {
   });
 }
 
-// Of variances s/w_i and s/w_j the squared difference has the mean s (1/w_i + 1/w_j).
+// With variances s/w_i and s/w_j the squared difference has the mean s (1/w_i + 1/w_j).
 double ResidualNoise::Variance(const Eigen::MatrixXd& residuals,
                                const Eigen::VectorXd& weights) const {
   double squares = 0, pairs = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How much of the residuals is noise: what neighbours do not share.
+// Noise variance of residuals by differences of neighbours.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,12 +7,12 @@
 
 namespace batten::internal {
 
-// Data in an order in which successors are neighbours on the shape: along a curve by parameter,
-// over a surface along a Z-order curve. What a smooth shape misses is nearly the same at
-// neighbours, noise is not, so half the mean squared difference of residuals and their next four
-// is the variance of the noise, whatever else the residuals hold. Against the mean square of white
-// residuals it is right to 1/(2√m) of itself. [von Neumann 1941; Gasser, Sroka & Jennen-Steinmetz
-// 1986]
+// Estimates noise from data ordered so that successors are neighbours on the shape: along a curve
+// by parameter, over a surface along a Z-order curve. A smooth shape's systematic error is nearly
+// the same at neighbours, noise is not, so half the mean squared difference between each residual
+// and the next four is the variance of the noise, whatever else the residuals hold. Its relative
+// error against the mean square of white residuals is 1/(2√m). [von Neumann 1941; Gasser, Sroka &
+// Jennen-Steinmetz 1986]
 class ResidualNoise {
  public:
   // One column (u, v) for each datum; for curves the second row is constant. O(m log m).

@@ -56,7 +56,7 @@ double StructuredShare(const SurfaceResiduals& given, int control_points, Thread
 }
 
 double DoubleLayerFractionOf(const SurfaceResiduals& given, ThreadPool& pool) {
-  // Of very many points, two sheets show in a part of them.
+  // Two sheets show in a sample of very many points.
   const std::vector<Eigen::Index> some =
       SampleIndices(given.residuals.size(), kMostForLayers, given.seed);
   Eigen::Matrix3Xd raised = InPlane(given.parameters(Eigen::all, some));

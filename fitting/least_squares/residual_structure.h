@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What residuals of a surface are: noise, a shape the surface has missed, or two sheets.
+// Tests residuals of a surface fit for smooth structure and for double layers.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,16 +13,16 @@ namespace batten::internal {
 struct SurfaceResiduals {
   Eigen::Matrix2Xd parameters;
   Eigen::VectorXd residuals;
-  std::uint64_t seed = 1;  // chooses the places that are looked at
+  std::uint64_t seed = 1;  // seed of the places sampled
 };
 
-// The share of the residuals' variance that is smooth over half a knot cell: explained by quadrics
-// there. About 0 of noise, whatever neighbours share of it within a small part of a cell. Free
-// parameters, weights and knots can only mend what is smooth at that width.
+// The share of the residuals' variance that quadrics over half a knot cell explain. It is about 0
+// for noise, even noise correlated over a small part of a cell. Free parameters, weights and knots
+// can only reduce residuals that are smooth at that width.
 double StructuredShare(const SurfaceResiduals& residuals, int control_points, ThreadPool& pool);
 
-// The share of places in whose surroundings residuals keep to two heights (DoubleLayerFraction),
-// whatever the distance of the two.
+// The share of places around which residuals cluster at two heights (DoubleLayerFraction), whatever
+// the distance between the two.
 double DoubleLayerFractionOf(const SurfaceResiduals& residuals, ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -27,7 +27,7 @@ FittingProblem Reweighted(const FittingProblem& problem,
   for (int round = 0; round < kRounds; ++round) {
     Report(options.progress, "solve", static_cast<double>(round) / kRounds);
     Stopwatch watch;
-    // A loss that forgets far points starts only where Huber's has found the bulk.
+    // A redescending loss starts only after rounds of Huber's loss.
     const bool start = round < kStartRounds && ForgetsFarPoints(options.loss);
     const Loss loss = start ? Loss::kHuber : options.loss;
     const Eigen::VectorXd residuals = residuals_of(current, SolveLinear(current, pool));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robust losses by iterative reweighting.
+// Robust least squares by iterative reweighting (IRLS).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,12 +16,13 @@
 namespace batten::internal {
 
 struct ReweightingOptions {
-  Loss loss = Loss::kTukey;  // forgets far points: Huber's finds the bulk first
+  Loss loss = Loss::kTukey;                         // redescending: Huber's loss is used first
   std::optional<double> loss_scale = std::nullopt;  // estimated in every round when absent
   Progress progress = nullptr;
 };
 
-// The residual of every datum of a problem at its solution, in the data's units; signs don't count.
+// Computes the residual of every datum of a problem at its solution, in the data's units; signs do
+// not count.
 using ResidualsOf = std::function<Eigen::VectorXd(const FittingProblem&, const LinearSolution&)>;
 
 // Solves and reweights at fixed bases until the scale is steady, 16 times at most; returns the

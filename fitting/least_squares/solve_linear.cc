@@ -7,8 +7,8 @@ namespace batten {
 using namespace internal;
 namespace {
 
-// Sums of squares lose what is less than this share of them; the residual is then taken point by
-// point.
+// Share of the sum of squares below which cancellation leaves no digits; the residual is then
+// summed point by point.
 constexpr double kCancelled = 1e-9;
 
 }  // namespace

@@ -39,7 +39,7 @@ struct Tile {
     }
   }
 
-  // Less Σ_k a_k b_kᵀ, both packed.
+  // Subtracts Σ_k a_k b_kᵀ, both packed.
   BATTEN_INLINE void Subtract(const double* a, const double* b, int depth) {
     for (int k = 0; k < depth; ++k, a += kRows, b += kRows) {
       V left[M];
@@ -50,7 +50,7 @@ struct Tile {
     }
   }
 
-  // Plus the same.
+  // Adds Σ_k a_k b_kᵀ, both packed.
   BATTEN_INLINE void Add(const double* a, const double* b, std::ptrdiff_t depth) {
     for (std::ptrdiff_t k = 0; k < depth; ++k, a += kRows, b += kRows) {
       V left[M];
@@ -61,7 +61,7 @@ struct Tile {
     }
   }
 
-  // From the right by the inverse of a triangle's transpose: its rows are packed.
+  // Multiplies from the right by the inverse of a triangle's transpose, whose rows are packed.
   BATTEN_INLINE void Divide(const double* triangle, const double* inverses) {
     for (int n = 0; n < N; ++n) {
       for (int k = 0; k < n; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The Cholesky factorisation of a symmetric band and its triangular solutions, on plain pointers,
-// compiled for several instruction sets and chosen when the program runs. Internal.
+// Kernels for the Cholesky factorisation of a symmetric band matrix and its triangular solves, on
+// plain pointers, compiled for several instruction sets and chosen when the program runs. Internal.
 //
 // A step takes some columns at once: it factors their rows on the diagonal, solves the rows below
 // for them, and takes what they give from the columns after them. Rows come in panels of a few
@@ -22,13 +22,13 @@ struct BandColumns {
   std::ptrdiff_t stride;
   const int* ends;
 
-  // To element (i, j) add i.
+  // Pointer to which i is added for element (i, j).
   double* Column(int j) const {
     const int g = j / width;
     return data + g * (group - width) + (j - g * width) * stride;
   }
 
-  // Column after column.
+  // Iterates over the columns in order.
   class Walk {
    public:
     Walk(const BandColumns& band, int j)
@@ -68,8 +68,8 @@ enum class BandWork {
   kBackward   // Lᵀ x = y in place, the same way
 };
 
-// What one instruction set offers. `rows` and `columns` make a tile; the columns of a step, but of
-// the last one, are a multiple of both. A call says false where a pivot is not positive.
+// The kernels of one instruction set. `rows` and `columns` make a tile; the columns of a step, but
+// of the last one, are a multiple of both. A call says false where a pivot is not positive.
 struct BandKernels {
   int rows, columns;
   bool (*run)(BandWork work, const BandColumns& band, const BandStep& step, int row);
@@ -77,10 +77,10 @@ struct BandKernels {
 
 inline constexpr int kBandLanes = 8;
 
-// For the processor it runs on.
+// The kernels for the processor the program runs on.
 const BandKernels& BandKernelsHere();
 
-// Panels that hold these rows.
+// The number of panels that hold these rows.
 inline int PanelCount(int rows, int panel) { return (rows + panel - 1) / panel; }
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Square banded systems that are not symmetric.
+// LU factorisation of square banded matrices that are not symmetric.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ class BandedLu {
   void Solve(Eigen::MatrixXd& rhs) const;
 
  private:
-  // Columns lie one after the other, with room for the fill-in of the interchanges on top.
+  // Storage is column by column, with room for the fill-in of the interchanges on top.
   double* Data(Eigen::Index row, Eigen::Index column) {
     return data_.data() + column * stride_ + (below_ + above_ + row - column);
   }
@@ -37,7 +37,7 @@ class BandedLu {
 
   Eigen::Index size_, below_, above_, stride_;
   std::vector<double> data_;
-  std::vector<Eigen::Index> pivots_;  // the row that changed places with each
+  std::vector<Eigen::Index> pivots_;  // the row interchanged with each
 };
 
 }  // namespace batten::internal

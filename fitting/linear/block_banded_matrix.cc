@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kNarrow = 24;        // half bandwidth up to which columns go one by one
 constexpr int kMostColumns = 128;  // in a step
-constexpr int kShare = 4;          // of the band, at most, in a step
-constexpr int kForThreads = 256;   // half bandwidth from which on threads are worth waking
+constexpr int kShare = 4;          // a step takes at most one part in so many of the band
+constexpr int kForThreads = 256;   // half bandwidth from which on threads are used
 constexpr int kPanelsAtOnce = 2;
 
 // Columns of a step: a share of the band, so that its own rows cost little.
@@ -23,7 +23,7 @@ int StepColumns(int band, const BandKernels& kernels) {
   return std::max(1, std::min(kMostColumns, band / kShare) / unit) * unit;
 }
 
-// Past the last row that is not zero in this or an earlier column.
+// For each column, one past the last nonzero row in this or an earlier column.
 std::vector<int> EndsOf(const BandColumns& band, int bandwidth) {
   std::vector<int> ends(static_cast<size_t>(band.size));
   int end = 0;

@@ -52,13 +52,14 @@ class BlockBandedMatrix {
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const;
 
   // Replaces the matrix by its Cholesky factor L, A = L·Lᵀ. Returns whether the matrix was positive
-  // definite; if not, the contents are spoilt. Threads, where given, work on large matrices and
-  // change no bit. Not from inside pool->For. O(n w²) with half a scalar bandwidth w: what is zero
-  // at the edge of the band is left out. [Golub & Van Loan 2013, §4.2, §4.3]
+  // definite; if not, the contents are spoilt. Threads, where given, work on large matrices and do
+  // not change the result by one bit. Not from inside pool->For. O(n w²) with half a scalar
+  // bandwidth w: what is zero at the edge of the band is left out. [Golub & Van Loan 2013, §4.2,
+  // §4.3]
   [[nodiscard]] bool Factor(ThreadPool* pool = nullptr);
 
-  // After Factor(): the least squared diagonal entry of L. What is not above the rounding of the
-  // matrix' own diagonal says that it is singular.
+  // After Factor(): the least squared diagonal entry of L. The matrix is singular where this is not
+  // above the rounding of its own diagonal.
   double SmallestPivot() const;
 
   // After Factor(): solves A·x = rhs in place, for every column. Columns do not change each other's
@@ -82,7 +83,7 @@ class BlockBandedMatrix {
 
   int blocks_, block_size_, bandwidth_;
   std::vector<double> data_;
-  std::vector<int> ends_;  // after Factor(): of each column's rows
+  std::vector<int> ends_;  // after Factor(): one past each column's last row
 };
 
 }  // namespace batten::internal

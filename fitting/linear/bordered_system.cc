@@ -7,7 +7,8 @@
 namespace batten::internal {
 namespace {
 
-// Scaled to a diagonal of ones; what nothing holds is held by a few roundings.
+// Solves after scaling to a unit diagonal; a few units of rounding on it keep undetermined unknowns
+// finite.
 class ScaledFactor {
  public:
   explicit ScaledFactor(const Eigen::MatrixXd& matrix)

@@ -31,8 +31,8 @@ struct BorderedSolution {
   Eigen::VectorXd border;
 };
 
-// By block elimination, A given by its factor; conditions, which must be independent, by Lagrange's
-// multipliers. O(solutions with A: 3 t + functionals).
+// Solves by block elimination, A given by its factor; conditions, which must be independent, enter
+// by Lagrange multipliers. O(solutions with A: 3 t + functionals).
 BorderedSolution Solve(const BorderedSystem& system, const BlockBandedMatrix& factor);
 
 }  // namespace batten::internal

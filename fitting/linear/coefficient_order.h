@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which coefficients of a basis are different, and in what order a banded solver takes them.
+// The distinct coefficients of a (periodic) spline basis and their order in a banded solver.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,12 +10,13 @@
 
 namespace batten::internal {
 
-// How many coefficients differ: a periodic basis of n functions has n − p, the last p repeat.
+// The number of distinct coefficients: a periodic basis of n functions has n − p, the last p
+// repeat.
 inline int DistinctCount(const SplineBasis& basis) {
   return basis.periodic() ? basis.size() - basis.degree() : basis.size();
 }
 
-// The one among them that coefficient i is.
+// The index of coefficient i among the distinct ones.
 inline int DistinctIndex(const SplineBasis& basis, int i) {
   return basis.periodic() ? i % DistinctCount(basis) : i;
 }
@@ -35,8 +36,9 @@ inline Eigen::Index DealtPlace(Eigen::Index i, Eigen::Index m) {
   return 2 * i < m ? 2 * i : 2 * (m - 1 - i) + 1;
 }
 
-// Rows of the normal matrix. Around a periodic basis every function meets the p before and behind
-// it; dealt out from both ends they stay within 2p rows, and the matrix remains a band.
+// Order of the rows of the normal matrix. Around a periodic basis every function overlaps the p
+// before and behind it; dealt out from both ends they stay within 2p rows, and the matrix remains a
+// band.
 class CoefficientOrder {
  public:
   explicit CoefficientOrder(const SplineBasis& basis)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Linear conditions of which some may follow from, or contradict, others.
+// Selects linearly independent rows from linear conditions, some of which may follow from, or
+// contradict, others.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +8,8 @@
 
 namespace batten::internal {
 
-// Of the equations C x = c those that do not depend on earlier ones, as L Q x = c with orthonormal
-// rows Q and L lower triangular.
+// The equations of C x = c that do not depend on earlier ones, as L Q x = c with orthonormal rows Q
+// and L lower triangular.
 class IndependentRows {
  public:
   // A row counts as dependent where what earlier rows leave of it is less than 1e-9 of its scale

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The linear systems of a curve's control points whose coordinates are coupled. Internal.
+// Linear systems for a curve's control points with coupled coordinates. Internal.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,8 +32,8 @@ class NetSystem {
     right_.segment(Eigen::Index{place_[i]} * dimension_, dimension_) += value;
   }
 
-  // δᵀb and the step δ (d × n) itself. What is singular to rounding is damped on the diagonal as
-  // far as it needs. May be asked once.
+  // The step δ (d × n) and δᵀb. A matrix singular to rounding is damped on the diagonal as far as
+  // needed. May be called once.
   struct Step {
     Eigen::MatrixXd net;
     double promise = 0;

@@ -17,7 +17,7 @@ TiedSystem::TiedSystem(BlockBandedMatrix matrix, const NetTies& ties)
   GatherOutline(matrix);
 }
 
-// The place among the free rows; −1: tied.
+// The index among the free rows; −1: tied.
 Eigen::Index TiedSystem::FreeRow(Eigen::Index block, Eigen::Index row) const {
   block -= ties_.first_block;
   row -= ties_.first_row;
@@ -36,8 +36,8 @@ void TiedSystem::GatherFree(const BlockBandedMatrix& matrix) {
   }
 }
 
-// The columns of M that are tied, times the forms: what falls on free rows is the border, the rest
-// once more times the forms the corner.
+// Multiplies the tied columns of M by the forms: the free rows give the border, the tied rows,
+// multiplied by the forms once more, the corner.
 void TiedSystem::GatherOutline(const BlockBandedMatrix& matrix) {
   const Eigen::Index b = block_size_, unknowns = ties_.forms.cols();
   std::vector<Eigen::Index> place(static_cast<size_t>(matrix.size()), -1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A banded system some of whose rows are tied to a few unknowns.
+// Solves a block-banded system some of whose rows are tied to a few unknowns.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -12,8 +12,8 @@
 
 namespace batten::internal {
 
-// x = Z (x_f, t) for the rows of a block-banded matrix: those of a range of blocks, a range inside
-// each, are free and stay as they are; all others are tied, x_tied = forms · t.
+// The ties x = Z (x_f, t) on the rows of a block-banded matrix: a range of rows in a range of
+// blocks is free and unchanged; all other rows are tied, x_tied = forms · t.
 struct NetTies {
   int first_block = 0, blocks = 0;  // of free rows
   int first_row = 0, rows = 0;      // inside each
@@ -23,16 +23,16 @@ struct NetTies {
   bool any() const { return !tied.empty(); }
 };
 
-// The least of ½ xᵀMx − bᵀx over x = Zy. ZᵀMZ is a band of the free rows with a border as wide as t
-// is long, and is factored as such. With few unknowns t that takes hardly more than M alone;
-// multipliers would take a solution for every condition. [Golub & Van Loan 2013, §4.2, §4.3]
+// Minimises ½ xᵀMx − bᵀx over x = Zy. ZᵀMZ is a band of the free rows with a border as wide as t is
+// long, and is factored as such. With few unknowns t that costs hardly more than M alone; Lagrange
+// multipliers would cost a solve for every condition. [Golub & Van Loan 2013, §4.2, §4.3]
 class TiedSystem {
  public:
   // M not factored, and positive semidefinite. Without ties nothing is copied. O(n w).
   TiedSystem(BlockBandedMatrix matrix, const NetTies& ties);
 
-  // ZᵀMZ = LLᵀ; whether it was positive definite. If not, the contents are spoilt. Threads change
-  // no bit; not from inside pool->For. O(n w² + n w k), k the unknowns t.
+  // Factors ZᵀMZ = LLᵀ; returns whether it was positive definite. If not, the contents are spoilt.
+  // Threads do not change the result; not from inside pool->For. O(n w² + n w k), k the unknowns t.
   [[nodiscard]] bool Factor(ThreadPool* pool = nullptr);
 
   // After Factor(): the least squared diagonal entry of L.

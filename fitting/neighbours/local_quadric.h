@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A plane or a quadric height field through a handful of neighbours.
+// Local fits to a few neighbours: a plane, or a quadric height field over it.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,11 +11,11 @@ struct LocalPlane {
   Eigen::Vector3d centre, normal;
 };
 
-// The plane of least weighted squared distances to points (3 × m, m ≥ 1; weights ≥ 0, not all 0).
+// Fits a plane by weighted least squares to points (3 × m, m ≥ 1; weights ≥ 0, not all 0).
 LocalPlane WeightedPlane(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& weights);
 
-// The plane most of the points agree on, by Cauchy weights at the median deviation, and the robust
-// standard deviation of the points from it (1.4826 × the median).
+// Robust plane fit by Cauchy weights scaled by the median deviation, with the robust standard
+// deviation of the points from it (1.4826 × the median).
 struct AgreedPlane {
   LocalPlane plane;
   double scale = 0;
@@ -26,28 +26,28 @@ AgreedPlane PlaneMostAgreeOn(const Eigen::Matrix3Xd& points);
 // radius of its points.
 class LocalQuadric {
  public:
-  // Least squares over the points (3 × m, m ≥ 6) in the frame of the plane that fits them.
+  // Fits the points (3 × m, m ≥ 6) by least squares in the frame of their least-squares plane.
   explicit LocalQuadric(const Eigen::Matrix3Xd& points);
-  // The same in the frame of a plane that is known, however large the heights over it.
+  // Fits in the frame of a given plane, however large the heights over it.
   static LocalQuadric Over(const LocalPlane& plane, const Eigen::Matrix3Xd& points);
-  // The quadric most of the points agree on, by Cauchy weights as above.
+  // Fits robustly, by Cauchy weights as above.
   static LocalQuadric MostAgreeOn(const Eigen::Matrix3Xd& points);
 
-  // What a point's height exceeds the quadric by.
+  // Signed height of a point over the quadric.
   double Offset(const Eigen::Vector3d& point) const;
-  // Variance of the quadric's own height at a point's place, relative to that of one datum: below
-  // 1 among the points, growing quickly beyond them.
+  // Variance of the quadric's height at a point's place, relative to that of one datum: below 1
+  // among the points, growing quickly beyond them.
   double Leverage(const Eigen::Vector3d& point) const;
   // The frame's plane, and the distance from its centre to the farthest point (to the farthest
   // place, if the plane was given), the unit of the residuals.
   const LocalPlane& plane() const { return plane_; }
   double radius() const { return radius_; }
-  // Offsets of the points it was made of over the radius. In the data's units: their root of the
-  // sum of squares over the freedom left, and 1.4826 × their median.
+  // Residuals of the points fitted, relative to the radius. In the data's units: the root of the
+  // sum of their squares over the degrees of freedom, and 1.4826 × their median.
   const Eigen::VectorXd& residuals() const { return residuals_; }
   double deviation() const;
   double robust_scale() const;
-  // The same from the 80 % quantile: large where a third of the points disagrees.
+  // Robust standard deviation from the 80 % quantile: large where a third of the points disagrees.
   double scale_of_most() const;
 
  private:

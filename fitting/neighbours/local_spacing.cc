@@ -8,10 +8,10 @@ namespace batten::internal {
 namespace {
 
 constexpr double kWidth = 8;
-constexpr int kParts = 4;       // of a width, told occupied or not
+constexpr int kParts = 4;       // of a cell's width, each occupied or empty
 constexpr double kSure = 0.85;  // borders of a part that is evenly dense look this much sparser
-constexpr double kFewest = 20;  // points that say something
-constexpr double kMostPlaces = 1e7;  // of all parts
+constexpr double kFewest = 20;  // points around a cell; below, its spacing is 1
+constexpr double kMostPlaces = 1e7;  // limit on the number of all parts
 
 }  // namespace
 

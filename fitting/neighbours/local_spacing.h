@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where points in the plane are sparser than elsewhere.
+// Local spacing of points in the plane.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,9 @@
 
 namespace batten::internal {
 
-// The spacing of points (2 × m) near a place, in a unit that is their mean spacing: one where they
-// are as dense as that or denser or not clearly sparser, at most two. From counts in places eight
-// units wide and those around them, over the area that points occupy. O(m).
+// Local spacing of points (2 × m) near a place relative to their mean spacing, from 1 (as dense as
+// the mean, denser, or not clearly sparser) to 2. It is estimated from counts in cells eight mean
+// spacings wide and in those around them, over the area that points occupy. O(m).
 class LocalSpacing {
  public:
   explicit LocalSpacing(const Eigen::Matrix2Xd& points);

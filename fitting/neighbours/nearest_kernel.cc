@@ -13,7 +13,7 @@ namespace batten::internal {
 namespace {
 
 constexpr int kLeaf = NearestTree::kLeaf, kFan = NearestTree::kFan;
-constexpr int kCounted = 64;  // more are sorted quicker than counted
+constexpr int kCounted = 64;  // points; more are sorted faster than ranked by counting
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 // A box or a leaf still to be visited: its distance, its level (-1 for a leaf) and number.
@@ -132,7 +132,7 @@ BATTEN_INLINE int IdOf(double key) {
   return static_cast<int>(static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(key)));
 }
 
-// Parts those equally far by their index: from here on points must be nearer than the k-th.
+// Breaks ties of distance by index: from here on points must be nearer than the k-th.
 void NarrowTies(Found& found, int k, double* keys) {
   for (int i = 0; i < found.count; ++i) keys[i] = KeyOf(found.squares[i], found.ids[i]);
   std::nth_element(keys, keys + k - 1, keys + found.count);

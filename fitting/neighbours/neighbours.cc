@@ -64,7 +64,7 @@ void NeighbourIndex::Tree::Halve(const Eigen::Matrix3Xd& points, ThreadPool& poo
   });
 }
 
-// Makes the boxes, level by level.
+// Computes the bounding boxes, level by level.
 void NeighbourIndex::Tree::Enclose(ThreadPool& pool) {
   std::ptrdiff_t below = std::ssize(ids) / kLeaf;
   do {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Normals of a cloud from the planes through each point's neighbours, by PCL.
+// Normals of a cloud from the planes through each point's neighbours, estimated with PCL.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,9 @@
 
 namespace batten::internal {
 
-// Unit normals at the queries, without a consistent sign: the direction of least variance of the k
-// nearest points; a zero vector where the neighbours leave it undefined. Points are those the index
-// was made of.
+// Estimates unit normals at the queries, without a consistent sign: the direction of least variance
+// of the k nearest points, or a zero vector if that is undefined. Points are those the index was
+// made of.
 Eigen::Matrix3Xd EstimateNormals(const NeighbourIndex& index,
                                  const Eigen::Matrix3Xd& points,
                                  const Eigen::Matrix3Xd& queries,

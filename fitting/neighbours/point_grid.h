@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points sorted into cubes, for all that lie within a distance.
+// A hashed grid of cubes over a cloud, for fixed-radius searches.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace batten::internal {
 
-// Cubes of one side over a cloud. Building takes O(m log m); a ball of about that side visits 27
-// cubes and what they hold. Keeps a reference to the points.
+// A grid of cubes of one side over a cloud. Building takes O(m log m); a search with a radius of
+// about the side visits 27 cubes and their points. Keeps a reference to the points.
 class PointGrid {
  public:
   PointGrid(const Eigen::Matrix3Xd& points, double side);
@@ -49,8 +49,8 @@ class PointGrid {
   std::unordered_map<std::uint64_t, std::pair<int, int>> cells_;
 };
 
-// Points no two of which are nearer than `radius`, so that every other is within it of one of them:
-// taken greedily in the given order of preference. O(m) balls.
+// Thins points greedily in the given order of preference: no two points kept are nearer than
+// `radius`, and every other point is within it of one kept. O(m) searches.
 std::vector<int> Thinned(const Eigen::Matrix3Xd& points,
                          double radius,
                          const std::vector<int>& preference);

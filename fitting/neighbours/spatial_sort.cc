@@ -30,7 +30,7 @@ int WidestSide(const PlacedPoint* begin, const PlacedPoint* end) {
   return widest;
 }
 
-// The half that a block's first points make: the greatest leaf · 2ⁿ below its size.
+// Size of a block's first half: the greatest leaf · 2ⁿ below the block's size.
 std::ptrdiff_t FirstHalf(std::ptrdiff_t size, int leaf) {
   const auto leaves = static_cast<std::uint64_t>((size + leaf - 1) / leaf);
   return static_cast<std::ptrdiff_t>(std::bit_ceil(leaves) / 2) * leaf;

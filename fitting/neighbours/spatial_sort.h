@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points put in an order that keeps neighbours together, by halving.
+// Spatial sort of points by recursive halving, which keeps neighbours together.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ struct PlacedPoint {
   int id;
 };
 
-// Reorders points so that blocks of `leaf` · 2ⁿ from multiples of their size on are those of one
-// half of their block of the next size, on one side across the widest side of its box. The same on
-// any number of threads. O(m log m).
+// Reorders points by recursive halving: each block of `leaf` · 2ⁿ points, starting at a multiple of
+// its size, is one half of a block of the next size, split across the widest side of that block's
+// box. The same on any number of threads. O(m log m).
 void HalveDownTo(std::vector<PlacedPoint>& points, int leaf, ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -13,8 +13,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kCoincident = 1e-9;  // of the size: the last point is the first
-constexpr double kSigmas = 3;         // of the difference of two ends
+constexpr double kCoincident = 1e-9;  // share of the size: nearer ends are the same point
+constexpr double kSigmas = 3;         // standard deviations of the difference of two ends
 constexpr double kFacingAngle = std::numbers::pi / 6;
 constexpr double kGapInSteps = 3;
 constexpr double kGapInLength = 0.1;
@@ -25,7 +25,7 @@ constexpr double kLargestOfSize = 0.3;                    // gaps that noise may
 constexpr double kDirectionError = 0.12;                  // radians
 constexpr Eigen::Index kStepsNearby = 4;
 
-// What the points near one end say of it.
+// Estimates of one end from the points near it.
 struct End {
   Eigen::Vector3d place;
   Eigen::Vector3d inward;  // unit, or zero where the points say nothing
@@ -44,8 +44,8 @@ class FromEnd {
   bool last_;
 };
 
-// Enough points for the direction of a quadratic at its end, whose standard deviation over k even
-// points on a length L is about 14 σ / (L √k).
+// The number of points needed for the direction of a quadratic at its end, whose standard deviation
+// over k even points on a length L is about 14 σ / (L √k).
 Eigen::Index PointsNeeded(const FromEnd& end, Eigen::Index most, double noise) {
   Eigen::Index count = std::min<Eigen::Index>(3, most);
   while (count < most) {
@@ -164,7 +164,8 @@ bool Closes(const Eigen::Matrix3Xd& points, const End& first, const End& last, E
     const bool near = gap <= kGapInSteps * step + kSigmas * std::hypot(first.noise, last.noise);
     if (near && gap <= kGapInLength * Length(points)) return true;
   }
-  const bool corner = std::min(leaving, arriving) <= kFacingAngle || leaving + arriving <= kCornerTurn;
+  const bool corner =
+      std::min(leaving, arriving) <= kFacingAngle || leaving + arriving <= kCornerTurn;
   return corner && gap <= kLongestStep * step && gap >= kShortestStep * step &&
          Unevenness(points) < kLongestStep;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether points in order along a curve come back to where they began.
+// Open or closed: the gap between the ends of points in order along a curve.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,8 @@ struct EndGap {
   double angle = 0;
 };
 
-// Judges points in order along a curve (3 × m, plane curves at z = 0) that scatter about it by the
-// standard deviation `noise` (≥ 0) in each coordinate. They are closed when
+// Decides whether points in order along a curve (3 × m, plane curves at z = 0) that scatter about
+// it by the standard deviation `noise` (≥ 0) in each coordinate are closed. They are when
 //  (1) the ends coincide: within 1e-9 of the size, or within what noise explains, or
 //  (2) they face each other across the gap, turning by 30° at most at either end, and the gap is no
 //      longer than 3 steps of those nearby and than 0.1 of the length, or

@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kFewestForLoneEnds = 50, kMostLone = 3;
 constexpr double kLoneInSteps = 20;
-constexpr double kMostOutliers = 0.5;  // of the points: more are no outliers
+constexpr double kMostOutliers = 0.5;  // share of the points: above it they are not outliers
 
 std::string Length(double value) {
   char text[32];
@@ -26,7 +26,7 @@ std::string Length(double value) {
   return text;
 }
 
-// The gap that was closed because the user said so.
+// Warns of a wide gap that was closed at the user's request.
 void TellGap(double gap, double spacing, CurveComponents& result) {
   constexpr double kWideInSpacings = 5;
   if (gap <= kWideInSpacings * spacing) return;
@@ -34,8 +34,8 @@ void TellGap(double gap, double spacing, CurveComponents& result) {
                             " apart: the curve bridges that gap");
 }
 
-// Where there are outliers, points at the ends that a step leaves behind, far longer than the
-// others, are more of them.
+// Where there are outliers, marks also points at the ends that a step far longer than the others
+// separates.
 PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask sequence_outliers) {
   if (!sequence_outliers.any()) return sequence_outliers;
   std::vector<Eigen::Index> kept;

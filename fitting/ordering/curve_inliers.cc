@@ -21,9 +21,9 @@ constexpr int kMost = 30;       // where noise is thicker than the few are long
 constexpr double kRoomy = 1.4;  // times the median distance to the last neighbour
 constexpr double kThin = 0.06;  // squared thickness against squared length of neighbours in a row
 constexpr double kOffInNoise = 5;
-constexpr double kOffInRoom = 0.2;  // of the distance to the last neighbour
+constexpr double kOffInRoom = 0.2;  // share of the distance to the last neighbour
 constexpr double kFewOffCurves = 0.01;
-constexpr double kThinNoise = 0.1;  // of the spacing
+constexpr double kThinNoise = 0.1;  // share of the spacing: below it curves are thin
 constexpr std::ptrdiff_t kBlock = 512;
 
 // Whether the point is in a row with its neighbours.
@@ -51,7 +51,7 @@ bool InRow(const Eigen::Matrix3Xd& neighbours, const Eigen::Vector3d& point, dou
   return off.norm() <= std::max(kOffInNoise * noise, kOffInRoom * room);
 }
 
-// Asks the points of a sample whether others are in a row with them.
+// Tests points for linearity of their neighbourhoods in a sample.
 class LinearityTest {
  public:
   explicit LinearityTest(const Eigen::Matrix3Xd& points)
@@ -66,8 +66,8 @@ class LinearityTest {
 
   const Eigen::Matrix3Xd& sample() const { return sample_; }
 
-  // Those that are in a row with their neighbours; with `all` unset, also those that have no more
-  // room than most.
+  // Returns the points that are in a row with their neighbours; with `all` unset, also those that
+  // have no more room than most.
   std::vector<int> InRows(const Eigen::Matrix3Xd& points, bool all, ThreadPool& pool) const {
     std::vector<char> keep(points.cols());
     pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -111,8 +111,10 @@ std::vector<int> CurveInliers(const Eigen::Matrix3Xd& points, ThreadPool& pool) 
   std::iota(everything.begin(), everything.end(), 0);
   if (points.cols() < kFewest) return everything;
   const LinearityTest linearity(points);
-  const auto in_rows = static_cast<double>(linearity.InRows(linearity.sample(), false, pool).size());
-  if (in_rows > (1 - kFewOffCurves) * static_cast<double>(linearity.sample().cols())) return everything;
+  const auto in_rows =
+      static_cast<double>(linearity.InRows(linearity.sample(), false, pool).size());
+  if (in_rows > (1 - kFewOffCurves) * static_cast<double>(linearity.sample().cols()))
+    return everything;
   std::vector<int> along = linearity.InRows(points, false, pool);
   // Where curves are thin, a point beside one shows even close to it; and one of them shows better
   // among those that are left.

@@ -16,11 +16,12 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kNodeSample = 2000;  // points looked at for the scale
-constexpr Eigen::Index kAsked = 300;    // of which so many are asked
+constexpr Eigen::Index kAsked = 300;        // of which so many are asked
 constexpr int kFewestAround = 10;
 constexpr int kManyAround = 64;  // are enough mostly
 constexpr int kMostAround = 500;
-constexpr double kThinNodes = 0.03;  // squared thickness against squared length of a thin neighbourhood
+constexpr double kThinNodes =
+    0.03;  // squared thickness against squared length of a thin neighbourhood
 constexpr int kShifts = 5;
 constexpr double kReachInNoise = 6;  // radius of the ball whose middle is taken
 constexpr double kRidgeInNoise = 3;
@@ -33,7 +34,7 @@ struct Thickness {
   double noise = 0;
 };
 
-// What a parabola across the main direction leaves of these points.
+// The residual of a parabola across the main direction of these points.
 Thickness ThicknessOf(const Eigen::Matrix3Xd& around) {
   const Eigen::Vector3d middle = around.rowwise().mean();
   const Eigen::Matrix3Xd local = around.colwise() - middle;
@@ -55,8 +56,8 @@ struct RowNoise {
   bool sure = false;
 };
 
-// Of the first of these neighbours that are longer than thick. Few points can look like a row by
-// chance; twice they hardly do.
+// The noise of the first of these neighbours that are longer than thick. Few points can look like a
+// row by chance; twice they hardly do.
 RowNoise NoiseAround(const Eigen::Matrix3Xd& sample, const int* nearest, int most) {
   Thickness thickness;
   int thin = 0;

@@ -23,16 +23,16 @@ namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kRadiusInNoise = 3;   // nodes stay so far apart
-constexpr double kRadius = 0.3;        // in spacing: or so far where there is little noise
+constexpr double kRadiusInNoise = 3;   // in noise: least distance of nodes
+constexpr double kRadius = 0.3;        // in spacings: least distance of nodes where noise is small
 constexpr double kRadiusOfFew = 0.02;  // the same for few points, which are needed all
 constexpr double kFewPoints = 1000;
 constexpr double kMostNodes = 10000;
 constexpr double kManyThick = 5000;            // points, whose noise needs no proof
 constexpr double kTries[] = {1, 1.6, 2.5, 4};  // coarser and coarser while the points branch
-constexpr double kMostLeftOut = 0.4;           // of the points: more are not outliers
+constexpr double kMostLeftOut = 0.4;           // share of the points: more are no outliers
 constexpr double kMoreLeftOut = 0.005;         // of the points, that a coarser look may miss
-constexpr double kMoreOffCurves = 0.2;       // and of those that seem to lie along no curve
+constexpr double kMoreOffCurves = 0.2;         // and of those that seem to lie along no curve
 constexpr double kLongInNoise = 30;            // a shorter guide is no curve that the noise hides
 constexpr double kOutlierInNoise = 6;
 constexpr double kOutlierInLinks = 0.5;
@@ -92,7 +92,7 @@ OrderedPlaces PlacesOf(const PointCloud& cloud) {
   return places;
 }
 
-// One look at the points, at one fineness.
+// One trial of ordering the points, at one resolution.
 struct OrderLook {
   std::vector<PrincipalPolyline> guides;
   std::vector<Eigen::Vector3d> meetings;
@@ -124,7 +124,7 @@ bool IsOutlier(const OrderLook& look,
          (place.parameter < -overhang || place.parameter > lengths[place.guide] + overhang);
 }
 
-// Puts every point in its place, and those that have none on no guide.
+// Places every point on its guide, and outliers on none.
 void PlacePoints(const OrderedPlaces& places, OrderLook& look, ThreadPool& pool) {
   look.places = PlacesOnPolylines(look.guides, places.points, pool);
   std::vector<double> lengths;
@@ -188,8 +188,8 @@ Eigen::VectorXd Parameters(const OrderLook& look, const std::vector<Eigen::Index
   return parameters;
 }
 
-// Of one coordinate across the curve, from distances that have one such coordinate in the plane and
-// two in space.
+// Standard deviation of one coordinate across the curve, from distances that have one such
+// coordinate in the plane and two in space.
 double SigmaOfDistances(std::vector<double> distances, int dimension) {
   constexpr double kMedianOfTwo = 0.8493218002880191;  // 1 / sqrt(2 log 2)
   return Median(std::move(distances)) * (dimension == 2 ? kMadToSigma : kMedianOfTwo);
@@ -304,7 +304,7 @@ void CutAtLargestGap(PrincipalPolyline& guide,
   parameters = turned.array() - turned[0];
 }
 
-// Lets an open guide begin and end with its points.
+// Extends an open guide straight to its first and last points.
 void ReachEnds(PrincipalPolyline& guide, Eigen::VectorXd& parameters) {
   const Eigen::Index last = guide.nodes.cols() - 1;
   const double before = parameters[0];
@@ -371,8 +371,8 @@ CurvePath PathOf(const OrderedPlaces& places,
   throw std::invalid_argument(message.str());
 }
 
-// As fine a look as shows simple curves: first as if there were no noise, then with the noise
-// there seems to be, then coarser.
+// The finest trial that gives simple curves: first as without noise, then with the estimated noise,
+// then coarser.
 OrderLook BestLook(const PointCloud& cloud,
                    const OrderedPlaces& places,
                    ThreadPool& pool,

@@ -24,7 +24,8 @@ Eigen::MatrixXd Scaled(const Eigen::Ref<const Eigen::MatrixXd>& points, bool clo
   result.leftCols(points.cols()) = points.colwise() - points.col(0);
   if (closed) result.rightCols(1).setZero();
   const double size = result.cwiseAbs().maxCoeff();
-  if (!(size > 0)) Reject("CurveParameters", "all " + std::to_string(points.cols()) + " points are in one place");
+  if (!(size > 0))
+    Reject("CurveParameters", "all " + std::to_string(points.cols()) + " points are in one place");
   return result / size;
 }
 
@@ -105,8 +106,9 @@ double Maximum(const SplineBasis& basis, int i) {
 
 Eigen::VectorXd UniversalParameters(int degree, Eigen::Index count) {
   if (count <= degree) {
-    Reject("CurveParameters", "universal parameters of degree " + std::to_string(degree) + " need more than " +
-           std::to_string(degree) + " points; there are " + std::to_string(count));
+    Reject("CurveParameters",
+           "universal parameters of degree " + std::to_string(degree) + " need more than " +
+               std::to_string(degree) + " points; there are " + std::to_string(count));
   }
   const int n = static_cast<int>(count);
   const SplineBasis basis = QuasiUniformKnots(degree, n, 0, 1);
@@ -147,7 +149,9 @@ Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,
                                 int degree,
                                 bool closed) {
   const Eigen::Index count = points.cols();
-  if (count < 2) Reject("CurveParameters", "a curve needs at least 2 points; there are " + std::to_string(count));
+  if (count < 2)
+    Reject("CurveParameters",
+           "a curve needs at least 2 points; there are " + std::to_string(count));
   if (!points.allFinite()) Reject("CurveParameters", "a point is not finite");
   const Eigen::Index values = count + (closed ? 1 : 0);
   switch (parameterization) {

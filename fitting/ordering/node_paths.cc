@@ -14,11 +14,11 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kNeighbours = 10;        // a node may be linked to
+constexpr int kNeighbours = 10;        // nearest nodes that a node may be linked to
 constexpr int kEndNeighbours = 8;      // the same among ends
 constexpr int kAround = 8;             // nodes that give a direction
 constexpr int kPartAround = 3;         // but no more than this part of all
-constexpr double kAcrossWeight = 3;    // distance across the direction counts so much
+constexpr double kAcrossWeight = 3;    // factor on distance across the direction
 constexpr int kRecent = 16;            // links before an end that tell its spacing
 constexpr double kJump = 3;            // a link may be longer than the longest of these
 constexpr double kFloor = 3;           // and than the cloud's spacing
@@ -248,7 +248,7 @@ class Linker {
     return last;
   }
 
-  // 0 where a path runs straight on, 2 where it turns back.
+  // Bend of a path at a node: 0 where it runs straight on, 2 where it turns back.
   double BendAt(int v) const {
     if (v < 0 || Degree(v) < 2) return 0;
     const Eigen::Vector3d in = nodes_.col(v) - nodes_.col(links_[v][0]);
@@ -294,7 +294,7 @@ class Linker {
     return true;
   }
 
-  // Of length and bend.
+  // Change of length and bend by a move.
   double ChangeOfMove(int v, int p, int n, int a, int b) {
     std::array<int, 5> touched = {v, p, n, a, b};
     std::sort(touched.begin(), touched.end());
@@ -316,7 +316,7 @@ class Linker {
            LinkLength(p, n) - LinkLength(p, v) - LinkLength(v, n);
   }
 
-  // The path from c to d into the link from a to b.
+  // Inserts the path from c to d into the link from a to b.
   void Insert(int c, int d, int a, int b) {
     *std::find(links_[a].begin(), links_[a].end(), b) = c;
     *std::find(links_[b].begin(), links_[b].end(), a) = d;
@@ -363,7 +363,7 @@ class Linker {
     }
   }
 
-  // How long a link at this end may be by what is behind it.
+  // The longest link allowed at this end, by the links before it.
   double Allowed(int end) const { return std::max(kJump * LongestRecent(end), kFloor * spacing_); }
 
   double LongestRecent(int end) const {

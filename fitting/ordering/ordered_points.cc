@@ -21,7 +21,7 @@ constexpr double kLeastRange = 1e-60;      // fairness takes its inverse to the 
 constexpr double kLeastSize = 1e-100;      // squares of smaller numbers vanish
 constexpr Eigen::Index kFewForNoise = 12;
 constexpr Eigen::Index kEnoughForNoise = 10000;  // for a median
-constexpr double kStepInNoise = 10;              // steps so long are hardly changed by noise
+constexpr double kStepInNoise = 10;              // in noise: noise hardly changes longer steps
 constexpr Eigen::Index kMostBlocks = 2000;
 constexpr Eigen::Index kFewestBlocks = 12;                // fewer would lose the shape
 constexpr double kMedianOfRayleigh = 1.1774100225154747;  // √(2 ln 2): two directions across
@@ -174,7 +174,7 @@ Eigen::VectorXd Parameters(const Eigen::Matrix3Xd& points,
   for (Eigen::Index k = 0; k < early; ++k) parameters[k] = at(k + points.cols()) - turn;
   const double first = parameters[0];
   const double length = closed ? turn : parameters[points.cols() - 1] - first;
-  // Means of points that go to and fro may all be in one place.
+  // Means of points that go back and forth may all coincide.
   if (noise > 0 && !(length > 0)) return Parameters(points, kind, 0, closed);
   parameters = (parameters.array() - first) / length;
   if (!closed) parameters[points.cols() - 1] = 1;

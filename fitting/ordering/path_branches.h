@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which paths through nodes are curves, and where they meet.
+// Selection of the node paths that are curves, and detection of branches.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 
 namespace batten::internal {
 
-// The paths that are curves of their own: at least five nodes (four when closed), not jagged, their
-// nodes about as close as those of the longest, and somewhere away from every longer one. A single
-// path is always kept. Longest first, as given.
+// Returns the paths that are curves of their own: at least five nodes (four when closed), not
+// jagged, their nodes about as close as those of the longest, and somewhere away from every longer
+// one. A single path is always kept. Longest first, as given.
 std::vector<NodePath> CurvesAmong(const std::vector<NodePath>& paths,
                                   const Eigen::Matrix3Xd& nodes);
 
@@ -19,9 +19,10 @@ std::vector<NodePath> CurvesAmong(const std::vector<NodePath>& paths,
 // scattered across one.
 double MeanTurn(const std::vector<NodePath>& paths, const Eigen::Matrix3Xd& nodes);
 
-// Where paths meet: an end within two links of another stretch, or two stretches within 1.2 of
-// one. Stretches that run together from a sharp corner do not meet there. Every place where the
-// rule holds, along the longest path first; empty where the paths are simple curves apart.
+// Finds the places where paths meet: an end within two links of another stretch, or two stretches
+// within 1.2 of one. Stretches that run together from a sharp corner do not meet there. Every place
+// where the rule holds, along the longest path first; empty where the paths are simple curves
+// apart.
 std::vector<Eigen::Vector3d> MeetingPlaces(const std::vector<NodePath>& paths,
                                            const Eigen::Matrix3Xd& nodes);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Polylines that points lie along: where each point belongs, and smoother ones through the points.
+// Principal polylines of points: projection onto them, and smoothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,8 +20,8 @@ struct PrincipalPolyline {
   Eigen::VectorXd ArcLengths() const;
 };
 
-// Where a point belongs: its nearest place on the nearest guide. Before and behind an open guide it
-// goes straight on, so that parameters may lie outside [0, length].
+// The foot point of a point on the nearest guide. An open guide is extended straight at both ends,
+// so that parameters may lie outside [0, length].
 struct PolylinePlace {
   int guide = -1;
   double parameter = 0;  // arc length
@@ -31,7 +31,7 @@ std::vector<PolylinePlace> PlacesOnPolylines(const std::vector<PrincipalPolyline
                                              const Eigen::Matrix3Xd& points,
                                              ThreadPool& pool);
 
-// The guide through local parabolas over `reach` to both sides of parameters that are
+// Returns the guide of local parabolas over `reach` to both sides of parameters that are
 // non-decreasing along the points, a node every `step`, but no more of them than points. An open
 // one begins and ends where the points do.
 PrincipalPolyline Smoothed(const Eigen::Matrix3Xd& points,

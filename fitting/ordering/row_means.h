@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points in a row along a curve, made fewer or brought into strict order.
+// Block means and thinning of points in order along a curve.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,12 +16,12 @@ struct RowMeans {
 // The points by increasing parameters, those of equal parameters replaced by their mean.
 RowMeans IncreasingRow(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& parameters);
 
-// How much longer the row is than its parameters' range, by means of a few hundred blocks, which
+// The ratio of the row's length to its parameters' range, by means of a few hundred blocks, which
 // noise hardly lengthens. Points are in order.
 double LengthPerParameter(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& parameters);
 
-// A curve's problem with its data, in order, replaced by the weighted means of `count` blocks of
-// about equally many; fewer where there are fewer data.
+// Returns a curve's problem with its data, in order, replaced by the weighted means of `count`
+// blocks of about equally many; fewer where there are fewer data.
 FittingProblem MeansOfRows(const FittingProblem& problem, Eigen::Index count);
 
 // The problem with `count` of its data, at even steps of their order; all where there are fewer.

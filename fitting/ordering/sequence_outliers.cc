@@ -113,8 +113,8 @@ std::vector<double> StepsOf(const Line& line) {
   return steps;
 }
 
-// How much noise turns the way about around each block, from 0 to 1. Where it is wider than the
-// steps, its own far points must not be left out.
+// The share, from 0 to 1, by which noise turns the way around each block. Where it is wider than
+// the steps, its own far points must not be left out.
 std::vector<double> NoiseAround(const Line& line) {
   std::vector<double> turns;  // 1 - cos
   for (Eigen::Index k = 1; k + 1 < line.size(); ++k) {

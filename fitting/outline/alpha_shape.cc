@@ -15,7 +15,7 @@ using Index = Eigen::Index;
 using Voronoi = boost::polygon::voronoi_diagram<double>;
 using Site = boost::polygon::point_data<std::int32_t>;
 
-constexpr double kExtent = 1 << 30;  // of the integer coordinates, either way
+constexpr double kExtent = 1 << 30;  // largest integer coordinate in magnitude
 
 using Stretch = std::function<double(const Eigen::Vector2d&)>;
 
@@ -23,7 +23,7 @@ struct Edge {
   int from, to;  // of the points; what is covered is on the left
 };
 
-// Points as integers about the middle of their box.
+// Maps points to integer coordinates about the middle of their box.
 class IntegerMap {
  public:
   explicit IntegerMap(const Eigen::Matrix2Xd& points) {
@@ -87,8 +87,8 @@ std::vector<Edge> BorderEdges(const Eigen::Matrix2Xd& points,
   return edges;
 }
 
-// At a vertex where several edges begin: the first one clockwise from where we came, so that the
-// same covered wedge stays on the left.
+// Chooses the next edge at a vertex where several begin: the first one clockwise from the incoming
+// edge, so that the same covered wedge stays on the left.
 size_t NextEdge(const Eigen::Matrix2Xd& points,
                 const std::vector<Edge>& edges,
                 const std::vector<char>& done,
@@ -110,7 +110,7 @@ size_t NextEdge(const Eigen::Matrix2Xd& points,
   return best;
 }
 
-// Loops that come back to a vertex are cut in two there.
+// Splits loops in two at a vertex they visit twice.
 class Chains {
  public:
   Chains(const Eigen::Matrix2Xd& points, std::vector<Edge> edges)
@@ -130,7 +130,7 @@ class Chains {
   }
 
  private:
-  // By place, so that the order of the points does not matter.
+  // Sorted by place, so that the result does not depend on the order of the points.
   bool Before(int a, int b) const {
     if (points_(0, a) != points_(0, b)) return points_(0, a) < points_(0, b);
     if (points_(1, a) != points_(1, b)) return points_(1, a) < points_(1, b);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The border of what points in the plane cover.
+// The alpha shape of points in the plane: the boundary of the region they cover.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,7 +8,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kCells = 4;  // a radius is as many sides of a cell
+constexpr int kCells = 4;  // cells per radius
 constexpr int kPad = kCells + 2;
 constexpr std::ptrdiff_t kBlock = 16384;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where discs of one radius may lie that hold no point, and the points next to them.
+// Centres of empty discs of one radius among points, and the points near their rims.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 
 namespace batten::internal {
 
-// A grid of cells a quarter of the radius wide. Errs on the safe side only: every centre of an
-// empty disc is told. Where the box of the points is mostly empty everything may be the centre of
-// one. O(m) and O(area / radius²).
+// A grid of cells a quarter of the radius wide that marks possible centres of empty discs. It is
+// conservative: every true centre is marked. Where the box of the points is mostly empty every
+// place counts as a possible centre. O(m) and O(area / radius²).
 class EmptyDiscs {
  public:
   EmptyDiscs(const Eigen::Matrix2Xd& points, double radius, ThreadPool& pool);

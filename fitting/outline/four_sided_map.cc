@@ -11,10 +11,10 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kLeastJacobian = 0.1;  // of the mean: flatter cells spoil what is fitted over them
+constexpr double kLeastJacobian = 0.1;  // of the mean Jacobian; below: not one-to-one
 constexpr int kSteps = 30;
-constexpr double kArrived = 1e-9;  // of the square: the next step would be of its square
-constexpr double kFarthestFromSides = 2;    // from the square's middle, in its sizes
+constexpr double kArrived = 1e-9;         // Newton step, in sides of the square; below: converged
+constexpr double kFarthestFromSides = 2;  // from the square's middle, in its sides
 
 }  // namespace
 
@@ -39,7 +39,7 @@ FourSidedMap::FourSidedMap(const PlaneSides& sides)
       upper_v_{sides.upper_v},
       lower_u_{sides.lower_u},
       upper_u_{sides.upper_u} {
-  // The corner of a side along s and one along t.
+  // Joins a side along s and one along t at their corner.
   const auto corner =
       [](const Side& a, bool a_held, double s, const Side& b, bool b_held, double t) {
         const double share = a_held == b_held ? 0.5 : a_held ? 1.0 : 0.0;

@@ -37,7 +37,7 @@ NurbsCurve<2> Part(const NurbsCurve<2>& loop, double from, double to) {
   return {SplineBasis(p, knots), points};
 }
 
-// Off the way from its start to its end.
+// Whether the side's tangent nowhere deviates from its chord by more than kMostOff.
 bool NeverTurnsBack(const NurbsCurve<2>& side) {
   const auto& points = side.control_points();
   const Eigen::Vector2d chord = points.col(points.cols() - 1) - points.col(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Outlines that are four smooth curves from corner to corner.
+// The four sides of outlines with exactly four corners.
 #pragma once
 
 #include <array>

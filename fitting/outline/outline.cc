@@ -23,12 +23,12 @@ namespace {
 
 using Index = Eigen::Index;
 
-// All in spacings.
+// Lengths are in spacings, areas in squared spacings.
 constexpr double kRadius = 2.5;     // of the alpha shape
-constexpr double kLeastArea = 36;   // of a hole or a part
+constexpr double kLeastArea = 36;   // smaller holes and parts are ignored
 constexpr double kOutwards = 0.43;  // how far random points' ragged border lies inside, measured
-constexpr double kExact = 1e-5;     // of polygons that tell what lies outside
-constexpr double kFarthest = 1.5;   // a point outside that is still held
+constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which points lie outside
+constexpr double kFarthest = 1.5;   // points farther outside are not contained
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {
@@ -137,7 +137,7 @@ class OutlineSearch {
   }
 
  private:
-  // What is covered, cut at the seams.
+  // The covered region, cut at the seams.
   std::vector<OutlineLoop> Borders() const {
     const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(points_, sides_, options_);
     const auto stretch = [&](const Eigen::Vector2d& place) { return spacing_.At(place); };

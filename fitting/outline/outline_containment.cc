@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kMargin = 0.01;  // beyond a point, inside the rectangle; above a polygon's sagitta
 constexpr double kContainmentLookedAt = 0.5;  // points that near inside may come to lie outside
-constexpr double kBin = 0.5;                  // one condition for so much of a border
+constexpr double kBin = 0.5;                  // length of border that gets one condition
 constexpr double kNearCorner = 1;
 constexpr int kRounds = 8;
 constexpr int kSweeps = 300;
 constexpr double kOwnLength = 1;
 constexpr double kMostContainmentMoved =
     4;                          // of a control point; else conditions contradict each other
-constexpr double kSoft = 1e-5;  // what a condition gives way, against what it costs
+constexpr double kSoft = 1e-5;  // softness of conditions
 constexpr double kMet = 1e-3;
 
 // A spline's place at t must go along n by at least `least`.
@@ -119,7 +119,7 @@ class LeastMove {
   Eigen::MatrixXd inverse_[2];
 };
 
-// Corners may lie on an edge of the rectangle: no margin near them.
+// No margin is kept near corners, which may lie on an edge of the rectangle.
 bool NearCorner(const OutlineSpline& loop, double t) {
   const double round = loop.basis.upper() - loop.basis.lower();
   return std::any_of(loop.corners.begin(), loop.corners.end(), [&](double corner) {
@@ -136,7 +136,7 @@ void Keep(Bins& bins, int loop, int kind, const Condition& condition) {
   if (!fresh && place->second.least < condition.least) place->second = condition;
 }
 
-// Those that the moves of a border may reach.
+// Points that the moves of a border may reach.
 Eigen::Matrix2Xd NearOutlines(const Eigen::Matrix2Xd& points,
                               const std::vector<OutlineSpline>& loops,
                               ThreadPool& pool) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Smoothed borders moved, as little as can be, to hold all points.
+// The least move of smoothed outlines that makes them contain all points.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace batten::internal {
 
-// The splines of least ∫ |move|² that hold the points, but those farther than `farthest` outside,
-// and stay in the rectangle from zero to `sides`. Fixed coordinates stay. By linear conditions of
-// the nearest places, a quadratic program each round (Hildreth's method), a few rounds. [Hildreth
-// 1957]
+// Moves the splines by the least ∫ |move|² so that they contain the points, except those farther
+// than `farthest` outside, and stay in the rectangle from zero to `sides`. Fixed coordinates stay.
+// Each of a few rounds linearizes the conditions at the foot points and solves a quadratic program
+// by Hildreth's method. [Hildreth 1957]
 void EnforceContainment(const Eigen::Matrix2Xd& points,
                         const Eigen::Vector2d& sides,
                         double farthest,

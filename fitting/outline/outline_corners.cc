@@ -13,18 +13,18 @@ namespace {
 using Index = Eigen::Index;
 
 constexpr double kOneDegree = std::numbers::pi / 180;
-constexpr double kMostCornerTurn = 165 * kOneDegree;  // a hair-pin
+constexpr double kMostCornerTurn = 165 * kOneDegree;  // above: a hairpin, no corner
 constexpr double kGap = 1.5;             // left out on either side: rounded by the border's making
 constexpr double kBetter = 1.5;          // sum of squares of a circle over that of two lines
-constexpr double kNoise = 0.1;           // a border is never better known than that
-constexpr double kMostMoved = 2;         // by longer windows
-constexpr double kFarthestCorner = 3.2;  // of a corner from the border
+constexpr double kNoise = 0.1;           // smallest noise assumed of a border
+constexpr double kMostMoved = 2;         // by which longer windows may move a corner
+constexpr double kFarthestCorner = 3.2;  // distance of a corner from the border; farther: a bend
 constexpr double kSharp = 140 * kOneDegree;
-constexpr double kLongest = 20;  // of the windows that place a corner
+constexpr double kLongest = 20;  // longest window that locates a corner
 
-// What asks for a corner: both windows this long and this straight, turned by as many degrees, and
-// by this much nearer to the border than one circle (squared distances, integrated along it). Lower
-// ones are met by chance on borders of random points.
+// Thresholds of a corner: length and rms of both windows, turn in degrees, and gain over one circle
+// (squared distances, integrated along the border). Borders of random points meet lower ones by
+// chance.
 struct Window {
   double length, most_rms, least_turn, gain;
 };
@@ -47,7 +47,7 @@ class CornerSearch {
     Scan({5, 0.6, 70, 2});
     for (size_t i = 0; i < corners_.size(); ++i) Place(i);
     MergeNear();
-    // Lines that meet far from the border belong to a narrow bend, unless they make a sharp tip.
+    // Lines that meet far from the border indicate a narrow bend, unless they form a sharp tip.
     std::erase_if(corners_, [&](const OutlineCorner& corner) {
       return std::abs(corner.turn) < kSharp && FromBorder(corner) > kFarthestCorner;
     });

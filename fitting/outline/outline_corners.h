@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Corners of a ragged closed border.
+// Corner detection on a ragged closed border.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,10 +18,11 @@ struct OutlineCorner {
   Eigen::Vector2d place;  // where the lines meet
 };
 
-// Where two straight windows meet at more than 40°, in ascending order of their indices. `border`:
-// points of a closed border (2 × m) one behind the other, `step` apart along it, in units of the
-// cloud's spacing; ragged by up to about one. Windows are twenty long, then ten and five for what
-// is shorter; two lines must explain the border clearly better than one circle. O(m).
+// Finds corners, where straight windows on either side meet at more than 40°, in ascending order of
+// their indices. `border`: points of a closed border (2 × m) one behind the other, `step` apart
+// along it, in units of the cloud's spacing; ragged by up to about one. Windows are twenty long,
+// then ten and five for what is shorter; two lines must explain the border clearly better than one
+// circle. O(m).
 std::vector<OutlineCorner> OutlineCorners(const Eigen::Matrix2Xd& border, double step);
 
 }  // namespace batten::internal

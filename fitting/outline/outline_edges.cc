@@ -9,11 +9,10 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kDeepest = 4;              // of a border that fills, ragged as it is
-constexpr double kFarthestFromEdges = 3.5;  // of a stretch put on an edge
+constexpr double kDeepest = 4;              // depth; a deeper border does not fill the rectangle
+constexpr double kFarthestFromEdges = 3.5;  // largest distance of a stretch put on an edge
 constexpr double kMeanDepth = 1.5;
-constexpr size_t kEdgeWindow =
-    12;  // samples: over so many the border runs along the edge on average
+constexpr size_t kEdgeWindow = 12;  // samples over which the depth is averaged
 constexpr double kWindowDepth = 2;
 
 double Depth(const Eigen::Vector2d& place, int edge, const Eigen::Vector2d& sides) {
@@ -38,7 +37,7 @@ double DeepestWindow(
   return deepest;
 }
 
-// Of the edge along which samples first … last run, −1 if none.
+// The index of the edge along which samples first … last run, −1 if none.
 int EdgeOf(const OutlineLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
   for (int edge = 0; edge < 4; ++edge) {
     double deepest = 0, sum = 0;
@@ -207,7 +206,7 @@ double Greatest(const OutlineSpline& spline, int axis, int sign) {
   return greatest;
 }
 
-// Control points of what is far outside.
+// Control points of the parts far outside.
 void ClampSpans(OutlineSpline& spline, int axis, double side, double trifle) {
   for (const int span : spline.basis.Spans()) {
     if (-Greatest(spline, span, axis, -1) >= -trifle &&

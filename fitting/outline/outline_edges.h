@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Outlines against the edges of their parameter rectangle, whose seams close. Lengths in spacings;
-// the rectangle reaches from zero to `sides`.
+// Alignment of outlines with the edges and seams of their parameter rectangle. Lengths are in
+// spacings; the rectangle reaches from zero to `sides`.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,26 +19,26 @@ bool FillsRectangle(const OutlineLoop& outer,
                     const LocalSpacing& spacing,
                     const Eigen::Vector2d& sides);
 
-// Stretches between corners that are nowhere far from an edge run along it exactly, to the
+// Moves stretches between corners that are nowhere far from an edge exactly onto it, up to the
 // rectangle's corners.
 void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides);
 
-// Corners cut by a seam are at one height on either side of it.
+// Gives corners cut by a seam the same height on both sides of it.
 void MatchSeam(std::vector<OutlineLoop>& loops, int axis, double period);
 
-// Straight pieces stay where they are; their ends may move along an edge.
+// Fixes straight pieces; their ends may still move along an edge.
 void FixOnEdges(OutlineSpline& spline);
 
-// The same for what was smoothed: of two ends that belong together the outer one counts, and is
-// fixed. Whether any was moved.
+// Matches the ends of smoothed borders across seams: both take the outer of the two heights and are
+// fixed. Returns whether any end was moved.
 bool MatchSeams(std::vector<OutlineSpline>& splines,
                 const OutlineOptions& options,
                 const Eigen::Vector2d& sides);
 
-// A spline that leaves the rectangle a little is squeezed into it.
+// Moves a spline that leaves the rectangle a little back into it.
 void KeepInRectangle(OutlineSpline& spline, const Eigen::Vector2d& sides);
 
-// The rectangle itself.
+// The rectangle as an outline.
 OutlineSpline RectangleSpline(const Eigen::Vector2d& sides);
 
 }  // namespace batten::internal

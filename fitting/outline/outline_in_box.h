@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The outline of points in a rectangle that is wider than they are.
+// The outline of points in their own bounding box rather than the whole parameter rectangle.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,9 @@
 
 namespace batten::internal {
 
-// FindOutline in the box of the points, a little widened, instead of the whole of
-// [0, length_u] × [0, length_v]; directions that close, and v towards a pole, are left as they are. `fills`: the points fill that box.
+// Runs FindOutline in the bounding box of the points, slightly widened, instead of the whole of [0,
+// length_u] × [0, length_v]; periodic directions, and v towards a pole, keep their range. `fills`
+// then means that the points fill that box.
 Outline FindOutlineInBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool);
 
 }  // namespace batten::internal

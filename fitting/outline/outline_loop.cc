@@ -80,7 +80,7 @@ class StretchSmoothing {
   double outwards_;
 };
 
-// How many points from a corner on, one way, are not yet along its side.
+// The number of points next to a corner, in one direction, that are off its side.
 Index Rounded(const Eigen::Matrix2Xd& border,
               Index corner,
               int way,
@@ -145,7 +145,7 @@ Eigen::Matrix2Xd PolygonOf(const OutlineLoop& loop) {
 
 namespace {
 
-// What of a border is inside, from where it comes in to where it goes out.
+// A part of a border inside the half plane, from entry to exit.
 struct Chain {
   OutlineLoop samples;
   double in, out;  // along the edge, the way a border runs along it

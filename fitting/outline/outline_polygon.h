@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where points lie against smoothed borders.
+// Foot points and signed distances of points to smoothed outlines.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace batten::internal {
 
-// A point near a border, or outside far from any (loop −1).
+// The foot point of a point near a border; loop −1 for a point outside, far from any border.
 struct OutlineFootPoint {
   Eigen::Index point;
   int loop;
@@ -19,10 +19,11 @@ struct OutlineFootPoint {
   Eigen::Vector2d outward;  // of length one
 };
 
-// Polygons along splines, in a grid.
+// Polygons that approximate the splines, indexed by a grid.
 class OutlinePolygon {
  public:
-  // Points up to `reach` from a border are looked at exactly; sides leave it by `sagitta` at most.
+  // Points up to `reach` from a border get exact foot points; the polygon deviates from the spline
+  // by `sagitta` at most.
   OutlinePolygon(const std::vector<OutlineSpline>& loops, double reach, double sagitta = 0.002);
 
   struct Vertex {
@@ -31,7 +32,7 @@ class OutlinePolygon {
   };
   const std::vector<std::vector<Vertex>>& vertices() const { return vertices_; }
 
-  // Of the points at most `reach` inside, and all outside, in their order. O(m).
+  // Foot points of all points outside and of those at most `reach` inside, in their order. O(m).
   std::vector<OutlineFootPoint> FootPointSet(const Eigen::Matrix2Xd& points,
                                              ThreadPool& pool) const;
 

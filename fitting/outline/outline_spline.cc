@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kDegree = 3;
 constexpr double kShortestSpan = 4;
-constexpr double kFloor = 0.1;          // a border is never better known than that
-constexpr double kTogether = 3;         // along a ragged border what is nearer is not independent
+constexpr double kFloor = 0.1;          // smallest noise assumed of a border
+constexpr double kTogether = 3;         // samples nearer than this count as dependent
 constexpr double kMostOffSpline = 0.6;  // the mean misfit over …
 constexpr double kWindow = 12;          // … a window this long
 constexpr int kMostRises = 3;
@@ -33,7 +33,7 @@ struct PieceData {
 
 struct PieceFit {
   SplineBasis basis;
-  Eigen::Matrix2Xd points;  // as many as are different
+  Eigen::Matrix2Xd points;  // the distinct control points
   double score = 0;
   double off = 0, worst = 0;  // the greatest mean misfit over a window, and its middle
 };
@@ -42,7 +42,7 @@ int Column(const SplineBasis& basis, int i) {
   return basis.periodic() ? i % (basis.size() - kDegree) : i;
 }
 
-// Least squares; without data a spline is held by very little where its neighbours are.
+// Least squares; weak regularization holds control points without data near their neighbours.
 Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
   const int n = data.closed ? basis.size() - kDegree : basis.size();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
@@ -78,7 +78,7 @@ Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
   return solved.transpose();
 }
 
-// Schwarz' criterion of the distances across the spline, and where it is off over a whole window.
+// Schwarz' criterion of the distances across the spline, and the window of largest mean misfit.
 void Judge(const PieceData& data, double noise, PieceFit& fit) {
   const auto m = static_cast<double>(data.at.size());
   double sum = 0;
@@ -126,7 +126,8 @@ std::vector<double> EvenBreaks(double length, int spans) {
   return breaks;
 }
 
-// As many even spans as the whole border asks for, and more of them where it is off.
+// Uniform spans, as many as Schwarz' criterion selects for the whole border, and more where the
+// misfit of a window is large.
 PieceFit Chosen(const PieceData& data, double noise) {
   const int least = data.closed ? 4 : 1;
   const int most = std::max(least, static_cast<int>(data.length / kShortestSpan));
@@ -196,7 +197,7 @@ std::vector<OutlineSample> WithStraightEnds(const Eigen::Vector2d& start,
   return result;
 }
 
-constexpr size_t kFewestSplineSpans = 3;  // samples that say more than a straight line
+constexpr size_t kFewestSplineSpans = 3;  // samples; with fewer a straight line is used
 
 OutlinePiece StraightPiece(const Eigen::Vector2d& start, const Eigen::Vector2d& end) {
   OutlinePiece piece{{0, std::max((end - start).norm(), 1e-6)}, Eigen::Matrix2Xd(2, kDegree + 1)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A border smoothed: one closed cubic with its corners.
+// Smoothing of a border: one closed cubic spline with corners.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,9 @@
 
 namespace batten::internal {
 
-// Control point i is column unknown[i] of `points`: those that coincide are the same one. With
-// corners the basis is clamped and begins at a corner; without, it is periodic.
+// A closed cubic spline. Control point i is column unknown[i] of `points`; coinciding control
+// points share a column. With corners the basis is clamped and begins at a corner; without, it is
+// periodic.
 struct OutlineSpline {
   SplineBasis basis;
   std::vector<int> unknown;
@@ -26,12 +27,12 @@ struct OutlineSpline {
   NurbsCurve<2> Curve(double scale) const;  // clamped
 };
 
-// Cubics through samples, straight ones where a border runs along a cut; parameters are lengths.
-// As many control points as the ragged samples can tell from chance, few of them as a rule; `noise`
-// (in spacings) is taken to be no detail. O(length · control points).
+// Fits cubics to the samples, straight lines where a border runs along a cut; parameters are
+// lengths. Schwarz' criterion chooses the number of control points, usually few; detail below
+// `noise` (in spacings) is not followed. O(length · control points).
 OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise);
 
-// One open cubic between two places through the samples of a piece.
+// An open cubic spline between two places, fitted to the samples of a piece.
 struct OutlinePiece {
   std::vector<double> breaks;  // from 0 on
   Eigen::Matrix2Xd points;

@@ -17,7 +17,7 @@ namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kMostOutside = 0.01;  // of the points: else an outline leaves out too much
+constexpr double kMostOutside = 0.01;  // share of the points outside one outline; above: no trim
 constexpr double kFlattest = 1e-3;     // ratio of mean lengths beyond which they are not followed
 
 // Means of |S_u| and |S_v| over some of the feet.
@@ -32,8 +32,8 @@ Eigen::Vector2d MeanStretch(const NurbsSurface& surface, const Eigen::Matrix2Xd&
   return sum.cwiseMax(kFlattest * sum.maxCoeff()) / static_cast<double>(jets.size());
 }
 
-// |S_u| at heights v of the domain over its mean, linear between rows: what a unit of u is worth
-// about a pole.
+// |S_u| at heights v of the domain over its mean, linear between rows: the length of a unit of u
+// near a pole.
 class RowStretch {
  public:
   RowStretch(const NurbsSurface& surface, double mean, double length_v)
@@ -78,7 +78,7 @@ bool HasValidTrims(const NurbsSurface& surface) {
   return true;
 }
 
-// Of a loop's control points, which it does not leave.
+// The bounding box of a loop's control points, which contains the loop.
 Eigen::AlignedBox2d BoxOf(const NurbsCurve<2>& loop) {
   return {loop.control_points().rowwise().minCoeff(), loop.control_points().rowwise().maxCoeff()};
 }

@@ -42,7 +42,7 @@ BaseScore::BaseScore(const PointCloud& points,
 }
 
 FittingProblem BaseScore::ProblemOf(const Parameterization& base, const PointMask& reached) const {
-  // Higher degrees cost much and tell no more.
+  // Higher degrees cost much and do not improve the estimate.
   return base.ProblemOf(points_,
                         sample_ && reached,
                         std::min(options_.degree_u, kMostDegree),
@@ -92,7 +92,7 @@ BaseScore::Value BaseScore::AtMost(const Parameterization& base,
   double cells_u = start * std::sqrt(base.length_u / base.length_v),
          cells_v = start * start / cells_u;
   double best = score(cells_u, cells_v);
-  // More or fewer of both, then more in one direction at the cost of the other, both.
+  // More or fewer cells in both directions, then more in one at the cost of the other, then both.
   for (const auto& [step_u, step_v] : {std::pair{1.25, 1.25}, {1.2, 1 / 1.2}, {1.1, 1.1}}) {
     for (const int sign : {1, -1}) {
       bool better = false;
@@ -121,7 +121,8 @@ BaseScore::Value BaseScore::At(const Parameterization& base,
                         FittingBasisLike(problem.basis_v(), problem.basis_v().degree(), cells_v));
   const Eigen::VectorXd residuals =
       base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
-  // A few outliers may be left: they must not tell. What is small against the spacing is none.
+  // Residuals are clipped, since a few outliers may be left; small ones against the spacing are
+  // not.
   const double most = std::max(kOutlierInScales * RobustScale(residuals),
                                kShapeInSpacings * ParameterSpacing(problem));
   const double squares = residuals.cwiseAbs().cwiseMin(most).squaredNorm();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How well a base serves, before the fit over it.
+// Score of a base by generalised cross-validation, before the fit over it.
 #pragma once
 
 #include <vector>
@@ -11,10 +11,10 @@
 
 namespace batten::internal {
 
-// A sample of a cloud's points, the same for every base that is compared.
+// Scores bases over one sample of a cloud's points, the same for every base that is compared.
 class BaseScore {
  public:
-  // `kept` are indices of good points, not none. Everything else is referred to, not copied.
+  // `kept` are the indices of the inliers, at least one. All else is referred to, not copied.
   BaseScore(const PointCloud& points,
             const std::vector<Eigen::Index>& kept,
             const SurfaceFitOptions& options,
@@ -28,16 +28,17 @@ class BaseScore {
     int control_points = 0;        // over it
   };
 
-  // Generalised cross-validation of the best grid over the base, of the sample's points that the
-  // base has a place for: the others' parameters are a guess. O(points of the sample).
+  // Scores the base by generalised cross-validation over the best grid. Only points of the sample
+  // that the base has a place for count: the others' parameters are a guess. O(points of the
+  // sample).
   Value Of(const Parameterization& base, const PointMask& reached) const;
 
-  // The same where nearly the same base is known to ask for nearly such a grid: only its
-  // surroundings are searched.
+  // Scores a base similar to one scored before: only grids close to the one chosen then (`near`)
+  // are searched.
   Value Near(const Parameterization& base, const PointMask& reached, const Value& near) const;
 
-  // At less cost, and hardly ever too low: of a few grids with about as many cells as `near` has,
-  // and of no more than so many control points.
+  // Estimates an upper bound of the score at less cost, hardly ever too low: from a few grids with
+  // about as many cells as `near` has and at most `most_control_points` control points.
   Value AtMost(const Parameterization& base,
                const PointMask& reached,
                const Value& near,

@@ -26,22 +26,22 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.15;
-constexpr double kGentle = std::numbers::pi / 4;  // a plane serves without question up to this
+constexpr double kGentle = std::numbers::pi / 4;  // steepness up to which a plane is taken at once
 constexpr double kAtNoise = 1.5;
-constexpr double kBetterOnRoughGround = 0.5;  // where the plane's surface is not at the noise
+constexpr double kBetterOnRoughGround = 0.5;  // score ratio, if the plane's score exceeds the noise
 constexpr double kApartToRefuse = 0.1;
-constexpr double kHopeless = 1.1;          // times the plane's score: no settling makes up for that
-constexpr double kClearlyHopeless = 1.03;  // times that, by a few grids only
-constexpr double kManyMore = 3;            // control points than a plane at the noise has
-constexpr double kManyLengths = 0.03;  // distortion of a sheet beside which a round base may serve
-constexpr double kMuchEmpty = 0.2;     // of the rectangle, the same
+constexpr double kHopeless = 1.1;          // times the plane's score; beyond, no smoothing helps
+constexpr double kClearlyHopeless = 1.03;  // times that, if only a few grids are scored
+constexpr double kManyMore = 3;            // times the control points of a plane at the noise
+constexpr double kManyLengths = 0.03;      // distortion of a sheet; above, round bases are tried
+constexpr double kMuchEmpty = 0.2;         // empty share of its rectangle; above, the same
 constexpr double kVerySteep = 75 / kDegrees;
 constexpr double kAsGood = 1.01;          // a sheet's score against a plane's, on steep places
 constexpr double kClearlyBetter = 0.995;  // elsewhere
-constexpr double kFewLetGo = 0.005;       // of the points
-constexpr double kClearlyFewer = 0.8;     // control points
+constexpr double kFewLetGo = 0.005;       // share of the points without a place
+constexpr double kClearlyFewer = 0.8;     // ratio of control points
 
-// The bases a cloud may be fitted over, and the choice between them; members are what every step
+// Computes the candidate bases of a cloud and chooses between them; members hold what every step
 // needs of the points.
 class BaseChooser {
  public:
@@ -116,7 +116,7 @@ class BaseChooser {
                       pool_,
                       options_.progress);
     }
-    // What closes and is at the noise leaves no question for a closer look at a sheet.
+    // If a closed base fits to the noise, the sheet needs no attempt at finer resolution.
     std::optional<Scored> round;
     bool asked_for_round = false;
     if (layout_ && !layout_->found().ok()) {
@@ -132,7 +132,7 @@ class BaseChooser {
     if (!asks_to_close() && !MayBeRound(sheet)) {
       round.reset();
     } else if (!asked_for_round) {
-      // Beside a sheet, a plane that serves is what others must be better than.
+      // If there is a sheet and the plane serves, closed bases must be better than the plane.
       round = BestRound(sheet && plane_allowed() && !asks_to_close() ? &plane : nullptr);
     }
     AddRevolutionFailure();
@@ -157,8 +157,8 @@ class BaseChooser {
     return value.score <= std::pow(kAtNoise * statistics_.noise, 2);
   }
 
-  // What closes cannot be laid out flat, or only with lengths that differ much; a fan, as a part of
-  // a cone, lies badly in a rectangle.
+  // Whether closed bases are tried: a closed shape cannot be flattened, or only with much
+  // distortion; a fan, as a part of a cone, leaves much of its rectangle empty.
   bool MayBeRound(const std::optional<ParameterizationChoice>& sheet) const {
     if (options_.base == BaseShape::kPlane) return false;
     if (!sheet) return true;
@@ -174,12 +174,13 @@ class BaseChooser {
     return *score_;
   }
 
-  // A base that lets go of more than outliers must answer for what it lets go of.
+  // Scores a base; if it leaves more points than outliers without a place, these count too.
   BaseScore::Value ScoreOf(const ParameterizationChoice& choice) {
     return score().Of(choice.base, CountedOf(choice, std::ssize(kept_)));
   }
 
-  // Of what predicts left-out points as well, the simpler.
+  // Whether base a predicts left-out points clearly better, or as well with clearly fewer control
+  // points.
   static bool IsBetter(const BaseScore::Value& a, const BaseScore::Value& b) {
     return a.score < kClearlyBetter * b.score ||
            (a.score <= kAsGood * b.score && a.control_points < kClearlyFewer * b.control_points);
@@ -189,7 +190,7 @@ class BaseChooser {
     return {*good_, *index_, statistics_, margin_, layout_ ? &layout_->nodes() : nullptr};
   }
 
-  // The same for all points; those that stand out have no place.
+  // Extends a closed base from the inliers to all points; outliers have no place.
   ParameterizationChoice ForAll(ClosedBase&& closed,
                                 const std::vector<Eigen::Index>& places) const {
     ParameterizationChoice choice{
@@ -204,7 +205,7 @@ class BaseChooser {
     return choice;
   }
 
-  // The points that scores look at.
+  // Returns the points that scores are computed from.
   std::vector<Eigen::Index> Sampled() {
     std::vector<Eigen::Index> sampled;
     for (const Eigen::Index k : kept_)
@@ -220,8 +221,8 @@ class BaseChooser {
            AtMostBeside(round, points, of_plane) > kClearlyHopeless * kHopeless * of_plane.score;
   }
 
-  // Whether the bases that close are hopeless beside a plane at the noise, as those points tell
-  // that scores look at: where they are a small part, laying them only is soon done.
+  // Whether closed bases cannot compete with a plane at the noise, judged by the sampled points
+  // alone: if these are a small part of the cloud, this is fast.
   bool AreHopelessBeside(const ParameterizationChoice& plane) {
     constexpr Eigen::Index kManyMorePoints = 3;
     const std::vector<Eigen::Index> sampled = Sampled();
@@ -235,10 +236,10 @@ class BaseChooser {
            });
   }
 
-  // Of the bases that close and serve, that over which left-out points are predicted best, poles
-  // told apart; none with a refusal, or where all are hopeless beside a plane at the noise.
+  // Returns the closed base that predicts left-out points best, with its poles classified; none if
+  // none serves, or if none can compete with a plane at the noise.
   std::optional<Scored> BestRound(const ParameterizationChoice* plane = nullptr) {
-    // What is a height field, but for few layers, is no tube.
+    // A height field, but for few layers, is no tube.
     const bool height_field = plane_allowed() && plane_.overlap <= kOverlapToWarn;
     if (plane != nullptr && height_field && IsAtNoise(PlaneScore(*plane)) &&
         AreHopelessBeside(*plane)) {
@@ -263,7 +264,7 @@ class BaseChooser {
     return best;
   }
 
-  // Directions as asked for.
+  // Makes directions periodic as the options ask.
   void Close(Parameterization& base) const {
     const Closing asked = options_.closed;
     if (asked == Closing::kAuto) return;
@@ -305,8 +306,8 @@ class BaseChooser {
     return {std::move(base), PointMask::Constant(cloud_.size(), true), {}};
   }
 
-  // The sheet laid out flat; points that stand out have no place. None with a refusal. Of many
-  // points those of the sample only, where there is another base to be tried.
+  // Flattens the sheet; outliers have no place. None if the flattening fails. If there are many
+  // points and another base to be tried, only the sample gets places.
   std::optional<ParameterizationChoice> OverSheet() {
     const SheetBase& found = layout_->found();
     failure_reason_ = found.failure_reason;
@@ -326,7 +327,7 @@ class BaseChooser {
     return laid;
   }
 
-  // Gives good points, or those of the sample, their places on the sheet.
+  // Assigns parameters on the sheet to all inliers, or to those of the sample.
   void Lay(bool sampled, ParameterizationChoice& laid) {
     std::vector<Eigen::Index> which;  // of the good points
     for (size_t k = 0; sampled && k < kept_.size(); ++k)
@@ -358,14 +359,14 @@ class BaseChooser {
     return sheet_sampled_ ? score().sample().count() : std::ssize(kept_);
   }
 
-  // The sheet's score, taken once for each set of parameters.
+  // Returns the sheet's score, computed once for each set of parameters.
   const BaseScore::Value& SheetScore(const ParameterizationChoice& sheet) {
     if (!sheet_score_) sheet_score_ = score().Of(sheet.base, CountedOf(sheet, PointsOfSheet()));
     return *sheet_score_;
   }
 
-  // The sheet, its parameters settled where that pays, or the plane; none where there is neither.
-  // `scored`: its value is asked for.
+  // Returns the sheet, with smoothed parameters if they are better, or the plane; none if there is
+  // neither. `scored`: its score is needed.
   std::optional<Scored> BestOpen(ParameterizationChoice&& plane,
                                  std::optional<ParameterizationChoice>&& sheet,
                                  bool scored) {
@@ -381,14 +382,14 @@ class BaseChooser {
     if (!sheet && !scored && !one_sided_) return Scored{std::move(plane), {}};
     const BaseScore::Value of_plane = PlaneScore(plane);
     const bool plane_is_right = IsAtNoise(of_plane);
-    // A one-sided sheet has no height field either; steep ground only looks like one.
+    // A one-sided sheet is no height field either; steep ground only looks one-sided.
     if (one_sided_ && !plane_is_right) throw std::invalid_argument(failure_reason_);
     if (!sheet) return Scored{std::move(plane), of_plane};
-    // Settling gains a few hundredths, not more.
+    // Smoothing the parameters improves the score by a few hundredths at most.
     if (!IsHopeless(*sheet, of_plane)) {
       if (sheet_sampled_) Lay(sheet_sampled_ = false, *sheet);
       Settle(*sheet);
-      // Over steep places a plane's cells are long: a tie goes to the sheet there.
+      // On steep places a plane's cells are long: there the sheet is preferred at a tie.
       const double better = !plane_is_right                 ? kBetterOnRoughGround
                             : plane_.steepness > kVerySteep ? kAsGood
                                                             : kClearlyBetter;
@@ -402,14 +403,14 @@ class BaseChooser {
     return Scored{std::move(plane), of_plane};
   }
 
-  // The plane's score, taken once.
+  // Returns the plane's score, computed once.
   const BaseScore::Value& PlaneScore(const ParameterizationChoice& plane) {
     if (!plane_score_) plane_score_ = ScoreOf(plane);
     return *plane_score_;
   }
 
-  // What a base's score, of so many points, hardly exceeds where it matters: where the plane is
-  // right, nothing wins with many more control points.
+  // Estimates an upper bound of a base's score over so many points. If the plane fits to the noise,
+  // no base with many more control points can win, and grids are limited to that.
   double AtMostBeside(const ParameterizationChoice& choice,
                       Eigen::Index points,
                       const BaseScore::Value& of_plane) {
@@ -418,7 +419,7 @@ class BaseChooser {
     return score().AtMost(choice.base, CountedOf(choice, points), of_plane, control_points).score;
   }
 
-  // Told by a few grids where that suffices.
+  // Whether the sheet cannot compete with the plane, by a few grids if that suffices.
   bool IsHopeless(const ParameterizationChoice& sheet, const BaseScore::Value& of_plane) {
     const double most = kHopeless * of_plane.score;
     if (!sheet_score_) {
@@ -442,9 +443,9 @@ class BaseChooser {
   const CloudStatistics& statistics_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;
-  std::vector<Eigen::Index> kept_;  // points that do not stand out
+  std::vector<Eigen::Index> kept_;  // indices of the inliers
   Eigen::Matrix3Xd some_ = Eigen::Matrix3Xd(3, 0);
-  std::optional<NeighbourIndex> own_index_;  // of those, where they are not all
+  std::optional<NeighbourIndex> own_index_;  // index of the inliers, if they are not all points
   const Eigen::Matrix3Xd* good_ = nullptr;
   const NeighbourIndex* index_ = nullptr;
   double margin_ = 0;

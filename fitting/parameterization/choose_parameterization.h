@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which base a cloud's parameters are taken from.
+// Choice of the base that a cloud's parameters are taken from.
 #pragma once
 
 #include <string>
@@ -19,13 +19,13 @@ struct ParameterizationChoice {
   std::vector<std::string> warnings;
 };
 
-// A plane where the points are a height field that is nowhere steep. Otherwise the sheet is laid
-// out flat, and the base over which left-out points are predicted better is taken, the plane unless
-// the sheet is clearly better; a plane over which the points lie in layers here and there is taken
-// with a warning if nothing else serves. What cannot be laid out flat, or only with lengths that
-// differ much, is tried as a shape that closes (FindClosedBases). With options.base that base or
-// none. Points that stand out by the statistics don't take part, but get their places. Throws
-// std::invalid_argument, with a sentence for the user, where no base serves.
+// Chooses the base of a cloud: a plane if the points are a height field that is nowhere steep.
+// Otherwise the sheet is flattened, and cross-validation chooses between both: the plane, unless
+// the sheet is clearly better. A plane over which the points lie in layers here and there is taken
+// with a warning if no other base serves. A cloud that cannot be flattened, or only with much
+// distortion, is tried as a closed shape (FindClosedBases). If options.base asks for a base, that
+// one is taken or none. Outliers of the statistics are left out of the choice, but get parameters.
+// Throws std::invalid_argument, with a sentence for the user, if no base serves.
 ParameterizationChoice ChooseBase(const PointCloud& points,
                                   const NeighbourIndex& index,
                                   const CloudStatistics& statistics,

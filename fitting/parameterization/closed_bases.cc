@@ -15,9 +15,9 @@ namespace batten::internal {
 namespace {
 
 constexpr double kMostEmpty = 0.35;
-constexpr double kClearlyRound = 0.02;  // misfit: less leaves no question for a tube
+constexpr double kClearlyRound = 0.02;  // relative misfit; below, no tube is tried
 
-// Points beyond an open edge have been given a place on it: outliers, whose true place is unknown.
+// Points inside the open edges. Points beyond an edge were given a place on it: they are outliers.
 PointMask Inside(const Parameterization& base) {
   const auto u = base.parameters.row(0).array(), v = base.parameters.row(1).array();
   PointMask inside = PointMask::Constant(base.parameters.cols(), true);
@@ -31,7 +31,7 @@ PointMask Inside(const Parameterization& base) {
   return inside;
 }
 
-// The search, kind by kind; members are what the kinds share.
+// Search for closed bases, kind by kind; members are shared by the kinds.
 class Finder {
  public:
   Finder(const GoodPoints& good, const SurfaceFitOptions& options, bool tubes, ThreadPool& pool)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bases of shapes that close on themselves: spheres, tori, surfaces of revolution and tubes.
+// Bases of closed shapes: spheres, tori, surfaces of revolution and tubes.
 #pragma once
 
 #include <string>
@@ -14,29 +14,29 @@
 
 namespace batten::internal {
 
-// Points and what is known of them; everything is referred to, not copied.
+// The inliers of a cloud with their index and statistics; everything is referred to, not copied.
 struct GoodPoints {
-  const Eigen::Matrix3Xd& points;  // those that do not stand out
+  const Eigen::Matrix3Xd& points;  // the inliers
   const NeighbourIndex& index;
   const CloudStatistics& statistics;
   double margin;
   const PoissonDiskSamples* nodes =
-      nullptr;  // of them, as SamplePoissonDisk gives by default, if known
+      nullptr;  // their Poisson-disk samples by default options, if known
 };
 
 struct ClosedBase {
   Parameterization base;  // parameters of the good points
-  PointMask reached;      // of them, those the base has a place for
+  PointMask reached;      // inliers that the base has a place for
 };
 
 struct ClosedBases {
-  std::vector<ClosedBase> serving;  // the simplest first; none where there is a refusal
-  std::string failure_reason;       // of what was asked for, with what to do
+  std::vector<ClosedBase> serving;  // the simplest first; none if there is a failure reason
+  std::string failure_reason;       // why the base asked for does not serve, and what to do
 };
 
-// The bases that serve, asked for or (kAuto) all in question: a sphere or torus where the points
-// are near one, else the surface of revolution they are, and with `tubes` the tube they lie on
-// where they are not clearly that.
+// Finds the closed bases that serve, either the one asked for or (kAuto) all candidates: a sphere
+// or torus if the points are near one, else a surface of revolution, and with `tubes` a tube unless
+// the points are clearly a surface of revolution.
 ClosedBases FindClosedBases(const GoodPoints& good,
                             const SurfaceFitOptions& options,
                             bool tubes,

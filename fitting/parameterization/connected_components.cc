@@ -15,8 +15,8 @@ namespace {
 
 constexpr Eigen::Index kComponentSample = 20000;
 constexpr int kNeighbours = 9;       // with the point itself
-constexpr double kApart = 10;        // distances of the neighbours
-constexpr double kLeastPart = 0.02;  // of the points, that the largest part holds
+constexpr double kApart = 10;        // neighbour distances between detached components
+constexpr double kLeastPart = 0.02;  // share of the points in the largest component
 
 // Disjoint sets, named by one member of each.
 class Parts {
@@ -38,7 +38,7 @@ class Parts {
   std::vector<int> parent_;
 };
 
-// Places of a plane, joined to their neighbours.
+// Components of places of a plane that are joined to their neighbours.
 struct Joined {
   std::vector<int> part;      // of every place
   std::vector<double> reach;  // the distance of its farthest neighbour
@@ -61,7 +61,8 @@ Joined JoinNeighbours(const Eigen::Matrix3Xd& plan) {
   return joined;
 }
 
-// Which parts join the largest, or what has joined it, as far as their own neighbours reach.
+// Finds the components that join the largest, directly or through others, within a multiple of
+// their own neighbour distances.
 std::vector<char> HangTogether(const Eigen::Matrix3Xd& plan, const Joined& joined, int largest) {
   std::vector<char> together(joined.part.size(), 0);  // of a part
   together[largest] = 1;
@@ -84,9 +85,9 @@ std::vector<char> HangTogether(const Eigen::Matrix3Xd& plan, const Joined& joine
   return together;
 }
 
-// Whether places clearly hang together: they fill the better part of tiles that would hold nine
-// each if they were spread evenly, and the tiles filled are one piece. Its gaps are then at most
-// two tiles wide, far less than ten distances of neighbours.
+// Whether places are clearly connected: they fill more than half of the tiles that would hold nine
+// each if they were spread evenly, and the filled tiles are one component. Gaps are then at most
+// two tiles wide, far less than ten neighbour distances.
 bool ClearlyHangTogether(const Eigen::Matrix3Xd& plan) {
   constexpr double kPlacesOfATile = 9, kLeastFilled = 0.5;
   const Eigen::Vector2d low = plan.topRows<2>().rowwise().minCoeff();
@@ -147,7 +148,7 @@ double DetachedFraction(const Eigen::Matrix2Xd& places, std::uint64_t seed) {
         if (!together[part]) apart += sizes[part];
       return static_cast<double>(apart) / all;
     }
-    // Points over each other are so many small parts: one place stands for each.
+    // Points over each other form many small components: one place represents each.
     std::vector<int> first;
     for (int k = 0; k < std::ssize(sizes); ++k)
       if (sizes[k] > 0) first.push_back(k);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether points in a plane hang together.
+// Connected components of points in a plane.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,12 @@
 
 namespace batten::internal {
 
-// The share of points (2 × m) that lie apart from the largest part of them: in parts of their own,
-// farther from it than ten times the distance at which they have neighbours themselves. What
-// hangs together by a bridge of points, or over a gap of a few spacings, is one part, however the
-// density differs. Duplicates and points over each other do no harm: where no part holds 2 % of the
-// points, parts are taken for places. O(m log m); of more than 20 000 points so many are looked at.
+// Returns the share of points (2 × m) that are detached from the largest component: in components
+// of their own, farther from it than ten times the distance of their own neighbours. Points joined
+// by a bridge of points, or across a gap of a few spacings, are one component, even if the density
+// differs. Duplicates and points over each other are allowed: if no component holds 2 % of the
+// points, each component is replaced by one place. O(m log m); a sample of 20 000 is taken of more
+// points.
 double DetachedFraction(const Eigen::Matrix2Xd& places, std::uint64_t seed = 1);
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How much of a base's rectangle its points leave open.
+// Share of a base's rectangle that holds no points.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 
 namespace batten::internal {
 
-// The share of [0, length_u] × [0, length_v] that holds none of the parameters under a mask: of
-// tiles that would hold nine each if they were spread evenly.
+// Returns the share of [0, length_u] × [0, length_v] that holds none of the parameters under a
+// mask, counted in tiles that would hold nine parameters each if they were spread evenly.
 double EmptyAreaFraction(const Eigen::Matrix2Xd& parameters,
                          const PointMask& mask,
                          double length_u,

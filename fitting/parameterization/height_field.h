@@ -9,9 +9,9 @@
 
 namespace batten::internal {
 
-// The surface whose parameters are the plane's coordinates and whose control points stand `heights`
-// (1 × n_u·n_v) above their Greville abscissae: a spline reproduces the plane's coordinates
-// exactly, so such a surface can't fold.
+// Returns the surface whose parameters are the plane's coordinates and whose control points lie
+// `heights` (1 × n_u·n_v) above their Greville abscissae. A B-spline reproduces the plane's
+// coordinates exactly, so such a surface cannot fold.
 inline NurbsSurface HeightSurface(const PlaneBase& base,
                                   const SplineBasis& basis_u,
                                   const SplineBasis& basis_v,

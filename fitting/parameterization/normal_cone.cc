@@ -8,7 +8,7 @@
 namespace batten::internal {
 namespace {
 
-// Where one quantile lies in a sorted sample: at an index and a part of the way to the next.
+// Position of a quantile in a sorted sample: an index and a fraction of the way to the next.
 struct Position {
   Position(double fraction, Eigen::Index count) {
     const double at = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(count - 1);
@@ -49,7 +49,7 @@ class LowCosines {
                       : Between(*at, next, values_.end(), first_.part);
   }
 
-  // The sum of the normals between the quantiles, on the axis's side.
+  // Returns the sum of the normals between the quantiles, on the axis's side.
   Eigen::Vector3d Steep(const Eigen::Vector3d& axis) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const Eigen::Index k : indices_) {

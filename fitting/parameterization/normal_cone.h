@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The direction that a sheet's normals keep nearest to.
+// Normal cone of a sheet: the direction closest to all of its normals.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,14 @@
 namespace batten::internal {
 
 struct NormalConeOptions {
-  double share = 0.05;     // of the normals may lie outside the cone
-  bool one_sided = false;  // normals' signs count; else they are lines
+  double share = 0.05;     // share of the normals that may lie outside the cone
+  bool one_sided = false;  // signs of the normals count; else normals are lines
   int rounds = 60;
 };
 
-// Towards the axis of the smallest cone about normals (3 × n, of length 1) but for a share of them:
-// from `start` (of length 1) on, repeated means with those that are steepest; the best axis that
-// was met. O(n · rounds). [Bădoiu & Clarkson 2003, for balls]
+// Approximates the axis of the smallest cone that holds the unit normals (3 × n) but for a share of
+// them. Iterates from `start` (of length 1) by averaging with the steepest normals, and returns the
+// best axis met. O(n · rounds). [Bădoiu & Clarkson 2003, for balls]
 Eigen::Vector3d NormalCone(const Eigen::Matrix3Xd& normals,
                            const Eigen::Vector3d& start,
                            const NormalConeOptions& options);

@@ -14,7 +14,7 @@
 namespace batten::internal {
 namespace {
 
-// Of the cells cross-validation asks for, in u and v.
+// Shares of the cells chosen by cross-validation, in u and v.
 constexpr std::pair<double, double> kShares[] = {
     {0.35, 0.35}, {0.5, 0.5}, {0.7, 0.7}, {1, 0.5}, {0.5, 1}, {1, 1}};
 constexpr int kSmoothedDegree = 3;
@@ -27,7 +27,7 @@ SplineBasis Cells(const SplineBasis& like, double cells) {
   return FittingBasisLike(like, kSmoothedDegree, std::max(1, static_cast<int>(std::lround(cells))));
 }
 
-// The base at the feet of the points under a mask.
+// Base whose parameters are the foot points of the points under a mask.
 Parameterization AtFootPoints(const Parameterization& base,
                               const NurbsSurface& surface,
                               const PointCloud& points,

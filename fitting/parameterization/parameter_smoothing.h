@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parameters of a sheet laid out flat, made smoother where that pays.
+// Smoothing of a flattened sheet's parameters, accepted if cross-validation improves.
 #pragma once
 
 #include "batten/geometry/thread_pool.h"
@@ -8,15 +8,15 @@
 
 namespace batten::internal {
 
-// Laying out leaves small wrinkles, which a surface over the parameters must follow with cells of
-// their size. Surfaces of fewer cells than cross-validation asks for, in one direction or both, do
-// not follow them: wherever left-out points are predicted clearly better from the feet of the
-// points on such a surface, or as well with clearly fewer control points, those become the
-// parameters. Returns whether any did. Only points under the mask are moved.
-// `before` is the score of the parameters there are.
+// Smooths the parameters of a flattened sheet. Flattening leaves small wrinkles, which a surface
+// over the parameters must follow with cells of their size. Surfaces with fewer cells than
+// cross-validation asks for, in one direction or both, do not follow them: the foot points on such
+// a surface become the parameters if they predict left-out points clearly better, or as well with
+// clearly fewer control points. Returns whether any were accepted. Only points under the mask are
+// moved. `before` is the score of the present parameters.
 struct Settled {
   bool any = false;
-  BaseScore::Value value;  // over the parameters there are now
+  BaseScore::Value value;  // score of the resulting parameters
 };
 Settled SmoothParameters(Parameterization& base,
                          const PointCloud& points,

@@ -18,7 +18,7 @@
 namespace batten::internal {
 namespace {
 
-// From the first derivatives of a jet; where these hardly span a plane, the limit.
+// Unit normal from the first derivatives of a jet; its limit if these hardly span a plane.
 std::optional<Eigen::Vector3d> NormalOf(const SurfaceEvaluator& surface,
                                         const double* jet,
                                         const double* uv) {

@@ -22,16 +22,16 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kAxisIsGoodEnough = 0.75;      // of the best direction's cosine
-constexpr double kParallelIsGoodEnough = 1.15;  // of the smallest rectangle's area
-constexpr double kSteepShare = 0.05;            // of the normals may be steeper
-constexpr double kFoldedShare = 0.02;           // of the sheet may look away from its plane
+constexpr double kAxisIsGoodEnough = 0.75;      // times the best direction's cosine
+constexpr double kParallelIsGoodEnough = 1.15;  // times the smallest rectangle's area
+constexpr double kSteepShare = 0.05;            // share of the normals that may be steeper
+constexpr double kFoldedShare = 0.02;           // share of the sheet that may face away from it
 constexpr double kWall = 0.05;                  // cosine: less than 3° from the vertical
 constexpr double kLiesOpen = 0.3;               // cosine: 73° from it
-constexpr double kWallShare = 0.6;              // of the sheet may be walls
-constexpr double kDoubleLayerFraction = 0.1;    // of places in layers are too many
+constexpr double kWallShare = 0.6;              // share of the sheet that may be walls
+constexpr double kDoubleLayerFraction = 0.1;    // share of places in layers; above, too many
 
-// The cosine that all but a small share of the normals keep with the axis, whatever their sign.
+// Cosine with the axis that all but a small share of the normals exceed, whatever their sign.
 double Openness(const Eigen::Matrix3Xd& normals,
                 const Eigen::Vector3d& axis,
                 double share = kSteepShare) {
@@ -42,14 +42,14 @@ double Openness(const Eigen::Matrix3Xd& normals,
   return Quantile(std::move(cosines), share);
 }
 
-// Normals with signs that agree between neighbours, in pieces: no sign passes a crease.
+// Normals with signs that agree between neighbours, in pieces bounded by creases.
 struct SheetSides {
   Eigen::Matrix3Xd normals;
   std::vector<int> piece;
   int pieces = 0;
 };
 
-// Spreads the sign over each sample's neighbours, first where two normals differ least.
+// Propagates the sign over each sample's neighbours, first where two normals differ least.
 // [Hoppe et al. 1992, §3.3]
 SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals) {
   constexpr int kNeighbours = 9;   // with the sample itself
@@ -86,8 +86,8 @@ SheetSides AgreeOnSides(const Eigen::Matrix3Xd& places, Eigen::Matrix3Xd normals
   return sides;
 }
 
-// The axis of the smallest cone about the normals of the largest piece, which all look to one side
-// of it: a steep sheet, whose normals of either sign fill nearly all directions, has one.
+// Axis of the smallest cone about the normals of the largest piece, which all point to one side. A
+// steep sheet, whose unsigned normals cover nearly all directions, has such a cone too.
 std::optional<Eigen::Vector3d> NormalConeOfSide(const SheetSides& sides) {
   constexpr int kRounds = 200;
   std::vector<int> sizes(static_cast<size_t>(sides.pieces), 0);
@@ -103,8 +103,8 @@ std::optional<Eigen::Vector3d> NormalConeOfSide(const SheetSides& sides) {
   return NormalCone(normals, mean.normalized(), {kSteepShare, true, kRounds});
 }
 
-// How much of a sheet looks away from an axis, clearly, while the greater part of its piece looks
-// along it: there the sheet goes under itself. Walls parallel to the axis do not.
+// Folds of a sheet along an axis: parts that clearly face away from it while most of their piece
+// faces along it, so that the sheet goes under itself. Walls parallel to the axis are no folds.
 struct Folds {
   double sheet = 0;  // share of the sheet
   double plan = 0;   // share of what it covers, seen along the axis
@@ -131,8 +131,8 @@ Folds FoldsAlong(const SheetSides& sides, const Eigen::Vector3d& axis) {
   return folds;
 }
 
-// Signs go astray where flanks lie closer than the samples: they tell of a fold of a good part of
-// the plan, which would show as layers, and there are none.
+// Whether the sheet folds. Signs are unreliable where flanks are closer than the samples: a fold of
+// a good part of the plan is believed only if it shows as layers.
 bool IsFolded(const Folds& folds, double overlap, double allowed) {
   constexpr double kNoLayers = 0.01;
   return folds.sheet > allowed && (folds.plan <= kDoubleLayerFraction || overlap > kNoLayers);
@@ -170,8 +170,8 @@ Eigen::Matrix3Xd NormalsAt(const Eigen::Matrix3Xd& places,
   return normals;
 }
 
-// The directions a sheet with vertical walls may be a height field over: the coordinate axes, the
-// one that most normals keep to, and the principal axes of the points.
+// Candidate directions over which a sheet with vertical walls may be a height field: the coordinate
+// axes, the direction closest to most normals, and the principal axes of the points.
 std::vector<Eigen::Vector3d> UprightDirections(const Eigen::Matrix3Xd& normals,
                                                const Eigen::Matrix3d& principal_axes) {
   std::vector<Eigen::Vector3d> directions;
@@ -205,7 +205,7 @@ std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
   pool.For(std::ssize(directions), 1, [&](std::ptrdiff_t at, std::ptrdiff_t) {
     const auto k = static_cast<size_t>(at);
     Candidate& own = candidates[k] = {directions[k], 0, 1, k < kAxes, false};
-    // Not edge-on: a good part lies open, as it does in no grazing view but a coordinate axis's.
+    // Rejects edge-on directions: a good part must face the axis, less of it for a coordinate axis.
     const double open_part = Openness(sides.normals, own.axis, kWallShare);
     if (open_part < (own.preferred ? kWall : kLiesOpen)) return;
     own.openness = Openness(sides.normals, own.axis);

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kDegree = 3;
 constexpr double kPoleSmoothing = 1e-4;
-constexpr double kBeyondChance = 30;  // variances: three numbers more take away three by chance
+constexpr double kBeyondChance = 30;  // variances: three more unknowns take away three by chance
 constexpr double kSlopeOfApex = 0.15;
 
-// The slope of the cone about the axis at a pole: how far the second row's middle is from the
-// pole, against its radius.
+// Slope of the cone about the axis at a pole: distance of the second row's centre from the pole
+// divided by its radius.
 double SlopeAt(const FittingProblem& problem, const Eigen::MatrixXd& net, bool start) {
   const SplineBasis& basis = problem.basis_u();
   const int size_v = problem.basis_v().size(), m = DistinctCount(basis);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a surface has a tangent plane at its poles, by its points.
+// Kinds of the poles of a base, smooth or apex, from the points.
 #pragma once
 
 #include "batten/geometry/thread_pool.h"
@@ -8,9 +8,9 @@
 
 namespace batten::internal {
 
-// The poles of a base, each kSmooth or kApex: an apex where that explains the points under a mask
-// better than noise would, and where the cone there is clearly no plane. A linear fit for each pole
-// and one more, over the grid the score chose.
+// Classifies the poles of a base as kSmooth or kApex: a pole is an apex if that explains the points
+// under a mask better than by chance, and if the cone there is clearly no plane. Costs one linear
+// fit for each pole and one more, over the grid the score chose.
 Poles PolesByData(const Parameterization& base,
                   const PointCloud& points,
                   const PointMask& mask,

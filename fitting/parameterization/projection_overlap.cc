@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kPlaceInSpacings = 4;
 constexpr double kLayerShare = 0.3;
-constexpr double kSteepestSlope = 2;  // steeper places hold a continuum of heights, without a gap
+constexpr double kSteepestSlope = 2;  // steeper cells hold a continuum of heights, without a gap
 constexpr std::uint32_t kCounted = 4;
-constexpr double kMostPlacesAPoint = 4;  // more are not kept in an array
+constexpr double kMostPlacesAPoint = 4;  // above, cells are sorted instead of kept in an array
 
 struct Shares {
   std::size_t places = 0, layered = 0;
@@ -31,8 +31,8 @@ bool HasGap(double* first, std::size_t count, double gap) {
   return false;
 }
 
-// Points by the number of their place, of few places: only heights of places that reach over more
-// than a gap are looked at.
+// Counts layered cells with an array over all cells; heights are examined only in cells whose range
+// of heights exceeds a gap.
 Shares CountInArray(const std::vector<std::uint32_t>& place_of,
                     const std::vector<double>& heights,
                     std::size_t places,
@@ -76,7 +76,7 @@ Shares CountInArray(const std::vector<std::uint32_t>& place_of,
   return shares;
 }
 
-// The same of places strewn over much room.
+// Counts layered cells by sorting, for cells scattered over a large area.
 Shares CountSorted(const std::vector<std::pair<std::int64_t, std::int64_t>>& place_of,
                    const std::vector<double>& heights,
                    double gap) {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Whether points seen from one side lie over each other.
+// Overlap of a cloud projected onto a plane.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace batten::internal {
 
-// The share of places, 4 spacings wide, whose points (in the frame of origin and axes, the third of
-// them upwards) lie in layers: a gap in height that no slope explains, with a good part of the
-// points on either side. Places of fewer than four points are not counted. O(m), but O(m log m)
-// where points are few for the room they take up.
+// Returns the share of cells, 4 spacings wide, whose points (in the frame of origin and axes, the
+// third of them upwards) lie in layers: with a gap in height that no slope explains, and a good
+// part of the points on either side. Cells of fewer than four points are not counted. O(m), but
+// O(m log m) where points are few for the area they cover.
 double LayeredPlaces(const Eigen::Matrix3Xd& points,
                      const Eigen::Vector3d& origin,
                      const Eigen::Matrix3d& axes,

@@ -50,7 +50,7 @@ Eigen::Matrix2Xd MeridianOf(const Eigen::Matrix3Xd& points, const Axis& axis) {
   return meridian;
 }
 
-// Touching in the meridian (distance, height), its normal turned by `slope`.
+// The surface in contact form at (distance, height) of the meridian, its normal turned by `slope`.
 FittedSurface Turned(SurfaceKind kind,
                      const Axis& axis,
                      const Eigen::Vector2d& at,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Spheres, and cylinders, cones and tori about given axes, by the moments of points: starts for the
-// search for the nearest. Used by that only.
+// Algebraic fits of spheres, and of cylinders, cones and tori about given axes, from the moments of
+// points: start values of the orthogonal-distance fit. Used by surface starts only.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +14,13 @@ struct Axis {
   Eigen::Vector3d point, direction;
 };
 
-// By algebraic squares; of points in a plane or on a line across, of curvature zero. [Taubin 1991]
+// The sphere of least algebraic distance. It has curvature zero where the points lie in a plane or
+// on a line. [Taubin 1991]
 FittedSurface AlgebraicSphereFit(const Eigen::Matrix3Xd& points);
 FittedSurface AlgebraicCylinderFit(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& axis);
 
-// The line and the algebraic circle through the points in their meridian half-planes.
+// Cone and torus of revolution about `axis`: the profile is the line, or the algebraic circle,
+// fitted to the points in their meridian half-planes.
 FittedSurface AlgebraicConeFit(const Eigen::Matrix3Xd& points, const Axis& axis);
 FittedSurface AlgebraicTorusFit(const Eigen::Matrix3Xd& points, const Axis& axis);
 

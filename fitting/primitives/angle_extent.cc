@@ -48,7 +48,7 @@ AngleRange AnglesCovered(const Eigen::VectorXd& angles) {
 }
 
 std::vector<Eigen::Vector2d> OutermostOf(const Eigen::Matrix2Xd& points) {
-  constexpr int kDirections = 32;
+  constexpr int kDirections = 32;  // in which outermost points are found
   std::vector<Eigen::Vector2d> corners;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = kTurn * i / kDirections;

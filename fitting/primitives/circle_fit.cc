@@ -71,7 +71,7 @@ NormalForm FormOf(const FittedCircle& circle,
   return form;
 }
 
-// Block by block, so that the sum does not depend on the number of threads.
+// Sums block by block, so that the result does not depend on the number of threads.
 NormalForm FormOf(const FittedCircle& circle,
                   const ShapeData& data,
                   const ShapeLoss& loss,
@@ -112,7 +112,7 @@ Vector6 StepOf(const NormalForm& form, double damping) {
   Vector6 unit = form.matrix.diagonal().cwiseSqrt();
   for (double& value : unit) value = value > 0 ? 1 / value : 0;
   Matrix6 scaled = unit.asDiagonal() * form.matrix * unit.asDiagonal();
-  constexpr double kSymmetry = 1e-14;  // freedoms that move nothing are rounding
+  constexpr double kSymmetry = 1e-14;  // keeps freedoms without effect solvable under rounding
   scaled.diagonal().array() += damping + kSymmetry;
   for (int i = 0; i < 6; ++i) {
     if (unit[i] == 0) scaled(i, i) = 1;
@@ -178,8 +178,8 @@ FittedCircle StartInPlane(const ShapeData& data,
   return circle;
 }
 
-// Where points bend to, seen along their longest axis t: the vector c of the least-squares parabola
-// a + b t + c t² through their other two coordinates.
+// The direction in which points bend along their longest axis t: the vector c of the least-squares
+// parabola a + b t + c t² through their other two coordinates.
 Eigen::Vector2d BendOf(const Eigen::Matrix3Xd& local, const Eigen::VectorXd& weights) {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();

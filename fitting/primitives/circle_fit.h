@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The circle nearest to points of the plane or of space, by orthogonal distances.
+// Orthogonal-distance fit of a circle to points in the plane or in space.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ namespace batten::internal {
 // the circle of curvature zero. About `point`, ξ runs along `outward`, η along `tangent` and ζ
 // along the axis; the centre is at ξ = −1/curvature.
 struct FittedCircle {
-  static constexpr int kSample = 3;  // points that determine one
+  static constexpr int kSample = 3;  // points that determine a circle
 
   Eigen::Vector3d point, outward, tangent;  // the last two orthonormal
   double curvature = 0;
@@ -23,17 +23,17 @@ struct FittedCircle {
   Eigen::Vector3d Axis() const { return outward.cross(tangent); }
   Eigen::Vector3d Center() const { return point - outward / curvature; }
 
-  // In space, to the circle itself and not to its plane or cylinder.
+  // The distance in space of p from the circle itself, not from its plane or cylinder.
   double Distance(const Eigen::Vector3d& p) const;
 
-  // The angle about the centre from `point` to where p is nearest, in (−π, π].
+  // The angle about the centre from `point` to the foot point of p, in (−π, π].
   double AngleOf(const Eigen::Vector3d& p) const;
   Eigen::Vector3d At(double angle) const;
 
   // The same circle with a positive curvature.
   FittedCircle Outward() const;
 
-  // Through three points; none where they are on one line.
+  // The circle through three points; none where they are on one line.
   static std::optional<FittedCircle> Through(const Eigen::Matrix3Xd& sample);
 
   // The better of two algebraic circles (Taubin's), in the plane of inertia and in the plane that

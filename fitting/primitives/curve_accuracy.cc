@@ -23,7 +23,8 @@ struct AccuracySums {
       : matrix(Eigen::MatrixXd::Zero(freedoms, freedoms)),
         components(static_cast<double>(used.size()) * (plane ? 1 : 2)) {}
 
-  // Of a point at distance d: ψ as a vector has the slope ψ' along it and ψ/d across.
+  // Slopes at a point at distance d: ψ as a vector has the slope ψ' along the distance and ψ/d
+  // across.
   void AddLoss(const ShapeLoss& loss, double d, double weight, bool plane) {
     const auto pull = [&](double x) { return x * LossWeight(loss.loss, x, loss.scale); };
     const double step = 1e-4 * loss.scale;
@@ -33,7 +34,8 @@ struct AccuracySums {
     if (!plane) slopes += LossWeight(loss.loss, d, loss.scale);
   }
 
-  // Infinite in all where the points leave a freedom open, or none over to tell noise from.
+  // Infinite in all where the points do not determine a freedom, or leave no freedom to estimate
+  // noise.
   Eigen::MatrixXd Covariance(double rounding) const {
     const Eigen::Index n = matrix.rows();
     const double left = std::max(1.0, components - static_cast<double>(n));
@@ -51,18 +53,20 @@ struct AccuracySums {
   }
 };
 
-// Where freedoms are open, all that depends on them is: no numbers made of infinite ones.
+// Variances of numbers that depend on undetermined freedoms are infinite too, not computed from
+// them.
 Eigen::MatrixXd Carried(const Eigen::MatrixXd& by, const Eigen::MatrixXd& covariance) {
   if (covariance.allFinite()) return by * covariance * by.transpose();
   return Eigen::MatrixXd::Constant(by.rows(), by.rows(), kInfinity);
 }
 
-// Three of them hold as much as of normal errors, few as the points may be.
+// Deviations scaled so that three of them cover as much as for normal errors, however few the
+// points.
 Eigen::VectorXd DeviationsOf(const Eigen::MatrixXd& covariance, double freedoms_left) {
   return FewFactor(freedoms_left) * covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
-// Lengths among the numbers.
+// Converts the lengths among the numbers to the data's units.
 void Scale(PrimitiveAccuracy& accuracy, const std::vector<bool>& length, double unit) {
   for (size_t i = 0; i < length.size(); ++i) {
     if (!length[i]) continue;
@@ -160,8 +164,8 @@ PrimitiveAccuracy AccuracyOf(const FittedCircle& circle,
   Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(6, 6);
   turned.block<3, 3>(2, 2) << circle.outward, axis.cross(circle.outward), axis;
   const Eigen::MatrixXd all = Carried(turned * by, covariance);
-  // What of the curvature's error the linear part leaves out.
-  constexpr double kReach = 3;
+  // The part of the curvature's error that linearization leaves out.
+  constexpr double kReach = 3;  // standard deviations
   double stretch = 1;
   const double bend = std::sqrt(std::max(0.0, covariance(2, 2)));
   if (!(kReach * bend < kappa)) {

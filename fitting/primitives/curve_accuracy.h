@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How exactly points determine the line or circle nearest to them. Used by fit_primitive only.
+// Standard deviations of the parameters of a fitted line or circle. Used by fit_primitive only.
 #pragma once
 
 #include <vector>
@@ -11,11 +11,11 @@
 
 namespace batten::internal {
 
-// σ² (Σ w J Jᵀ)⁻¹ over the points used, with a loss times the factor of an M-estimate, σ² from
-// their squares over the freedoms left. The radius and centre of short arcs have no normal errors:
-// three of the deviations reach as far as they do at three of the curvature's; infinite where it
-// changes its sign on the way. Distances below `rounding` count as that large. Lengths in `unit`s
-// of the data. [Huber 1981, §7.6] O(m).
+// The covariance σ² (Σ w J Jᵀ)⁻¹ over the points used, with a loss times the factor of an
+// M-estimate; σ² is their sum of squares over the degrees of freedom left. The radius and centre of
+// short arcs have no normal errors: three of their standard deviations reach as far as they do at
+// three of the curvature's; infinite where the curvature changes its sign on the way. Distances
+// below `rounding` count as that large. Lengths in `unit`s of the data. [Huber 1981, §7.6] O(m).
 PrimitiveAccuracy AccuracyOf(const FittedLine& line,
                              const ShapeData& data,
                              const std::vector<Eigen::Index>& used,

@@ -37,7 +37,7 @@ CurvePrimitive::CurvePrimitive(PrimitiveInput& input, PrimitiveKind kind)
   Choose();
 }
 
-// Where outliers are feared, what most points agree on.
+// Robust fits start from sample consensus.
 template <typename Shape>
 Shape CurvePrimitive::StartOf(std::optional<double> scale) const {
   if (robust()) {
@@ -81,7 +81,7 @@ SmoothedShape<Shape> CurvePrimitive::Solved() {
   return solved;
 }
 
-// Numbers that are free in a line or circle.
+// The degrees of freedom of a line or circle.
 template <typename Shape>
 int CurvePrimitive::Freedoms() const {
   if constexpr (std::is_same_v<Shape, FittedLine>) return data_.plane ? 2 : 4;
@@ -97,7 +97,7 @@ double CurvePrimitive::FreedomsLeftOf() const {
   return Components() - Freedoms<Shape>();
 }
 
-// With kAuto there need not be a circle.
+// Fits the circle; with kAuto there need not be one.
 void CurvePrimitive::SolveCircle() {
   std::optional<SmoothedShape<FittedCircle>> solved;
   const FittedLine line = FittedLine::Start(data_, input_.pool);
@@ -114,7 +114,7 @@ void CurvePrimitive::SolveCircle() {
   }
 }
 
-// Σ w d², or where outliers are feared the sum of twice Tukey's loss.
+// Σ w d², or in robust fits the sum of twice Tukey's loss.
 double CurvePrimitive::CostOf(const auto& shape, double scale) const {
   const Loss loss = robust() ? Loss::kTukey : Loss::kNone;
   const Eigen::VectorXd distances = ShapeDistances(shape, data_, input_.pool);
@@ -125,7 +125,7 @@ double CurvePrimitive::CostOf(const auto& shape, double scale) const {
   return 2 * sum;
 }
 
-// Line or circle, and why.
+// Chooses the line or the circle and records why.
 void CurvePrimitive::Choose() {
   if (kind_ == PrimitiveKind::kLine) {
     why_ = "asked for";
@@ -151,8 +151,7 @@ void CurvePrimitive::Choose() {
   }
 }
 
-// How much likelier the circle makes the points than the line does: twice a logarithm, of normal
-// noise of unknown variance.
+// Twice the log-likelihood ratio of circle against line, for normal noise of unknown variance.
 double CurvePrimitive::Evidence() const {
   const double scale = circle_->scale, variance = scale * scale;
   const double fall = std::max(0.0, CostOf(line_->shape, scale) - CostOf(circle_->shape, scale));
@@ -166,7 +165,7 @@ double CurvePrimitive::Threshold() const {
   return 2 * more * std::log(Components()) * (1 + 2 / left);
 }
 
-// Where along a shape its points lie, in their order.
+// The places of the points along a shape, in their order.
 template <typename Place>
 std::vector<double> CurvePrimitive::PlacesOf(const std::vector<Eigen::Index>& used,
                                              Place place) const {
@@ -212,8 +211,8 @@ NurbsCurve<Dim> CurvePrimitive::LocalArc() {
   return ArcOf<Dim>(circle, extent);
 }
 
-// In the plane, axes point up; in space the points go round them from each to the next, by and
-// large.
+// Whether the circle's axis must be reversed: in the plane it points up; in space the points, in
+// their order, go round it counter-clockwise on balance.
 bool CurvePrimitive::Clockwise() const {
   const FittedCircle& circle = circle_->shape;
   if (data_.plane) return circle.Axis().z() < 0;
@@ -268,7 +267,7 @@ double CurvePrimitive::Surprise() const {
          input_.Anywhere(data_.points.cols() - static_cast<Eigen::Index>(count));
 }
 
-// What is reported is measured on the curve as it is handed out, rounding of far coordinates
+// Errors are measured on the curve that is returned, so that rounding of large coordinates is
 // included.
 template <int Dim>
 PrimitiveFit CurvePrimitive::Measure() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The line or circle of FitPrimitive. Used by it only.
+// Fits the line or circle of FitPrimitive and chooses between them. Used by FitPrimitive only.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,21 +17,21 @@ namespace batten::internal {
 
 class CurvePrimitive {
  public:
-  // Solves for a line, a circle or both and chooses, as FitPrimitive says. `kind` is kLine, kCircle
-  // or kAuto.
+  // Fits a line, a circle or both and chooses between them as FitPrimitive describes. `kind` is
+  // kLine, kCircle or kAuto.
   CurvePrimitive(PrimitiveInput& input, PrimitiveKind kind);
 
-  // Minus twice the logarithm of how likely the points are, as normal noise about places spread
-  // evenly along the curve, plus Schwarz's penalty; points left out lie anywhere in a cube of the
-  // size. Lengths in units of input.unit.
+  // Minus twice the log-likelihood of the points under normal noise about places spread evenly
+  // along the curve, plus the penalty of Schwarz's criterion; outliers lie anywhere in a cube of
+  // the size. Lengths in units of input.unit.
   double Surprise() const;
 
-  // Standard deviation of a component of the good points' distances, in units of input.unit, and
-  // with how many freedoms it is known.
+  // Standard deviation of a component of the inliers' distances, in units of input.unit, and the
+  // degrees of freedom with which it is known.
   double Sigma() const;
   double FreedomsLeft() const;
 
-  // The outcome; once.
+  // The result; may be called once.
   PrimitiveFit Fit();
 
  private:

@@ -49,8 +49,8 @@ ShapeFitOptions ShapeOptions(const PrimitiveInput& input) {
   return options;
 }
 
-// Where neighbouring points are off by about the same, it is the kind that is wrong, or the points
-// are bent in a way no noise is. Whether that is so.
+// Whether residuals of neighbouring points are correlated; if so, warns that the kind is wrong or
+// that the points are bent systematically.
 bool WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
   constexpr double kMostShared = 0.75;  // the distances are twice the noise then
   const double shared =
@@ -69,14 +69,14 @@ bool WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
   return true;
 }
 
-// Distances that are no noise did not end at it.
+// Replaces kNoiseReached by kStalled where the residuals are structured.
 void SayStalled(bool structured, PrimitiveFit& fit) {
   if (structured && fit.report.termination == Termination::kNoiseReached) {
     fit.report.termination = Termination::kStalled;
   }
 }
 
-// A curve through what is no curve: so far off are measured points by no noise.
+// The curve fit with a warning where the points are too far off it for measurement noise.
 PrimitiveFit NearestCurve(CurvePrimitive& curve) {
   constexpr double kFarOff = 0.03;  // of the points' extent
   PrimitiveFit fit = curve.Fit();
@@ -119,7 +119,7 @@ bool NoiseExplains(const CurvePrimitive& curve, const ShapeFit& fit, const Primi
   return FTail(ratio * ratio, curve.FreedomsLeft(), left) > kChance;
 }
 
-// As CurvePrimitive::Surprise, of places spread evenly over the patch.
+// CurvePrimitive::Surprise for a surface, with places spread evenly over the patch.
 double SurpriseOf(const ShapeFit& fit,
                   const DescribedSurface& described,
                   const PrimitiveInput& input) {
@@ -131,8 +131,8 @@ double SurpriseOf(const ShapeFit& fit,
          fit.freedoms * std::log(count) + input.Anywhere(fit.distances.size() - fit.used);
 }
 
-// Curves first. Points that are spread across a curve are likelier on a surface, of which they have
-// but one distance each.
+// kAuto tries curves first. Points spread across a curve are more likely on a surface, from which
+// each has one distance component only.
 PrimitiveFit FitAny(PrimitiveInput& input) {
   CurvePrimitive curve(input, PrimitiveKind::kAuto);
   if (input.plane()) return NearestCurve(curve);

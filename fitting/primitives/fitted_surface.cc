@@ -13,11 +13,11 @@ Eigen::Vector3d PartAcross(const Eigen::Vector3d& v, const Eigen::Vector3d& unit
   return v - v.dot(unit) * unit;
 }
 
-// Of length one and across `unit`; any such direction where v has no part across it.
+// The unit direction of v's part across `unit`; any such direction where v has no part across it.
 Eigen::Vector3d DirectionAcross(const Eigen::Vector3d& v, const Eigen::Vector3d& unit) {
   const Eigen::Vector3d part = PartAcross(v, unit);
   const double length = part.norm();
-  constexpr double kParallel = 1e-12;
+  constexpr double kParallel = 1e-12;  // of the length of v: below, v is parallel to `unit`
   if (!(length > kParallel * v.norm())) return unit.unitOrthogonal();
   return PartAcross(part / length, unit).normalized();
 }
@@ -185,7 +185,7 @@ FittedSurface TorusNear(const Eigen::Vector3d& p,
   const Eigen::Vector3d from = p - center, outward = DirectionAcross(from, axis);
   const double height = from.dot(axis), over = from.dot(outward) - major_radius;
   const double slope = std::atan2(height, over), sine = std::sin(slope);
-  // Of a spindle, the outer arc.
+  // A spindle torus keeps its outer arc only.
   const double radius =
       std::max(major_radius + minor_radius * std::cos(slope), 1e-3 * (major_radius + minor_radius));
   FittedSurface shape = AboutAxis(

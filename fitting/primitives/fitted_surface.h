@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Distances from planes, spheres, cylinders, cones and tori given by a contact, and their making.
+// Construction of planes, spheres, cylinders, cones and tori in contact form, and distances from
+// them.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +10,18 @@
 
 namespace batten::internal {
 
-// A shape by one of its points, with what can be asked of it.
+// A shape in contact form with its distance function and its usual parameters.
 struct FittedSurface : SurfaceContact {
-  // Signed, positive on the side of the normal at `point`. The profile is that of one half-plane:
-  // the other nappe of a cone does not count, nor does the other arc of a torus that cuts its axis.
-  // (Two sheets that are close would take noise between them for their own.)
+  // The signed distance of p, positive on the side of the normal at `point`. The profile is that of
+  // one half-plane: the other nappe of a cone does not count, nor does the other arc of a torus
+  // that cuts its axis. (Otherwise noise between two close sheets would be split between them.)
   double Distance(const Eigen::Vector3d& p) const;
 
-  // The same shape, touching at the foot of p; the side that is positive stays.
+  // The same shape with its contact at the foot point of p; the positive side is kept.
   FittedSurface TouchingNear(const Eigen::Vector3d& p) const;
 
-  // In the data's own units: scale · x + shift. Curvatures must not be zero where radii are asked.
+  // The shape in the data's units, scale · x + shift. Curvatures must not be zero where radii are
+  // asked.
   SurfaceShape Shape(double scale, const Eigen::Vector3d& shift) const;
 };
 
@@ -32,8 +34,8 @@ FittedSurface AboutAxis(SurfaceKind kind,
                         double radius,
                         double slope);
 
-// The shapes that touch near a point p, at any distance from it. Radii are positive; the half-angle
-// is in (0, π/2).
+// Shapes given by their usual parameters, in contact form at a place near p, whatever p's distance.
+// Radii are positive; the half-angle is in (0, π/2).
 FittedSurface PlaneAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
 FittedSurface SphereNear(const Eigen::Vector3d& p, const Eigen::Vector3d& center, double radius);
 FittedSurface CylinderNear(const Eigen::Vector3d& p,

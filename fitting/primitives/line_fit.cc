@@ -74,7 +74,7 @@ std::optional<FittedLine> FittedLine::Through(const Eigen::Matrix3Xd& sample) {
 
 FittedLine FittedLine::Start(const ShapeData& data, ThreadPool& pool) {
   const FittedLine axis{data.points.col(0), Eigen::Vector3d::UnitX()};
-  // Once more from its own centroid, so that nothing cancels.
+  // Repeated from its own centroid to avoid cancellation.
   const FittedLine rough = LineOf(axis, MomentsOf(axis, data, {}, pool), data.plane);
   return LineOf(rough, MomentsOf(rough, data, {}, pool), data.plane);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The line nearest to points, by orthogonal distances.
+// Orthogonal-distance fit of a line to points.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 namespace batten::internal {
 
 struct FittedLine {
-  static constexpr int kSample = 2;  // points that determine one
+  static constexpr int kSample = 2;  // points that determine a line
 
   Eigen::Vector3d point, direction;  // the direction has length one
 
@@ -20,14 +20,15 @@ struct FittedLine {
     return (from - from.dot(direction) * direction).norm();
   }
 
-  // Through two points; none where they coincide.
+  // The line through two points; none where they coincide.
   static std::optional<FittedLine> Through(const Eigen::Matrix3Xd& sample);
 
-  // The line of least Σ w d²: exact, by the axes of inertia. Its point is the centroid.
+  // The line of least Σ w d², exact, from the principal axes of the points. Its point is the
+  // centroid.
   static FittedLine Start(const ShapeData& data, ThreadPool& pool);
 
-  // The local minimum of Σ w ρ(d) below this line: reweighting, each step of which lowers the sum
-  // (ρ'(d)/d does not rise), until nothing moves any more. O(m) a step.
+  // The local minimum of Σ w ρ(d) below this line: iterative reweighting, each step of which lowers
+  // the sum (ρ'(d)/d does not rise), until the line no longer moves. O(m) a step.
   FittedLine Minimised(const ShapeData& data,
                        const ShapeLoss& loss,
                        int most_steps,

@@ -10,7 +10,7 @@
 namespace batten::internal {
 namespace {
 
-// Of the quadric over the plane of the points nearest to `middle`.
+// Bend of the quadric fitted over the plane of the points nearest to `middle`.
 std::optional<Bend> BendNear(const Eigen::Vector3d& middle,
                              const Eigen::Matrix3Xd& points,
                              const std::vector<Eigen::Index>& nearest_first,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How a surface bends at one of its points, by quadrics. Used by the starts of surfaces only.
+// Principal curvatures of a surface at one of its points, from quadric fits. Used by the surface
+// starts only.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,16 +9,16 @@
 
 namespace batten::internal {
 
-// A point of a surface with its normal and principal directions and curvatures, positive where it
-// bends away from the normal.
+// A point of a surface with its normal, principal directions and principal curvatures, positive
+// where the surface bends away from the normal.
 struct Bend {
   Eigen::Vector3d point, normal;
   std::array<Eigen::Vector3d, 2> directions;
   std::array<double, 2> curvatures;
 };
 
-// Of quadrics over the plane of the points nearest to `middle`: of all, a quarter, a sixteenth, …,
-// at least nine.
+// Curvatures of quadrics fitted over the plane of the points nearest to `middle`: all of them, a
+// quarter, a sixteenth, …, at least nine.
 std::vector<Bend> BendsNear(const Eigen::Vector3d& middle, const Eigen::Matrix3Xd& points);
 
 }  // namespace batten::internal

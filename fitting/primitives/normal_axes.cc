@@ -13,8 +13,8 @@
 namespace batten::internal {
 namespace {
 
-// Rounds of Cauchy's weights at the median residual, for linear problems: solve(weights) returns
-// residuals.
+// Iterative reweighting by Cauchy's loss at the median residual, for linear problems:
+// solve(weights) returns residuals.
 template <typename Solve>
 void Reweight(Eigen::Index count, const Solve& solve) {
   constexpr int kRounds = 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the normals of a cloud say about axes and apexes. Used by the starts of surfaces only.
+// Axes and apexes estimated from the normals of a cloud. Used by the surface starts only.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,17 +11,17 @@
 
 namespace batten::internal {
 
-// All by linear least squares in rounds of Cauchy's weights.
+// All functions below are linear least squares, reweighted iteratively by Cauchy's loss.
 
-// The directions that normals are across, the best in the first column.
+// The directions most nearly perpendicular to all normals, the best in the first column.
 Eigen::Matrix3d AcrossNormals(const OrientedPoints& oriented);
 
-// The lines that come nearest to meeting all normals, the best and the next: c·(p × n) + c̄·n is
-// least over |c| = 1. [Pottmann & Randrup 1998]
+// The best and the second-best line that meets all normal lines: c·(p × n) + c̄·n is least over |c|
+// = 1. [Pottmann & Randrup 1998]
 std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented);
 
-// The cone whose apex all tangent planes contain, and about which all points are seen under one
-// angle.
+// The cone whose apex lies on all tangent planes and whose axis makes the same angle with the
+// directions from the apex to all points.
 std::optional<FittedSurface> ConeOfTangentPlanes(const OrientedPoints& oriented,
                                                  const Eigen::Vector3d& near);
 

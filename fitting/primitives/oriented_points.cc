@@ -12,9 +12,9 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kQueries = 600;
+constexpr Eigen::Index kQueries = 600;  // points of the sample that get normals
 
-// The plane of the nearest `count` of a point's neighbours.
+// The plane fitted to the nearest `count` of a point's neighbours.
 struct Surroundings {
   Eigen::Vector3d foot, normal;
   double radius, bumpiness;  // least over middle variance
@@ -44,7 +44,7 @@ Surroundings SurroundingsOf(const Eigen::Vector3d& p,
 }
 
 OrientedPoints Trusted(const std::vector<Surroundings>& all) {
-  constexpr double kMostRadius = 3, kMostBumpiness = 3, kRounding = 1e-10;
+  constexpr double kMostRadius = 3, kMostBumpiness = 3, kRounding = 1e-10;  // first two: in medians
   std::vector<double> radii, bumps;
   for (const Surroundings& around : all) {
     radii.push_back(around.radius);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points with the normals of their surroundings, where these are like a surface. Used by the starts
-// of surfaces only.
+// Sample points with normals estimated from their neighbours, where these look like a surface. Used
+// by the surface starts only.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace batten::internal {
 
-// Points put on the planes through their neighbours, and unit normals without a consistent sign.
+// Points projected onto the planes fitted to their neighbours, and unit normals without a
+// consistent sign.
 struct OrientedPoints {
   Eigen::Matrix3Xd points, normals;
 };
 
-// Some of the points of a sample (3 × m), with normals at a few widths: small ones follow bends,
-// wide ones average noise. Left out is what stands in surroundings emptier or less flat than is
-// usual: outliers, for the most part. No widths where there are fewer than eight points.
-// O(m log m).
+// Some of the points of a sample (3 × m), with normals from neighbourhoods of several widths: small
+// ones follow bends, wide ones average noise. Points whose neighbourhood is sparser or less flat
+// than usual are dropped; most of them are outliers. Empty for fewer than eight points. O(m log m).
 std::vector<OrientedPoints> OrientedSamples(const Eigen::Matrix3Xd& points,
                                             std::uint64_t seed,
                                             ThreadPool& pool);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the fits of primitives share: the points without duplicates, and the report begun.
+// Input that all primitive fits share: the points without duplicates, the scale, and the report.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,10 +14,10 @@
 
 namespace batten::internal {
 
-// One fit's input and what its stages hand on.
+// The input of one primitive fit and the data its stages share.
 struct PrimitiveInput {
-  // Throws std::invalid_argument, with a sentence for the user, where there are no points or, two
-  // of which differ, their extent is no number to compute with. O(m).
+  // Throws std::invalid_argument, with a sentence for the user, where there are no points, or where
+  // some differ but their extent is too small or too large to compute with. O(m).
   PrimitiveInput(const PointCloud& given, const PrimitiveFitOptions& chosen);
 
   const PointCloud& cloud;
@@ -37,15 +37,16 @@ struct PrimitiveInput {
   // (points − middle) / unit, with weights of mean one.
   ShapeData LocalData() const;
 
-  // Minus twice the logarithm of how likely points are that lie anywhere in a cube of the size, in
-  // units of `unit`.
+  // Minus twice the log-likelihood of points that lie anywhere in a cube of the size, in units of
+  // `unit`.
   double Anywhere(Eigen::Index points) const;
 
-  // Throws std::invalid_argument, with a sentence for the user, where fewer points differ.
+  // Throws std::invalid_argument, with a sentence for the user, where fewer than `fewest` points
+  // differ.
   void Require(const std::string& what, Eigen::Index fewest) const;
 };
 
-// Errors and termination of what was measured, and the times; ends the report and hands it to
+// Completes the report with the measured errors, the termination and the times, and hands it to
 // `fit`.
 void FinishReport(PrimitiveInput& input,
                   PrimitiveSummary primitive,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Shapes in spite of outliers: a start that most points agree on, then a loss at the scale that the
-// points themselves tell.
+// Robust fits of shapes: a start by sample consensus, then MM-estimation at a scale estimated from
+// the points.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,10 +19,10 @@
 
 namespace batten::internal {
 
-// Among the shapes through random samples of as few points as determine one, that with the least
-// median distance, or with the least sum of Tukey's loss where the scale is known. Half of the
-// points may lie anywhere: of 400 samples of three, 50 hold good points only. The same seed gives
-// the same shape. [Rousseeuw 1984; Torr & Zisserman 2000]
+// The shape of least median distance, or of least sum of Tukey's loss where the scale is known,
+// among shapes through minimal random samples. Half of the points may be outliers: of 400 samples
+// of three, 50 hold inliers only. The same seed gives the same shape. [Rousseeuw 1984; Torr &
+// Zisserman 2000]
 template <typename Shape>
 std::optional<Shape> Consensus(const ShapeData& data,
                                std::optional<double> scale,
@@ -60,7 +60,7 @@ template <typename Shape>
 struct SmoothedShape {
   Shape shape;
   double scale = 1;
-  std::vector<Eigen::Index> used;  // the points it rests on, in increasing order
+  std::vector<Eigen::Index> used;  // the points the fit uses, in increasing order
 };
 
 template <typename Shape>
@@ -74,8 +74,8 @@ Eigen::VectorXd ShapeDistances(const Shape& shape, const ShapeData& data, Thread
   return distances;
 }
 
-// The scale of points about a shape: 1.4826 times the median distance of those to which Tukey's
-// loss gives weight at a scale known so far (infinite: of all).
+// The scale of the distances from a shape: 1.4826 times the median distance of the points to which
+// Tukey's loss gives weight at the scale so far (infinite: of all points).
 inline double ScaleOf(const Eigen::VectorXd& distances, double so_far) {
   std::vector<double> near;
   for (const double d : distances) {
@@ -93,10 +93,11 @@ inline std::vector<Eigen::Index> PointsNear(const Eigen::VectorXd& distances, do
   return near;
 }
 
-// Below `start`, the shape of least Tukey's loss at the scale given or, in rounds, at ScaleOf the
-// points, never below `least_scale`; then that of least `loss` over the points that Tukey's gives
-// weight, at the same scale. So gross outliers count in no loss, whatever their number below half:
-// Huber's and Cauchy's bound their pull, but would add it up. [Yohai 1987, MM-estimates]
+// The MM-estimate from `start`: first the shape of least Tukey loss at the scale given or, in
+// rounds, at ScaleOf the points, never below `least_scale`; then the shape of least `loss` over the
+// points to which Tukey's loss gives weight, at the same scale. Gross outliers, if fewer than half,
+// count in no loss: Huber's and Cauchy's bound the pull of each, but would add it up. [Yohai 1987,
+// MM-estimates]
 template <typename Shape>
 SmoothedShape<Shape> Settled(const ShapeData& data,
                              const Shape& start,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the fits of single shapes (lines, circles) work on. Used by them only.
+// Input points, weights and loss of a single-shape fit (line, circle, surface).
 #pragma once
 
 #include <Eigen/Core>

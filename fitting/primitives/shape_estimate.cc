@@ -32,7 +32,7 @@ std::vector<std::string> NamesOf(SurfaceKind kind) {
   return {"axis_x", "axis_y", "center_x", "center_y", "center_z", "major_radius", "minor_radius"};
 }
 
-// Where numbers are measured from and towards.
+// The frame in which the parameters are measured.
 struct AxisFrame {
   Eigen::Vector3d x, y;
   Eigen::Vector3d middle;  // of the points, in the fitter's unit
@@ -42,7 +42,7 @@ Eigen::Vector3d DirectionOf(const FittedSurface& shape) {
   return shape.kind == SurfaceKind::kPlane ? shape.normal : shape.Axis();
 }
 
-// Of a cone: from beside its point up to the apex.
+// A cone's distance along the axis from beside its point to the apex.
 double RiseOf(const FittedSurface& shape) {
   return std::cos(shape.slope) / (std::sin(shape.slope) * shape.axis_curvature);
 }
@@ -83,7 +83,7 @@ Eigen::VectorXd ValuesOf(const FittedSurface& shape, const AxisFrame& frame) {
 
 double Sign(double value) { return value < 0 ? -1 : 1; }
 
-// Changes of numbers (rows) with the freedoms of SurfaceDistance (columns).
+// The Jacobian of the parameters (rows) by the freedoms of SurfaceDistance (columns).
 Eigen::MatrixXd DerivativesOf(const FittedSurface& shape, const AxisFrame& frame) {
   const int freedoms = FreedomsOf(shape.kind);
   Eigen::MatrixXd result(freedoms, freedoms);
@@ -137,7 +137,8 @@ Eigen::MatrixXd DerivativesOf(const FittedSurface& shape, const AxisFrame& frame
   return result;
 }
 
-// What a alternative says of the numbers: infinite where it has none of a kind, and where it is a limit.
+// The parameters according to an alternative shape: infinite where it has no such parameter, and
+// where it is a limit.
 Eigen::VectorXd ValuesOfAlternative(const FittedSurface& alternative,
                                     SurfaceKind kind,
                                     const AxisFrame& frame) {
@@ -159,8 +160,8 @@ Eigen::VectorXd ValuesOfAlternative(const FittedSurface& alternative,
   return values;
 }
 
-// Whether a curvature, or a cone's slope, changes its sign on the way: then radii or the apex go
-// through infinity.
+// Whether a curvature, or a cone's slope, changes its sign between two shapes: then radii or the
+// apex pass through infinity.
 bool ThroughInfinity(const FittedSurface& from, const FittedSurface& to) {
   const auto changes = [](double a, double b) { return !(a * b > 0); };
   switch (from.kind) {
@@ -199,7 +200,7 @@ double SmallRadius(const FittedSurface& shape, const Eigen::Matrix3Xd& points) {
   return QuantileInPlace(radii, kQuantile);
 }
 
-// How far apart things of the shape are, its centre or apex included: the data's units.
+// The extent of the shape, its centre or apex included, in the data's units.
 double ReachOf(const FittedSurface& shape, const ShapeFitter& fitter) {
   const Eigen::Matrix3Xd& points = fitter.starts().judges.points;
   double reach = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
@@ -219,7 +220,7 @@ std::string Number(double value) {
   return text;
 }
 
-// What a user should know before using the numbers.
+// Warnings for the user about parameters that the points determine poorly.
 std::vector<std::string> WarningsOf(const ShapeEstimate& estimate, double reach) {
   constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
   std::vector<std::string> warnings;
@@ -316,11 +317,12 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
       estimate.deviations[i] = std::max(estimate.deviations[i], change);
     }
   }
-  // A cylinder that may be flat may have its axis any way in it.
+  // A cylinder that may be a plane may have its axis in any direction of that plane.
   if (fit.kind == SurfaceKind::kCylinder && !std::isfinite(estimate.deviations[4])) {
     estimate.deviations.head<4>().setConstant(kInfinity);
   }
-  // Of a plane the turns about its longest line, against noise across that line.
+  // A plane's turn about its longest line is undetermined where the width across it is near the
+  // noise.
   constexpr double kDrowned = 4;
   if (fit.kind == SurfaceKind::kPlane) {
     const StartData& data = fitter.starts();
@@ -337,7 +339,7 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
                                 " is hardly thicker than the noise: its numbers mean nothing");
     estimate.deviations.setConstant(kInfinity);
   }
-  // To the data's units and place.
+  // Converts to the data's units and place.
   Eigen::VectorXd units = Eigen::VectorXd::Ones(estimate.values.size());
   for (Eigen::Index i = 0; i < units.size(); ++i) {
     const std::string& name = estimate.names[static_cast<size_t>(i)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The numbers of a fitted surface with their standard deviations.
+// Parameters of a fitted surface (axis, centre, radii, angles) with their standard deviations.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,18 +23,18 @@ namespace batten::internal {
 struct ShapeEstimate {
   std::vector<std::string> names;
   Eigen::VectorXd values;
-  // Three of them reach as far as the numbers go while the freedoms stay within three of theirs: of
-  // a short arc more than the covariance says. Infinite where there is no limit.
+  // Three of them reach as far as the numbers go while the freedoms stay within three of theirs:
+  // for a short arc farther than the covariance says. Infinite where there is no limit.
   Eigen::VectorXd deviations;
   Eigen::MatrixXd covariance;  // linear
   Eigen::Vector3d frame_x, frame_y;
-  // How much larger than of independent noise the variances are, because neighbouring residuals
-  // have something in common: the least over all directions; 1 where they have not.
+  // The factor by which correlation between neighbouring residuals raises the variances over those
+  // of independent noise: the least over all directions; 1 without correlation.
   double inflation = 1;
   // Sentences for the user on what the points do not determine.
   std::vector<std::string> warnings;
 
-  double Deviation(const std::string& name) const;  // NaN where there is no such number
+  double Deviation(const std::string& name) const;  // NaN where the shape has no such number
 };
 
 // σ² (Σ w ∇d ∇dᵀ)⁻¹ carried over from the freedoms to the numbers; with a loss, the factor of an

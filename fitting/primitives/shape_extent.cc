@@ -12,11 +12,11 @@
 namespace batten::internal {
 namespace {
 
-// The places of which some window of neighbours in a row is not much wider than usual; `period` is
-// infinite along a line.
+// The places for which some window of successive neighbours is not much wider than usual; `period`
+// is infinite along a line.
 std::vector<double> WithNeighbours(const std::vector<double>& places, double period) {
   constexpr int kFewest = 16, kNeighbours = 5;
-  constexpr double kLonely = 6;
+  constexpr double kLonely = 6;  // median window widths: wider windows hold isolated places
   const int count = static_cast<int>(places.size());
   if (count < kFewest) return places;
   std::vector<double> sorted = places;

@@ -15,10 +15,11 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kSample = 12000;
+constexpr Eigen::Index kSample = 12000;  // points
 constexpr double kTruncatedTuning = 2.795;
 
-// So far out that of m normal errors one in a hundred clouds has any.
+// The distance in standard deviations that, of m normal errors, any exceeds in one cloud of a
+// hundred.
 double FarthestOf(Eigen::Index m) {
   return std::sqrt(2 * std::log(100 * static_cast<double>(std::max<Eigen::Index>(m, 10))));
 }
@@ -57,7 +58,7 @@ ShapeFitter::ShapeFitter(const Eigen::Matrix3Xd& points,
   start_ = MakeStartData(data_, kSample, options_.seed, pool_);
 }
 
-// From few points half would always agree on something.
+// Robust starts need enough points: among few, half always agree on some shape.
 bool ShapeFitter::Robust(SurfaceKind kind) const {
   if (options_.loss) return *options_.loss != Loss::kNone;
   return data_.points.cols() >= 6 * FreedomsOf(kind);
@@ -77,11 +78,11 @@ std::vector<FittedSurface> ShapeFitter::StartsOf(SurfaceKind kind) {
   return starts;
 }
 
-// Where outliers are feared, rounds of steps with Tukey's loss at the scale of the points about the
-// shape so far.
+// Minimises from `start`; in robust fits in rounds, with Tukey's loss at the scale of the points
+// about the current shape.
 ShapeFitter::Candidate ShapeFitter::Settled(
     const FittedSurface& start, const ShapeData& points, int rounds, int steps, bool robust) {
-  constexpr double kSteady = 1e-2;
+  constexpr double kSteady = 1e-2;  // relative change of the scale
   if (!robust) return {Minimised(start, points, {}, rounds * steps, pool_).shape};
   const double given = options_.scale ? *options_.scale / unit_ : 0;
   Candidate settled{start, std::numeric_limits<double>::infinity()};
@@ -99,8 +100,8 @@ ShapeFitter::Candidate ShapeFitter::Settled(
   return settled;
 }
 
-// The best few that differ, by their squares; where outliers are feared these are cut off at a
-// common scale, that of the shape most points are closest to.
+// Keeps the best few distinct candidates by their sums of squares; in robust fits squares are
+// truncated at a common scale, that of the shape most points are closest to.
 ShapeFitter::Minima ShapeFitter::Ranked(
     Minima candidates, const ShapeData& points, bool robust, bool last, size_t most) {
   constexpr double kSame = 1e-5, kFar = 60;
@@ -118,7 +119,7 @@ ShapeFitter::Minima ShapeFitter::Ranked(
   Minima best;
   for (const Candidate& candidate : candidates) {
     if (best.size() == most) break;
-    // So many squared standard deviations behind, no more points make up for.
+    // Candidates so many squared standard deviations behind cannot win on more points.
     const auto count = static_cast<double>(points.points.cols());
     if (!best.empty() && candidate.cost > (1 + kFar / count) * best.front().cost && last) break;
     const bool new_one = best.empty() || candidate.cost > (1 + kSame) * best.back().cost;
@@ -127,8 +128,8 @@ ShapeFitter::Minima ShapeFitter::Ranked(
   return best;
 }
 
-// In three heats: some hundreds of points, a few steps each; the best, until they are settled; the
-// best of those on the whole sample.
+// Three rounds of selection: a few steps on some hundreds of points for each candidate; the best
+// until they converge; the best of those on the whole sample.
 const ShapeFitter::Minima& ShapeFitter::MinimaOf(SurfaceKind kind) {
   constexpr size_t kSecondHeat = 6, kThirdHeat = 3;
   constexpr int kFewRounds = 3, kRounds = 20, kFewSteps = 3, kSteps = 6;
@@ -150,7 +151,7 @@ const ShapeFitter::Minima& ShapeFitter::MinimaOf(SurfaceKind kind) {
   return minima;
 }
 
-// The loss that tells which points do not count.
+// The loss that decides which points are outliers.
 ShapeLoss ShapeFitter::Rejecting(double scale, SurfaceKind kind) const {
   if (!Robust(kind)) return {Loss::kNone, scale};
   if (options_.loss) return {Loss::kTukey, scale};
@@ -170,7 +171,8 @@ void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, Sh
   fit.distances = SurfaceDistances(fit.local, data_.points, pool_);
 }
 
-// Judged on the sample: what it leaves open all points may decide.
+// Adds other minima, and simpler kinds that are limits, whose excess on the sample, scaled to all
+// points, is below kFarthest.
 void ShapeFitter::AddAlternatives(ShapeFit& fit) {
   constexpr double kFarthest = 16;  // four standard deviations
   const auto limits = [&](SurfaceKind kind) -> std::vector<SurfaceKind> {

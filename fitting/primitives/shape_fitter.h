@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The plane, sphere, cylinder, cone or torus nearest to points.
+// Orthogonal-distance fit of a plane, sphere, cylinder, cone or torus to points.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,15 +19,15 @@
 namespace batten::internal {
 
 struct ShapeFitOptions {
-  // Absent: plain squares, without the points that stand farther off than noise of the size the
-  // others show can explain.
+  // Absent: least squares over the inliers; outliers are points farther off than noise of the size
+  // the others show can explain.
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> scale = std::nullopt;  // of the loss, the data's units; found when absent
   double rounding = 1e-12;                     // of the size: distances below mean nothing
-  std::uint64_t seed = 1;                      // chooses samples
+  std::uint64_t seed = 1;                      // seed of the random samples
 };
 
-// A shape that explains the points almost as well as the one fitted.
+// Another shape that fits the points almost as well.
 struct AlternativeShape {
   FittedSurface shape;
   double excess = 0;  // of Σ w ρ(d), over σ²/2: the square of a number of standard deviations
@@ -37,20 +37,20 @@ struct ShapeFit {
   SurfaceKind kind = SurfaceKind::kPlane;
   FittedSurface local;        // in the fitter's unit about its middle
   SurfaceShape shape;         // in the points' coordinates
-  Eigen::VectorXd distances;  // signed, of every point, the data's units
-  PointMask outliers;         // points that do not count
+  Eigen::VectorXd distances;  // signed, one a point, in the data's units
+  PointMask outliers;         // points that do not count in the fit
   Eigen::Index used = 0;      // the others' number
   double squares = 0;         // Σ w d² over those that count, weights of mean one
   int freedoms = 0;
-  double sigma = 0;  // standard deviation of good points from the shape
+  double sigma = 0;  // standard deviation of inliers from the shape
   ShapeLoss loss;    // minimised over those that count, in the fitter's unit
-  // Other shapes that the points do not reject, in the fitter's unit: minima elsewhere, and simpler
-  // kinds that are this one's limits.
+  // Other shapes that the points do not reject, in the fitter's unit: other local minima, and
+  // simpler kinds that are limits of this one.
   std::vector<AlternativeShape> alternatives;
   int steps = 0;  // over all points
 };
 
-// Fits shapes of several kinds to one cloud; what they share is made once.
+// Fits shapes of several kinds to one cloud; the data they share are prepared once.
 class ShapeFitter {
  public:
   // Points (3 × m) with positive weights (empty: ones), m ≥ 1, of extent > 0.
@@ -59,14 +59,14 @@ class ShapeFitter {
               const ShapeFitOptions& options,
               ThreadPool& pool);
 
-  // The shape of this kind with the least Σ w ρ(d). Candidates by closed formulas and from random
-  // samples take a few steps on some hundreds of points; the best go on with some thousands, from
-  // which noise and outliers are known too; two to four steps over all points end it. Throws
+  // The shape of this kind with the least Σ w ρ(d). Candidates from closed formulas and random
+  // samples take a few steps on some hundreds of points; the best continue on some thousands, which
+  // give noise and outliers too; two to four steps over all points finish the fit. Throws
   // std::invalid_argument with a sentence for the user where the points are fewer than the shape's
   // freedoms. O(m).
   ShapeFit Fit(SurfaceKind kind);
 
-  // The data with weight zero where a point does not count in the fit; until the next call.
+  // The data with weight zero for points that do not count in the fit; valid until the next call.
   const ShapeData& Counting(const ShapeFit& fit);
 
   double unit() const { return unit_; }

@@ -185,7 +185,7 @@ FreedomCovariance CovarianceOf(const FittedSurface& shape,
     Scores::Moments moments = scores.MomentsAt(across, variance);
     const double growth = std::clamp(moments.mean / finer, 1.0, kMostGrowth);
     finer = moments.mean;
-    if (across == 4) {  // what still grows at the widest grows on to the whole
+    if (across == 4) {  // variance still growing at the widest blocks is extrapolated
       moments.mean *= growth;
       moments.matrix *= growth;
       moments.spread *= growth;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How exactly a fit holds its freedoms, neighbours' common errors included. Used by the estimates
-// of shapes only.
+// The covariance of a fitted shape's freedoms, with correlation between neighbouring residuals
+// included. Used by the shape estimates only.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ struct FreedomCovariance {
   bool determined = true;      // no direction in which the shape can move freely
 };
 
-// Points with weight zero do not count.
+// The covariance of the freedoms of `shape`. Points with weight zero do not count.
 FreedomCovariance CovarianceOf(const FittedSurface& shape,
                                const ShapeData& data,
                                const ShapeLoss& loss,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether a plane, sphere, cylinder, cone or torus explains points as well as a free-form surface.
+// F-test of whether a plane, sphere, cylinder, cone or torus fits points as well as a free-form
+// surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +16,7 @@
 
 namespace batten::internal {
 
-// What a free-form surface left of the points.
+// Residuals and effective freedom of a free-form surface's fit.
 struct FreeFormResidual {
   double squares = 0;   // Σ w d², orthogonal distances, weights of mean one
   double unknowns = 0;  // its freedoms along the normal: control points, or with smoothing the

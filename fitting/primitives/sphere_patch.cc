@@ -16,7 +16,7 @@ namespace batten::internal {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
-constexpr double kHole = std::numbers::pi / 6;  // radius of the widest hole that is closed
+constexpr double kHole = std::numbers::pi / 6;  // radius of the widest empty cap that is closed
 
 // The patch about an axis.
 SphereCover About(const Eigen::Vector3d& axis,
@@ -45,7 +45,7 @@ double AreaOf(const SphereCover& cover) {
   return cover.longitude.sweep * (std::sin(cover.latitude.upper) - std::sin(cover.latitude.lower));
 }
 
-// The direction farthest from all, and its angle from the nearest.
+// The direction farthest from all given directions, and its angle from the nearest.
 struct EmptyCap {
   Eigen::Vector3d middle;
   double radius = 0;

@@ -19,7 +19,7 @@ struct Candidate {
   double inflation = 1;
 };
 
-// Σ min(d, c)² of all points.
+// Truncated sum of squares Σ min(d, c)² over all points.
 double Cost(const Eigen::VectorXd& distances, double most) {
   return distances.cwiseAbs().cwiseMin(most).squaredNorm();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which kind of surface points are of, and whether they are of it at all. Used by FitPrimitive
-// only.
+// Selects the kind of surface by an information criterion and tests residuals for structure. Used
+// by FitPrimitive only.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,15 +18,16 @@ struct SurfaceChoice {
   std::string why;
 };
 
-// The first of plane, sphere, cylinder, cone and torus that none of those after it leaves behind.
-// With m points, D the fall of Σ w min(d, c)² in units of the later one's variance divided by the
-// inflation of its estimate, k the difference of freedoms (at least one), f = m − the later's: that
-// is where f log(1 + D/f) > 2 k log m (1 + 2/f). Kinds of which there are not three points for each
-// freedom do not count, nor do those that fit nothing. None where no kind is left. [Schwarz 1978]
+// The first of plane, sphere, cylinder, cone and torus that no later kind fits significantly
+// better. With m points, D the fall of Σ w min(d, c)² in units of the later one's variance divided
+// by the inflation of its estimate, k the difference of freedoms (at least one) and f = m − the
+// later's freedoms, a later kind is significantly better where f log(1 + D/f) > 2 k log m (1 +
+// 2/f). Kinds of which there are not three points for each freedom do not count, nor do those that
+// fit nothing. None where no kind is left. [Schwarz 1978]
 std::optional<SurfaceChoice> ChooseSurface(ShapeFitter& fitter, double rounding, ThreadPool& pool);
 
-// The part of the variance of distances that neighbouring points have in common, 0 to 1: of some
-// thousands of points that count, each with its nearest. 0 of fewer than 30 points, and of
+// The correlation of distances at neighbouring points, 0 to 1, estimated from some thousands of the
+// points that count, each with its nearest neighbour. It is 0 for fewer than 30 points and for
 // distances below `rounding`. O(m log m) for at most some thousands.
 double SharedVariance(const ShapeFit& fit,
                       const Eigen::Matrix3Xd& points,

@@ -14,7 +14,7 @@
 namespace batten::internal {
 namespace {
 
-// A few oriented points.
+// A minimal sample of oriented points.
 struct Sample {
   std::vector<Eigen::Vector3d> points, normals;
 };
@@ -60,7 +60,7 @@ std::optional<FittedSurface> AlgebraicConeFit(const Sample& s) {
     planes.row(i) = s.normals[i].transpose();
     heights[i] = s.normals[i].dot(s.points[i]);
   }
-  constexpr double kFlat = 1e-4;
+  constexpr double kFlat = 1e-4;  // determinant of unit normals: below, planes meet in no point
   if (!(std::abs(planes.determinant()) > kFlat)) return std::nullopt;
   const Eigen::Vector3d apex = planes.inverse() * heights;
   for (int i = 0; i < 3; ++i) seen.col(i) = (s.points[i] - apex).normalized();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Planes, spheres, cylinders, cones and tori by where they touch a point and how they bend there.
+// Planes, spheres, cylinders, cones and tori in contact form: a point, its normal and the
+// curvatures there.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +8,7 @@
 
 namespace batten::internal {
 
-// In the order of their freedoms: 3, 4, 5, 6, 7.
+// The kinds in the order of their degrees of freedom: 3, 4, 5, 6, 7.
 enum class SurfaceKind { kPlane, kSphere, kCylinder, kCone, kTorus };
 
 inline constexpr std::array kSurfaceKinds{SurfaceKind::kPlane,
@@ -20,10 +21,10 @@ inline constexpr std::array kSurfaceKinds{SurfaceKind::kPlane,
 const char* Name(SurfaceKind kind);
 constexpr int FreedomsOf(SurfaceKind kind) { return 3 + static_cast<int>(kind); }
 
-// A shape by one of its points. With curvatures in place of radii, and lengths from `point` in
-// place of those from centres, nearly flat pieces lose no digits: a plane is the sphere of
-// curvature zero, a cylinder the cone of slope zero. [Lukács, Martin & Marshall 1998]
-// Cylinder, cone and torus turn a line or circle, the profile, about an axis. At `point` the
+// A shape in contact form, given by one of its points. With curvatures in place of radii, and
+// lengths from `point` in place of those from centres, nearly flat pieces lose no digits: a plane
+// is the sphere of curvature zero, a cylinder the cone of slope zero. [Lukács, Martin & Marshall
+// 1998] Cylinder, cone and torus turn a line or circle, the profile, about an axis. At `point` the
 // profile runs along `along`. The axis has the direction sin(slope)·normal + cos(slope)·along and
 // lies at point − Outward()/axis_curvature; the profile's centre is at point − normal/curvature.
 // Curvatures may be negative: the shape then bends towards the normal.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The distance of a point from a surface of few freedoms, and how it changes with them. Used by the
-// fits of surfaces only.
+// The signed distance of a point from a primitive surface and its gradient by the surface's
+// freedoms. Used by the surface fits only.
 #pragma once
 
 #include <Eigen/Core>
@@ -62,8 +62,8 @@ class SurfaceDistance {
   }
 
  private:
-  // Where a point lies in its meridian half-plane, and how that changes: the distance from the axis
-  // less that of the shape's point, and the height above it along the axis.
+  // A point's place in its meridian half-plane with derivatives: the distance from the axis less
+  // that of the shape's point, and the height above it along the axis.
   struct Meridian {
     double over, height, x;
     double over_by_x, over_by_across, over_by_axis_curvature;

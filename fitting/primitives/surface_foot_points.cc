@@ -16,9 +16,9 @@ double PartOf(double value, const Interval& range) {
   return std::clamp((value - range.lower) / (range.upper - range.lower), 0.0, 1.0);
 }
 
-// Where a NURBS arc of rational quadratic pieces of 90° at most has the direction (x, y): on a
-// piece of twice the angle h, at t with tan(φ/2) = (2t − 1) tan(h/2), φ from its middle. Beyond,
-// the nearer end.
+// The parameter at which a NURBS arc of rational quadratic pieces of 90° at most has the direction
+// (x, y): on a piece of twice the angle h, at t with tan(φ/2) = (2t − 1) tan(h/2), φ from its
+// middle. Beyond, the nearer end.
 class ArcParameter {
  public:
   explicit ArcParameter(const AngleRange& angles) {
@@ -61,7 +61,7 @@ class ArcParameter {
   double widest_;
 };
 
-// The parameters of all points' feet.
+// The parameters of all points' foot points.
 struct FootPointsOf {
   const Eigen::Matrix3Xd& points;
   ThreadPool& pool;

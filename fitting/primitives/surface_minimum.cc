@@ -55,8 +55,8 @@ SurfaceForm BlockForm(const SurfaceDistance<kKind>& distance_of,
   return form;
 }
 
-// In units in which the diagonal of the matrix is one: a length, as distances are, over the root of
-// the number of points.
+// The gradient's size in units in which the diagonal of the matrix is one: a length, as distances
+// are, over the root of the number of points.
 double Slope(const SurfaceForm& form) {
   double most = 0;
   for (int i = 0; i < 7; ++i) {
@@ -84,7 +84,7 @@ Vector7 StepOf(const SurfaceForm& form, int freedoms, double damping) {
   return step;
 }
 
-// The steps of Levenberg and Marquardt and of the polish, one form each.
+// Levenberg–Marquardt steps and final Gauss–Newton steps, one evaluation of the form each.
 class Descent {
  public:
   Descent(const FittedSurface& start,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The surface of one kind nearest to points, by orthogonal distances.
+// Orthogonal-distance minimization for a surface of one kind by Levenberg–Marquardt and
+// Gauss–Newton.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +21,7 @@ struct SurfaceForm {
   double cost = 0;
 };
 
-// Block by block, so that the sum does not depend on the number of threads. O(m).
+// Sums block by block, so that the result does not depend on the number of threads. O(m).
 SurfaceForm FormOf(const FittedSurface& shape,
                    const ShapeData& data,
                    const ShapeLoss& loss,
@@ -46,7 +47,7 @@ SurfaceMinimum Minimised(const FittedSurface& start,
                          int most_steps,
                          ThreadPool& pool);
 
-// Signed. O(m).
+// Signed distances of points from `shape`. O(m).
 Eigen::VectorXd SurfaceDistances(const FittedSurface& shape,
                                  const Eigen::Matrix3Xd& points,
                                  ThreadPool& pool);

@@ -24,9 +24,9 @@ namespace {
                               Name(shape.kind) + ": they do not say how far it reaches");
 }
 
-// The columns that count: no outliers and, where there are any, nothing that stands alone: with
-// few points in its own and the eight cells around, of those that hold sixteen points each if they
-// were spread evenly.
+// The columns of inliers and, where there are outliers, without isolated points: points with few
+// others in their own cell and the eight around it. Cells are sized to hold sixteen points each on
+// average.
 Eigen::Matrix2Xd Supported(Eigen::Matrix2Xd places, const PointMask& outliers) {
   if (!outliers.any()) return places;
   constexpr double kPerCell = 16, kFew = 1.0 / 8;
@@ -84,7 +84,7 @@ FittedSurface Outwards(FittedSurface shape) {
   return shape;
 }
 
-// Directions point to where their largest part is positive.
+// Orients directions so that their largest component is positive.
 Eigen::Vector3d Upright(const Eigen::Vector3d& direction) {
   Eigen::Index largest;
   direction.cwiseAbs().maxCoeff(&largest);
@@ -105,7 +105,7 @@ ExactSurface PlanePatch(const FittedSurface& shape,
                            return {from.dot(plan.x()), from.dot(plan.y())};
                          }),
                 outliers);
-  // Only what is outermost in some direction can be a corner of the hull.
+  // Only points outermost in some direction can be corners of the hull.
   const TurnedRectangle box = SmallestRectangleAround(ConvexHullOf(OutermostOf(places)));
   if (!(box.high[0] > box.low[0] && box.high[1] > box.low[1])) RefuseThin(shape);
   const Eigen::Vector3d x = box.axis[0] * plan.x() + box.axis[1] * plan.y();
@@ -160,7 +160,7 @@ ExactSurface ConePatch(const FittedSurface& given,
                          }),
                 outliers);
   Interval along = RangeOf(places, 1, shape);
-  // Where the radius is zero, and there is no more cone.
+  // The apex, where the radius is zero and the cone ends.
   const double tip = radius / sine;
   if (sine > 0) along.upper = std::min(along.upper, tip);
   if (sine < 0) along.lower = std::max(along.lower, tip);
@@ -209,7 +209,8 @@ ExactSurface TorusPatch(const FittedSurface& given,
       frame, std::abs(over), minor, AnglesOf(places, 0, shape), AnglesOf(places, 1, shape)};
 }
 
-// Seen from the middle of the points, in a chart in which lonely ones stand alone.
+// Directions from the sphere's centre in a chart about the middle of the points, where isolated
+// points are detected.
 ExactSurface SpherePatch(const FittedSurface& shape,
                          const Eigen::Matrix3Xd& points,
                          const PointMask& outliers,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Two coordinates of every point on a shape. Used by the patches of fitted surfaces only.
+// Surface coordinates of every point on a shape (two a point). Used by the patches of fitted
+// surfaces only.
 #pragma once
 
 #include <Eigen/Core>

@@ -58,7 +58,7 @@ struct PatchArea {
   }
 };
 
-// Where the numbers of a plane or cylinder are measured.
+// The place where the parameters of a plane or cylinder are measured.
 Eigen::Vector3d Beside(const Eigen::Vector3d& middle, const SurfaceShape& shape) {
   if (const auto* plane = std::get_if<PlaneShape>(&shape)) {
     return middle - (middle - plane->point).dot(plane->normal) * plane->normal;
@@ -95,7 +95,8 @@ PrimitiveSummary NumbersOf(const SurfaceShape& shape,
   return numbers;
 }
 
-// Three of the deviations hold as much as of normal errors, few as the points may be.
+// Deviations scaled so that three of them cover as much as for normal errors, however few the
+// points.
 PrimitiveAccuracy AccuracyOf(const ShapeEstimate& estimate, const ShapeFit& fit) {
   return {estimate.names,
           FewFactor(static_cast<double>(fit.used - fit.freedoms)) * estimate.deviations,
@@ -105,7 +106,7 @@ PrimitiveAccuracy AccuracyOf(const ShapeEstimate& estimate, const ShapeFit& fit)
           estimate.inflation};
 }
 
-// Of the points left out, those on the other half of a cone.
+// The number of outliers on the other nappe of a cone.
 Eigen::Index BeyondApex(const ShapeFit& fit, const Eigen::Matrix3Xd& points) {
   const ConeShape* cone = std::get_if<ConeShape>(&fit.shape);
   if (cone == nullptr || !fit.outliers.any()) return 0;
@@ -154,7 +155,8 @@ std::vector<std::string> WarningsOn(const ShapeFit& fit,
   return warnings;
 }
 
-// Points of one plane determine no radii, points of one line no plane. In the fitter's unit.
+// Throws for degenerate points: coplanar points determine no radii, collinear points no plane.
+// Lengths in the fitter's unit.
 void RefuseFlat(SurfaceKind kind, const StartData& data, double rounding) {
   constexpr double kLeast = 8;
   const Eigen::Matrix3Xd from = data.sample.points.colwise() - data.centroid;

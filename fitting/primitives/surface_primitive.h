@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The plane, sphere, cylinder, cone or torus of FitPrimitive, from its fit to what is handed out.
+// Turns a fitted plane, sphere, cylinder, cone or torus into the result of FitPrimitive.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@
 
 namespace batten::internal {
 
-// A fitted surface with what its points cover of it and how exactly they determine it. Everything
-// is in the points' coordinates plus `move`.
+// A fitted surface with the patch its points cover and the standard deviations of its parameters.
+// Everything is in the points' coordinates plus `move`.
 struct DescribedSurface {
   ExactSurface patch;
   NurbsSurface surface;
@@ -22,8 +22,8 @@ struct DescribedSurface {
   std::vector<std::string> warnings;
 };
 
-// Throws std::invalid_argument as PatchOf does, and where the points are flat. Distances below
-// `rounding` (of the fitter's unit) count as that large. O(m).
+// Patch and parameters of a fitted surface. Throws std::invalid_argument as PatchOf does, and where
+// the points are flat. Distances below `rounding` (of the fitter's unit) count as that large. O(m).
 DescribedSurface Described(const ShapeFit& fit,
                            ShapeFitter& fitter,
                            const Eigen::Matrix3Xd& points,
@@ -31,10 +31,11 @@ DescribedSurface Described(const ShapeFit& fit,
                            double rounding,
                            ThreadPool& pool);
 
-// Of the patch.
+// The area of the patch.
 double AreaOf(const ExactSurface& patch);
 
-// What FitPrimitive hands out. Distances of points beyond the edges of the patch are those from it.
+// The result of FitPrimitive for a surface. Points beyond the edges of the patch have their
+// distance from the patch.
 PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
                                 ShapeFitter& fitter,
                                 const ShapeFit& fit,

@@ -24,7 +24,7 @@ bool Usable(const FittedSurface& shape) {
          std::isfinite(shape.slope) && most < kFarthestCurvature;
 }
 
-// What bends so at its point: `profile` is the direction that runs in the meridian.
+// The surface with this bend at its point; `profile` is the principal direction along the meridian.
 FittedSurface BentAs(SurfaceKind kind, const Bend& bend, int profile, double slope) {
   FittedSurface shape;
   shape.kind = kind;
@@ -77,7 +77,7 @@ std::vector<FittedSurface> SphereStarts(const StartData& data) {
   return starts;
 }
 
-// Directions evenly over half a sphere, by the golden angle.
+// Directions spread evenly over half a sphere by the golden angle.
 std::vector<Eigen::Vector3d> Directions(int count) {
   std::vector<Eigen::Vector3d> directions;
   for (int k = 0; k < count; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the search for the nearest plane, sphere, cylinder, cone or torus may start.
+// Start values for the orthogonal-distance fit of a plane, sphere, cylinder, cone or torus.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace batten::internal {
 
-// What starts are made of, once for all kinds.
+// Data that the starts of all kinds share.
 struct StartData {
   ShapeData sample;                      // some thousands of the points
   ShapeData judges;                      // some hundreds of them
@@ -22,26 +22,26 @@ struct StartData {
   Eigen::Matrix3d inertia_axes;          // columns, the longest first
 };
 
-// `most` points are enough for the sample. O(m + most·log most).
+// The start data of a cloud, with at most `most` points in the sample. O(m + most·log most).
 StartData MakeStartData(const ShapeData& data,
                         Eigen::Index most,
                         std::uint64_t seed,
                         ThreadPool& pool);
 
-// Candidates by closed formulas: from the points' moments, the normals' (the direction all are
-// across, the line all meet, the point all tangent planes contain) and quadrics about the middle.
-// [Taubin 1991; Pottmann & Randrup 1998; Lukács, Martin & Marshall 1998]
+// Candidates from closed formulas: from the points' moments, the normals' (the direction all are
+// perpendicular to, the line all meet, the point all tangent planes contain) and quadrics about the
+// middle. [Taubin 1991; Pottmann & Randrup 1998; Lukács, Martin & Marshall 1998]
 std::vector<FittedSurface> MomentStarts(SurfaceKind kind, const StartData& data);
 
-// Of shapes through random samples of as few oriented points as determine one, the two with the
-// least median distance: half of the points may lie anywhere. Empty for tori, and without
-// normals. [Rousseeuw 1984; Schnabel, Wahl & Klein 2007]
+// The two shapes of least median distance among shapes through minimal random samples of oriented
+// points; half of the points may be outliers. Empty for tori, and without normals. [Rousseeuw 1984;
+// Schnabel, Wahl & Klein 2007]
 std::vector<FittedSurface> ConsensusStarts(SurfaceKind kind,
                                            const StartData& data,
                                            std::uint64_t seed);
 
-// The cones and tori that a fitted cylinder may be on the way to: opened a little to either side,
-// and bent as its points are.
+// Starts for cones and tori made from a fitted cylinder: opened a little to either side, and bent
+// as its points are.
 std::vector<FittedSurface> StartsFromCylinder(SurfaceKind kind,
                                               const FittedSurface& cylinder,
                                               const StartData& data);

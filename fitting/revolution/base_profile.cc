@@ -24,7 +24,7 @@ SplineBasis BasisOf(double range, int spans, bool closed) {
   return SplineBasis::Periodic(kDegree, std::move(knots));
 }
 
-// ∫ |C'| over [0, t] of a span, by Gauss' rule of five nodes.
+// Arc length ∫ |C'| over [0, t] of a span, by the Gauss rule with five nodes.
 double ArcOf(const Eigen::Matrix<double, 2, 4>& c, double t) {
   constexpr double kNodes[] = {
       0.04691007703066802, 0.23076534494715845, 0.5, 0.7692346550528415, 0.9530899229693319};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The mean profile of a surface of revolution, and places along it.
+// Mean profile of a surface of revolution as a cubic spline curve.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ namespace batten::internal {
 // A smooth plane curve (r, z) over [0, range()], open or closed, of uniform cubic spans; C².
 class BaseProfile {
  public:
-  // The spline of least squares through places (2 × n) at parameters of [0, range], on which a
-  // closed one is periodic. `weights` may be empty. O(n).
+  // Fits the spline by least squares to places (2 × n) at parameters in [0, range]; a closed one is
+  // periodic. `weights` may be empty. O(n).
   BaseProfile(const Eigen::Matrix2Xd& places,
               const Eigen::VectorXd& parameters,
               const Eigen::VectorXd& weights,
@@ -25,14 +25,14 @@ class BaseProfile {
 
   double range() const { return range_; }
   bool closed() const { return closed_; }
-  double speed() const { return speed_; }  // length over range: the mean of |C'|
+  double speed() const { return speed_; }  // length divided by range: the mean of |C'|
 
   struct Jet {
     Eigen::Vector2d place, first, second;
   };
   Jet At(double s) const;
 
-  // Parameter of the nearest place: the best of samples, from there by Newton's steps.
+  // Parameter of the foot point of a place: the nearest sample, refined by Newton steps.
   double Foot(const Eigen::Vector2d& place) const;
 
   // Length of the curve from 0 to s: as smooth as the curve.
@@ -44,9 +44,9 @@ class BaseProfile {
   double range_, width_;  // of a span
   bool closed_;
   double speed_ = 1;
-  std::vector<Eigen::Matrix<double, 2, 4>> spans_;  // powers of s − start
+  std::vector<Eigen::Matrix<double, 2, 4>> spans_;  // coefficients of powers of s − start
   std::vector<double> lengths_;                     // at the spans' starts, and the end
-  Eigen::MatrixX2d samples_;                        // filled up with infinite ones
+  Eigen::MatrixX2d samples_;                        // padded with infinite ones
   double sample_step_ = 0;
 };
 

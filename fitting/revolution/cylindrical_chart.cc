@@ -18,12 +18,12 @@ constexpr double kClear = 2.2;    // reaches from the axis …
 constexpr double kFarOut = 0.5;   // … or of the median radius
 constexpr double kChartBand = 4;  // reaches
 constexpr double kClearDeviations = 3;
-constexpr double kHole = 3;         // spacings of a hole at the axis that is none
+constexpr double kHole = 3;         // spacings; a smaller gap at the axis is no hole
 constexpr int kCountedAtPole = 32;  // points that tell the spacing there
 
 double Wrapped(double angle) { return angle - kTurn * std::round(angle / kTurn); }
 
-// Edges that pass over each of equal parts of the circle.
+// Counts the edges that cross each of equal parts of the circle.
 std::vector<int> CrossingsOf(const RevolutionSamples& round,
                              const SamplesAboutAxis& seen,
                              const std::vector<double>& steps,
@@ -48,7 +48,7 @@ struct Gap {
   double crossed = 0;  // edges over it, relative to the mean
 };
 
-// The middle of the widest run of parts that the fewest edges pass over.
+// Finds the middle of the widest run of parts that the fewest edges cross.
 Gap WidestGap(const std::vector<int>& counts) {
   const int parts = static_cast<int>(counts.size());
   double mean = 0;
@@ -75,9 +75,9 @@ struct NearAxis {
   double r, along;
 };
 
-// Where along the profile the axis is, by a parabola through the points next to it, and the
-// standard deviation of that: what the profile, which goes on straight beyond its last node, says
-// of a round end is too far.
+// Position of the axis along the profile by a parabola fitted to the points next to it, with its
+// standard deviation. The profile itself is straight beyond its last node, and would place the
+// axis of a round end too far out.
 struct AxisPlace {
   double along, deviation;
 };
@@ -96,9 +96,9 @@ AxisPlace PlaceOfAxis(const std::vector<NearAxis>& points, size_t counted) {
   return {parabola[0], std::sqrt(squares / static_cast<double>(n - 3) * inverse(0, 0))};
 }
 
-// Where the profile's end is a pole: points about it come so near to the axis that there is no
-// hole, and the profile meets the axis or, beyond the last of its nodes, several points do. `way`
-// is 1 at the far end, −1 at the near one.
+// Position of the pole at an end of the profile, if there is one: points come so near to the axis
+// that there is no hole, and the profile meets the axis or, beyond its last node, several points
+// do. `way` is 1 at the far end, −1 at the near one.
 std::optional<double> PoleAt(std::vector<NearAxis> points,
                              const std::optional<double>& of_profile,
                              int way,

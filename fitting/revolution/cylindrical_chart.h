@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Angle round an axis and length along a profile as the parameters of a cloud.
+// Cylindrical parameters of a cloud: angle round an axis and length along a profile.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,28 +16,28 @@
 
 namespace batten::internal {
 
-// Cylinder coordinates of the nodes and the part of their normals in the half plane.
+// Cylindrical coordinates of the nodes and their normals' components in the half plane.
 struct SamplesAboutAxis {
   Eigen::Matrix2Xd places;   // (r, z)
   Eigen::VectorXd angles;    // in (−π, π]
-  Eigen::Matrix2Xd normals;  // of length 1; (1, 0) where a normal runs round the axis
-  std::vector<bool> clear;   // far enough from the axis for its angle to tell something
-  double reach = 0;          // their median
+  Eigen::Matrix2Xd normals;  // of length 1; (1, 0) where a normal is tangential to the axis
+  std::vector<bool> clear;   // far enough from the axis for its angle to be reliable
+  double reach = 0;          // median of the nodes' reaches
   double mean_radius = 0;
 
   Eigen::Index size() const { return places.cols(); }
 };
 SamplesAboutAxis CylindricalCoordinates(const RevolutionSamples& round, const AxisFrame& frame);
 
-// Steps of the angle along the edges, each the short way.
+// Computes the steps of the angle along the edges, each in (−π, π].
 std::vector<double> AngleSteps(const RevolutionSamples& round, const Eigen::VectorXd& angles);
 
-// How far round the axis a shape goes.
+// Range of the angle round the axis that a shape covers.
 struct WayRound {
   bool closed = false;
-  double share = 0;            // of the profile's places that are gone round wholly
-  bool winds = false;          // more than once round without closing
-  double start = 0, turn = 0;  // of the nodes, where it is not closed
+  double share = 0;            // share of the profile that is closed round the axis
+  bool winds = false;          // goes round more than once without closing
+  double start = 0, turn = 0;  // angles of the nodes' range, if it is not closed
 };
 WayRound FindWayRound(const RevolutionSamples& round,
                       const SamplesAboutAxis& seen,
@@ -45,7 +45,7 @@ WayRound FindWayRound(const RevolutionSamples& round,
                       double period,
                       double least_closed);
 
-// What parameters are measured on.
+// The chart in which parameters are measured: the axis, the range of angles and the profile.
 struct CylindricalChart {
   AxisFrame frame;
   WayRound way;
@@ -57,8 +57,8 @@ struct CylindricalChart {
   std::optional<double> low_pole, high_pole;            // where the profile meets the axis
 };
 
-// Fills in the parameters, their ranges, and which ends are poles: those whose points come within
-// three of their spacings of the axis, and no nearer to a hole.
+// Assigns the parameters, their ranges, and the ends that are poles: those whose points come within
+// three of their spacings of the axis and leave no hole there.
 void AssignParameters(const CylindricalChart& chart,
                       const RoundCloud& cloud,
                       ThreadPool& pool,

@@ -12,11 +12,11 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kTowardsCentre = 1e-4;  // against what noise of the normals tells
+constexpr double kTowardsCentre = 1e-4;  // pull to the centre, against effects of noisy normals
 constexpr int kRounds = 5;
 constexpr double kAxisCauchy = 3;
 
-// Stationary c in columns, the least first, with c̄ for each.
+// Stationary rotations: c in columns, that of the least value first, with c̄ for each.
 struct Rotations {
   Eigen::Matrix3d directions, moments;
 };

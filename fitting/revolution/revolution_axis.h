@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The axis that normals of a surface meet.
+// Axis of rotation estimated from the normals of a surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,24 +15,24 @@ struct AxisFrame {
   Eigen::Vector3d ToFrame(const Eigen::Vector3d& p) const {
     return axes.transpose() * (p - origin);
   }
-  // The frame as seen when the points are moved by a small turn and a shift in it.
+  // The frame that results if the points are moved by a small turn and a shift in it.
   AxisFrame Moved(const Eigen::Vector3d& turn, const Eigen::Vector3d& shift) const;
 };
 
-// The frame about an axis through a point. The direction's largest coordinate is made positive, and
-// the first direction lies as near a coordinate axis as can be.
+// Returns a frame about the axis through a point. The direction's largest coordinate is made
+// positive, and the first direction lies as near a coordinate axis as possible.
 AxisFrame FrameAbout(const Eigen::Vector3d& point, const Eigen::Vector3d& direction);
 
-// Axes that the lines through places along their unit normals may all meet, the best first: those
-// of the rotations c, c̄ that leave Σ w (c·(p × n) + c̄·n)² stationary over |c| = 1, p about the
-// centre in units of size. What the lines leave open, as of a plane, goes through the centre.
+// Estimates the axes that the normal lines may all meet, the best first: those of the rotations
+// c, c̄ at which Σ w (c·(p × n) + c̄·n)² is stationary over |c| = 1, p about the centre in units of
+// size. An axis that the lines leave undetermined, as those of a plane do, goes through the centre.
 // [Pottmann & Wallner 2001, §6.1] O(n).
 std::vector<AxisFrame> AxesOfRotation(const Eigen::Matrix3Xd& places,
                                       const Eigen::Matrix3Xd& normals,
                                       const Eigen::Vector3d& centre,
                                       double size);
 
-// The axes of inertia, the longest first.
+// Returns the axes of inertia, the longest first.
 std::vector<AxisFrame> AxesOfInertia(const Eigen::Matrix3Xd& places, const Eigen::Vector3d& centre);
 
 }  // namespace batten::internal

@@ -43,7 +43,7 @@ void Check(const char* function,
   rule("margin", margin);
 }
 
-// Parameters where nothing could be found.
+// Fallback parameters of a base that was not found.
 void PutAnywhere(const RoundCloud& cloud, RevolutionParameterization& base) {
   base.length_u = base.length_v = std::max(cloud.spacing + 2 * cloud.margin, 1e-300);
   base.parameters.setConstant(2, cloud.points.cols(), base.length_u / 2);
@@ -79,7 +79,7 @@ std::string WhyOf(const RevolutionParameterization& base,
   return why;
 }
 
-// Not a slightly bent sheet, nor a rod, which are near huge spheres.
+// Whether a sphere is plausible: slightly bent sheets and rods are near huge spheres.
 bool IsBall(const RevolutionSamples& round, const FittedSphere& sphere) {
   constexpr double kLargest = 3;  // radii against the nodes' mean distance from their centre
   return sphere.radius > 0 && sphere.radius < kLargest * round.size;
@@ -94,7 +94,7 @@ std::string NoAxis(double misfit) {
 constexpr const char* kSpiral =
     "the points go round the axis more than once without closing; lay them out flat as a sheet";
 
-// Where the profile meets the axis near an end of the nodes: from inside outwards.
+// Finds where the profile meets the axis near an end of the nodes, searching outwards.
 std::optional<double> PoleOf(const BaseProfile& profile, double from, double to) {
   constexpr int kSteps = 64;
   double before = from;
@@ -115,7 +115,7 @@ std::optional<double> PoleOf(const BaseProfile& profile, double from, double to)
   return std::nullopt;
 }
 
-// Where the nodes are nearly on a sphere, the axis that suits it best.
+// Best axis of a sphere, if the nodes are nearly on one.
 std::optional<AxisFrame> SphereAxis(const RevolutionSamples& round) {
   constexpr double kBallLike = 0.03;
   const FittedSphere sphere = FitSphere(round);
@@ -149,17 +149,18 @@ CylindricalChart ChartOf(const RevolutionEstimate& shape) {
   return chart;
 }
 
-// Turn of the place about the tube's middle, from outside over above.
+// Angle of a place about the tube's centre, from the outside by the top.
 double TubeAngle(const Ring& ring, const Eigen::Vector2d& place) {
   return std::atan2(place[1], place[0] - ring.radius);
 }
 
-// How far round its tube a ring goes; the start of an open one follows the widest gap.
+// Finds the range of angles round its tube that a torus covers; an open one starts after the widest
+// gap.
 WayRound FindWayAlong(const RevolutionSamples& round,
                       const Ring& ring,
                       const SamplesAboutAxis& seen,
                       double least_closed) {
-  SamplesAboutAxis about = seen;  // the roles of both angles changed
+  SamplesAboutAxis about = seen;  // with both angles exchanged
   for (Eigen::Index i = 0; i < seen.size(); ++i) {
     about.angles[i] = TubeAngle(ring, seen.places.col(i));
     about.clear[i] = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of revolution, spheres and tori as what the parameters of a closed cloud are taken from.
+// Surfaces of revolution, spheres and tori as bases of a closed cloud.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,17 +14,17 @@ namespace batten::internal {
 
 struct RevolutionParameterizationOptions {
   Eigen::Index nodes = 2000;  // about
-  double least_share = 0.9;   // of the nodes in one part
+  double least_share = 0.9;   // share of the nodes in the largest component
   double most_misfit = 0.09;  // a ripple of amplitude 0.1 has 0.07, a cube 0.11
-  double least_closed = 0.5;  // of the profile's places gone round wholly, of what counts as closed
+  double least_closed = 0.5;  // share of the profile closed round the axis that counts as closed
 };
 
-// A surface of revolution: axis and profile by least squares, both directions open or closed.
-// Closed means that along the neighbour graph of the nodes ways lead round; a spiral has none.
-// Where the profile comes to the axis within three spacings, that end is a pole. Open directions
-// reach over the points, widened by the margin. Points (3 × m) are distinct and almost rid of
-// outliers; `spacing` and `noise` are those of MeasureCloud. Parameters are finite and inside even
-// with a refusal. Bit for bit the same for every number of threads. Throws std::invalid_argument
+// Fits a surface of revolution: axis and profile by least squares, both directions open or closed.
+// A direction is closed if paths along the neighbour graph of the nodes go round; a spiral has
+// none. An end of the profile within three spacings of the axis is a pole. Open directions cover
+// the points, widened by the margin. Points (3 × m) are distinct and almost rid of outliers;
+// `spacing` and `noise` are those of MeasureCloud. Parameters are finite and inside even if the
+// base is refused. Bit for bit the same for every number of threads. Throws std::invalid_argument
 // unless there are points and index, spacing, noise and margin fit them; Cancelled when progress
 // asks to stop. O(m log m).
 RevolutionParameterization FindRevolutionBase(const Eigen::Matrix3Xd& points,
@@ -36,7 +36,7 @@ RevolutionParameterization FindRevolutionBase(const Eigen::Matrix3Xd& points,
                                               ThreadPool& pool,
                                               const Progress& progress = {});
 
-// A sphere; poles lie where the data leave the most open, else on a coordinate axis.
+// Fits a sphere; its poles lie where the data leave the most area open, else on a coordinate axis.
 RevolutionParameterization FindSphereBase(const Eigen::Matrix3Xd& points,
                                           const NeighbourIndex& index,
                                           double spacing,
@@ -46,7 +46,7 @@ RevolutionParameterization FindSphereBase(const Eigen::Matrix3Xd& points,
                                           ThreadPool& pool,
                                           const Progress& progress = {});
 
-// A torus whose axis does not meet its tube, of which more than half goes round.
+// Fits a torus whose axis does not meet its tube and whose tube is covered by more than half.
 RevolutionParameterization FindTorusBase(const Eigen::Matrix3Xd& points,
                                          const NeighbourIndex& index,
                                          double spacing,
@@ -56,7 +56,7 @@ RevolutionParameterization FindTorusBase(const Eigen::Matrix3Xd& points,
                                          ThreadPool& pool,
                                          const Progress& progress = {});
 
-// The same, several of them over one cloud.
+// Fit the same bases to a cloud whose nodes are shared by several fits.
 RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
                                             const RevolutionParameterizationOptions& options,
                                             ThreadPool& pool);

@@ -11,9 +11,9 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kLeastNodes = 24;
-constexpr double kThin = 0.05;   // breadth over length of neighbourhoods on a line
-constexpr double kFlat = 0.02;   // thickness over length of what a plane serves better
-constexpr double kTurned = 0.1;  // share of contradicting edges of what has one side only
+constexpr double kThin = 0.05;   // breadth over length; below, neighbourhoods are on a line
+constexpr double kFlat = 0.02;   // thickness over length; below, a plane serves better
+constexpr double kTurned = 0.1;  // share of contradicting edges; above, the shape is one-sided
 
 SheetGraphOptions LooseOptions() {
   SheetGraphOptions loose;
@@ -46,8 +46,8 @@ std::string RefusalOf(const RevolutionSamples& round, const RevolutionSampleOpti
   return {};
 }
 
-// Whether the nodes are a piece of a plane: a thin layer, and normals across it. Those of a narrow
-// hoop lie along it.
+// Whether the nodes are a piece of a plane: a thin layer with normals across it. The normals of a
+// narrow hoop lie along its layer.
 bool IsFlat(const PoissonDiskSamples& nodes, const Eigen::Matrix3Xd& centred) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(centred * centred.transpose());
   const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();

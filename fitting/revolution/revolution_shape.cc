@@ -16,17 +16,17 @@ namespace {
 
 constexpr int kMostSpans = 40, kLeastSpans = 4;
 constexpr double kNodesASpan = 20;
-constexpr double kSpan = 2;           // reaches, at least
-constexpr double kSpanInScatter = 6;  // of the nodes about the profile, at least
-constexpr double kBeyond = 5;         // reaches that an open profile goes on for
-constexpr int kStraight = 20;         // places that hold it there
-constexpr double kEnd = 8;            // reaches that tell in which direction
+constexpr double kSpan = 2;           // least length of a span in reaches
+constexpr double kSpanInScatter = 6;  // least length of a span in rms distances of the nodes
+constexpr double kBeyond = 5;         // reaches by which an open profile is extended
+constexpr int kStraight = 20;         // places on each straight extension
+constexpr double kEnd = 8;            // reaches from which its direction is fitted
 constexpr double kBand = 4;           // reaches
-constexpr double kSlip = 3;           // reaches that steps along the profile may be wrong by
+constexpr double kSlip = 3;           // greatest error in reaches of steps along the profile
 constexpr double kClosedAlong = 0.5;  // of the places round the axis
 constexpr double kAsGood = 1.3;       // misfits of a preferred axis against the best one
-constexpr double kSame = 2e-4;        // sizes that tell no axes apart
-constexpr double kGoodInNoise = 0.7;  // nodes so near on the whole ask for no other axis
+constexpr double kSame = 2e-4;        // sizes; smaller differences of rms distance do not count
+constexpr double kGoodInNoise = 0.7;  // noises; below, no other axis is tried
 constexpr double kGoodInSizes = 2e-3;
 constexpr int kSweeps = 30;
 constexpr int kRefinements = 6;
@@ -45,7 +45,7 @@ Eigen::Vector2d TangentOf(const SamplesAboutAxis& seen, Eigen::Index i) {
   return {-seen.normals(1, i), seen.normals(0, i)};
 }
 
-// Means over neighbours of what they expect, a few times.
+// Smooths the lengths by averaging the neighbours' predictions, a few times.
 void Relax(const RevolutionSamples& round, const GraphSteps& graph, Lengths& lengths) {
   std::vector<double> sums(lengths.values.size()), counts(lengths.values.size());
   const auto& edges = round.graph.edges;
@@ -105,7 +105,7 @@ Lengths IntegrateProfile(const RevolutionSamples& round, const SamplesAboutAxis&
   const Unwrapped main_part = Unwrap(graph, lengths.known, slip);
   if (!main_part.seams.empty()) {
     const std::vector<double> angles(seen.angles.begin(), seen.angles.end());
-    // Wide enough where the shape comes nearest to the axis.
+    // The band is wide enough where the shape comes nearest to the axis.
     const double narrowest = seen.places.row(0).minCoeff();
     const double width =
         std::min(kBand * seen.reach / std::max(narrowest, 1e-300), std::numbers::pi);
@@ -120,7 +120,7 @@ Lengths IntegrateProfile(const RevolutionSamples& round, const SamplesAboutAxis&
   return lengths;
 }
 
-// Axis, profile and the nodes' feet, improved in turn.
+// Iterative refinement of axis, profile and the nodes' foot points in turn.
 class RevolutionSearch {
  public:
   RevolutionSearch(const RevolutionSamples& round, const AxisFrame& frame, ThreadPool& pool)
@@ -161,7 +161,7 @@ class RevolutionSearch {
     const Eigen::VectorXd integrated = parameters_;
     FitProfile(range);
     Project();
-    // A curve that may bend more closely than the nodes scatter would wind its way through them.
+    // Spans shorter than the scatter of the nodes would let the curve follow the noise.
     const int steady =
         static_cast<int>(std::min(range / (kSpanInScatter * rms_), 1.0 * kMostSpans));
     if (steady < spans_) {
@@ -180,7 +180,7 @@ class RevolutionSearch {
   bool closed() const { return shape_.closed_along; }
   const AxisFrame& frame() const { return shape_.frame; }
 
-  // `best` is what others left: who stays far behind it need not go on.
+  // `best` is the best rms distance of other searches; a search that stays far behind it stops.
   void Refine(double best) {
     for (int round = 0; round < kRefinements && found(); ++round) {
       const double before = rms_;
@@ -238,7 +238,7 @@ class RevolutionSearch {
     Eigen::Vector2d place, direction;
   };
 
-  // Of the parabola through the nodes near an end of the parameters.
+  // Returns the tangent of the parabola fitted to the nodes near an end of the parameters.
   Tangent TangentAt(const Eigen::Matrix2Xd& places, double end) const {
     const double length = parameters_.maxCoeff() - parameters_.minCoeff();
     const double width = std::min(kEnd * shape_.seen.reach, length / 2);
@@ -258,7 +258,7 @@ class RevolutionSearch {
     return tangent;
   }
 
-  // New feet, and weights from how far off the nodes are.
+  // Updates the foot points, and the weights from the nodes' distances.
   void Project() {
     const BaseProfile& profile = *shape_.profile;
     const auto n = static_cast<Eigen::Index>(used_.size());
@@ -281,7 +281,7 @@ class RevolutionSearch {
     weights_ = (1 + (off_ / (kCauchy * scale)).array().square()).inverse();
   }
 
-  // One Gauss–Newton step of tilt, shift and offsets of the profile, piecewise linear along it.
+  // Makes a Gauss–Newton step of tilt, shift and offsets of the profile, piecewise linear along it.
   void MoveAxis() {
     const int hats = std::clamp(spans_, 4, 16);
     const double range = shape_.profile->range();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The axis and the mean profile of a shape of revolution.
+// Fit of the axis and the mean profile of a surface of revolution.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,22 +17,22 @@ namespace batten::internal {
 struct RevolutionEstimate {
   AxisFrame frame;
   SamplesAboutAxis seen;               // the nodes about it
-  std::optional<BaseProfile> profile;  // none where nothing could be found
+  std::optional<BaseProfile> profile;  // none if no profile was found
   bool closed_along = false;
-  double low = 0, high = 0;  // of the nodes' feet, parameters of the profile
+  double low = 0, high = 0;  // range of the nodes' foot points, as parameters of the profile
   std::vector<double> feet;  // of the nodes
   double misfit = 0;         // distance of the nodes, root mean square, over their mean radius
 };
 
-// The best of the axes that normals give, or the one preferred where it is as good as it stands, as
-// any axis of a sphere is: the profile is integrated along
-// the graph, its mean fitted as a spline, and axis and profile then changed together so that the
-// nodes are nearest. Robust against ripples along and round. O(nodes · spans).
+// Fits axis and profile from the best of the axes estimated from the normals, or from the preferred
+// one if it is as good unchanged, as any axis of a sphere is. The profile is integrated along the
+// graph, its mean is fitted as a spline, and axis and profile are then refined together by least
+// squares distances of the nodes. Robust against ripples along and round. O(nodes · spans).
 RevolutionEstimate FindRevolution(const RevolutionSamples& round,
                                   const std::optional<AxisFrame>& preferred,
                                   ThreadPool& pool);
 
-// What was found about no preferred axis, or the shape about that axis where it is as good.
+// Returns the shape found without a preferred axis, or the one about that axis if it is as good.
 RevolutionEstimate WithPreferredAxis(RevolutionEstimate found,
                                      const RevolutionSamples& round,
                                      const std::optional<AxisFrame>& preferred,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A cloud with what every round base over it is found from.
+// A cloud with the samples and statistics that every round base is fitted to.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@ namespace batten::internal {
 
 struct RevolutionEstimate;
 
-// What only the points and their scale determine, for several of these over one cloud.
+// Input shared by the fits of several round bases to one cloud.
 struct RoundCloud {
   const Eigen::Matrix3Xd& points;
   const RevolutionSamples& round;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Angle round an axis and length along a profile: the parameters that a round base gives a cloud.
+// Parameters of a cloud over a round base: angle round an axis and length along a profile.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ struct RevolutionParameterization {
   // point off the axis; u × v looks outwards.
   Eigen::Matrix2Xd parameters;
   double length_u = 0, length_v = 0;
-  bool periodic_u = false, periodic_v = false;  // the parameter lives on a circle
-  bool pole_start = false, pole_end = false;    // the edge v = 0, v = length_v is one point
+  bool periodic_u = false, periodic_v = false;  // the direction is closed
+  bool pole_start = false, pole_end = false;    // the edge v = 0 (v = length_v) is one point
   double turn = 0;                              // angle swept over length_u
   double misfit = 0;  // distance of the nodes from the base, root mean square, over the mean radius
   std::string why;    // one clause for the report

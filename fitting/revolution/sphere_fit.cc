@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kTold = 0.7, kToldAtLast = 0.95;
 
-// The share of the sphere that the smallest rectangle about an axis takes, and something for poles.
-// Heights beyond `told` tell nothing of the angle.
+// Share of the sphere that the smallest rectangle about an axis covers, plus a penalty for poles
+// amid data. Directions with heights of `told` and beyond do not count for the angle.
 double EmptinessOf(const Eigen::Matrix3Xd& directions,
                    const Eigen::Vector3d& axis,
                    double reach,
@@ -57,7 +57,7 @@ double EmptinessOf(const Eigen::Matrix3Xd& directions,
   return swept / kTurn * (high - low) / 2 + (all_round ? kPoleOfData * poles : 0);
 }
 
-// The direction farthest from all others.
+// Finds the direction farthest from all others.
 Eigen::Vector3d WidestGap(const Eigen::Matrix3Xd& directions) {
   constexpr Eigen::Index kPlaces = 2000;
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -98,7 +98,7 @@ Eigen::Vector3d WidestGap(const Eigen::Matrix3Xd& directions) {
   return best;
 }
 
-// Looks for the least emptiness about axes, from coarse to fine.
+// Minimises the emptiness over axes, from coarse to fine steps.
 class AxisSearch {
  public:
   AxisSearch(const Eigen::Matrix3Xd& directions, double reach)
@@ -109,7 +109,7 @@ class AxisSearch {
   }
 
   Eigen::Vector3d Refined(Eigen::Vector3d best) const {
-    // The nearer to the poles the angle counts, the sharper the least value and the harder to find.
+    // The nearer to the poles angles count, the sharper the minimum and the harder to find.
     for (const double told : {kTold, 0.85, kToldAtLast}) {
       double least = Of(best, told);
       constexpr double kFinest = 2e-3, kBetter = 1e-4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The sphere nearest to nodes, and the axis its parameters should have.
+// Sphere fit to nodes, and the axis of its parameterization.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,12 +15,13 @@ struct FittedSphere {
   double misfit = 0;  // distance of the nodes, root mean square, over the radius
 };
 
-// By orthogonal distances, robust. O(n).
+// Fits a sphere by robust orthogonal least squares. O(n).
 FittedSphere FitSphere(const RevolutionSamples& round);
 
-// The axis about which the smallest rectangle of angle and height holds the nodes: by Archimedes,
-// the one that leaves the least of the rectangle empty. Of nearly equal ones a coordinate axis, z
-// before y before x. Poles in the midst of data count a little against an axis.
+// Finds the axis about which the smallest rectangle of angle and height holds the nodes: by
+// Archimedes, the one that leaves the least of the rectangle empty. Among nearly equal ones a
+// coordinate axis is preferred, z before y before x. Poles amid data count a little against an
+// axis.
 AxisFrame AxisOfSphere(const RevolutionSamples& round, const FittedSphere& sphere);
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The torus nearest to nodes.
+// Torus fit to nodes.
 #pragma once
 
 #include "fitting/revolution/revolution_axis.h"
@@ -14,8 +14,8 @@ struct Ring {
   double misfit = 0;  // over the radius
 };
 
-// By orthogonal distances: Gauss–Newton steps of axis and circle at once, from an axis that is
-// nearly right and the algebraic circle through the nodes' half plane. O(n).
+// Fits a torus by orthogonal least squares: Gauss–Newton steps of axis and circle together, from an
+// approximate axis and the algebraic circle through the nodes' half plane. O(n).
 Ring FitTorus(const RevolutionSamples& round, const AxisFrame& start);
 
 }  // namespace batten::internal

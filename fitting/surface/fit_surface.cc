@@ -21,7 +21,7 @@ namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kExplains = 0.1;  // share of the misfit that a feature leaves
+constexpr double kExplains = 0.1;  // misfit of all points over that without them; below: a feature
 
 // Distances of the used points from the surface at their own parameters.
 ErrorSummary AtParameters(const SurfaceFit& fit,
@@ -36,7 +36,7 @@ ErrorSummary AtParameters(const SurfaceFit& fit,
   return Summarise(offsets, options.tolerance, !fit.outliers);
 }
 
-// One cloud, its base found, to be fitted once or twice and measured.
+// The fit of one prepared cloud: fitted once or twice, then measured.
 class SurfacePipeline {
  public:
   SurfacePipeline(const PointCloud& cloud,
@@ -51,7 +51,7 @@ class SurfacePipeline {
     prepare_seconds_ = watch_.Lap();
   }
 
-  // Whether the last fit set points aside or bounded them, unasked.
+  // Whether the last fit set outliers aside or bounded them without being asked to.
   bool doubted() const { return used_robust_weights_; }
 
   SurfaceFit Fit(const SurfaceFitOptions& asked) {
@@ -89,7 +89,7 @@ class SurfacePipeline {
     return fit;
   }
 
-  // The same with every point that has a place taken for a good one.
+  // Fits again with every parameterized point as an inlier.
   SurfaceFit FitAll(SurfaceFitOptions options) {
     options.keep_outliers = true;
     prepared_.used = prepared_.reached;
@@ -99,7 +99,7 @@ class SurfacePipeline {
   }
 
  private:
-  // Degrees that hold the curves given for edges.
+  // Degrees high enough for the given boundary curves.
   SurfaceFitOptions WithDegreesOfSides(SurfaceFitOptions options) const {
     for (const PlacedBoundary& laid : prepared_.conditions.sides) {
       int& degree = laid.edge.direction == Direction::kU ? options.degree_v : options.degree_u;
@@ -130,8 +130,8 @@ class SurfacePipeline {
   bool used_robust_weights_ = false;
 };
 
-// Of a fit that set points aside and one of all points: what stands out of equal knots may be a
-// narrow feature, which free knots follow; outliers nothing follows.
+// Chooses between a fit that set points aside and one of all points: points off a fit with uniform
+// knots may be a narrow feature, which free knots follow; no fit follows outliers.
 SurfaceFit Explained(SurfaceFit without, SurfaceFit with_all) {
   if (!(with_all.report.error_all.rms < kExplains * without.report.error_all.rms)) return without;
   with_all.report.warnings.push_back(
@@ -139,7 +139,7 @@ SurfaceFit Explained(SurfaceFit without, SurfaceFit with_all) {
   return with_all;
 }
 
-// The fit of a cloud and its mirror image, as one of the cloud.
+// Converts the fit of a cloud with its mirror image to a fit of the cloud.
 SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& options) {
   MirrorPlane plane = *options.symmetric;
   const double length = plane.normal.norm();
@@ -177,14 +177,14 @@ PointDistances AllDistances(const PointCloud& cloud,
       fit.surface.Translated(options.shift - cloud.origin()), cloud.points(), near, pool);
 }
 
-// The points left out by thinning that lie beyond the border of the fit, by less than a cell: a
-// thinned cloud ends some way inside its points.
+// The points left out by thinning that lie less than a cell beyond the border of the fit, since a
+// thinned cloud ends inside the full one.
 std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
                                           const DownsampledCloud& thinned,
                                           const SurfaceFit& fit,
                                           const PointDistances& found,
                                           const SurfaceFitOptions& options) {
-  constexpr double kAside = 0.5;  // of the way to the foot: not along the normal
+  constexpr double kAside = 0.5;  // tangential share of the way to the foot point
   const double reach = std::sqrt(3.0) * *options.thin;
   const SurfaceEvaluator surface(fit.surface.Translated(options.shift - cloud.origin()));
   std::vector<Eigen::Index> beyond;
@@ -203,7 +203,7 @@ std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
   return beyond;
 }
 
-// The fit of a thinned cloud, as one of the cloud: every point is measured.
+// Converts the fit of a thinned cloud to a fit of the cloud, with every point measured.
 SurfaceFit FitDownsampled(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Stopwatch watch;
   DownsampledCloud thinned = Thinned(cloud, *options.thin);

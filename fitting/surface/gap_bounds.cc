@@ -14,24 +14,24 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kRimMargin = 0.07;     // of the rim's range
-constexpr double kRimSlack = 0.01;      // of that, rather than more knots
-constexpr double kBorderMargin = 0.03;  // of all data's range
-constexpr double kTiltMargin = 0.02;    // of the data's band about their plane
-constexpr double kBallMargin = 0.1;     // of what the coarse fit leaves at the rim
-constexpr double kNarrowBand = 0.5;     // of the data's range: the sheet is mostly tilt
-constexpr double kTiltRounding = 1e-6;  // extrapolation magnifies rounding
+constexpr double kRimMargin = 0.07;     // share of the rim's range added to bounds of heights
+constexpr double kRimSlack = 0.01;      // share of the rim's range tolerated without more knots
+constexpr double kBorderMargin = 0.03;  // share of the range of all data
+constexpr double kTiltMargin = 0.02;    // share of the width of the data's band about their plane
+constexpr double kBallMargin = 0.1;     // share of the coarse fit's residual at the rim
+constexpr double kNarrowBand = 0.5;     // band width over range of heights; below: a tilted sheet
+constexpr double kTiltRounding = 1e-6;  // of the data's size: rounding in extrapolation
 constexpr double kSlopeFactor = 1.2;
-constexpr double kUsualSlope = 0.75;  // this share of the rim is less steep
+constexpr double kUsualSlope = 0.75;  // quantile of the rim's slopes, for heights
 constexpr double kSteepSlope = 0.95;
 constexpr double kCoarseSmoothing = 1e-3;
-constexpr double kCoarseCell = 1.5;  // reaches of the widest gap
+constexpr double kCoarseCell = 1.5;  // width of a coarse cell in reaches of the widest gap
 
 double CellWidth(const SplineBasis& basis) {
   return (basis.upper() - basis.lower()) / static_cast<double>(basis.Spans().size());
 }
 
-// The standard deviation of what the solution leaves, all rows together.
+// The weighted rms residual of the solution, all rows together.
 double ResidualRms(const FittingProblem& problem, double residual_squares) {
   const Eigen::VectorXd& weights = problem.data().weights;
   const double sum = weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
@@ -55,8 +55,8 @@ Eigen::MatrixXd AtRim(const Eigen::MatrixXd& at_places, const DataGap& hole) {
   return rim;
 }
 
-// How steep values of a net are at the rim, by differences across a place: a quantile of the
-// greater of both directions' length.
+// The slope of a net's values at the rim by differences across a place: a quantile of the greater
+// of the two directions' slopes.
 double SlopeAt(const DataGap& hole,
                const FittingProblem& problem,
                const GapMap& map,
@@ -83,7 +83,7 @@ double SlopeAt(const DataGap& hole,
   return Quantile(std::move(slopes), share);
 }
 
-// What a surface of heights may do, gap by gap.
+// Bounds of a surface of heights, gap by gap.
 class HeightBounds {
  public:
   HeightBounds(const FittingProblem& problem,
@@ -151,8 +151,8 @@ class HeightBounds {
   }
 
  private:
-  // Whether heights keep to a band about the plane of the data that is hardly wider than theirs. A
-  // tilted sheet goes on being tilted where there are no points.
+  // Whether heights stay in a band about the plane of the data that is hardly wider than the data's
+  // own band. A tilted sheet is continued with its tilt in gaps.
   bool KeepsToTilt(const DataGap& hole, const Eigen::MatrixXd& there) const {
     if (band_high_ - band_low_ > kNarrowBand * (high_ - low_) + 2 * rounding_) return false;
     for (Eigen::Index k = 0; k < there.cols(); ++k) {
@@ -171,8 +171,8 @@ class HeightBounds {
   Eigen::Vector3d plane_;
 };
 
-// What a surface of points may do: about a fit over cells at least as wide as the widest gap is
-// deep, which is smooth there because data around it determine it.
+// Bounds of a surface of points: balls about a coarse fit whose cells are at least as wide as the
+// widest gap is deep, so that the data around a gap determine it there.
 class PointBounds {
  public:
   PointBounds(const FittingProblem& problem,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far a surface may go in a gap, and what it goes to instead.
+// Bounds on a surface inside data gaps, and the smooth fill it is drawn to where it leaves them.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,30 +11,31 @@
 
 namespace batten::internal {
 
-// A ball (of heights: an interval) about a centre for every place of a gap, and a smooth surface
-// inside them all.
+// Bounds of one gap: a ball (for heights an interval) about a centre for every place, and a smooth
+// surface that lies inside all of them.
 struct GapBounds {
   Eigen::MatrixXd centre;  // d × places
   Eigen::VectorXd radius;  // places
-  double slack = 0;        // by so much more they may be left before knots are added
+  double slack = 0;        // excess tolerated before knots are added
   Eigen::MatrixXd fill;    // d × places
 
-  // How far values leave the balls; not above zero: nowhere.
+  // The largest distance by which values leave the balls; zero or less where all are inside.
   double Excess(const Eigen::MatrixXd& values) const {
     return ((values - centre).colwise().norm().transpose() - radius).maxCoeff();
   }
 };
 
-// Values of a net of the problem's bases at the places of a gap.
+// Evaluates a control net over the problem's bases at the places of a gap.
 Eigen::MatrixXd AtPlaces(const FittingProblem& problem,
                          const Eigen::MatrixXd& coefficients,
                          const GapMap& map,
                          const std::vector<int>& places,
                          ThreadPool& pool);
 
-// The bounds of each gap that the free solution leaves, and nothing (no columns) for the others:
-// by the number of rows of the problem's values for heights or for points in space, as
-// SolveWithGapRegularization says. Gaps narrower than a knot cell, or without a rim, are let be.
+// The bounds of each gap where the unregularized solution leaves them, empty (no columns) for the
+// other gaps. One row of values means heights, three mean points in space;
+// SolveWithGapRegularization gives the rules for each. Gaps narrower than a knot cell, or without a
+// rim, get no bounds.
 std::vector<GapBounds> BoundsOfGaps(const FittingProblem& problem,
                                     const LinearSolution& free,
                                     const GapMap& map,

@@ -15,7 +15,7 @@ namespace {
 constexpr double kGapRadius = 3;       // spacings
 constexpr double kPlace = 0.5;         // spacings
 constexpr double kFilledAtPole = 1.5;  // spacings to either side of a point
-constexpr int kMostPlaces = 320;       // along a side
+constexpr int kMostPlaces = 320;       // along a side; wider places beyond
 
 constexpr std::array<std::pair<int, int>, 8> kNeighbours{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
@@ -102,7 +102,7 @@ std::vector<double> GapMap::DistancesFrom(const std::vector<char>& marked) const
     if (marked[k]) distance[k] = 0;
   }
   const double diagonal = std::hypot(du_, dv_);
-  // Round a seam what came first learns of what came last in a second pass.
+  // A second pass carries distances across the seam.
   const std::vector<int> ways =
       round_u_ || round_v_ ? std::vector<int>{1, -1, 1, -1} : std::vector<int>{1, -1};
   for (const int way : ways) {
@@ -122,7 +122,8 @@ std::vector<double> GapMap::DistancesFrom(const std::vector<char>& marked) const
   return distance;
 }
 
-// Places deep inside, and what lies no farther from them than they are deep; then connected parts.
+// Marks places farther than the radius from data and all within the radius of those, then splits
+// the marked places into connected parts.
 void GapMap::FindDataGaps(const std::vector<char>& occupied, double radius) {
   const std::vector<double> distance = DistancesFrom(occupied);
   std::vector<char> deep(occupied.size());
@@ -189,7 +190,7 @@ Eigen::MatrixXd GapMap::HarmonicFill(const DataGap& hole, const Eigen::MatrixXd&
     for (const auto& [di, dj] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const int neighbour = Neighbour(hole.places[k], di, dj);
       if (neighbour < 0 || neighbour == hole.places[k]) continue;
-      // A place that is not rim has neighbours of its own gap only.
+      // Every neighbour of a place off the rim belongs to the same gap.
       const auto at = std::lower_bound(hole.places.begin(), hole.places.end(), neighbour);
       const auto other = static_cast<size_t>(at - hole.places.begin());
       const double w = di != 0 ? dv_ / du_ : du_ / dv_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the domain of a surface holds no data, and what surrounds such places.
+// Data gaps of a surface's domain: connected parts without data, their rims and distances.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,20 +12,22 @@ namespace batten::internal {
 // A connected part of the domain without data.
 struct DataGap {
   std::vector<int> places;       // of the map, ascending
-  std::vector<size_t> rim;       // those of them, by index, that touch places with data
-  std::vector<int> shore;        // places outside that touch those
+  std::vector<size_t> rim;       // indices into places: those that touch places with data
+  std::vector<int> shore;        // places outside the gap that touch the rim
   std::vector<double> distance;  // of each place from the data
   double reach = 0;              // the greatest of those
   bool at_border = false;        // of the domain: not surrounded by data
 };
 
-// The domain cut into places half a spacing wide or, of many, wider; round periodic directions they
-// are neighbours across the seam, and towards a pole a point fills the more of its row the nearer
-// it is. A gap is what a disc of three spacings' radius covers wherever it holds no data: not the
-// chance gaps between them. Distances are right to some hundredths (a chamfer in eight directions).
+// Divides the domain into places half a spacing wide, wider where there would be more than 320
+// along a side. In periodic directions places are neighbours across the seam; towards a pole a
+// point fills more of its row the nearer it is to the pole. A gap is the union of discs of three
+// spacings' radius that hold no data, so chance gaps between points do not count. Distances are
+// accurate to some hundredths (chamfer distance in eight directions).
 class GapMap {
  public:
-  // Of a surface's problem; `measured` first data are asked, of them those with a weight. O(m).
+  // Maps the gaps of a fitting problem; only its first `measured` data with a positive weight
+  // count. O(m).
   GapMap(const FittingProblem& problem, Eigen::Index measured, double spacing);
 
   const std::vector<DataGap>& gaps() const { return gaps_; }
@@ -34,8 +36,9 @@ class GapMap {
   Eigen::Vector2d Centre(int place) const;
   int GapAt(const Eigen::Vector2d& uv) const;  // the index of the gap there, or −1
 
-  // Laplace's equation inside a gap, fixed at its rim, free at the domain's border: never outside
-  // the convex hull of the rim's values. `rim`: d × rim places; result: d × places.
+  // Solves Laplace's equation inside a gap with fixed values at its rim and a free boundary at the
+  // domain's border; the solution never leaves the convex hull of the rim's values. `rim`: d × rim
+  // places; result: d × places.
   Eigen::MatrixXd HarmonicFill(const DataGap& hole, const Eigen::MatrixXd& rim) const;
 
  private:

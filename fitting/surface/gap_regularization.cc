@@ -19,13 +19,13 @@ namespace batten::internal {
 namespace {
 
 constexpr int kHalvings = 3;
-constexpr double kHardlySeen = 1e-4;     // of the mean control point
-constexpr double kDisturbance = 0.03;    // of the error that noise makes anyway
-constexpr double kMostSeen = 0.11;       // where data have to give way
-constexpr double kWild = 0.1;            // radii of the bounds …
+constexpr double kHardlySeen = 1e-4;     // of the mean Σ w N² of control points; below: free
+constexpr double kDisturbance = 0.03;    // share of the noise variance that data may move by
+constexpr double kMostSeen = 0.11;       // largest such share of the mean where data may be missed
+constexpr double kWild = 0.1;            // excess in radii of the bounds that costs rim data …
 constexpr double kWildBeyond = 2;        // … and beyond the outline of a bent sheet
-constexpr int kSteps = 16;               // between the free surface and the membrane
-constexpr double kFillSmoothing = 1e-5;  // of the spline that follows the membrane
+constexpr int kSteps = 16;               // steps between the free surface and the membrane
+constexpr double kFillSmoothing = 1e-5;  // smoothing of the spline fitted to the membrane
 constexpr double kNarrowest = 1;         // spacings: no cell gets narrower
 
 void RequireSheet(const FittingProblem& problem) {
@@ -37,7 +37,7 @@ void RequireSheet(const FittingProblem& problem) {
     reject("the data's values have neither one row nor three");
 }
 
-// A net over its problem's bases.
+// A control net over its problem's bases.
 struct Net {
   FittingProblem problem;
   Eigen::MatrixXd coefficients;
@@ -54,7 +54,8 @@ Net Refined(const Net& net, const std::vector<double>& in_u, const std::vector<d
           surface.control_points().topRows(net.coefficients.rows())};
 }
 
-// Which control points the data do not see, or hardly: Σ w N² of each against the mean of all.
+// Marks control points that data determine hardly or not at all: Σ w N² of each against the mean of
+// all.
 std::vector<char> Unseen(const FittingProblem& problem, double hardly) {
   const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
   const int p = bu.degree(), q = bv.degree();
@@ -99,8 +100,8 @@ class Holding {
   struct Outcome {
     Net net;
     std::vector<size_t> out;      // gaps that are not within their bounds
-    std::vector<size_t> changed;  // those drawn to the membrane
-    bool wild = false;            // one is far out
+    std::vector<size_t> changed;  // gaps drawn towards the membrane
+    bool wild = false;            // some gap exceeds its bounds by far
   };
   Outcome Hold(const Net& free, double hardly) const {
     const std::vector<int> owner = Owners(free, hardly);
@@ -119,7 +120,7 @@ class Holding {
         share = t;
       }
       if (least > bounds_[hole].slack) outcome.out.push_back(hole);
-      // The outline of a bent sheet is worth more than what lies beyond.
+      // The fit at the outline of a bent sheet takes precedence over the surface beyond it.
       const bool beyond = filled.rows() == 3 && map_.gaps()[hole].at_border;
       outcome.wild |= least > (beyond ? kWildBeyond : kWild) * bounds_[hole].radius.maxCoeff();
       if (share == 0) continue;
@@ -133,8 +134,8 @@ class Holding {
     return outcome;
   }
 
-  // Halves the cells across the gaps that are out; nothing where that is not possible.
-  // Only across gaps with data all around: what lies beyond the outline is not worth a knot.
+  // Halves the cells across the gaps that leave their bounds; returns nothing where that is not
+  // possible. Only gaps with data all around get knots; regions beyond the outline do not.
   Net Halved(const Net& net,
              std::vector<size_t> out,
              double narrowest,
@@ -270,7 +271,7 @@ GapRegularizationResult SolveWithGapRegularization(const FittingProblem& problem
   const Holding holding(map, bounds, pool);
   if (!holding.any()) return result;
 
-  // A small share of what noise makes of the control points: σ² for each of them.
+  // A small share of the variance from noise, σ² for each control point.
   const double budget = kDisturbance * result.solution.residual_squares * problem.unknowns() /
                         static_cast<double>(problem.size());
   const Eigen::MatrixXd before = EvaluateAt(problem, result.solution.coefficients, pool);
@@ -289,7 +290,7 @@ GapRegularizationResult SolveWithGapRegularization(const FittingProblem& problem
                                                        options.most_control_points);
     if (halved.coefficients.cols() == net.coefficients.cols()) {
       if (disturbed) outcome = holding.Hold(net, 0);
-      // Better some error at the rim than a wild surface.
+      // Misfit at the rim is accepted to bound an overshooting surface.
       for (double hardly = 10 * kHardlySeen;
            options.gives_way && outcome.wild && hardly <= kMostSeen;
            hardly *= 10) {

@@ -19,7 +19,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kGivenSmoothing = 1e-4;   // of the fit that scales
+constexpr double kGivenSmoothing = 1e-4;   // smoothing of the coarse fit that scales the parameters
 constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for knots between them
 constexpr double kLineSquared = 1e-13;  // share of the spread across a line: rounding of the sums
 constexpr double kLeastSize = 1e-100;   // squares of smaller numbers vanish
@@ -67,7 +67,7 @@ void RequireSheet(const Eigen::Matrix3Xd& points) {
   }
 }
 
-// Points that agree in place are one, provided they agree in their parameters too.
+// Merges points that agree in place and in parameters.
 MergedCloud MergeEqual(const PointCloud& cloud, const MergedCloud& places) {
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
     const Eigen::Index place = places.place[static_cast<size_t>(k)];
@@ -79,7 +79,7 @@ MergedCloud MergeEqual(const PointCloud& cloud, const MergedCloud& places) {
   return places;
 }
 
-// The lengths of the sides: means of |S_u| and |S_v| over the points that count, on a coarse fit.
+// The lengths of the sides: means of |S_u| and |S_v| over the inliers, on a coarse fit.
 Eigen::Vector2d MeanLengths(const PreparedCloud& prepared,
                             const SurfaceFitOptions& options,
                             ThreadPool& pool) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parameters that came with the points, as the base of a surface.
+// A parameterization taken from the (u, v) given with the points.
 #pragma once
 
 #include "fitting/surface/surface_preparation.h"
@@ -7,14 +7,14 @@
 
 namespace batten::internal {
 
-// A cloud at its own (u, v). Inside, the box of the given parameters is scaled to mean lengths on a
-// first coarse fit, so that fairness weighs both directions alike and cells are nearly square
-// whatever the units are.
+// A cloud parameterized by its own (u, v). Internally the box of the given parameters is scaled to
+// mean lengths on a first coarse fit, so that fairness weighs both directions alike and cells are
+// nearly square in any units.
 struct GivenParameters {
   PreparedCloud prepared;
   Eigen::Vector2d low, high;  // the box in the user's units
 
-  // A surface over the scaled parameters, over the user's.
+  // Reparameterizes a surface from the scaled parameters to the user's.
   NurbsSurface InUsersUnits(const NurbsSurface& surface) const;
 };
 

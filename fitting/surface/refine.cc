@@ -21,12 +21,12 @@ namespace batten::internal {
 namespace {
 
 constexpr double kPointsPerControlPoint = 2.1;
-constexpr double kGrowth = 1.25;      // control points a round, at most
+constexpr double kGrowth = 1.25;      // factor on control points in a round, at most
 constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait for a later round
-constexpr double kNarrowestInSpacings = 0.65;  // no cell is cut into narrower ones
+constexpr double kNarrowestInSpacings = 0.65;  // spacings: no knot makes a narrower cell
 constexpr int kReweightingRounds = 15;
 constexpr int kMaxRounds = 200;
-constexpr int kMostRefinementForGaps = 16;  // times the control points
+constexpr int kMostRefinementForGaps = 16;  // times the control points, for knots in gaps
 
 struct Line {
   bool in_u;
@@ -34,7 +34,7 @@ struct Line {
   double score;
 };
 
-// Error above half the tolerance, capped so that no single point decides, gathered span by span.
+// Sums the error above half the tolerance span by span, capped so that no single point decides.
 std::vector<double> SpanScores(const SplineBasis& basis,
                                const Eigen::VectorXd& parameters,
                                const Eigen::VectorXd& distances,
@@ -48,8 +48,8 @@ std::vector<double> SpanScores(const SplineBasis& basis,
   return scores;
 }
 
-// How much more a point counts in the next round: more near the tolerance, where it can be brought
-// in; less far beyond it, where it can't.
+// The factor on a point's weight in the next round: larger near the tolerance, where the point can
+// be brought in; smaller far beyond it.
 double Emphasis(double distance, double tolerance) {
   const double a = std::abs(distance) / tolerance;
   if (a < 1.6) return std::pow(std::clamp(a, 0.3, 2.0), 2);
@@ -68,7 +68,8 @@ class Refinement {
                               static_cast<double>(points.cols()) / kPointsPerControlPoint);
   }
 
-  // Solves, measures, remembers the best. Returns how many points are out of tolerance.
+  // Solves, measures distances, keeps the best state. Returns the number of points out of
+  // tolerance.
   Eigen::Index Round(const char* stage) {
     const auto start = std::chrono::steady_clock::now();
     const LinearSolution solution = SolveLinear(problem_, pool_);
@@ -81,11 +82,11 @@ class Refinement {
   // Generalised cross-validation of the last round: rises once refinement follows noise.
   double validation() const { return validation_; }
 
-  // The present state as the one to return to, and back.
+  // Saves the present state, and restores it.
   void Remember() { remembered_ = {best_, best_parameters_, best_problem_}; }
   void Return() { std::tie(best_, best_parameters_, best_problem_) = remembered_; }
 
-  // The best bases and weights once more, held within the range of the data where there are none.
+  // Solves again with the best bases and weights, with gap regularization.
   void Regularized() {
     const auto start = std::chrono::steady_clock::now();
     GapRegularizationOptions gap_options;
@@ -93,7 +94,7 @@ class Refinement {
     gap_options.measured = points_.cols();
     gap_options.most_control_points =
         std::min(static_cast<int>(limit_), kMostRefinementForGaps * best_problem_->unknowns());
-    gap_options.gives_way = false;  // what is within the tolerance stays there
+    gap_options.gives_way = false;  // points within the tolerance stay within it
     const GapRegularizationResult regularized =
         SolveWithGapRegularization(*best_problem_, gap_options, pool_);
     empty_area_fraction_ = regularized.empty_area_fraction;
@@ -113,7 +114,7 @@ class Refinement {
                        WithPolesClosed(solution.coefficients, basis_u, basis_v, problem.poles()));
   }
 
-  // Knot lines without which the tolerance is kept too go.
+  // Removes knot lines that the tolerance does not need.
   void RemoveLines() {
     const auto start = std::chrono::steady_clock::now();
     const int before = best_problem_->unknowns();
@@ -183,8 +184,8 @@ class Refinement {
     return true;
   }
 
-  // Weights of measured points by where they stand against the tolerance; data behind them keep
-  // theirs.
+  // Reweights measured points by their distance against the tolerance; data behind them keep their
+  // weights.
   void Reweight() {
     const Eigen::VectorXd& given = problem_.data().weights;
     if (original_.size() == 0) {
@@ -197,7 +198,8 @@ class Refinement {
     problem_ = problem_.WithWeights(original_.cwiseProduct(emphasis_));
   }
 
-  // What normal noise of the estimated size leaves outside the tolerance on a perfect surface.
+  // The expected number of points out of tolerance on a perfect surface, for normal noise of the
+  // estimated size.
   double NoiseOut() const {
     if (!(options_.noise > 0)) return 0;
     const double beyond = std::erfc(options_.tolerance / (options_.noise * std::sqrt(2.0)));
@@ -260,8 +262,8 @@ RefineResult RefineToTolerance(const FittingProblem& problem,
   for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::Index out = refinement.Round("refine");
     if (out == 0) return refinement.Finish(Termination::kToleranceReached);
-    // No more points out than noise alone would leave: go on only while left-out points gain by it,
-    // for the noise of sparse exact points is easily thought too large.
+    // No more points are out than noise alone explains: continue only while validation on left-out
+    // points improves, because the noise of sparse exact points is easily overestimated.
     const double noise_out = refinement.NoiseOut();
     const bool as_noise = static_cast<double>(out) <= noise_out + 2 * std::sqrt(noise_out);
     if (as_noise && refinement.validation() >= validation) {

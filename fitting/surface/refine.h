@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Refinement of a surface until it keeps a tolerance, as far as the data carry it.
+// Knot refinement of a surface to a tolerance, as far as the data support it.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace batten::internal {
 
 struct RefineOptions {
   double tolerance = 0;  // orthogonal distance, the data's units
-  double noise = 0;      // standard deviation: below what it explains nothing is refined
+  double noise = 0;      // standard deviation; errors it explains are not refined
   double spacing = 0;    // of the points: no cell gets narrower than two thirds of it
   int max_control_points = 20000;
 };
@@ -28,13 +28,13 @@ struct RefineResult {
   std::vector<RoundSummary> rounds;
 };
 
-// Rounds of: solve, measure orthogonal distances, insert knot lines through the spans where most
-// error above half the tolerance is removed per control point added. Never more control points than
-// one for every 2.1 points. When lines are used up, rounds of reweighting trade small errors for
-// points brought within the tolerance. The surface with the fewest points out of tolerance is
-// returned; where all are within it, without the lines that it does not take. The problem's values
-// are heights over `base`, `points` its first data in space; data behind those only steady the
-// solution. Without a base (null) the values are the points themselves.
+// Repeats rounds: solve, measure orthogonal distances, insert knot lines through the spans where
+// most error above half the tolerance is removed per control point added. There is at most one
+// control point for every 2.1 points. When no further line can be inserted, rounds of reweighting
+// trade small errors for points brought within the tolerance. Returns the surface with the fewest
+// points out of tolerance; where all are within it, knot lines it does not need are removed. The
+// problem's values are heights over `base`, `points` its first data in space; data behind those
+// only stabilise the solution. Without a base (null) the values are the points themselves.
 RefineResult RefineToTolerance(const FittingProblem& problem,
                                const PlaneBase* base,
                                const Eigen::Matrix3Xd& points,

@@ -30,21 +30,21 @@ namespace batten::internal {
 namespace {
 
 constexpr double kSmoothing = 1e-4;
-constexpr double kLeastScale = 1e-3;        // of the spacing: what exact points may be off by
-constexpr double kOutlierInScales = 4.685;  // where Tukey's loss stops counting a point
+constexpr double kLeastScale = 1e-3;        // spacings: least outlier threshold of exact points
+constexpr double kOutlierInScales = 4.685;  // scales: Tukey's loss gives zero weight beyond
 constexpr int kMostForGaps = 16;  // times the control points, to turn a surface inside a gap
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
-constexpr double kConverged = 1e-3;  // of the points and of their squares: no grid asks for them
-constexpr int kLargeGrid = 1500;     // searching its size anew takes long …
+constexpr double kConverged = 1e-3;           // share of points and of squares: the grid is kept
+constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
-constexpr double kMisses = 3;            // residuals against the noise
+constexpr double kMisses = 3;            // scale over noise; above: the shape is missed
 constexpr double kBeyondStructure = 2;   // spacings
-constexpr double kSpoilt = 5;            // times the misfit of a plain fit
-constexpr double kLayersToRefuse = 0.4;  // rough scenes have layers here and there
+constexpr double kSpoilt = 5;            // times the plain misfit; above: loss rejected
+constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
 
-// One fit, stage by stage; members are what the stages hand on.
+// One fit in stages; members carry the state between stages.
 class SurfaceFitter {
  public:
   SurfaceFitter(const PreparedCloud& prepared,
@@ -96,7 +96,7 @@ class SurfaceFitter {
   }
 
  private:
-  // What only the stages before the draft need, of very many points not little.
+  // Frees memory that only the stages before the draft need.
   void ReleaseData() {
     problem_.reset();
     solution_.reset();
@@ -111,7 +111,7 @@ class SurfaceFitter {
                            options_.smoothing.value_or(kSmoothing));
   }
 
-  // Equal cells over given parameters: whoever gives those knows of uniform knots.
+  // Uniform knots over given parameters.
   SplineBasis Cells(const SplineBasis& like, int degree, int cells) const {
     return base_.exact ? SplineBasis::Uniform(degree, degree + cells, like.lower(), like.upper())
                        : FittingBasisLike(like, degree, cells);
@@ -122,7 +122,7 @@ class SurfaceFitter {
                              Cells(problem.basis_v(), options_.degree_v, cells_v));
   }
 
-  // Round a closed direction the last control points repeat the first.
+  // In a periodic direction the last control points repeat the first.
   void RequireRoomToClose() const {
     const auto least = [](bool periodic, int degree) {
       return periodic ? 2 * degree + 1 : degree + 1;
@@ -150,7 +150,8 @@ class SurfaceFitter {
     require(options_.control_points->second, options_.degree_v, least_v);
   }
 
-  // The bases for a problem, told or chosen; near those of a similar problem where there is one.
+  // The bases for a problem, given or chosen; the search starts near those of a similar problem if
+  // any.
   FittingProblem WithChosenBases(const FittingProblem& problem, const FittingProblem* similar) {
     if (options_.control_points) {
       return WithCells(problem,
@@ -172,16 +173,16 @@ class SurfaceFitter {
     return WithCells(problem, choice.cells_u, choice.cells_v);
   }
 
-  // Which points count is decided by their neighbours before there is a surface, then by their
-  // distance from it, until the two agree. The bases are chosen anew each time.
+  // Classifies inliers by their neighbours before there is a surface, then by their distance from
+  // it, until the classification is stable. The bases are chosen anew each time.
   void ClassifyInliers() {
     robust_ = options_.loss ? *options_.loss != Loss::kNone
                             : !options_.keep_outliers &&
                                   static_cast<double>(prepared_.statistics.outlier_count) >
                                       kOutlierShareForLoss * static_cast<double>(points_.size());
     used_ = WithoutFlagged(used_);
-    bool settled = false;      // so few points changed sides that the grid can't be far off
-    bool few_changed = false;  // so few, and so near to the surface, that it is the same
+    bool settled = false;      // few points changed class: the grid is nearly right
+    bool few_changed = false;  // too few and too near the surface to change it
     for (int pass = 1; pass <= kOutlierPasses; ++pass) {
       used_cloud_ = used_.all() ? points_ : points_.Subset(used_);
       const bool search_near =
@@ -200,7 +201,7 @@ class SurfaceFitter {
       const PointMask now = WithoutFlagged(InliersOfSurface());
       if (now.count() < kFewestPoints) break;
       if (!robust_ && !loss_rejected_ && !options_.loss && (now != used_).any() && !now.all()) {
-        robust_ = true;  // what stands out from a plain fit has bent it
+        robust_ = true;  // outliers have bent the plain fit
         continue;
       }
       const Eigen::Index changed = (now != used_).count();
@@ -210,22 +211,23 @@ class SurfaceFitter {
       used_ = now;
     }
     if (options_.tolerance && robust_ && !options_.loss) {
-      // A tolerance is the user's own word on which residuals matter: bounded weights chose the
-      // bases only.
+      // With a tolerance the user defines which residuals matter: robust weights serve only to
+      // choose the bases.
       Take(ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v()));
     }
     report_.seconds.solve = watch_.Lap();
   }
 
-  // Outliers on the surface's continuation beyond an edge of the shape are told by standing alone.
+  // Removes isolated points: outliers on the surface's continuation beyond an edge of the shape
+  // have small residuals and are found by isolation only.
   PointMask WithoutFlagged(PointMask mask) const {
     if (!robust_ || base_.exact || options_.keep_outliers) return mask;
     return NonIsolatedPoints(points_.points(), mask, pool_);
   }
 
-  // Unasked, a loss stays only while it spoils nothing: where a surface is nearly exact the scale
-  // is so small that a tip or a crease which it follows less well looks foreign, is let go of, and
-  // then looks the more foreign.
+  // Reweights with a loss the user did not ask for, unless that increases the misfit much: where a
+  // surface is nearly exact the scale is so small that a tip or a crease it follows less well is
+  // taken for outliers, loses weight, and then deviates even more.
   void ReweightWhereItHelps() {
     if (options_.loss) return Reweight();
     const FittingProblem plain = *problem_;
@@ -256,13 +258,13 @@ class SurfaceFitter {
         report_.iterations));
   }
 
-  // Makes this the present problem.
+  // Sets the present problem.
   void Take(FittingProblem problem) {
     problem_ = std::move(problem);
     solution_.reset();
   }
 
-  // Of the present problem; solved once.
+  // The solution of the present problem, computed once.
   const LinearSolution& Solution() {
     if (!solution_) solution_ = SolveLinear(*problem_, pool_);
     return *solution_;
@@ -286,7 +288,7 @@ class SurfaceFitter {
         "surface would run between them; fit one of them (--box, --where)");
   }
 
-  // Points the base has no place for get one from the surface: their foot on it.
+  // Gives points without parameters in the base those of their foot points on the surface.
   void PlaceTheRest(const NurbsSurface& surface) {
     if (prepared_.reached.all()) return;
     std::vector<Eigen::Index> rest;
@@ -305,23 +307,24 @@ class SurfaceFitter {
              (place[1] < base_.length_v || base_.poles.end != PoleKind::kNone)));
   }
 
-  // How far off a point may be where distances from a surface have this scale.
+  // The outlier threshold for distances from a surface with this scale.
   double FarthestGood(double scale) const {
-    // A surface that misses the shape only tells what is far beyond structure between points.
+    // A surface that misses the shape can identify only outliers far beyond the structure between
+    // points.
     const bool misses = loss_rejected_ || scale > kMisses * prepared_.statistics.noise;
     return std::max({kOutlierInScales * scale,
                      (misses ? kBeyondStructure : kLeastScale) * prepared_.statistics.spacing,
                      options_.tolerance.value_or(0)});
   }
 
-  // Whether points are few, and hold a small part of the squares of the last distances.
+  // Whether points are few, with a small share of the sum of squares of the last distances.
   bool Converged(const PointMask& points) const {
     const Eigen::ArrayXd squares = distances_.array().square();
     return static_cast<double>(points.count()) < kConverged * static_cast<double>(points.size()) &&
            points.select(squares, 0).sum() < kConverged * used_.select(squares, 0).sum();
   }
 
-  // The points the present solution speaks for, of all.
+  // The mask of inliers of the present solution among all points.
   PointMask InliersOfSurface() {
     const NurbsSurface surface = Surface();
     PlaceTheRest(surface);
@@ -336,7 +339,8 @@ class SurfaceFitter {
     const double limit = FarthestGood(scale);
     PointMask close =
         ResidualInliers(base_.parameters, distances, limit, prepared_.statistics.spacing, pool_);
-    // What the base had no place for must be on the surface: it has no neighbours that could tell.
+    // Points without parameters in the base must be on the surface: no neighbours can classify
+    // them.
     for (Eigen::Index k = 0; k < close.size(); ++k) {
       if (!prepared_.reached[k]) close[k] = std::abs(distances[k]) <= limit && IsInside(k);
     }
@@ -384,12 +388,12 @@ class SurfaceFitter {
     report_.seconds.refine = watch_.Lap();
   }
 
-  // The weight of fairness by the data.
+  // The fairness weight chosen from the data.
   double Smoothing() {
     if (options_.smooth_by == SmoothBy::kCrossValidation)
       return SmoothingByCrossValidation(*problem_, pool_, options_.progress);
-    // The noise of the values themselves: that along the normal is less on slopes than heights',
-    // and over a sheet parameters take up what is off along it.
+    // The noise of the values: on slopes the noise along the normal is less than that of heights,
+    // and over a sheet the parameters absorb the tangential part.
     const Eigen::MatrixXd off =
         problem_->data().values - EvaluateAt(*problem_, Solution().coefficients, pool_);
     const auto count = static_cast<double>(problem_->size());
@@ -404,7 +408,7 @@ class SurfaceFitter {
 
   void Solve() {
     if (!options_.control_points) {
-      // Finer grids would follow what neighbours share of their noise.
+      // Finer grids would follow noise correlated between neighbours.
       Take(noise_is_shared_
                ? PruneKnotLines(*problem_, pool_)
                : RefineAndPruneKnotLines(*problem_, options_.max_control_points, pool_));
@@ -431,7 +435,7 @@ class SurfaceFitter {
     report_.seconds.solve += watch_.Lap();
   }
 
-  // The bases that serve without conditions serve with them: the least sum under these.
+  // Solves under the constraints over the bases chosen without them.
   void MeetConditions() {
     const FittingProblem problem =
         options_.tolerance ? ProblemOf(used_).WithBases(surface_->basis_u(), surface_->basis_v())
@@ -462,17 +466,17 @@ class SurfaceFitter {
   ThreadPool& pool_;
   Stopwatch watch_;
   FitReport report_;
-  PointMask used_;                          // of the merged points: those the fit rests on
-  PointCloud used_cloud_;                   // they
+  PointMask used_;                          // inliers among the merged points
+  PointCloud used_cloud_;                   // the points of used_
   bool robust_ = false;                     // losses bound residuals
-  bool loss_rejected_ = false;              // what it was tried on
-  bool noise_is_shared_ = false;            // by neighbours, as blocks of left-out points tell
+  bool loss_rejected_ = false;              // a loss was tried and rejected
+  bool noise_is_shared_ = false;            // noise correlated between neighbours
   std::optional<FittingProblem> problem_;   // of the used points, with chosen bases
-  std::optional<LinearSolution> solution_;  // of that, once asked for
-  Eigen::VectorXd distances_;               // of all points, when last asked who counts
+  std::optional<LinearSolution> solution_;  // of problem_, computed on demand
+  Eigen::VectorXd distances_;               // of all points, at the last inlier classification
   std::optional<NurbsSurface> surface_;     // in the cloud's local coordinates
   Eigen::Matrix2Xd parameters_;             // of the used points
-  double empty_area_fraction_ = 0;          // of the domain
+  double empty_area_fraction_ = 0;          // share of the domain in data gaps
 };
 
 }  // namespace

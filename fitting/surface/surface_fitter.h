@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A surface over a base that has been found: who counts, how many cells, the solution, the joint
-// stage.
+// The surface fit over a chosen parameterization: inliers, knot grid, solution, joint optimization.
 #pragma once
 
 #include "batten/fitting/surface_options.h"
@@ -12,16 +11,16 @@ namespace batten::internal {
 
 struct FittedState {
   SurfaceState draft;              // in the cloud's local coordinates, over the base's parameters
-  PointMask used;                  // of the prepared points: those the fit rests on
-  double empty_area_fraction = 0;  // of the domain: no points there
-  bool doubted = false;  // points were set aside, or bounded by a loss of the fitter's own choice
-  FitReport report;      // the one given and all but what is measured on the finished surface
+  PointMask used;                  // mask of the prepared points: inliers of the fit
+  double empty_area_fraction = 0;  // share of the domain in data gaps
+  bool doubted = false;  // outliers were set aside, or a loss the fitter chose bounds them
+  FitReport report;      // the given one and all stages; no final measurements
 };
 
-// Stage by stage: outliers told apart and cells chosen until the two agree, reweighting where there
-// are outliers, refinement where a tolerance asks for it, else the regularized solution, then the joint
-// stage where it pays. `report` says what preparation found. Throws Cancelled when progress stops
-// it before there is a surface.
+// Fits the surface in stages: outlier detection and knot grid selection until the two agree,
+// reweighting where there are outliers, refinement where a tolerance is given, else the regularized
+// solution, then joint optimization where it pays. `report` holds what preparation found. Throws
+// Cancelled when progress stops it before there is a surface.
 FittedState FitOverBase(const PreparedCloud& prepared,
                         const SurfaceFitOptions& options,
                         FitReport report,

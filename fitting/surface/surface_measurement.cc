@@ -21,16 +21,16 @@ namespace {
 constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
 constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
-constexpr double kExcessToOptimise = 1.2;  // residual against noise
+constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint optimization pays
 constexpr double kExcessToSayNoise = 2;
-constexpr double kFollowsNoise = 0.8;  // residuals against noise: a third of the freedom is gone
-constexpr double kSharedAtMost = 2.5;  // what is greater than so much noise is shape
+constexpr double kFollowsNoise = 0.8;  // residuals over noise; below: a warning of overfitting
+constexpr double kSharedAtMost = 2.5;  // residuals over noise; above: they are shape
 constexpr double kStructured = 0.15;   // share of the residuals' variance that is smooth in a cell
-constexpr double kExact = 1e-9;        // of the cloud's size: rounding
+constexpr double kExact = 1e-9;        // of the cloud's size: residuals below are rounding
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
 
-// Whether the joint stage is to run, and the sentence that says why.
+// Decides whether the joint stage runs, and says why.
 bool JointOptimizationReducesError(const SurfaceFitOptions& options,
                                    const SurfaceState& draft,
                                    const Eigen::VectorXd& distances,
@@ -76,12 +76,12 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
   return true;
 }
 
-// Residuals that rounding of the coordinates alone leaves.
+// The size of residuals due to rounding of the coordinates alone.
 double RoundingOf(const InputSummary& input) {
   return kExact * (input.box_max - input.box_min).norm();
 }
 
-// What the user asked for against what the noise of the points allows.
+// Adds warnings where the user's options conflict with the noise of the points.
 void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
   const double noise = report.input.noise;
   if (options.tolerance && *options.tolerance < noise && report.error.out_of_tolerance > 0) {
@@ -96,7 +96,7 @@ void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
   }
 }
 
-// The word for how it ended, held against what was measured.
+// The termination reason, checked against the measured errors.
 void JudgeTermination(const SurfaceFitOptions& options,
                       const std::string& shape,
                       FitReport& report) {
@@ -126,14 +126,14 @@ void JudgeTermination(const SurfaceFitOptions& options,
       shape + " does not follow");
 }
 
-// Fairness beside free parameters. Where there are many points to a control point it only has to
-// smooth what no point holds; few can be followed by folds, which it must keep down.
+// The fairness weight with free parameters. With many points per control point it only smooths
+// control points without data; with few it must suppress folds.
 double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
   const double share = static_cast<double>(points) / unknowns;
   return share < kFewPoints ? kFirmFairness : kFaintFairness;
 }
 
-// The places of the used points as columns of all, NaN for the others.
+// Scatters the used points' parameters to columns of all points, NaN for the others.
 Eigen::Matrix2Xd PlacesOf(const PointMask& used, const Eigen::Matrix2Xd& of_used) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Eigen::Matrix2Xd places = Eigen::Matrix2Xd::Constant(2, used.size(), kNone);
@@ -144,7 +144,7 @@ Eigen::Matrix2Xd PlacesOf(const PointMask& used, const Eigen::Matrix2Xd& of_used
   return places;
 }
 
-// The rows that hold poles: free control points would open them, or break their tangent planes.
+// Fixes the rows at poles: free control points would open the poles, or break their tangent planes.
 std::vector<int> PolePoints(const SurfaceState& draft) {
   std::vector<int> held;
   const int size_v = draft.surface.size_v();
@@ -171,7 +171,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
   report.seconds.project += watch.Lap();
   report.optimize.rms_before = report.optimize.rms_after = rms;
   if (report.termination == Termination::kCancelled) return;
-  // Of exact points the noise is rounding, and far below what the surface could mend.
+  // The noise of exact points is rounding, far below the errors a joint stage could reduce.
   const double noise =
       report.input.noise > 0 ? std::max(report.input.noise, RoundingOf(report.input)) : 0;
   const int unknowns = draft.surface.size_u() * draft.surface.size_v();
@@ -180,7 +180,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     return;
   OptimizeOptions optimize;
   if (options.optimize) optimize.free = *options.optimize;
-  // Knots round a closed direction stay where they are.
+  // Knots of a periodic direction stay fixed.
   optimize.knots_u = !draft.surface.basis_u().periodic();
   optimize.knots_v = !draft.surface.basis_v().periodic();
   optimize.free.knots = optimize.free.knots && (optimize.knots_u || optimize.knots_v);
@@ -228,7 +228,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why += "; what it found does not keep the tolerance and was not taken";
     return;
   }
-  // An edge can draw back from the last points, and a loss that bounds residuals lets them go.
+  // An edge can retreat from the outermost points, since a robust loss bounds their residuals.
   if (rms_after > rms && !(options.tolerance && keeps_tolerance(after))) {
     report.optimize.why += "; what it found is farther from the points and was not taken";
     return;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where every road to a surface ends: the joint stage where it pays, and the report of what came
-// out.
+// The last stages of every surface fit: joint optimization where it pays, and the fit report.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,38 +13,38 @@
 
 namespace batten::internal {
 
-// What a road has found when no stage of its own is left.
+// A fitted surface with its inliers, before the common last stages.
 struct SurfaceState {
   NurbsSurface surface;          // in the cloud's local coordinates, parameters in lengths
-  PointCloud used;               // the points that count
+  PointCloud used;               // the inliers
   Eigen::Matrix2Xd parameters;   // of those, to start from
   Eigen::VectorXd weights;       // of those; empty: ones
   Poles poles;                   // of the surface
   bool robust = false;           // losses bound residuals
-  bool noise_is_shared = false;  // by neighbours: residuals above the local noise mean nothing
+  bool noise_is_shared = false;  // noise correlated between neighbours: no excess over local noise
 };
 
-// The distances of the used points' draft, and the joint stage with what is free by the options or,
-// where they leave it open, where it pays: residuals above the noise, and points enough to carry
-// free parameters. Fills report.optimize and seconds.
+// Runs the joint optimization of the draft with the variables the options free; where they leave it
+// open, only where it pays: residuals are above the noise and there are points enough for free
+// parameters. Fills report.optimize and seconds.
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
                          ThreadPool& pool,
                          Stopwatch& watch,
                          FitReport& report);
 
-// What was read and what its neighbours say.
+// The report's input section: points read, duplicates merged, spacing and noise.
 InputSummary SummariseInput(const PointCloud& cloud,
                             Eigen::Index duplicates,
                             const CloudStatistics& statistics);
 
-// The fit with everything the report says of it, measured on the surface as it is handed out,
-// rounding of far coordinates included. `surface` is in the cloud's local coordinates, `merged`
-// the cloud's different points, `used` those of them that count, `shape` what the data would have
-// to be for a warning that they are not, as in "a smooth surface". With `start`, parameters of the
-// merged points that are near their feet, the feet are the local ones reached from there: never
-// nearer than the nearest. With `near`, parameters of the used points in their order, the nearest
-// feet of all are looked for from there: the same, sooner.
+// The fit with its report, measured on the returned surface, rounding of far coordinates included.
+// `surface` is in the cloud's local coordinates, `merged` the cloud's distinct points, `used` the
+// inliers among them; `shape`, such as "a smooth surface", names what the data are not in a
+// warning. With `start` (parameters of the merged points near their foot points) foot points are
+// the local ones reached from there, never nearer than the global ones. With `near` (parameters of
+// the used points in their order) the search for global foot points starts there: the same result,
+// sooner.
 SurfaceFit MeasureFit(const NurbsSurface& surface,
                       const PointCloud& cloud,
                       const MergedCloud& merged,

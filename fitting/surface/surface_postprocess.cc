@@ -26,8 +26,8 @@ namespace {
 
 constexpr double kGapShareToWarn = 0.05;
 
-// Whether the points fill the rectangle that they were given places in. Later, feet on a coarse
-// surface may leave part of it that sticks out.
+// Whether the points fill the rectangle of the parameterization. Foot points on a coarse surface
+// may later leave a protruding part of it empty.
 bool FillBase(const PreparedCloud& prepared, const PointMask& used, ThreadPool& pool) {
   const Parameterization& base = prepared.base;
   if (base.poles.any()) return false;

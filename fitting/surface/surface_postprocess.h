@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What may be done to a fitted surface before it is measured: an exact shape in its place,
-// symmetry, the user's domain and side, and the trim back to the points.
+// Post-processing of a fitted surface before measurement: replacement by an exact primitive,
+// symmetry, the user's domain and orientation, trimming to the points.
 #pragma once
 
 #include "batten/fitting/surface_options.h"
@@ -10,28 +10,28 @@
 
 namespace batten::internal {
 
-// An exact shape in place of the free form where it explains the points as well; the report says
-// which, or that there is none. `cloud` is as the user gave it.
+// Replaces the free-form surface by an exact primitive that explains the points as well; the report
+// names it, or says that there is none. `cloud` is as the user gave it.
 void SnapToShape(FittedState& fitted,
                  const PointCloud& cloud,
                  const SurfaceFitOptions& options,
                  ThreadPool& pool);
 
-// The surface next to this one that mirrors itself; knots without a mirror image get theirs.
+// Makes the control net symmetric under the reflection; knots without a mirror image get theirs.
 void MakeNetSymmetric(NurbsSurface& surface, const CloudSymmetry& symmetry);
 
-// Cuts the surface back to the points that count, where they leave part of the domain open; where
-// that is not asked for, a warning says how much is open.
+// Trims the surface to its inliers where they leave part of the domain empty; where trimming is
+// off, a warning gives the empty share.
 void TrimToUsed(FittedState& fitted,
                 const PreparedCloud& prepared,
                 const SurfaceFitOptions& options,
                 ThreadPool& pool);
 
-// The box's own numbers for parameters.
+// Maps the surface's domain and the parameters to the numbers of the box.
 void TakeParametersOf(const DomainBox& box, SurfaceState& draft);
 
-// Turns the surface round where most of the points' normals look to its other side. Throws
-// std::invalid_argument where they have none.
+// Reverses the surface's orientation where most of the points' normals point to its other side.
+// Throws std::invalid_argument where the points have no normals.
 void TakeSideOfNormals(SurfaceState& draft);
 
 }  // namespace batten::internal

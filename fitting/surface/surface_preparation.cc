@@ -74,9 +74,9 @@ void SortByPlace(PreparedCloud& prepared) {
 
 namespace {
 
-constexpr double kClearlySmaller = 0.98;  // of the area
+constexpr double kClearlySmaller = 0.98;  // of the area; below: the smaller base is taken
 
-// Gives the base parameters that mirror themselves.
+// Makes the base's parameters symmetric.
 void MakeSymmetric(CloudSymmetry& symmetry,
                    const MergedCloud& merged,
                    ParameterizationChoice& choice) {
@@ -108,8 +108,8 @@ void TakeBase(PreparedCloud& prepared,
   prepared.base_seconds += watch.Lap();
 }
 
-// Where there are outliers, those beside the shape's edges look like its continuation: they are
-// told by standing alone.
+// Removes isolated points where there are outliers: those beside the shape's edges look like its
+// continuation and are found by isolation only.
 void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
   if (static_cast<double>(statistics.outlier_count) <=
       kOutlierShareForLoss * static_cast<double>(points.size())) {
@@ -119,7 +119,7 @@ void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadP
   statistics.outlier_count = statistics.outliers.count();
 }
 
-// Of the parameters under a mask: what they reach over, closed directions all round.
+// The rectangle of the parameters under a mask, periodic directions in full.
 double AreaReached(const Parameterization& base, const PointMask& mask) {
   double low[2] = {base.length_u, base.length_v}, high[2] = {0, 0};
   for (Eigen::Index k = 0; k < mask.size(); ++k) {
@@ -148,7 +148,7 @@ bool TakeSmallerBase(PreparedCloud& prepared,
   try {
     TakeBase(again, NeighbourIndex(again.merged.cloud.points(), pool), options, pool);
   } catch (const std::invalid_argument&) {
-    return false;  // by themselves the points left carry no base
+    return false;  // the remaining points alone carry no base
   }
   prepared = std::move(again);
   return true;

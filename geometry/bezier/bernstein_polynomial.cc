@@ -83,12 +83,12 @@ struct Choices {
 // Rows are summed with the basis of x first; the columns of the sums are then met by that of y.
 BATTEN_CLONES
 PolynomialJet Evaluate(const double* f,
-                  int m,
-                  int n,
-                  double x,
-                  double y,
-                  const Choices& choose_x,
-                  const Choices& choose_y) {
+                       int m,
+                       int n,
+                       double x,
+                       double y,
+                       const Choices& choose_x,
+                       const Choices& choose_y) {
   const Basis in_x(m, x, choose_x.of, choose_x.below, choose_x.two_below);
   const Basis in_y(n, y, choose_y.of, choose_y.below, choose_y.two_below);
   PolynomialJet jet{};

@@ -34,8 +34,9 @@ double Gain(const ScalarSpline& f) { return f.At(f.basis.upper()) - f.At(f.basis
 
 void CheckCoefficients(const ScalarSpline& f, const char* name) {
   if (f.coefficients.size() != f.basis.size()) {
-    Reject("Composed", std::to_string(f.coefficients.size()) + " coefficients of " + name +
-           " do not fit a basis of " + std::to_string(f.basis.size()) + " functions");
+    Reject("Composed",
+           std::to_string(f.coefficients.size()) + " coefficients of " + name +
+               " do not fit a basis of " + std::to_string(f.basis.size()) + " functions");
   }
   if (!f.coefficients.allFinite())
     Reject("Composed", "a coefficient of " + std::string(name) + " is not finite");
@@ -44,8 +45,9 @@ void CheckCoefficients(const ScalarSpline& f, const char* name) {
   const Eigen::ArrayXd steps = f.coefficients.tail(p) - f.coefficients.head(p);
   if ((steps - Gain(f)).abs().maxCoeff() <= kSameEnds * f.coefficients.cwiseAbs().maxCoeff())
     return;
-  Reject("Composed", "the last " + std::to_string(p) + " coefficients of " + name +
-         ", over a periodic basis, are not the first ones plus what a round gains");
+  Reject("Composed",
+         "the last " + std::to_string(p) + " coefficients of " + name +
+             ", over a periodic basis, are not the first ones plus what a round gains");
 }
 
 // Whether the polynomial with these Bézier coefficients never falls, to rounding; halved where the
@@ -68,16 +70,18 @@ void CheckMap(const ScalarSpline& f, const SplineBasis& domain) {
   CheckCoefficients(f, "f");
   const int q = f.basis.degree(), degree = domain.degree() * q;
   if (degree > kMaxDegree) {
-    Reject("Composed", "the result would have degree " + std::to_string(domain.degree()) + "·" +
-           std::to_string(q) + " = " + std::to_string(degree) + "; at most " +
-           std::to_string(kMaxDegree) + " is possible");
+    Reject("Composed",
+           "the result would have degree " + std::to_string(domain.degree()) + "·" +
+               std::to_string(q) + " = " + std::to_string(degree) + "; at most " +
+               std::to_string(kMaxDegree) + " is possible");
   }
   const double a = f.At(f.basis.lower()), b = f.At(f.basis.upper());
   const double allowed = kSameEnds * DomainSize(domain);
   if (!(std::abs(a - domain.lower()) <= allowed && std::abs(b - domain.upper()) <= allowed)) {
-    Reject("Composed", "f maps its domain " + IntervalText(f.basis.lower(), f.basis.upper()) + " to " +
-           IntervalText(a, b) + " and not onto the domain " +
-           IntervalText(domain.lower(), domain.upper()));
+    Reject("Composed",
+           "f maps its domain " + IntervalText(f.basis.lower(), f.basis.upper()) + " to " +
+               IntervalText(a, b) + " and not onto the domain " +
+               IntervalText(domain.lower(), domain.upper()));
   }
   constexpr int kMostHalvings = 40;
   for (const int span : f.basis.Spans()) {
@@ -85,8 +89,9 @@ void CheckMap(const ScalarSpline& f, const SplineBasis& domain) {
         BezierSpanMatrix(f.basis, span) * f.coefficients.segment(span - q, q + 1);
     const double slack = 4 * kEpsilon * bezier.cwiseAbs().maxCoeff();
     if (bezier[q] > bezier[0] && NeverFalls(bezier, slack, kMostHalvings)) continue;
-    Reject("Composed", "f can't be shown to increase strictly between " + NumberText(f.basis.knots()[span]) +
-           " and " + NumberText(f.basis.knots()[span + 1]));
+    Reject("Composed",
+           "f can't be shown to increase strictly between " + NumberText(f.basis.knots()[span]) +
+               " and " + NumberText(f.basis.knots()[span + 1]));
   }
 }
 

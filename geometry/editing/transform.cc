@@ -34,10 +34,12 @@ Image MapPoints(const Eigen::Matrix4d& matrix, const Eigen::Matrix3Xd& points) {
     const Eigen::Vector3d P = points.col(i);
     const double f = row.dot(P) + corner;
     if (!(f > 4 * kEpsilon * (row.cwiseAbs().dot(P.cwiseAbs()) + std::abs(corner)))) {
-      Reject("Transformed", "control point " + std::to_string(i) +
-             " lies on or behind the plane that the matrix sends to infinity (its weight would be "
-             "multiplied by " +
-             NumberText(f) + ")");
+      Reject(
+          "Transformed",
+          "control point " + std::to_string(i) +
+              " lies on or behind the plane that the matrix sends to infinity (its weight would be "
+              "multiplied by " +
+              NumberText(f) + ")");
     }
     image.points.col(i) = (linear * P + shift) / f;
     if (!affine) image.factors[i] = f;
@@ -58,9 +60,10 @@ void CheckKeepsThePlane(const Eigen::Matrix4d& matrix) {
       std::abs(matrix(2, 3)) <= kAllowed * shift) {
     return;
   }
-  Reject("Transformed", "the matrix moves a plane curve out of its plane z = 0 (its third row is " +
-         NumberText(matrix(2, 0)) + ", " + NumberText(matrix(2, 1)) + ", " +
-         NumberText(matrix(2, 2)) + ", " + NumberText(matrix(2, 3)) + ")");
+  Reject("Transformed",
+         "the matrix moves a plane curve out of its plane z = 0 (its third row is " +
+             NumberText(matrix(2, 0)) + ", " + NumberText(matrix(2, 1)) + ", " +
+             NumberText(matrix(2, 2)) + ", " + NumberText(matrix(2, 3)) + ")");
 }
 
 }  // namespace
@@ -121,6 +124,8 @@ Eigen::Matrix4d Scaling(const Eigen::Vector3d& factors) {
   return matrix;
 }
 
-Eigen::Matrix4d Scaling(double factor) { return batten::Scaling(Eigen::Vector3d::Constant(factor)); }
+Eigen::Matrix4d Scaling(double factor) {
+  return batten::Scaling(Eigen::Vector3d::Constant(factor));
+}
 
 }  // namespace batten

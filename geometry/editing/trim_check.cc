@@ -32,8 +32,9 @@ void CheckInsideDomain(const std::vector<MonotoneArc>& arcs, const UnitDomain& d
       if (arc.Low(axis) >= -kResolution && arc.High(axis) <= 1 + kResolution) continue;
       const bool low = arc.Low(axis) < -kResolution;
       const bool from = arc.from[axis] == (low ? arc.Low(axis) : arc.High(axis));
-      Reject("CheckTrims", LoopName(arc.loop) + " leaves the domain " +
-             PlaceText(domain, from ? arc.from : arc.to));
+      Reject(
+          "CheckTrims",
+          LoopName(arc.loop) + " leaves the domain " + PlaceText(domain, from ? arc.from : arc.to));
     }
   }
 }
@@ -42,9 +43,11 @@ void CheckTurning(const std::vector<NurbsCurve<2>>& loops, const UnitDomain& dom
   for (size_t k = 0; k < loops.size(); ++k) {
     const double area = SignedArea(loops[k]) / domain.length.prod();
     const std::string name = LoopName(static_cast<int>(k));
-    if (!(std::abs(area) > kResolution * kResolution)) Reject("CheckTrims", name + " bounds no area");
+    if (!(std::abs(area) > kResolution * kResolution))
+      Reject("CheckTrims", name + " bounds no area");
     if ((area > 0) == (k == 0)) continue;
-    Reject("CheckTrims", name + (k == 0 ? " is not turned counter-clockwise" : " is not turned clockwise"));
+    Reject("CheckTrims",
+           name + (k == 0 ? " is not turned counter-clockwise" : " is not turned clockwise"));
   }
 }
 
@@ -130,11 +133,13 @@ class WindingCheck {
     bool in_outer = false;
     for (const auto& [loop, winding] : windings) {
       if (winding == 0) continue;
-      if (winding != (loop == 0 ? 1 : -1)) Reject("CheckTrims", LoopName(loop) + " crosses itself " + where);
+      if (winding != (loop == 0 ? 1 : -1))
+        Reject("CheckTrims", LoopName(loop) + " crosses itself " + where);
       in_outer = in_outer || loop == 0;
       if (loop > 0) holes.push_back(loop);
     }
-    if (!in_outer) Reject("CheckTrims", LoopName(holes.front()) + " reaches beyond the outer loop " + where);
+    if (!in_outer)
+      Reject("CheckTrims", LoopName(holes.front()) + " reaches beyond the outer loop " + where);
     Reject("CheckTrims", LoopName(holes[0]) + " and " + LoopName(holes[1]) + " overlap " + where);
   }
 
@@ -167,8 +172,9 @@ class WindingCheck {
     const int first = arcs_[a].loop, second = arcs_[b].loop;
     const std::string where = PlaceText(domain_, place);
     if (first == second) Reject("CheckTrims", LoopName(first) + " crosses itself " + where);
-    Reject("CheckTrims", LoopName(std::min(first, second)) + " and " + LoopName(std::max(first, second)) +
-           " cross " + where);
+    Reject("CheckTrims",
+           LoopName(std::min(first, second)) + " and " + LoopName(std::max(first, second)) +
+               " cross " + where);
   }
 
   const std::vector<MonotoneArc>& arcs_;

@@ -135,7 +135,8 @@ void SurfaceEvaluator::Grid(std::span<const double> us,
   const Eigen::Index n = static_cast<Eigen::Index>(vs.size());
   grid.points.resize(3, rows * n);
   grid.normals.resize(3, rows * n);
-  const Eigen::Index block = std::max<Eigen::Index>(1, kSurfaceBlock / std::max<Eigen::Index>(1, n));
+  const Eigen::Index block =
+      std::max<Eigen::Index>(1, kSurfaceBlock / std::max<Eigen::Index>(1, n));
   pool.For(rows, block, [&](Eigen::Index begin, Eigen::Index end) {
     FillRows(surface(), table(), us, vs, begin, end, grid);
   });

@@ -195,8 +195,9 @@ class Extender {
       h = ParameterFor(length);
     }
     if (h < kShortest * std::abs(strip_.end())) {
-      Reject("Extended", "length = " + NumberText(length) + " is too short beside the parameter " +
-             NumberText(strip_.end()) + " at the end");
+      Reject("Extended",
+             "length = " + NumberText(length) + " is too short beside the parameter " +
+                 NumberText(strip_.end()) + " at the end");
     }
     return By(h);
   }
@@ -250,14 +251,16 @@ class Extender {
       if (!WeightsHold(high)) {
         const double last = LastGood(low, high), most = MeanLength(last);
         if (most < length) {
-          Reject("Extended", "length = " + NumberText(length) + " makes weights vanish; the greatest is " +
-                 NumberText(most));
+          Reject("Extended",
+                 "length = " + NumberText(length) + " makes weights vanish; the greatest is " +
+                     NumberText(most));
         }
         high = last;
       }
       high_miss = MeanLength(high) - length;
       if (high_miss >= 0) break;
-      if (k == kDoublings || !std::isfinite(high)) Reject("Extended", "the shape comes to rest at the end");
+      if (k == kDoublings || !std::isfinite(high))
+        Reject("Extended", "the shape comes to rest at the end");
     }
     for (int k = 0, side = 0; k < kSteps && high_miss > kExact * length; ++k) {
       double h = (low * high_miss - high * low_miss) / (high_miss - low_miss);
@@ -339,7 +342,8 @@ NurbsCurve<Dim> Extended(const NurbsCurve<Dim>& curve,
                          double length,
                          Continuation continuation) {
   CheckLength(length);
-  if (curve.basis().periodic() || Closed(curve)) Reject("Extended", "the curve is closed: it has no end");
+  if (curve.basis().periodic() || Closed(curve))
+    Reject("Extended", "the curve is closed: it has no end");
   return CurveOf<Dim>(ExtendedRows(RowsOf(Clamped(curve)), nullptr, upper, length, continuation));
 }
 
@@ -355,8 +359,9 @@ NurbsSurface Extended(const NurbsSurface& surface,
     Reject("Extended", "the surface is closed in " + name + ": it has no edge there");
   }
   if (Collapsed(surface, edge)) {
-    Reject("Extended", "the edge at the " + std::string(edge.upper ? "upper" : "lower") + " end of " + name +
-           " is a single point: there is no strip beyond it");
+    Reject("Extended",
+           "the edge at the " + std::string(edge.upper ? "upper" : "lower") + " end of " + name +
+               " is a single point: there is no strip beyond it");
   }
   const SplineBasis along = OtherBasis(surface, edge.direction);
   const NurbsSurface longer =

@@ -220,7 +220,9 @@ class BoxFinder {
   double GreatestInside(int d, double sign, double attained) const {
     constexpr int kMostSplits = 20000;
     const double negligible = kNegligible * size_;
-    const auto less = [](const TrimmedPatch& a, const TrimmedPatch& b) { return a.reach < b.reach; };
+    const auto less = [](const TrimmedPatch& a, const TrimmedPatch& b) {
+      return a.reach < b.reach;
+    };
     std::vector<TrimmedPatch> heap;
     const auto add = [&](TrimmedPatch patch) {
       if (patch.reach <= attained + negligible) return;

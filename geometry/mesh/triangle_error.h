@@ -24,7 +24,8 @@ struct TriangleError {
 
 // Distances count along the normal: a triangle may lie elsewhere in the surface than its
 // parameters say. Where it is turned by more than 60° against the surface, and longer than the
-// tolerance, the distance is its length. Four to seven jets and three to nine points of the surface.
+// tolerance, the distance is its length. Four to seven jets and three to nine points of the
+// surface.
 TriangleError ErrorOf(const SurfaceTriangle& triangle,
                       const SurfaceEvaluator& surface,
                       double tolerance);

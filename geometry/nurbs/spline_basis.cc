@@ -23,30 +23,35 @@ std::string Text(double number) {
 
 void CheckDegree(int degree) {
   if (degree < 1 || degree > kMaxDegree) {
-    Reject("SplineBasis", "degree " + std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) +
-           "]");
+    Reject(
+        "SplineBasis",
+        "degree " + std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
   }
 }
 
 // Finite, non-decreasing, and with differences that can be divided by.
 void CheckKnots(const std::vector<double>& knots) {
   for (size_t i = 0; i < knots.size(); ++i) {
-    if (!std::isfinite(knots[i])) Reject("SplineBasis", "knot " + std::to_string(i) + " is not finite");
+    if (!std::isfinite(knots[i]))
+      Reject("SplineBasis", "knot " + std::to_string(i) + " is not finite");
     if (i == 0) continue;
     const double gap = knots[i] - knots[i - 1];
     if (gap < 0) {
-      Reject("SplineBasis", "knot " + std::to_string(i) + " decreases (" + Text(knots[i - 1]) + " to " +
-             Text(knots[i]) + ")");
+      Reject("SplineBasis",
+             "knot " + std::to_string(i) + " decreases (" + Text(knots[i - 1]) + " to " +
+                 Text(knots[i]) + ")");
     }
     if (gap > 0 && gap < std::numeric_limits<double>::min()) {
-      Reject("SplineBasis", "knots " + std::to_string(i - 1) + " and " + std::to_string(i) +
-             " differ by less than the smallest normal double (" + Text(knots[i - 1]) + ", " +
-             Text(knots[i]) + ")");
+      Reject("SplineBasis",
+             "knots " + std::to_string(i - 1) + " and " + std::to_string(i) +
+                 " differ by less than the smallest normal double (" + Text(knots[i - 1]) + ", " +
+                 Text(knots[i]) + ")");
     }
   }
   if (!std::isfinite(knots.back() - knots.front())) {
-    Reject("SplineBasis", "the knots are farther apart than the largest double (" + Text(knots.front()) + " to " +
-           Text(knots.back()) + ")");
+    Reject("SplineBasis",
+           "the knots are farther apart than the largest double (" + Text(knots.front()) + " to " +
+               Text(knots.back()) + ")");
   }
 }
 
@@ -130,8 +135,9 @@ SplineBasis::SplineBasis(int degree, std::vector<double> knots)
   CheckDegree(degree_);
   const int count = static_cast<int>(knots_.size());
   if (count < 2 * (degree_ + 1)) {
-    Reject("SplineBasis", std::to_string(count) + " knots are too few for degree " + std::to_string(degree_) +
-           ": at least " + std::to_string(2 * (degree_ + 1)) + " are needed");
+    Reject("SplineBasis",
+           std::to_string(count) + " knots are too few for degree " + std::to_string(degree_) +
+               ": at least " + std::to_string(2 * (degree_ + 1)) + " are needed");
   }
   CheckKnots(knots_);
   if (!(lower() < upper())) Reject("SplineBasis", "the domain is empty");
@@ -141,9 +147,10 @@ SplineBasis::SplineBasis(int degree, std::vector<double> knots)
     const bool interior = knots_[i] > lower() && knots_[i] < upper();
     const int limit = interior ? degree_ : degree_ + 1;
     if (j - i > limit) {
-      Reject("SplineBasis", "knot " + Text(knots_[i]) + " is repeated " + std::to_string(j - i) +
-             " times; at most " + std::to_string(limit) + " are allowed for degree " +
-             std::to_string(degree_));
+      Reject("SplineBasis",
+             "knot " + Text(knots_[i]) + " is repeated " + std::to_string(j - i) +
+                 " times; at most " + std::to_string(limit) + " are allowed for degree " +
+                 std::to_string(degree_));
     }
     i = j;
   }
@@ -159,9 +166,10 @@ SplineBasis SplineBasis::Periodic(int degree, std::vector<double> knots) {
   const size_t distinct = static_cast<size_t>(basis.size() - degree);
   for (size_t i = 0; i + distinct < U.size(); ++i) {
     if (std::abs(U[i + distinct] - U[i] - period) <= allowed) continue;
-    Reject("SplineBasis", "knots " + std::to_string(i) + " and " + std::to_string(i + distinct) +
-           " of a periodic basis are not one period " + Text(period) + " apart (" + Text(U[i]) +
-           ", " + Text(U[i + distinct]) + ")");
+    Reject("SplineBasis",
+           "knots " + std::to_string(i) + " and " + std::to_string(i + distinct) +
+               " of a periodic basis are not one period " + Text(period) + " apart (" + Text(U[i]) +
+               ", " + Text(U[i + distinct]) + ")");
   }
   basis.periodic_ = true;
   return basis;
@@ -179,7 +187,8 @@ SplineBasis SplineBasis::Clamped(int degree, std::span<const double> breaks) {
 SplineBasis SplineBasis::Uniform(int degree, int size, double lower, double upper) {
   CheckDegree(degree);
   if (size <= degree) {
-    Reject("SplineBasis", std::to_string(size) + " functions are too few for degree " + std::to_string(degree));
+    Reject("SplineBasis",
+           std::to_string(size) + " functions are too few for degree " + std::to_string(degree));
   }
   const int cells = size - degree;
   std::vector<double> breaks(cells + 1);

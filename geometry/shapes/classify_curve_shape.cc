@@ -172,7 +172,8 @@ CurveShape ClassifyShape(const NurbsCurve<Dim>& curve, const ClassifyOptions& op
   const NurbsCurve<Dim> local(
       curve.basis(), frame.ToLocal(curve.control_points()), curve.weights());
   // F times the squared weight function is of degree 2p on every span; twice as many samples check.
-  return Classify(SectionSamples(local, 2, 4), SectionSamples(local, 4, 7), frame, options.tolerance);
+  return Classify(
+      SectionSamples(local, 2, 4), SectionSamples(local, 4, 7), frame, options.tolerance);
 }
 
 template CurveShape ClassifyShape(const NurbsCurve<2>&, const ClassifyOptions&);

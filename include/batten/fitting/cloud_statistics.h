@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a cloud says of itself before anything is fitted: spacing, noise, outliers.
+// Statistics of a cloud before any fit: point spacing, noise and outliers.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,26 +13,26 @@
 namespace batten {
 
 struct CloudStatistics {
-  // Mean distance of neighbours on the surface, from the radius that holds 16 points: a count of
-  // points per area, which near-duplicates do not mislead.
+  // Mean distance between neighbours on the surface, estimated from the radius that holds 16
+  // points: as a count of points per area it is not biased by near-duplicates.
   double spacing = 0;
-  // Standard deviation of the points along the surface normal, from quadrics through neighbours:
-  // more of them where the noise is no longer small against the spacing, or the nearest are on one
-  // line.
+  // Standard deviation of the points along the surface normal, estimated from quadrics fitted to
+  // neighbours: to more of them where the noise is no longer small against the spacing, or where
+  // the nearest lie on one line.
   double noise = 0;
-  // Set where a point stands off the surface of the points around it; see cloud_outliers.h.
+  // True for outliers: points off the surface of the points around them; see cloud_outliers.h.
   PointMask outliers;
   Eigen::Index outlier_count = 0;
 };
 
 struct CloudStatisticsOptions {
-  int samples = 3000;      // points that spacing and noise are taken from
-  std::uint64_t seed = 1;  // chooses them
+  int samples = 3000;      // points from which spacing and noise are estimated
+  std::uint64_t seed = 1;  // of the random choice of these points
   bool find_outliers = true;
 };
 
-// Points are distinct and those of the index. Below 20 points no outliers are sought and the noise
-// is 0.
+// Estimates spacing and noise and finds the outliers. Points are distinct and those of the index.
+// Below 20 points no outliers are sought and the noise is 0.
 CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
                              const NeighbourIndex& index,
                              const CloudStatisticsOptions& options,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From a cloud to the curves in it: which points follow one another, which belong to none.
+// Components of a cloud: the ordered points of each curve, and the outliers of no curve.
 #pragma once
 
 #include <string>
@@ -24,11 +24,12 @@ struct CurveComponents {
   std::vector<OrderedPoints> curves;  // longest first; one where the cloud's order counts
   std::vector<double> lengths;        // of their polylines, unordered points only
   PointMask sequence_outliers;        // points of no curve
-  bool unordered = false;             // the neighbourhood's order was taken
+  bool unordered = false;             // the order was found from neighbourhoods
   std::vector<std::string> warnings;  // for the user
 };
 
-// Throws std::invalid_argument, with a sentence for the user, where there is no curve to follow.
+// Splits the cloud into curves, orders the points of each and gives them parameters. Throws
+// std::invalid_argument, with a sentence for the user, where there is no curve to follow.
 CurveComponents ArrangeCurves(const PointCloud& cloud,
                               const ArrangeOptions& options,
                               ThreadPool& pool,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The options of a curve's fit and what it returns.
+// Options and result of curve fitting.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,23 +17,23 @@
 
 namespace batten {
 
-// Where the parameters of a curve's points come from.
+// The parameterization of a curve's points.
 enum class CurveParameterization {
   kGiven,        // the points' parameters, in their own range
   kUniform,      // equal steps on [0, 1]
   kChord,        // steps in proportion to the distance of neighbours, on [0, 1]
-  kCentripetal,  // to its square root, on [0, 1] [Lee 1989]
+  kCentripetal,  // steps in proportion to its square root, on [0, 1] [Lee 1989]
   kFoley,        // longer steps where the points turn, measured against the spread of all points in
                  // every direction: affine maps of the points change nothing [Foley & Nielson 1989]
   kUniversal,    // where the B-spline functions over uniform knots have their maxima, whatever the
                  // points are [Lim 1999]
 };
 
-// Where the order of a curve's points comes from.
+// The source of the order of a curve's points.
 enum class PointOrder {
-  kAuto,       // the order of the cloud if it follows a curve, else that of the neighbourhood
+  kAuto,       // the cloud's order if it follows a curve, else one found from neighbourhoods
   kGiven,      // the order of the cloud; given parameters must not decrease
-  kUnordered,  // that of the neighbourhood
+  kUnordered,  // an order found from neighbourhoods
 };
 
 // Whether a curve closes.
@@ -44,13 +44,13 @@ enum class ClosedChoice {
   kNo,    // never; a closed curve is cut at its largest gap
 };
 
-// How far data are from their curve.
+// The distance of the data from their curve that is minimised.
 enum class CurveDistance {
   kAuto,       // at the parameters where those are given, orthogonal otherwise
   kParameter,  // from the point at the datum's own parameter
   kPoint,      // from the nearest point
-  kTangent,    // the same, brought down further by tangent distances (distance_minimisation.h)
-  kSquared,    // the same, by squared distances
+  kTangent,    // from the nearest point, by tangent distance (distance_minimisation.h)
+  kSquared,    // from the nearest point, by squared distance minimisation
 };
 
 struct CurveFitOptions {
@@ -63,11 +63,11 @@ struct CurveFitOptions {
   PointOrder order = PointOrder::kAuto;            // where the points' order comes from
   ClosedChoice closed = ClosedChoice::kAuto;       // whether the curve closes
   bool corners = true;                             // found and kept; else the curve is smooth
-  CurveDistance distance = CurveDistance::kAuto;   // what is fitted and held to the tolerance
+  CurveDistance distance = CurveDistance::kAuto;   // minimised, held to the tolerance
   std::optional<double> smoothing = std::nullopt;  // fairness relative to the data, ≥ 0; 1e-10
-  // Fairness from the data in place of that: knots are then more than enough, and smoothing decides
+  // Choice of the fairness weight by the data instead: knots are then plentiful
   SmoothBy smooth_by = SmoothBy::kWeight;
-  // When absent: Tukey's where there are points far off, else none
+  // When absent: Tukey's where there are outliers, else none
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> loss_scale =
       std::nullopt;  // standard deviation of good points, > 0; estimated when absent
@@ -86,9 +86,9 @@ template <int Dim>
 struct CurveFit {
   NurbsCurve<Dim> curve;       // in world coordinates less options.shift
   Eigen::VectorXd parameters;  // foot point of every point of the cloud
-  Eigen::VectorXd residuals;   // its orthogonal distance
-  PointMask outliers;  // points that the curve does not follow: outliers, and what a loss forgets
-  FitReport report;    // describes exactly this curve
+  Eigen::VectorXd residuals;   // orthogonal distance of each
+  PointMask outliers;          // outliers, and points to which the loss gives zero weight
+  FitReport report;            // describes exactly this curve
 };
 
 }  // namespace batten

@@ -34,14 +34,14 @@ struct CurveOrder {
   std::vector<Eigen::Index> outliers;  // points of no path, ascending
 };
 
-// Finds the curves and the order along each. Points may be noisier than they are close: then their
-// middle line is found first; else the guide goes through points. Exact duplicates follow one
+// Finds the curves and the order along each. Where the noise exceeds the spacing, the middle line
+// of the points is found first; else the guide goes through the points. Exact duplicates follow one
 // another. Points far from every curve and groups of fewer than five (four that close) are
-// outliers. What is found does not depend on the order in which the points are given.
-// Curves that come nearer to each other than about four spacings, or 16 times the noise, cannot be
-// told apart. Throws std::invalid_argument where there are fewer than two different points, and
-// where curves branch or cross, with the place; Cancelled when progress asks to stop.
-// O(m log m), half a second for 200 000 points.
+// outliers. The result does not depend on the order in which the points are given. Curves that come
+// nearer to each other than about four spacings, or 16 times the noise, cannot be told apart.
+// Throws std::invalid_argument where there are fewer than two different points, and where curves
+// branch or cross, with the place; Cancelled when progress asks to stop. O(m log m), half a second
+// for 200 000 points.
 CurveOrder OrderAlongCurves(const PointCloud& cloud,
                             const CurveOrderOptions& options,
                             ThreadPool& pool,

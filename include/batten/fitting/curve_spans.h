@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many knot spans a curve's data ask for, and where a tolerance asks for more.
+// Number of knot spans of a curve by cross-validation, and refinement to a tolerance.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace batten {
 
-// The curve of dimension 2 or 3 that the coefficients (d × n) are over a basis.
+// The B-spline curve of dimension 2 or 3 with the coefficients (d × n) over a basis.
 template <int Dim>
 NurbsCurve<Dim> CurveOf(const SplineBasis& basis, const Eigen::MatrixXd& coefficients) {
   return NurbsCurve<Dim>(basis, coefficients);
@@ -31,10 +31,10 @@ struct SpanChoice {
   std::vector<RoundSummary> rounds;
 };
 
-// The number of equal spans of least generalised cross-validation score N·RSS/(N − 1.4 n)², over a
-// ladder from one span to as many as leave two data to a control point, then around the best of
-// it. Weights must have the scale of counts (mean about 1). O(m) for each of some 40 rungs. [Craven
-// & Wahba 1979; the factor 1.4: Kim & Gu 2004]
+// Chooses the number of equal spans of least generalised cross-validation score N·RSS/(N − 1.4 n)²,
+// over a ladder from one span to as many as leave two data to a control point, then around the best
+// of it. Weights must have the scale of counts (mean about 1). O(m) for each of some 40 rungs.
+// [Craven & Wahba 1979; the factor 1.4: Kim & Gu 2004]
 SpanChoice ChooseSpans(const FittingProblem& problem,
                        int max_control_points,
                        ThreadPool& pool,
@@ -55,9 +55,9 @@ struct SpanRefinement {
   std::vector<RoundSummary> rounds;
 };
 
-// Rounds of: solve, measure, halve every span that holds a datum out of tolerance, worst first, as
-// far as the data carry it; data of weight zero don't count. The best has the fewest data out of
-// tolerance, then the least rms.
+// Halves, in rounds of solving and measuring, every span that holds a datum out of tolerance, worst
+// first, as far as the data carry it; data of weight zero don't count. The best has the fewest data
+// out of tolerance, then the least rms.
 SpanRefinement RefineSpans(const FittingProblem& problem,
                            const SpanRefineOptions& options,
                            ThreadPool& pool,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far measured points stand off a surface, as a field over it: one number for each place.
+// Deviation map: the signed distance of measured points from a surface, as a field over it.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,15 @@
 
 namespace batten {
 
-// The signed deviation at every place (3 × n, a mesh's vertices), from the points' feet on the
-// surface (3 × m) and their signed distances (m): a robust mean over the nearest feet, at most 16
-// and none farther than `reach`, near ones counting most. One outlier among them moves it
-// little or not at all; a constant comes back as it is. NaN where no foot lies within reach: no
-// points were measured there. Feet and distances that are not finite do not count.
-// Feet are near in space, not along the surface: where two sheets of it lie within reach of each
-// other, both are seen. A few spacings of the points are a good reach.
-// Places and feet are in one frame, wherever its origin. The same on any number of threads.
+// Interpolates the signed deviation at every place (3 × n, a mesh's vertices) from the foot points
+// of the cloud on the surface (3 × m) and their signed distances (m): Tukey's biweight mean over at
+// most 16 nearest foot points within `reach`, the nearer ones with more weight. One outlier among
+// them moves it little or not at all; a constant field is reproduced. The result is NaN where no
+// foot point lies within reach: no points were measured there. Foot points and distances that are
+// not finite are ignored.
+// Nearness is measured in space, not along the surface: where two sheets of the surface lie within
+// reach of each other, both contribute. A few point spacings are a good reach.
+// Places and foot points share one frame with any origin. The same on any number of threads.
 // O((m + n) log m): some 2 µs for a place. Throws std::invalid_argument unless there is one
 // distance for every foot, reach > 0 and the places are finite. [the mean: Beaton & Tukey 1974]
 Eigen::VectorXd DeviationMap(const Eigen::Matrix3Xd& places,

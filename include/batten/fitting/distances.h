@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Orthogonal distances of points to a geometry.
+// Orthogonal distances and foot points of points on a curve or surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,23 +16,23 @@ struct PointDistances {
   Eigen::MatrixXd parameters;  // of the foot points: 2 × m (u, v) or 1 × m (u)
 };
 
-// From each point's nearest point on the whole surface or, where it is trimmed, on the part inside
-// its loops. Where that point lies on the border, of the surface or of the part, the distance is
-// the whole one, not only its share along the normal; its sign is that of the side of the tangent
-// plane there on which the given point lies.
+// Distances from each point's nearest point on the whole surface or, where it is trimmed, on the
+// part inside its loops. Where that point lies on the border, of the surface or of the part, the
+// distance is the whole one, not only its share along the normal; its sign is that of the side of
+// the tangent plane there on which the given point lies.
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            ThreadPool& pool);
 
-// The same, faster: column k of `near` is a place thought near the foot of point k, or NaN. Throws
-// std::invalid_argument unless there is one column a point.
+// The same distances, faster: column k of `near` is a guess of the foot parameters of point k, or
+// NaN. Throws std::invalid_argument unless there is one column a point.
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            const Eigen::Matrix2Xd& near,
                            ThreadPool& pool);
 
-// From the local foot points reached from given parameters; for rounds in which points stay near.
-// Trims are not looked at: a surface is fitted before it is trimmed.
+// Distances from the local foot points reached from given parameters, for iterations in which the
+// shape moves little. Trims are ignored: a surface is fitted before it is trimmed.
 PointDistances DistancesFrom(const NurbsSurface& surface,
                              const Eigen::Matrix3Xd& points,
                              const Eigen::Matrix2Xd& start,

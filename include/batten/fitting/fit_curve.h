@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A NURBS curve from measured points along it.
+// Fitting of NURBS curves to measured points.
 #pragma once
 
 #include <vector>
@@ -10,23 +10,24 @@
 namespace batten {
 
 // Fits a curve to points along it, in order or not, open or closed (then periodic and as smooth at
-// the seam as elsewhere, unless there is a corner). Without a tolerance it has as many spans as the
-// data can tell apart from fewer, fewest where noise is thick; with one, as few as keep it. Corners
-// become knots of full multiplicity. Points far off are left out. The domain is [0, 1], or the
-// range of given parameters, knots in their units, whose fit is at the parameters. A plane cloud
-// (Dim = 2) gives a plane curve; in space it lies at z = 0. Throws std::invalid_argument, with a
-// sentence for the user, when the points can't carry a curve, branch, or belong to several
-// (FitCurves takes those); Cancelled when progress stops it before there is one.
+// the seam as elsewhere, unless there is a corner). Without a tolerance the curve has as many spans
+// as the data can distinguish from fewer, the fewest where noise is large; with a tolerance, as few
+// as keep it. Corners become knots of full multiplicity. Outliers are left out. The domain is [0,
+// 1]; with given parameters it is their range, knots are in their units, and by default distances
+// are measured at them. A plane cloud (Dim = 2) gives a plane curve; in space it lies at z = 0.
+// Throws std::invalid_argument, with a sentence for the user, when the points can't carry a curve,
+// branch, or belong to several (FitCurves takes those); Cancelled when progress stops it before
+// there is one.
 template <int Dim>
 CurveFit<Dim> FitCurve(const PointCloud& cloud, const CurveFitOptions& options = {});
 
-// The same for the curve of every component of unordered points, longest first. Points of the
-// others are no outliers of a curve; they are not in its report.
+// Fits one curve to every component of unordered points, longest first. Points of the other
+// components are not outliers of a curve; its report leaves them out.
 template <int Dim>
 std::vector<CurveFit<Dim>> FitCurves(const PointCloud& cloud, const CurveFitOptions& options = {});
 
-// The component-th of them, 1 the longest, alone. Throws std::invalid_argument where there are
-// fewer.
+// Fits one component only: number `component` by length, 1 the longest. Throws
+// std::invalid_argument where there are fewer.
 template <int Dim>
 CurveFit<Dim> FitComponent(const PointCloud& cloud,
                            int component,

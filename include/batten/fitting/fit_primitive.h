@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lines, circles, planes, spheres, cylinders, cones and tori from measured points, as exact NURBS.
+// Fits lines, circles, planes, spheres, cylinders, cones and tori to measured points, as exact
+// NURBS.
 #pragma once
 
 #include "batten/fitting/point_cloud.h"
@@ -7,25 +8,25 @@
 
 namespace batten {
 
-// The shape of least Σ w ρ(d), d the orthogonal distance, w the cloud's weights; its numbers with
-// standard deviations, and the part of it that the points cover.
+// Fits the shape of least Σ w ρ(d), d the orthogonal distance, w the cloud's weights. Returns its
+// parameters with standard deviations, and the part of it that the points cover.
 //
 // Lines and circles, in the plane or in space. Without a loss ρ = d²/2. With one, the search starts
-// from what most points agree on and outliers, almost half of the points if need be, count in no
-// sum: those to which Tukey's loss gives no weight at the scale given, or else at 1.4826 times the
-// median distance of the others. Over the rest the loss asked for is minimised at this scale. The
+// from sample consensus, and outliers, up to almost half of the points, count in no sum: points to
+// which Tukey's loss gives no weight at the scale given, or else at 1.4826 times the median
+// distance of the inliers (MAD). Over the inliers the chosen loss is minimised at this scale. The
 // curve covers the points that count: a segment between the outermost feet; a full circle where
 // they go all round (no gap above 60°, or the largest not above 1.5 times the mean of the others),
-// else the arc without the largest gap. With a loss, feet far from all others are passed over. A
+// else the arc without the largest gap. With a loss, foot points far from all others are ignored. A
 // circle turns counter-clockwise about its axis, which in space follows the order of the points; a
 // line leads from the first point to the last.
 //
 // Surfaces, of clouds in space: see ShapeFitter, ShapeEstimate and PatchOf; the report warns where
 // the points do not determine the numbers.
 //
-// kAuto takes the circle rather than the line where it explains more than chance would: with N
-// distance components, D the fall of Σ w d² against the line in units of the circle's variance, k
-// the difference of freedoms and f = N − those of the circle, where f·log(1 + D/f) > 2 k log N (1 +
+// kAuto chooses the circle over the line where it fits significantly better: with N distance
+// components, D the fall of Σ w d² against the line in units of the circle's variance, k the
+// difference of freedoms and f = N − those of the circle, where f·log(1 + D/f) > 2 k log N (1 +
 // 2/f): twice the penalty of Schwarz's criterion, and more where the points are few. [Schwarz 1978]
 // Surfaces are judged against each other in the same way, D divided by the inflation of variances,
 // in the order above; see surface_choice.h, also for curve against surface.

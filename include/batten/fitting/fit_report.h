@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a fit or a comparison says of itself: numbers, never prose alone.
+// The report of a fit or a comparison: errors, input, geometry, rounds, timings and warnings.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +9,18 @@
 
 namespace batten {
 
-// How a fit ended, best first. The geometry returned is the best seen in every case.
+// The termination reason of a fit, best first. The geometry returned is the best seen in every
+// case.
 enum class Termination {
   kToleranceReached,  // every used point is within the tolerance
   kNoiseReached,      // more freedom would only follow the noise
-  kMaxControlPoints,  // the limit on control points, or what the data carry, is used up
+  kMaxControlPoints,  // the limit, by option or by the data, on control points is reached
   kMaxIterations,
   kStalled,  // another round changes nothing
   kCancelled,
 };
 
-// The word the report uses, as in "tolerance_reached".
+// The report's name of a termination, such as "tolerance_reached".
 const char* Name(Termination termination);
 
 // Orthogonal distances of points to a geometry, in the data's units. Signed values are along the
@@ -32,52 +33,53 @@ struct ErrorSummary {
   Eigen::Index points = 0;
 };
 
-// From signed distances; `mask` (empty: all) chooses points.
+// Summarises signed distances; `mask` (empty: all) selects points.
 ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
                        std::optional<double> tolerance,
                        const Eigen::Array<bool, Eigen::Dynamic, 1>& mask = {});
 
-// What was read and what preparation found.
+// The input of a fit: points read, and what preparation found.
 struct InputSummary {
   std::vector<std::string> files;
   Eigen::Index points = 0;                                // read, before anything was dropped
-  Eigen::Index used = 0;                                  // that the fit rests on
+  Eigen::Index used = 0;                                  // inliers the fit uses
   Eigen::Index non_finite = 0;                            // dropped
   Eigen::Index duplicates = 0;                            // merged into another point's weight
   Eigen::Index outliers = 0;                              // set aside
-  std::optional<Eigen::Index> thinned_to = std::nullopt;  // so many points, before the fit
+  std::optional<Eigen::Index> thinned_to = std::nullopt;  // points left by thinning
   double spacing = 0;                                     // mean distance of neighbours
   double noise = 0;                                       // estimated standard deviation
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero(), box_max = Eigen::Vector3d::Zero();  // world
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-// How exactly points determine a primitive's numbers. Names are those of ShapeEstimate; of lines
-// direction_x, direction_y, point_x, point_y, of circles axis_x, axis_y, center_x, center_y,
-// center_z, radius, those of z missing in the plane. Of axis, direction, normal, and of a point on
-// an axis, _x and _y are towards frame_x and frame_y; other _x, _y, _z are along the coordinates.
+// Standard deviations and covariance of a primitive's estimated parameters. Names are those of
+// ShapeEstimate; lines have direction_x, direction_y, point_x, point_y, circles axis_x, axis_y,
+// center_x, center_y, center_z, radius, those of z missing in the plane. For axis, direction,
+// normal, and a point on an axis, _x and _y are components along frame_x and frame_y; other _x, _y,
+// _z are along the coordinates.
 struct PrimitiveAccuracy {
   std::vector<std::string> names;
   Eigen::VectorXd standard_deviations;  // infinite where there is no limit
-  Eigen::MatrixXd covariance;           // linear, without alternatives
+  Eigen::MatrixXd covariance;           // linear; ignores alternative solutions
   Eigen::Vector3d frame_x = Eigen::Vector3d::Zero(), frame_y = Eigen::Vector3d::Zero();
-  double inflation = 1;  // of variances, by what neighbouring residuals have in common
+  double inflation = 1;  // factor on variances for correlation of neighbouring residuals
 
-  // The largest of those whose names begin with `name`; NaN where there are none.
+  // The largest standard deviation of parameters whose names begin with `name`; NaN if none.
   double Deviation(const std::string& name) const;
 };
 
-// The numbers of a primitive, in the coordinates of the geometry as written; which of them there
-// are depends on the kind. Directions have length one, angles are in radians.
+// The parameters of a primitive, in the coordinates of the geometry as written; the kind decides
+// which are present. Directions have length one, angles are in radians.
 struct PrimitiveSummary {
   std::string kind;  // "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"
-  // The point of a line, plane or axis is the one beside the middle of the points.
+  // The point of a line, plane or axis is the one nearest to the middle of the points.
   std::optional<Eigen::Vector3d> point, direction;
   std::optional<Eigen::Vector3d> center, axis;
   std::optional<double> radius;
   std::optional<double> sweep;  // of an arc; 2π of a full circle
-  double scale = 0;             // standard deviation of the good points from it
-  std::string why;              // this kind
+  double scale = 0;             // standard deviation of the inliers' distances
+  std::string why;              // why this kind was chosen
   std::optional<Eigen::Vector3d> normal = std::nullopt, apex = std::nullopt;
   std::optional<double> half_angle = std::nullopt;
   std::optional<double> major_radius = std::nullopt, minor_radius = std::nullopt;
@@ -96,13 +98,13 @@ struct GeometrySummary {
   std::vector<bool> closed;
   int trims = 0;
   int count = 1;  // several curves: control_points and closed have an entry for each
-  std::optional<PrimitiveSummary> primitive = std::nullopt;  // where that is what was fitted
-  std::string base_why = {};                                 // this base
-  // Of a surface over its base: the rms of how much lengths differ from those of the parameters.
+  std::optional<PrimitiveSummary> primitive = std::nullopt;  // if a primitive was fitted
+  std::string base_why = {};                                 // why this base was chosen
+  // Distortion of the parameterization: the rms difference of lengths from those in parameters.
   double distortion = 0;
-  // Over a plane: its axes u and v and its normal, columns
+  // A plane base's axes u and v and its normal, as columns
   std::optional<Eigen::Matrix3d> base_axes = std::nullopt;
-  std::vector<bool> poles = {};  // of a surface: whether its edges v = low and v = high are points
+  std::vector<bool> poles = {};  // whether the edges v = low and v = high are poles
 };
 
 // The joint stage.
@@ -128,7 +130,7 @@ struct StageSeconds {
          write = 0, total = 0;
 };
 
-// Of one of several geometries: the points that are nearest to it.
+// The errors at one of several geometries, over the points nearest to it.
 struct PartError {
   std::string name, kind;  // the name may be empty; "curve" or "surface"
   ErrorSummary error;
@@ -139,10 +141,10 @@ struct FitReport {
   GeometrySummary geometry;
   ErrorSummary error;      // over the used points
   ErrorSummary error_all;  // over all finite points
-  // Distances from the geometry at every point's own parameters, where those are what was fitted.
+  // Distances from the geometry at every point's own parameters, for fits at given parameters.
   std::optional<ErrorSummary> parameter_error;
   std::vector<PartError> parts;       // where there are several geometries, in their order
-  bool judged_at_parameters = false;  // the tolerance is held against those
+  bool judged_at_parameters = false;  // the tolerance applies to parameter_error
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;
   std::vector<RoundSummary> iterations;
@@ -150,17 +152,17 @@ struct FitReport {
   std::vector<std::string> warnings;
   int threads = 1;
 
-  // What the tolerance is held against.
+  // The errors to which the tolerance applies: parameter_error or error.
   const ErrorSummary& judged_error() const;
 
   // None without a tolerance.
   std::optional<bool> tolerance_reached() const;
 
-  // Takes in the report of another curve of the same cloud. Errors are not joined; of two
-  // terminations the worse stays.
+  // Joins the report of another curve of the same cloud. Errors are not joined; the worse
+  // termination is kept.
   void Join(const FitReport& other);
 
-  // One sentence for a terminal or a log.
+  // A one-sentence summary for a terminal or a log.
   std::string OneLine() const;
 };
 

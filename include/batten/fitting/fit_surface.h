@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A NURBS surface from measured points: the main job.
+// NURBS surface fitting to measured points: the main entry point.
 #pragma once
 
 #include "batten/fitting/point_cloud.h"
@@ -7,14 +7,14 @@
 
 namespace batten {
 
-// Fits a surface to a cloud without being told anything but the points: outliers set aside, a plane
-// base under the sheet or the bent sheet laid out flat, as many knot cells as cross-validation
-// finds the data to carry, without the knot lines that do not pay, fairness relative to the data,
-// robust reweighting where there are outliers, refinement where a tolerance asks for it, smooth where
-// there are no points, and a joint optimisation of control points and parameters where it pays.
-// Throws std::invalid_argument when the points can't carry a surface (fewer than four, on a line,
-// on two sheets, in several parts, on a shape that is closed or one-sided), with a sentence for the
-// user; Cancelled when progress stops it before there is a surface.
+// Fits a surface to a cloud from its points alone: sets outliers aside, parameterizes over a plane
+// or by flattening the bent sheet, chooses the knot grid by cross-validation, removes knot lines
+// that do not pay, weighs fairness relative to the data, reweights robustly where there are
+// outliers, refines where a tolerance is given, regularizes data gaps, and optimizes control points
+// and parameters jointly where it pays. Throws std::invalid_argument when the points can't carry a
+// surface (fewer than four, on a line, on two sheets, in several parts, on a shape that is closed
+// or one-sided), with a sentence for the user; Cancelled when progress stops it before there is a
+// surface.
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options = {});
 
 }  // namespace batten

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A spline least-squares problem of a curve or surface at given parameters.
+// The penalised least-squares problem of a spline curve or surface at given parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,18 +15,18 @@
 
 namespace batten {
 
-// What is to be approximated: value k (d components) at parameters column k, with a weight.
+// The data to approximate: value k (d components) at parameters column k, with a weight.
 struct FittingData {
   Eigen::Matrix2Xd parameters;  // (u, v); curves: (u, 0)
   Eigen::MatrixXd values;       // d × m: heights over a base (d = 1) or points (d = 2, 3)
   Eigen::VectorXd weights;      // empty: ones
 };
 
-// Bases, data and fairness: everything the control points follow from. Minimises
+// Bases, data and fairness energy, which determine the control points. Minimises
 //   Σ w |S(u_k,v_k) − z_k|² + λ ∫∫ S_uu² + 2 S_uv² + S_vv²,   λ = smoothing · tr(A)/tr(P),
 // or another energy, A the normal matrix and P that of the energy, so that `smoothing` means the
 // same at every number of points and in every unit. A curve has one basis. Data are shared between
-// problems that differ in their bases. Around a periodic basis the shape is closed and as smooth at
+// problems that differ in their bases. Over a periodic basis the shape is closed and as smooth at
 // the seam as elsewhere; a surface's poles are conditions that every linear solution meets.
 class FittingProblem {
  public:
@@ -40,14 +40,15 @@ class FittingProblem {
   // A curve's problem.
   FittingProblem(SplineBasis basis, std::shared_ptr<const FittingData> data, double smoothing);
 
-  // The same data over other bases on the same domain; and with other weights.
+  // The problem with the same data over other bases on the same domain, or with other weights.
   FittingProblem WithBases(SplineBasis basis_u, SplineBasis basis_v) const;
   FittingProblem WithBasis(SplineBasis basis) const;  // of a curve
   FittingProblem WithWeights(Eigen::VectorXd weights) const;
   FittingProblem WithParameters(Eigen::Matrix2Xd parameters) const;
   FittingProblem WithSmoothing(double smoothing) const;
   FittingProblem WithEnergy(FairnessEnergy energy) const;  // thin plate unless said
-  // Of a surface open in v. Throws std::invalid_argument unless the angle about poles is positive.
+  // The problem of a surface open in v, with conditions at its poles. Throws std::invalid_argument
+  // unless the angle about poles is positive.
   FittingProblem WithPoles(const Poles& poles) const;
   FittingProblem WithData(std::shared_ptr<const FittingData> data) const;
 
@@ -61,8 +62,8 @@ class FittingProblem {
   const Poles& poles() const { return poles_; }
   Eigen::Index size() const { return data_.data->parameters.cols(); }
   int net_size() const { return basis_u_.size() * (basis_v_ ? basis_v_->size() : 1); }
-  // Control points that differ, less the conditions on them: periodic bases repeat some, poles tie
-  // some together.
+  // The number of distinct control points, less the conditions on them: periodic bases repeat some,
+  // poles tie some together.
   int unknowns() const;
 
  private:
@@ -89,7 +90,7 @@ class FittingProblem {
   Poles poles_;
 };
 
-// The problem's points with the parameters of u and v, as long as its data live.
+// A view of the problem's points with the parameters of u and v, valid as long as its data live.
 PointRows RowsOf(const FittingProblem& problem);
 
 // Values of a coefficient net at the problem's parameters: d × m.

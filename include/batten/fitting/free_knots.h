@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Least squares with free knots: where to put a given number of them.
+// Free-knot least squares: optimises the places of a given number of interior knots.
 #pragma once
 
 #include <cstdint>
@@ -40,14 +40,15 @@ struct FreeKnotResult {
 // Σ w |S − z|² + λ·energy over all coefficients is small; parameters and the number of knots stay.
 // Coefficients are eliminated (variable projection), knots move through the logarithms of their
 // gaps, and each descent is Ceres' Levenberg–Marquardt. The sum has many minima, hence several
-// starts: the given knots; none, and one inserted at a time where a trial of all spans says; and
-// random ones. The best then have narrow gaps closed and each knot in turn taken out and put where
-// it serves best. Knots that come together are returned exactly equal, at most as often as the
-// degree. `problem.smoothing()` keeps its meaning: λ follows the knots by the ratio of traces.
+// starts: the given knots; no knots, with one inserted at a time where a trial of all spans is
+// best; and random knots. In the best results narrow gaps are then closed, and each knot in turn is
+// removed and reinserted where it lowers the sum most. Knots that come together are returned
+// exactly equal, at most as often as the degree. `problem.smoothing()` keeps its meaning: λ follows
+// the knots by the ratio of traces.
 //
-// The same on any number of threads. Never worse than the given knots; where nothing better is
-// found they come back, and `note` says why nothing was tried: no interior knot that may move, or
-// too few data for the coefficients.
+// The result is the same on any number of threads. Never worse than the given knots; where nothing
+// better is found they come back, and `note` says why nothing was tried: no interior knot that may
+// move, or too few data for the coefficients.
 // Throws std::invalid_argument if a basis with moving knots is periodic or an option breaks its
 // rule; and what SolveLinear throws.
 // One evaluation costs O(m (p+1)²(q+1)²), for a curve O(m p³); a search some thousands of them when

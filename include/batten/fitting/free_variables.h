@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What a joint optimisation may move.
+// The free variables of a joint optimisation.
 #pragma once
 
 namespace batten {
 
-// What is free besides the control points. Nothing: there is no joint stage.
+// Variables that are free besides the control points; with none of them there is no joint stage.
 struct FreeVariables {
   bool parameters = false;  // every point's own
   bool weights = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a fit to points in rows and columns is told.
+// Options of a fit to points in rows and columns.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,7 +39,7 @@ struct GridFitOptions {
 // Throws std::invalid_argument naming the field whose value breaks its rule.
 void Check(const GridFitOptions& options);
 
-// The same as options of a surface's fit, as far as these have them.
+// The corresponding options of a surface fit, as far as these exist there.
 SurfaceFitOptions AsSurfaceOptions(const GridFitOptions& options);
 
 }  // namespace batten

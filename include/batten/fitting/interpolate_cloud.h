@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A curve through every point of a cloud, in its order.
+// Interpolates the points of a cloud, in their order, by a curve.
 #pragma once
 
 #include <Eigen/Core>

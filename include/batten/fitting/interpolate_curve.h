@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Curves through points: global interpolation.
+// Global curve interpolation.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ struct CurveInterpolationOptions {
   std::optional<SplineBasis> basis = std::nullopt;
 };
 
-// A derivative that the curve is to have at one of its points.
+// A prescribed derivative of the curve at one of its points.
 template <int Dim>
 struct PointDerivative {
   Eigen::Index point = 0;
@@ -40,15 +40,15 @@ struct InterpolatedCurve {
       parameters;  // one a point, in the curve's domain: there it goes through the point
 };
 
-// The curve of the degree through all points (Dim × m) with the derivatives given at some of them,
-// or at all. Domain: [0, 1], or that of the given parameters or basis. Meets its points to rounding
-// times the condition of the equations, which grows with the degree and with the unevenness of the
-// parameters; an open curve's ends exactly. Straight lines stay straight. O(m·p²). Throws
-// std::invalid_argument, with a sentence for the user, where there are fewer points and derivatives
-// than degree + 1 (closed: fewer than 3 points), neighbours lie in one place so that parameters do
-// not increase, a given basis does not suit the parameters (Schoenberg–Whitney), or a derivative is
-// given twice, at no point, or of an order the degree has not. [Piegl & Tiller 1997, A9.1, §9.2.2,
-// §9.2.4; de Boor 1978, XIII]
+// Interpolates all points (Dim × m) by a curve of the given degree, with the derivatives given at
+// some or all of them. Domain: [0, 1], or that of the given parameters or basis. Meets its points
+// to rounding times the condition of the equations, which grows with the degree and with the
+// unevenness of the parameters; an open curve's ends exactly. Straight lines stay straight.
+// O(m·p²). Throws std::invalid_argument, with a sentence for the user, where there are fewer points
+// and derivatives than degree + 1 (closed: fewer than 3 points), neighbours lie in one place so
+// that parameters do not increase, a given basis does not suit the parameters (Schoenberg–Whitney),
+// or a derivative is given twice, at no point, or of an order the degree has not. [Piegl & Tiller
+// 1997, A9.1, §9.2.2, §9.2.4; de Boor 1978, XIII]
 template <int Dim>
 InterpolatedCurve<Dim> InterpolateCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                         const CurveInterpolationOptions& options = {},
@@ -57,9 +57,8 @@ InterpolatedCurve<Dim> InterpolateCurve(const Eigen::Matrix<double, Dim, Eigen::
 enum class InterpolationEnd { kStart, kEnd };
 
 // The first derivative at an end in the direction `tangent`, as fast as the parameters step from
-// that end to its neighbour: what a user who knows only the direction means. Throws
-// std::invalid_argument if the direction has no length or parameters do not increase.
-// [after Piegl & Tiller 1997, §9.2.2]
+// that end to its neighbour: for users who know only the direction. Throws std::invalid_argument if
+// the direction has no length or parameters do not increase. [after Piegl & Tiller 1997, §9.2.2]
 template <int Dim>
 PointDerivative<Dim> EndTangent(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                 const Eigen::VectorXd& parameters,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surfaces through all points of a grid.
+// Surface interpolation of all points of a grid, global or local.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,22 +31,23 @@ struct InterpolatedGrid {
   GridParameters parameters;  // of the lines, in the surface's domain: there it meets the points
 };
 
-// The surface of the degrees through all points, solved as a tensor product: one banded matrix a
-// direction for all right-hand sides. Meets its points to rounding times the condition of the
-// matrices, which grows with the degree; corners of open directions exactly. Lines that collapse to
-// a point (poles) stay collapsed. O(rows·columns·(p + q)). Throws std::invalid_argument, with a
-// sentence for the user, where cells are missing, there are fewer lines than degree + 1 (closed: 3)
-// in a direction, or neighbouring lines lie in one place. [Piegl & Tiller 1997, A9.4]
+// Interpolates all points by a surface of the given degrees, solved as a tensor product: one banded
+// matrix a direction for all right-hand sides. Meets its points to rounding times the condition of
+// the matrices, which grows with the degree; corners of open directions exactly. Lines that
+// collapse to a point (poles) stay collapsed. O(rows·columns·(p + q)). Throws
+// std::invalid_argument, with a sentence for the user, where cells are missing, there are fewer
+// lines than degree + 1 (closed: 3) in a direction, or neighbouring lines lie in one place. [Piegl
+// & Tiller 1997, A9.4]
 InterpolatedGrid InterpolateGrid(const PointNet& net,
                                  const GridInterpolationOptions& options,
                                  ThreadPool& pool);
 
-// The bicubic surface through all points that is C¹ and at each point has Bessel's tangents, those
-// of parabolas through neighbours, and their twist: a point acts on the 4 × 4 cells around it only,
-// so that a flaw stays where it is. Knots are double, control points 2·rows × 2·columns; degrees
-// and knots of the options are not looked at. O(rows·columns). Throws std::invalid_argument, with a
-// sentence for the user, where cells are missing, a direction is to close, or neighbouring lines
-// lie in one place. [Piegl & Tiller 1997, §9.3.5, A9.5]
+// Interpolates all points by the bicubic C¹ surface that has Bessel's tangents at each point, those
+// of parabolas through neighbours, and their twist: a point affects the 4 × 4 cells around it only.
+// Knots are double, control points 2·rows × 2·columns; degrees and knots of the options are
+// ignored. O(rows·columns). Throws std::invalid_argument, with a sentence for the user, where cells
+// are missing, a direction is to close, or neighbouring lines lie in one place. [Piegl & Tiller
+// 1997, §9.3.5, A9.5]
 InterpolatedGrid InterpolateGridLocally(const PointNet& net,
                                         const GridInterpolationOptions& options,
                                         ThreadPool& pool);

@@ -11,14 +11,14 @@
 
 namespace batten {
 
-// An exact tree of boxes over float copies of local coordinates (about 18 bytes a point); which
-// points are neighbours is decided in float, every distance that matters is for the caller to take
-// in double. Points are halved across the widest side of their box until 32 are left; eight boxes
-// are compared at a time. [Friedman, Bentley & Finkel 1977]
+// A k-d tree with bounding boxes for exact nearest-neighbour search, over float copies of local
+// coordinates (about 18 bytes a point). Neighbours are compared in float; callers that need exact
+// distances compute them in double. Points are halved across the widest side of their box until 32
+// are left; eight boxes are compared at a time. [Friedman, Bentley & Finkel 1977]
 class NeighbourIndex {
  public:
-  // Points relative to an origin near them (3 × m). O(m log m); the same on any number of threads.
-  // Throws std::invalid_argument where there are none.
+  // Builds the tree of points (3 × m) given relative to an origin near them. O(m log m); the same
+  // on any number of threads. Throws std::invalid_argument if there are no points.
   explicit NeighbourIndex(const Eigen::Matrix3Xd& points);
   NeighbourIndex(const Eigen::Matrix3Xd& points, ThreadPool& pool);
   ~NeighbourIndex();
@@ -27,13 +27,13 @@ class NeighbourIndex {
 
   Eigen::Index size() const;
 
-  // For each query (3 × q) the min(k, m) nearest points, nearest first: result[i·k + j]. A point of
-  // the cloud is its own first neighbour, or a duplicate of it. Thread-safe. O(q log m), quicker
-  // where one query is near the next.
+  // Returns the min(k, m) nearest points of each query (3 × q), nearest first: result[i·k + j]. The
+  // first neighbour of a point of the cloud is the point itself or a duplicate. Thread-safe.
+  // O(q log m), faster if consecutive queries are near each other.
   std::vector<int> Nearest(const Eigen::Matrix3Xd& queries, int k) const;
 
-  // All points, those near each other close together: 32 · 2ⁿ from a multiple of 32 · 2ⁿ on are the
-  // points of one box.
+  // All points in spatial order: each block of 32 · 2ⁿ that starts at a multiple of 32 · 2ⁿ holds
+  // the points of one box.
   std::span<const int> order() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One function that optimises a fitting problem over everything that is free.
+// Joint optimisation of a fitting problem: control points, parameters, weights and knots.
 #pragma once
 
 #include <Eigen/Core>
@@ -61,10 +61,10 @@ struct OptimizeResult {
 //  · control points and parameters settle before weights and knots join them;
 //  · knots that have come together become one of higher multiplicity, and all is solved again.
 // Never worse than the shape given: in rms or, with a loss or terms, in the sum that is minimised.
-// Nothing is done where the residuals are at the noise: more would only follow it.
-// Starts from `control_points` (d × n; d = 3, or 2 for curves in the plane) and `weights` (empty:
-// ones). Throws std::invalid_argument where sizes do not agree or an option breaks its rule.
-// Independent of the number of threads to rounding.
+// Nothing is done where the residuals are already at the noise level. Starts from `control_points`
+// (d × n; d = 3, or 2 for curves in the plane) and `weights` (empty: ones). Throws
+// std::invalid_argument where sizes do not agree or an option breaks its rule. Independent of the
+// number of threads to rounding.
 OptimizeResult Optimize(const FittingProblem& problem,
                         const Eigen::MatrixXd& control_points,
                         const Eigen::VectorXd& weights,

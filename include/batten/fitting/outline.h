@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The outline of a cloud in the parameters of its surface, with its holes.
+// The outline of a cloud and its holes in the parameter plane of its surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,28 +18,29 @@ struct OutlineCurve {
 };
 
 struct Outline {
-  // The outer one first and counter-clockwise, then holes clockwise, by falling area.
+  // The outer loop first, counter-clockwise, then holes clockwise by falling area.
   std::vector<OutlineCurve> loops;
   bool fills = false;  // there is no hole and the outer loop is the whole rectangle
   std::vector<std::string> warnings;
-  int parts = 1;  // that the cloud falls into; the largest one is described
+  int parts = 1;  // connected parts of the cloud; the outline is that of the largest
 };
 
-// The outline of points (2 × m in [0, length_u] × [0, length_v], which it never leaves), fair: of
-// few control points, corners kept. It lies about half a spacing outside the ragged border of the
-// points, holds them all but those a spacing or more beyond it, which a warning counts, and runs
-// exactly along edges of the rectangle where it is nowhere far from them. Gaps and parts of less
-// than 36 h² are taken to be chance.
+// Finds a smooth outline, of few control points with corners kept, of points (2 × m in [0,
+// length_u] × [0, length_v], which it never leaves). It lies about half a spacing outside the
+// ragged border of the points, contains them all except those a spacing or more beyond it, which a
+// warning counts, and runs exactly along edges of the rectangle where it is nowhere far from them.
+// Gaps and parts of less than 36 h² are ignored as chance.
 //
-// Round periodic directions there is no edge: borders cross the seam. Where the part goes right
-// round, its outer loop runs along the seam on either side; holes that the seam cuts become part of
-// the outer loop. A tube without holes, with straight ends, fills.
+// Periodic directions have no edge: borders cross the seam. Where the part goes all the way round,
+// its outer loop runs along the seam on either side; holes that the seam cuts become part of the
+// outer loop. A tube with straight ends and no holes has `fills` set.
 //
-// Method: alpha shape of 2.5 h; straight windows find corners; between them least squares by cubics
-// of which Schwarz' criterion chooses the number of spans; then the least move that holds all
-// points (quadratic program). O(m) and little more along the border. The same for any number of
-// threads, and up to rounding for any order of the points. Throws std::invalid_argument unless the
-// spacing and lengths are positive, the noise is not negative, and there is a point.
+// Method: alpha shape of radius 2.5 h; corner detection by straight windows; least-squares cubics
+// between corners, with the number of spans by Schwarz' criterion; then the least move that
+// contains all points (quadratic program). O(m) and little more along the border. The result does
+// not depend on the number of threads, nor, up to rounding, on the order of the points. Throws
+// std::invalid_argument unless the spacing and lengths are positive, the noise is not negative, and
+// there is a point.
 Outline FindOutline(const Eigen::Matrix2Xd& parameters,
                     const OutlineOptions& options,
                     ThreadPool& pool);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Measured points in double precision, relative to an origin of their own.
+// Point clouds in double precision, relative to a local origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 
 namespace batten {
 
-// m points with what was measured beside them. Coordinates are kept relative to `origin`, so that
-// georeferenced points keep their last digits in every later subtraction; point k is
-// origin() + points().col(k). Everything is finite and sizes agree.
+// m points with optional normals, weights, colours and parameters. Coordinates are kept relative to
+// `origin`, so that georeferenced points keep their last digits in every later subtraction; point k
+// is origin() + points().col(k). All values are finite and sizes agree.
 class PointCloud {
  public:
   using Colours = Eigen::Matrix<std::uint8_t, 3, Eigen::Dynamic>;
@@ -24,9 +24,9 @@ class PointCloud {
                       Eigen::Vector3d origin = Eigen::Vector3d::Zero(),
                       int dimension = 3);
 
-  // Splits an origin off points given in world coordinates: a round number near the middle where
-  // the cloud is far from zero against its size, else zero; the subtraction loses nothing that the
-  // input holds. Works in place.
+  // Makes a cloud from world coordinates by subtracting an origin: a round number near the middle
+  // where the cloud is far from zero relative to its size, else zero; the subtraction loses no
+  // input digits. Works in place.
   static PointCloud FromWorld(Eigen::Matrix3Xd points, int dimension = 3);
 
   Eigen::Index size() const { return points_->cols(); }
@@ -35,7 +35,7 @@ class PointCloud {
   const Eigen::Vector3d& origin() const { return origin_; }
   Eigen::Vector3d World(Eigen::Index k) const { return origin_ + points_->col(k); }
 
-  // Empty, or one a point.
+  // Attributes: each empty, or one per point.
   const Eigen::Matrix3Xd& normals() const { return normals_; }        // zero: none here
   const Eigen::VectorXd& weights() const { return weights_; }         // positive
   const Colours& colours() const { return colours_; }                 // 0 … 255
@@ -47,10 +47,10 @@ class PointCloud {
   void set_colours(Colours colours);
   void set_parameters(Eigen::Matrix2Xd parameters);
 
-  // The points whose mask is set, with everything that belongs to them.
+  // The points whose mask is set, with their attributes.
   PointCloud Subset(const Eigen::Array<bool, Eigen::Dynamic, 1>& keep) const;
 
-  // The points of these indices, in this order, with everything that belongs to them.
+  // The points of these indices, in this order, with their attributes.
   PointCloud Picked(const std::vector<Eigen::Index>& indices) const;
 
  private:
@@ -64,11 +64,11 @@ class PointCloud {
   Eigen::Matrix2Xd parameters_ = Eigen::Matrix2Xd(2, 0);
 };
 
-// The cloud with exact duplicates merged: one point for each place, weights added, the first one's
+// A cloud with exact duplicates merged: one point for each place, weights added, the first point's
 // normal, colour and parameters kept, order kept. O(m log m).
 struct MergedCloud {
   PointCloud cloud;
-  Eigen::Index duplicates = 0;      // points that vanished into another
+  Eigen::Index duplicates = 0;      // points merged into another one
   std::vector<Eigen::Index> place;  // for every point given, the merged point that stands for it
 };
 MergedCloud MergeDuplicates(const PointCloud& cloud);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A mask marks some of a cloud's points; a sample draws some of them.
+// Masks over the points of a cloud, and random samples of their indices.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@ namespace batten {
 
 using PointMask = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-// `count` different indices of [0, size), in increasing order; all of them when count ≥ size.
+// Draws `count` different indices of [0, size), in increasing order; all of them if count ≥ size.
 std::vector<Eigen::Index> SampleIndices(Eigen::Index size, Eigen::Index count, std::uint64_t seed);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a fit of a line, circle, plane, sphere, cylinder, cone or torus is told, and what it gives.
+// Options and result of fitting a line, circle, plane, sphere, cylinder, cone or torus.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@
 namespace batten {
 
 enum class PrimitiveKind {
-  kAuto,  // the simplest that the points do not reject
+  kAuto,  // the simplest shape that the points do not reject
   kLine,
   kCircle,
   kPlane,
@@ -28,19 +28,19 @@ enum class PrimitiveKind {
   kTorus,
 };
 
-// The word the report uses, as in "circle".
+// The name that the report uses, such as "circle".
 const char* Name(PrimitiveKind kind);
 
 struct PrimitiveFitOptions {
   PrimitiveKind kind = PrimitiveKind::kAuto;
   std::optional<double> tolerance = std::nullopt;  // distance in the data's units, > 0; only judged
-  // Absent: none for lines and circles; for surfaces plain squares, without the points that stand
-  // farther off than noise of the size the others show can explain.
+  // Absent: no loss for lines and circles; for surfaces least squares over the inliers, outliers
+  // being points farther off than noise of the size the others show can explain.
   std::optional<Loss> loss = std::nullopt;
   std::optional<double> loss_scale =
-      std::nullopt;  // standard deviation of good points, > 0; estimated when absent
+      std::nullopt;  // standard deviation of inliers, > 0; estimated when absent
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
-  std::uint64_t seed = 1;                           // chooses the samples a robust fit starts from
+  std::uint64_t seed = 1;                           // seed of the random samples of a robust start
   int threads = 0;                                  // 0: all cores
   Progress progress = nullptr;
 };
@@ -59,7 +59,7 @@ struct PrimitiveFit {
   std::variant<NurbsCurve<2>, NurbsCurve<3>, NurbsSurface> geometry;  // of the plane: the cloud is
   Eigen::MatrixXd parameters;  // of every point's foot: 1 × m, of surfaces 2 × m
   Eigen::VectorXd residuals;   // orthogonal distances, of surfaces signed along the normal
-  PointMask outliers;          // points that do not count
+  PointMask outliers;          // points that do not count in the fit
   FitReport report;            // describes exactly this geometry
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The linear solution of a spline least-squares problem at given parameters.
+// Linear solve of a spline least-squares problem at given parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,9 @@ struct LinearSolution {
   bool regularised = false;      // the matrix was singular: smoothing had to be raised
 };
 
-// Solves for the coefficients. Empty cells are carried by fairness; where that does not suffice,
-// the smoothing is raised tenfold at a time and the solution says so. O(m + n · min(n_u, n_v)²).
+// Solves for the coefficients. The fairness energy determines coefficients over empty cells; where
+// it does not suffice, the smoothing is raised tenfold at a time and `regularised` is set. O(m + n
+// · min(n_u, n_v)²).
 LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The options of a surface's fit and what it returns.
+// The options of a surface fit and its result.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,25 +23,25 @@
 
 namespace batten {
 
-// Where parameters come from: the plane the points are a height field over; the bent sheet or tube
-// they lie on laid out flat; longitude and latitude of the sphere they are near; the two angles of
-// such a torus; the angle about an axis and the arc length of the profile. The first of these that
-// serves when nothing is said.
+// The source of the parameterization. kPlane: the plane over which the points are a height field;
+// kSheet: the flattened sheet or tube they lie on; kSphere: longitude and latitude of the sphere
+// they are near; kTorus: the two angles of such a torus; kRevolution: the angle about an axis and
+// the arc length of the profile. kAuto takes the first of these that serves.
 enum class BaseShape { kAuto, kPlane, kSheet, kRevolution, kSphere, kTorus };
 
-// In which directions the surface closes on itself: as the points tell, or as said. A direction
-// that closes is periodic, without a seam. With kNone a closed shape is cut open along a line.
+// The directions in which the surface closes on itself; kAuto detects them from the points. A
+// closed direction is periodic, without a seam. With kNone a closed shape is cut open along a line.
 enum class Closing { kAuto, kNone, kU, kV, kBoth };
 
-// Whether the surface is cut back to the outline and the holes of its points, or stays the whole
-// rectangle around them.
+// Whether the surface is trimmed to the outline and the holes of its points (kAuto), or stays the
+// whole rectangle around them (kNone).
 enum class Trimming { kAuto, kNone };
 
-// What an edge of the surface is to meet exactly: a curve; or a neighbour in that edge of its that
-// runs along the points, with its tangent planes there. In the cloud's world coordinates.
+// A condition that an edge of the surface meets exactly: a curve, or the edge of a neighbouring
+// surface that runs along the points, with its tangent planes. In the cloud's world coordinates.
 struct BoundaryCondition {
   std::variant<NurbsCurve<3>, NurbsSurface> shape;
-  std::string name;  // for messages, as that of its file
+  std::string name;  // for messages, such as the file's name
 };
 
 // A rectangle of parameters.
@@ -57,33 +57,34 @@ struct SurfaceFitOptions {
   int max_control_points = 20000;  // ≥ (degree_u + 1)(degree_v + 1)
   std::optional<double> smoothing =
       std::nullopt;  // fairness relative to the data, ≥ 0; 1e-4 when absent
-  // Fairness from the data in place of that; without a loss or a tolerance
+  // Chooses the fairness weight from the data instead; not with a loss or a tolerance
   SmoothBy smooth_by = SmoothBy::kWeight;
-  std::optional<Loss> loss = std::nullopt;  // robust when outliers are found, when absent
+  std::optional<Loss> loss = std::nullopt;  // when absent, robust if outliers are found
   std::optional<double> loss_scale =
-      std::nullopt;  // standard deviation of good points, > 0; estimated
+      std::nullopt;  // standard deviation of inliers, > 0; estimated when absent
   std::optional<FreeVariables> optimize =
-      std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
+      std::nullopt;  // joint stage: where it pays when absent, never if none
   BaseShape base = BaseShape::kAuto;
   Closing closed = Closing::kAuto;
   Trimming trim = Trimming::kAuto;
   std::vector<BoundaryCondition> boundary = {};  // at most four, each another edge
-  // How far an edge may be from its curve, ≥ 0, for fewer control points
+  // The distance an edge may keep from its curve, ≥ 0, to save control points
   double boundary_tolerance = 0;
-  // Points to be met exactly; those with normals also with the tangent plane there
+  // Points the surface interpolates exactly; at points with normals also the tangent plane
   std::optional<PointCloud> meet = std::nullopt;
-  // The surface is its own mirror image in this plane, of which the points may be one side
+  // The surface is its own mirror image in this plane; the points may lie on one side of it
   std::optional<MirrorPlane> symmetric = std::nullopt;
-  // The domain in place of the smallest rectangle: coordinates along the base plane's axes (which
+  // The domain instead of the smallest rectangle: coordinates along the base plane's axes (which
   // the report names), lengths on a sheet
   std::optional<DomainBox> domain = std::nullopt;
-  // The fit rests on one point in each cube of that side, > 0 (Thinned); all points are measured
+  // The side of the cubes, > 0, of which each gives one point to the fit (Thinned); all points are
+  // measured
   std::optional<double> thin = std::nullopt;
-  bool side_of_normals = false;   // its normal looks to the side that the cloud's own ones do
-  bool given_parameters = false;  // at the cloud's own (u, v) instead of a base's
-  bool keep_outliers = false;     // fit them like any other point
-  // An exact plane, cylinder, sphere, cone or torus in place of the free-form surface where that
-  // explains the points as well
+  bool side_of_normals = false;   // orients the surface by the cloud's normals
+  bool given_parameters = false;  // takes the cloud's own (u, v) as parameters
+  bool keep_outliers = false;     // fits outliers like any other point
+  // Returns an exact plane, cylinder, sphere, cone or torus instead of the free-form surface where
+  // that explains the points as well
   bool snap = false;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // chooses samples
@@ -98,8 +99,8 @@ struct SurfaceFit {
   NurbsSurface surface;         // in world coordinates less options.shift
   Eigen::Matrix2Xd parameters;  // foot point of every point of the cloud
   Eigen::VectorXd residuals;    // its orthogonal distance, signed along the normal
-  PointMask outliers;           // points the fit does not rest on
-  FitReport report;             // describes exactly this surface
+  PointMask outliers;           // points excluded from the fit
+  FitReport report;             // measured on this surface
 };
 
 }  // namespace batten

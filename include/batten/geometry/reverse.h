@@ -10,8 +10,8 @@ namespace batten {
 
 // The shape at lower + upper − u is the old one at u, on the same domain. Control points and
 // weights change places bit by bit; knots are rounded to one unit in the last place of the largest,
-// the ends not at all. What is periodic stays periodic. Trims are mirrored with the domain and turned
-// again, also in Swapped. [Piegl & Tiller 1997, §6.3]
+// the ends not at all. What is periodic stays periodic. Trims are mirrored with the domain and
+// turned again, also in Swapped. [Piegl & Tiller 1997, §6.3]
 template <int Dim>
 NurbsCurve<Dim> Reversed(const NurbsCurve<Dim>& curve);
 NurbsSurface Reversed(const NurbsSurface& surface, Direction direction);

@@ -55,14 +55,13 @@ struct TessellateOptions {
 // distances there and at the middles of its edges, stay below 0.8 of the tolerance, and the hulls
 // of the surface's Bézier points prove that it lies within the tolerance of the triangle's plane
 // over all of it, and of the edges that follow a crease or the border (TriangleProof); but where a
-// triangle has neither a plane nor the surface a normal, and where none can be halved any more. Measured
-// only, at seven places each, are loops against their chords, and whether the surface folds back on
-// itself under a triangle. Parameters lie on a lattice of 2^29 steps to the domain, loops to half a
-// step; triangles of less than two steps are not halved. The same input gives the same mesh. About
-// 4 µs for a triangle of a bicubic surface.
-// Throws std::invalid_argument for options out of range and where more than max_triangles are
-// needed, in most cases before work begins.
-// [second-derivative bound: Filip, Magedson & Markot 1986; hulls: Lane & Riesenfeld 1980]
+// triangle has neither a plane nor the surface a normal, and where none can be halved any more.
+// Measured only, at seven places each, are loops against their chords, and whether the surface
+// folds back on itself under a triangle. Parameters lie on a lattice of 2^29 steps to the domain,
+// loops to half a step; triangles of less than two steps are not halved. The same input gives the
+// same mesh. About 4 µs for a triangle of a bicubic surface. Throws std::invalid_argument for
+// options out of range and where more than max_triangles are needed, in most cases before work
+// begins. [second-derivative bound: Filip, Magedson & Markot 1986; hulls: Lane & Riesenfeld 1980]
 TriangleMesh Tessellate(const NurbsSurface& surface, const TessellateOptions& options = {});
 
 // The meshes as one, in their order; nothing is joined.
