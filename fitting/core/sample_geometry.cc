@@ -53,10 +53,13 @@ std::vector<double> Strips(const SplineBasis& basis) {
   return strips;
 }
 
-// Strips of a trimmed surface's axis within the outer loop's range, cut finer.
-std::vector<double> Strips(const SplineBasis& basis, const NurbsCurve<2>& outer, int axis) {
+// Strips of a trimmed surface's axis within the loops' range, cut finer.
+std::vector<double> Strips(const SplineBasis& basis,
+                           const std::vector<NurbsCurve<2>>& loops,
+                           int axis) {
   constexpr int kParts = 32;
-  const Eigen::AlignedBox2d reach = BoundingBox(outer);
+  Eigen::AlignedBox2d reach;
+  for (const NurbsCurve<2>& loop : loops) reach.extend(BoundingBox(loop));
   const double low = std::max(reach.min()[axis], basis.lower());
   const double high = std::min(reach.max()[axis], basis.upper());
   std::vector<double> strips = Strips(basis);
@@ -120,8 +123,8 @@ PointCloud SampleGeometry(const NurbsSurface& surface, const SampleOptions& opti
   const TrimRegion region(surface);
   std::vector<double> in_u, in_v;
   if (surface.trimmed()) {
-    in_u = Strips(surface.basis_u(), surface.trims()[0], 0);
-    in_v = Strips(surface.basis_v(), surface.trims()[0], 1);
+    in_u = Strips(surface.basis_u(), surface.trims(), 0);
+    in_v = Strips(surface.basis_v(), surface.trims(), 1);
   } else {
     in_u = Strips(surface.basis_u());
     in_v = Strips(surface.basis_v());

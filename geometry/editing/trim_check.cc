@@ -1,53 +1,81 @@
 // SPDX-License-Identifier: MIT
+#include "geometry/editing/trim_faults.h"
+
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+#include <map>
 #include <utility>
-#include <vector>
 
+#include "batten/geometry/trim_loops.h"
 #include "geometry/editing/monotone_arcs.h"
 #include "geometry/numeric/number_text.h"
-#include "batten/geometry/trim_loops.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
-using namespace internal;
+namespace internal {
 namespace {
 
 constexpr double kResolution = 1e-9;  // of the domain
+constexpr size_t kMostFaults = 10000;
+constexpr double kSameFault = 1e-3;  // of the domain: so near one another they are one fault
 
-std::string LoopName(int loop) {
-  return "trim loop " + std::to_string(loop) + (loop == 0 ? " (the outer one)" : " (a hole)");
-}
+// Collects what is wrong with loops of which it knows how they are turned.
+class FaultList {
+ public:
+  FaultList(const std::vector<NurbsCurve<2>>& loops, const UnitDomain& domain) : domain_(domain) {
+    for (const NurbsCurve<2>& loop : loops)
+      areas_.push_back(SignedArea(loop) / domain.length.prod());
+  }
 
-std::string PlaceText(const UnitDomain& domain, const Eigen::Vector2d& place) {
-  const Eigen::Vector2d uv = domain.Back(place);
-  return "near u = " + NumberText(uv[0]) + ", v = " + NumberText(uv[1]);
-}
+  int size() const { return static_cast<int>(areas_.size()); }
+  double area(int loop) const { return areas_[loop]; }
+  bool is_outer(int loop) const { return loop == 0 || areas_[loop] > 0; }
+  bool full() const { return faults_.size() >= kMostFaults; }
+  std::vector<TrimFault> Take() { return std::move(faults_); }
 
-void CheckInsideDomain(const std::vector<MonotoneArc>& arcs, const UnitDomain& domain) {
+  std::string Name(int loop) const {
+    return "trim loop " + std::to_string(loop) + (is_outer(loop) ? " (an outer one)" : " (a hole)");
+  }
+
+  void Add(int loop, int other, const std::string& rule) {
+    if (!full()) faults_.push_back({loop, other, {}, rule});
+  }
+  void AddAt(int loop, int other, const Eigen::Vector2d& place, const std::string& rule) {
+    if (full()) return;
+    const auto [last, fresh] = last_.try_emplace({loop, other}, place);
+    if (!fresh && (last->second - place).norm() < kSameFault) return;
+    last->second = place;
+    const Eigen::Vector2d uv = domain_.Back(place);
+    faults_.push_back(
+        {loop, other, uv, rule + " near u = " + NumberText(uv[0]) + ", v = " + NumberText(uv[1])});
+  }
+
+ private:
+  const UnitDomain& domain_;
+  std::vector<double> areas_;
+  std::vector<TrimFault> faults_;
+  std::map<std::pair<int, int>, Eigen::Vector2d> last_;  // where two loops were found at fault last
+};
+
+void CheckInsideDomain(const std::vector<MonotoneArc>& arcs, FaultList& faults) {
   for (const MonotoneArc& arc : arcs) {
     for (const int axis : {0, 1}) {
       if (arc.Low(axis) >= -kResolution && arc.High(axis) <= 1 + kResolution) continue;
       const bool low = arc.Low(axis) < -kResolution;
       const bool from = arc.from[axis] == (low ? arc.Low(axis) : arc.High(axis));
-      Reject(
-          "CheckTrims",
-          LoopName(arc.loop) + " leaves the domain " + PlaceText(domain, from ? arc.from : arc.to));
+      faults.AddAt(
+          arc.loop, -1, from ? arc.from : arc.to, faults.Name(arc.loop) + " leaves the domain");
     }
   }
 }
 
-void CheckTurning(const std::vector<NurbsCurve<2>>& loops, const UnitDomain& domain) {
-  for (size_t k = 0; k < loops.size(); ++k) {
-    const double area = SignedArea(loops[k]) / domain.length.prod();
-    const std::string name = LoopName(static_cast<int>(k));
-    if (!(std::abs(area) > kResolution * kResolution))
-      Reject("CheckTrims", name + " bounds no area");
-    if ((area > 0) == (k == 0)) continue;
-    Reject("CheckTrims",
-           name + (k == 0 ? " is not turned counter-clockwise" : " is not turned clockwise"));
+void CheckTurning(FaultList& faults) {
+  for (int k = 0; k < faults.size(); ++k) {
+    if (!(std::abs(faults.area(k)) > kResolution * kResolution)) {
+      faults.Add(k, -1, faults.Name(k) + " bounds no area");
+    } else if (k == 0 && faults.area(0) < 0) {
+      faults.Add(0, -1, faults.Name(0) + " is not turned counter-clockwise");
+    }
   }
 }
 
@@ -55,8 +83,8 @@ void CheckTurning(const std::vector<NurbsCurve<2>>& loops, const UnitDomain& dom
 // at neighbours on such a line all the way between the two heights.
 class WindingCheck {
  public:
-  WindingCheck(const std::vector<MonotoneArc>& arcs, const UnitDomain& domain)
-      : arcs_(arcs), domain_(domain) {}
+  WindingCheck(const std::vector<MonotoneArc>& arcs, FaultList& faults)
+      : arcs_(arcs), faults_(faults) {}
 
   void Run() {
     std::vector<int> by_height(arcs_.size());
@@ -71,7 +99,7 @@ class WindingCheck {
     });
     std::vector<int> active;
     size_t next = 0;
-    for (size_t k = 0; k + 1 < heights.size(); ++k) {
+    for (size_t k = 0; k + 1 < heights.size() && !faults_.full(); ++k) {
       const double low = heights[k], high = heights[k + 1];
       while (next < by_height.size() && arcs_[by_height[next]].Low(1) <= low) {
         active.push_back(by_height[next++]);
@@ -90,7 +118,7 @@ class WindingCheck {
 
   double At(int arc, double y) const { return arcs_[arc].At(arcs_[arc].Where(1, y))[0]; }
 
-  void CheckSlab(const std::vector<int>& active, double low, double high) const {
+  void CheckSlab(const std::vector<int>& active, double low, double high) {
     const double middle = low + (high - low) / 2;
     std::vector<Crossing> line;
     for (const int arc : active) {
@@ -105,16 +133,14 @@ class WindingCheck {
       winding += arc.from[1] > arc.to[1] ? 1 : -1;  // the inside lies right of what runs down
       const double gap = line[k + 1].x - line[k].x;
       if (gap > kResolution && (winding < 0 || winding > 1)) {
-        RejectWinding(line, k, {line[k].x + gap / 2, middle});
+        AddWinding(line, k, {line[k].x + gap / 2, middle});
       }
       CheckOrder(line[k].arc, line[k + 1].arc, low, high);
     }
   }
 
   // Which loops are to blame for a place right of crossing k.
-  [[noreturn]] void RejectWinding(const std::vector<Crossing>& line,
-                                  size_t k,
-                                  const Eigen::Vector2d& place) const {
+  void AddWinding(const std::vector<Crossing>& line, size_t k, const Eigen::Vector2d& place) {
     std::vector<std::pair<int, int>> windings;  // of the loops that wind round the place
     for (size_t i = 0; i <= k; ++i) {
       const MonotoneArc& arc = arcs_[line[i].arc];
@@ -128,24 +154,31 @@ class WindingCheck {
         known->second += turn;
       }
     }
-    const std::string where = PlaceText(domain_, place);
-    std::vector<int> holes;
-    bool in_outer = false;
+    std::vector<int> outer, holes;
     for (const auto& [loop, winding] : windings) {
       if (winding == 0) continue;
-      if (winding != (loop == 0 ? 1 : -1))
-        Reject("CheckTrims", LoopName(loop) + " crosses itself " + where);
-      in_outer = in_outer || loop == 0;
-      if (loop > 0) holes.push_back(loop);
+      if (winding != (faults_.is_outer(loop) ? 1 : -1)) {
+        faults_.AddAt(loop, loop, place, faults_.Name(loop) + " crosses itself");
+        return;
+      }
+      (faults_.is_outer(loop) ? outer : holes).push_back(loop);
     }
-    if (!in_outer)
-      Reject("CheckTrims", LoopName(holes.front()) + " reaches beyond the outer loop " + where);
-    Reject("CheckTrims", LoopName(holes[0]) + " and " + LoopName(holes[1]) + " overlap " + where);
+    if (outer.empty()) {
+      faults_.AddAt(
+          holes.front(), -1, place, faults_.Name(holes.front()) + " reaches beyond the outer loop");
+      return;
+    }
+    const std::vector<int>& both = outer.size() > holes.size() ? outer : holes;
+    faults_.AddAt(both[0],
+                  both[1],
+                  place,
+                  faults_.Name(both[0]) + " and " + faults_.Name(both[1]) + " overlap");
   }
 
-  // Throws where the arc `left` comes to lie right of the other. Stretches in which that is not
-  // decided by the arcs' ends are halved, the greatest possible overlap first. [an arc is monotone]
-  void CheckOrder(int left, int right, double low, double high) const {
+  // Adds a fault where the arc `left` comes to lie right of the other. Stretches in which that is
+  // not decided by the arcs' ends are halved, the greatest possible overlap first. [an arc is
+  // monotone]
+  void CheckOrder(int left, int right, double low, double high) {
     struct Stretch {
       double y0, y1, left0, left1, right0, right1;
       double Overlap() const { return std::max(left0, left1) - std::min(right0, right1); }
@@ -159,7 +192,7 @@ class WindingCheck {
       if (worst.Overlap() <= kResolution) return;
       const double y = worst.y0 + (worst.y1 - worst.y0) / 2;
       const double at_left = At(left, y), at_right = At(right, y);
-      if (at_left > at_right + kResolution) RejectCrossing(left, right, {at_left, y});
+      if (at_left > at_right + kResolution) return AddCrossing(left, right, {at_left, y});
       std::pop_heap(stretches.begin(), stretches.end(), less);
       stretches.back() = {worst.y0, y, worst.left0, at_left, worst.right0, at_right};
       std::push_heap(stretches.begin(), stretches.end(), less);
@@ -168,27 +201,37 @@ class WindingCheck {
     }
   }
 
-  [[noreturn]] void RejectCrossing(int a, int b, const Eigen::Vector2d& place) const {
-    const int first = arcs_[a].loop, second = arcs_[b].loop;
-    const std::string where = PlaceText(domain_, place);
-    if (first == second) Reject("CheckTrims", LoopName(first) + " crosses itself " + where);
-    Reject("CheckTrims",
-           LoopName(std::min(first, second)) + " and " + LoopName(std::max(first, second)) +
-               " cross " + where);
+  void AddCrossing(int a, int b, const Eigen::Vector2d& place) {
+    const auto [first, second] = std::minmax(arcs_[a].loop, arcs_[b].loop);
+    const std::string name = faults_.Name(first);
+    faults_.AddAt(first,
+                  second,
+                  place,
+                  first == second ? name + " crosses itself"
+                                  : name + " and " + faults_.Name(second) + " cross");
   }
 
   const std::vector<MonotoneArc>& arcs_;
-  const UnitDomain& domain_;
+  FaultList& faults_;
 };
 
 }  // namespace
 
-void CheckTrims(const NurbsSurface& surface) {
+std::vector<TrimFault> TrimFaults(const NurbsSurface& surface) {
   const UnitDomain domain(surface);
   const std::vector<MonotoneArc> arcs = MonotoneArcs(surface.trims(), domain);
-  CheckInsideDomain(arcs, domain);
-  CheckTurning(surface.trims(), domain);
-  WindingCheck(arcs, domain).Run();
+  FaultList faults(surface.trims(), domain);
+  CheckInsideDomain(arcs, faults);
+  CheckTurning(faults);
+  WindingCheck(arcs, faults).Run();
+  return faults.Take();
+}
+
+}  // namespace internal
+
+void CheckTrims(const NurbsSurface& surface) {
+  const std::vector<internal::TrimFault> faults = internal::TrimFaults(surface);
+  if (!faults.empty()) internal::Reject("CheckTrims", faults.front().rule);
 }
 
 }  // namespace batten

@@ -7,12 +7,13 @@
 #include <string>
 #include <utility>
 
-#include "geometry/numeric/adaptive_sum.h"
+#include "batten/geometry/reverse.h"
 #include "geometry/bezier/bernstein.h"
+#include "geometry/bezier/spline_pieces.h"
+#include "geometry/editing/loop_nesting.h"
+#include "geometry/numeric/adaptive_sum.h"
 #include "geometry/numeric/gauss_rule.h"
 #include "geometry/numeric/number_text.h"
-#include "batten/geometry/reverse.h"
-#include "geometry/bezier/spline_pieces.h"
 
 namespace batten {
 using namespace internal;
@@ -140,6 +141,28 @@ std::vector<NurbsCurve<2>> TurnedLoops(std::vector<NurbsCurve<2>> loops) {
   const auto first = loops.begin() + (outer - areas.begin());
   std::rotate(loops.begin(), first, first + 1);
   return loops;
+}
+
+std::vector<std::vector<NurbsCurve<2>>> LoopsByRegion(const NurbsSurface& surface) {
+  const std::vector<NurbsCurve<2>>& loops = surface.trims();
+  std::vector<Eigen::Matrix2Xd> polygons;
+  for (const NurbsCurve<2>& loop : loops) polygons.push_back(NestingPolygon(loop));
+  const std::vector<int> enclosing = EnclosingPolygons(polygons);
+  std::vector<std::vector<NurbsCurve<2>>> regions;
+  std::vector<int> region_of(loops.size(), -1);
+  const auto is_outer = [&](size_t k) { return k == 0 || PolygonArea(polygons[k]) > 0; };
+  for (size_t k = 0; k < loops.size(); ++k) {
+    if (!is_outer(k)) continue;
+    region_of[k] = static_cast<int>(regions.size());
+    regions.push_back({loops[k]});
+  }
+  for (size_t k = 0; k < loops.size(); ++k) {
+    if (is_outer(k)) continue;
+    int outer = enclosing[k];
+    while (outer >= 0 && region_of[outer] < 0) outer = enclosing[outer];
+    regions[outer < 0 ? 0 : region_of[outer]].push_back(loops[k]);
+  }
+  return regions;
 }
 
 Polygon LoopPolyline(const NurbsCurve<2>& loop, double tolerance) {

@@ -11,6 +11,7 @@
 #include "batten/geometry/join.h"
 #include "batten/geometry/remove_knots.h"
 #include "batten/geometry/reverse.h"
+#include "geometry/editing/loop_nesting.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -45,53 +46,6 @@ void TurnPieces(std::vector<Curve>& pieces, const Eigen::Array2d& sides) {
       pieces[i] = Reversed(pieces[i]);
     }
   }
-}
-
-// The curve as a fine polygon.
-Eigen::Matrix2Xd PolygonOf(const Curve& curve) {
-  const int cuts = 4 * (curve.basis().degree() + 1);
-  std::vector<double> places;
-  for (const int span : curve.basis().Spans()) {
-    const double a = curve.basis().knots()[span], b = curve.basis().knots()[span + 1];
-    for (int i = 0; i < cuts; ++i) places.push_back(a + (b - a) * i / cuts);
-  }
-  Eigen::Matrix2Xd points(2, static_cast<Eigen::Index>(places.size()));
-  for (size_t i = 0; i < places.size(); ++i) {
-    points.col(static_cast<Eigen::Index>(i)) = curve.At(places[i]);
-  }
-  return points;
-}
-
-double SignedArea(const Eigen::Matrix2Xd& polygon) {
-  double twice = 0;
-  const Eigen::Vector2d center = polygon.rowwise().mean();
-  for (Eigen::Index i = 0, j = polygon.cols() - 1; i < polygon.cols(); j = i++) {
-    const Eigen::Vector2d a = polygon.col(j) - center, b = polygon.col(i) - center;
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
-// Whether most corners of a polygon lie in another: polygons are not exact. Corners on the other's
-// sides say nothing.
-bool MostlyIn(const Eigen::Matrix2Xd& polygon, const Eigen::Matrix2Xd& outer) {
-  constexpr double kOnSide = 1e-9;  // of the size
-  const double near = kOnSide * (outer.rowwise().maxCoeff() - outer.rowwise().minCoeff()).norm();
-  Eigen::Index inside = 0, outside = 0;
-  for (const auto& p : polygon.colwise()) {
-    bool odd = false, on_side = false;
-    for (Eigen::Index i = 0, j = outer.cols() - 1; i < outer.cols(); j = i++) {
-      const Eigen::Vector2d a = outer.col(j), b = outer.col(i), along = b - a, to = p - a;
-      const double square = along.squaredNorm();
-      const double share = square > 0 ? std::clamp(to.dot(along) / square, 0.0, 1.0) : 0;
-      on_side = on_side || (to - share * along).squaredNorm() < near * near;
-      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-      const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-      if (p.x() < x) odd = !odd;
-    }
-    if (!on_side) ++(odd ? inside : outside);
-  }
-  return inside >= outside;
 }
 
 // The loop, moved onto the domain where it leaves it by no more than `largest_gap` of it.
@@ -172,42 +126,55 @@ Curve DomainBoundary(const NurbsSurface& surface) {
 bool OneHoldsAll(const std::vector<Curve>& loops) {
   if (loops.empty()) return true;
   std::vector<Eigen::Matrix2Xd> polygons;
-  for (const Curve& loop : loops) polygons.push_back(PolygonOf(loop));
+  for (const Curve& loop : loops) polygons.push_back(NestingPolygon(loop));
   const auto largest =
       std::max_element(polygons.begin(), polygons.end(), [](const auto& a, const auto& b) {
-        return std::abs(SignedArea(a)) < std::abs(SignedArea(b));
+        return std::abs(PolygonArea(a)) < std::abs(PolygonArea(b));
       });
   return std::all_of(polygons.begin(), polygons.end(), [&](const auto& polygon) {
-    return &polygon == &*largest || MostlyIn(polygon, *largest);
+    return &polygon == &*largest || MostlyInside(polygon, *largest);
   });
 }
 
 NurbsSurface WithTurnedLoops(const NurbsSurface& surface,
                              std::vector<Curve> loops,
-                             double largest_gap) {
+                             double largest_gap,
+                             LoopRole role) {
+  if (loops.empty()) return surface.WithTrims({});
   const Eigen::Array2d sides = DomainSides(surface);
+  std::vector<Eigen::Matrix2Xd> polygons;
   std::vector<double> areas;
   for (size_t i = 0; i < loops.size(); ++i) {
     loops[i] = InDomain(surface, loops[i], largest_gap, i);
-    areas.push_back(SignedArea(PolygonOf(loops[i])));
+    polygons.push_back(NestingPolygon(loops[i]));
+    areas.push_back(PolygonArea(polygons.back()));
     if (!(std::abs(areas.back()) > 1e-12 * sides.prod())) {
       throw LoopError(i, "encloses no area");
     }
   }
-  for (size_t i = 0; i < loops.size(); ++i) {
-    if (std::abs(areas[i]) > (1 + 1e-9) * std::abs(areas[0])) {
-      std::rotate(loops.begin(),
-                  loops.begin() + static_cast<std::ptrdiff_t>(i),
-                  loops.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-      std::rotate(areas.begin(),
-                  areas.begin() + static_cast<std::ptrdiff_t>(i),
-                  areas.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  size_t first = 0;
+  std::vector<char> outer(loops.size(), 0);
+  if (role == LoopRole::kHolesInTheLargest) {
+    for (size_t i = 0; i < loops.size(); ++i)
+      if (std::abs(areas[i]) > (1 + 1e-9) * std::abs(areas[first])) first = i;
+    outer[first] = 1;
+  } else {
+    const std::vector<int> enclosing = EnclosingPolygons(polygons);
+    for (size_t i = 0; i < loops.size(); ++i) {
+      int depth = 0;
+      for (int k = enclosing[i]; k >= 0; k = enclosing[k]) ++depth;
+      outer[i] = depth % 2 == 0;
     }
+    first = static_cast<size_t>(std::find(outer.begin(), outer.end(), 1) - outer.begin());
   }
-  for (size_t i = 0; i < loops.size(); ++i) {
-    if ((areas[i] > 0) != (i == 0)) loops[i] = Reversed(loops[i]);
-  }
-  return surface.WithTrims(std::move(loops));
+  std::vector<Curve> turned;
+  const auto add = [&](size_t i) {
+    turned.push_back((areas[i] > 0) == (outer[i] != 0) ? loops[i] : Reversed(loops[i]));
+  };
+  add(first);
+  for (size_t i = 0; i < loops.size(); ++i)
+    if (i != first) add(i);
+  return surface.WithTrims(std::move(turned));
 }
 
 }  // namespace batten::internal

@@ -52,12 +52,17 @@ NurbsCurve<2> DomainBoundary(const NurbsSurface& surface);
 // Whether the largest loop has all others inside.
 bool OneHoldsAll(const std::vector<NurbsCurve<2>>& loops);
 
-// The surface with these loops, each closed to kLoopClosure: the largest first, which is the outer
-// boundary, counter-clockwise, the others clockwise; loops that are so already stay bit by bit.
+// What loops are besides the largest: holes in it, or what their nesting says: outer boundaries of
+// regions of their own where an even number of loops lies round them, else holes.
+enum class LoopRole { kHolesInTheLargest, kByNesting };
+
+// The surface with these loops, each closed to kLoopClosure: the largest first; outer boundaries
+// counter-clockwise, holes clockwise; loops that are so already stay bit by bit.
 // Those that leave the domain by no more than `largest_gap` of it are moved onto it. Throws
 // LoopError for one that leaves it by more or encloses nothing.
 NurbsSurface WithTurnedLoops(const NurbsSurface& surface,
                              std::vector<NurbsCurve<2>> loops,
-                             double largest_gap);
+                             double largest_gap,
+                             LoopRole role = LoopRole::kHolesInTheLargest);
 
 }  // namespace batten::internal

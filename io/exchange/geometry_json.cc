@@ -26,11 +26,10 @@ namespace {
 using EntryKind = JsonValue::Kind;
 
 const std::vector<std::string_view> kKnownNames = {
-    "shape",        "type",     "count",    "data",       "dimension",
-    "degree",       "degree_u", "degree_v", "knotvector", "knotvector_u",
-    "knotvector_v", "size",     "size_u",   "size_v",     "control_points",
-    "points",       "weights",  "trims",    "periodic",   "name",
-    "unit"};
+    "shape",    "type",     "count",          "data",         "dimension",    "degree",
+    "degree_u", "degree_v", "knotvector",     "knotvector_u", "knotvector_v", "size",
+    "size_u",   "size_v",   "control_points", "points",       "weights",      "trims",
+    "periodic", "name",     "unit",           "reversed"};
 
 Geometry ReadEntry(const JsonField& entry, const std::string& shape) {
   entry.Expect(EntryKind::kObject);

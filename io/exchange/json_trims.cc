@@ -54,6 +54,12 @@ NurbsCurve<2> ReadPiece(const JsonField& entry) {
   entry.Member("type").Fail("\"" + type + "\" is not a curve; \"spline\" and \"freeform\" are");
 }
 
+// Whether the loop cuts away what is outside it: the outer boundary of a region.
+bool KeepsItsInside(const JsonField& entry) {
+  return entry.Has("reversed") && entry.Member("reversed").value().kind == TrimKind::kNumber &&
+         entry.Member("reversed").value().number == 1;
+}
+
 NurbsCurve<2> ReadLoop(const JsonField& entry, const Eigen::Array2d& sides) {
   std::vector<NurbsCurve<2>> pieces;
   if (TypeOf(entry) == "container") {
@@ -75,17 +81,20 @@ NurbsSurface ReadTrimmed(const JsonField& entry, NurbsSurface surface) {
   }
   const std::vector<JsonField> entries = Entries(trims);
   std::vector<NurbsCurve<2>> loops;
+  int kept_inside = 0;
   for (const JsonField& one : entries) {
+    kept_inside += KeepsItsInside(one) ? 1 : 0;
     try {
       loops.push_back(ReadLoop(one, DomainSides(surface)));
     } catch (const std::invalid_argument& error) {
       one.Fail(error.what());
     }
   }
-  const bool holes_only = !OneHoldsAll(loops);
+  const LoopRole role = kept_inside > 1 ? LoopRole::kByNesting : LoopRole::kHolesInTheLargest;
+  const bool holes_only = role == LoopRole::kHolesInTheLargest && !OneHoldsAll(loops);
   if (holes_only) loops.insert(loops.begin(), DomainBoundary(surface));
   try {
-    return WithTurnedLoops(surface, std::move(loops), kFileGap);
+    return WithTurnedLoops(surface, std::move(loops), kFileGap, role);
   } catch (const LoopError& error) {
     if (!holes_only) entries[error.loop()].Fail(error.what());
     // The boundary of the domain stands before the holes.

@@ -32,6 +32,7 @@
 #include "batten/geometry/closure.h"
 #include "batten/geometry/direction.h"
 #include "batten/geometry/join.h"
+#include "batten/geometry/trim_loops.h"
 #include "batten/io/read_error.h"
 #include "io/base/time_stamp.h"
 #include "io/exchange/closed_form.h"
@@ -131,7 +132,16 @@ class ModelBuilder {
     const Handle(IGESGeom_BSplineSurface) base = ToIges(surface);
     if (!surface.trimmed()) return AddNamed(base, name);
     base->InitStatus(0, 1, 0, 0);
-    const auto& loops = surface.trims();
+    for (const auto& region : LoopsByRegion(surface)) AddRegion(surface, region, base, name);
+  }
+
+  static Handle(IGESData_Protocol) Protocol() { return IGESSelect_WorkLibrary::DefineProtocol(); }
+
+ private:
+  void AddRegion(const NurbsSurface& surface,
+                 const std::vector<NurbsCurve<2>>& loops,
+                 const Handle(IGESGeom_BSplineSurface) & base,
+                 const std::string& name) {
     Handle(IGESGeom_HArray1OfCurveOnSurface) holes;
     if (loops.size() > 1) {
       holes = new IGESGeom_HArray1OfCurveOnSurface(1, static_cast<int>(loops.size()) - 1);
@@ -144,9 +154,6 @@ class ModelBuilder {
     AddNamed(trimmed, name);
   }
 
-  static Handle(IGESData_Protocol) Protocol() { return IGESSelect_WorkLibrary::DefineProtocol(); }
-
- private:
   void AddNamed(const Handle(IGESData_IGESEntity) & entity, const std::string& name) {
     if (!name.empty()) {
       constexpr size_t kLabel = 8;

@@ -58,7 +58,7 @@ std::optional<TopoDS_Shape> AnalyticShape(const Shape& shape) {
 
 // A natural boundary, degenerate and seam edges included.
 TopoDS_Shape ToShape(const NurbsSurface& surface) {
-  if (surface.trimmed()) return ToTrimmedFace(surface);
+  if (surface.trimmed()) return ToTrimmedFaces(surface);
   if (const auto analytic = AnalyticShape(surface)) return *analytic;
   const Handle(Geom_BSplineSurface) bspline = ToOcct(surface);
   BRepBuilderAPI_MakeFace face(bspline, Precision::Confusion());

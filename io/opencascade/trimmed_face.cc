@@ -9,7 +9,9 @@
 #include <Standard_Failure.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
@@ -19,6 +21,7 @@
 
 #include "batten/geometry/closure.h"
 #include "batten/geometry/direction.h"
+#include "batten/geometry/trim_loops.h"
 #include "io/exchange/file_loops.h"
 #include "io/exchange/trim_pieces.h"
 #include "io/opencascade/occt_convert.h"
@@ -39,16 +42,24 @@ class FaceBuilder {
         closed_v_(Closed(surface, Direction::kV)),
         bspline_(ToOcct(surface)) {}
 
-  TopoDS_Face Build() {
-    for (const NurbsCurve<2>& loop : surface_.trims()) {
-      loops_.push_back(TrimPieces(surface_, loop));
+  TopoDS_Shape Build() {
+    const std::vector<std::vector<NurbsCurve<2>>> regions = LoopsByRegion(surface_);
+    for (const std::vector<NurbsCurve<2>>& region : regions) {
+      for (const NurbsCurve<2>& loop : region) loops_.push_back(TrimPieces(surface_, loop));
     }
     if (closed_u_) MatchSides(loops_, Side::kULower, Side::kUUpper);
     if (closed_v_) MatchSides(loops_, Side::kVLower, Side::kVUpper);
+    TopoDS_Compound faces;
+    builder_.MakeCompound(faces);
     TopoDS_Face face;
-    builder_.MakeFace(face, bspline_, Precision::Confusion());
-    for (const auto& loop : loops_) builder_.Add(face, ToWire(loop));
-    return face;
+    auto loop = loops_.begin();
+    for (const std::vector<NurbsCurve<2>>& region : regions) {
+      builder_.MakeFace(face, bspline_, Precision::Confusion());
+      for (size_t k = 0; k < region.size(); ++k) builder_.Add(face, ToWire(*loop++));
+      builder_.Add(faces, face);
+    }
+    if (regions.size() == 1) return face;
+    return faces;
   }
 
  private:
@@ -216,6 +227,6 @@ class FaceBuilder {
 
 }  // namespace
 
-TopoDS_Face ToTrimmedFace(const NurbsSurface& surface) { return FaceBuilder(surface).Build(); }
+TopoDS_Shape ToTrimmedFaces(const NurbsSurface& surface) { return FaceBuilder(surface).Build(); }
 
 }  // namespace batten::internal

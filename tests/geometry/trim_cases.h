@@ -81,11 +81,29 @@ inline NurbsSurface Trimmed(const NurbsSurface& surface, std::vector<NurbsCurve<
   return surface.WithTrims(TurnedLoops(std::move(loops)));
 }
 
-// Named sets of loops of the unit square.
+// Named sets of loops of the unit square: an outer one and holes, or, turned as they are to be,
+// those of several regions.
 struct LoopCase {
   std::string name;
   std::vector<NurbsCurve<2>> loops;
+  bool turned = false;
 };
+inline NurbsSurface Trimmed(const NurbsSurface& surface, const LoopCase& one) {
+  if (!one.turned) return Trimmed(surface, one.loops);
+  std::vector<NurbsCurve<2>> loops;
+  for (const NurbsCurve<2>& loop : one.loops) loops.push_back(InDomain(loop, surface));
+  return surface.WithTrims(std::move(loops));
+}
+
+// Two regions beside one another, and a third in the hole of the second.
+inline std::vector<NurbsCurve<2>> LoopsOfThreeRegions() {
+  return {Circle({0.24, 0.3}, 0.2),
+          Circle({0.7, 0.65}, 0.28),
+          RectangleLoop(0.62, 0.76, 0.6, 0.68),
+          Circle({0.7, 0.65}, 0.18, false),
+          Circle({0.3, 0.3}, 0.1, false)};
+}
+
 inline std::vector<LoopCase> LoopCases(unsigned seed) {
   RandomSplines random(seed);
   const std::vector<Eigen::Vector2d> ell{{0, 0}, {1, 0}, {1, 0.35}, {0.4, 0.45}, {0.4, 1}, {0, 1}};
@@ -114,7 +132,8 @@ inline std::vector<LoopCase> LoopCases(unsigned seed) {
           {"wave", {WavyLoop(random, {0.5, 0.5}, 0.48, 9, false)}},
           {"rational waves",
            {WavyLoop(random, {0.5, 0.5}, 0.49, 12, true),
-            WavyLoop(random, {0.5, 0.45}, 0.15, 6, true)}}};
+            WavyLoop(random, {0.5, 0.45}, 0.15, 6, true)}},
+          {"three regions", LoopsOfThreeRegions(), true}};
 }
 
 // Whether a loop is so near that rounding may decide.

@@ -42,6 +42,15 @@ class RandomTrims {
     return surface.WithTrims(std::move(loops));
   }
 
+  // The surface with three regions, one in the hole of another.
+  NurbsSurface OfThreeRegions(const NurbsSurface& surface) {
+    return surface.WithTrims({Any(surface, {0.05, 0.45, 0.1, 0.5}, true),
+                              Any(surface, {0.5, 0.95, 0.4, 0.9}, true),
+                              Any(surface, {0.7, 0.74, 0.63, 0.67}, true),
+                              Any(surface, {0.62, 0.82, 0.55, 0.75}, false),
+                              Any(surface, {0.2, 0.3, 0.25, 0.35}, false)});
+  }
+
   // An outer boundary: around the whole, touching the edges of the domain or not.
   Curve Outer(const NurbsSurface& surface) {
     if (Integer(0, 2) == 0) {

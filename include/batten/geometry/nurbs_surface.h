@@ -81,11 +81,11 @@ class NurbsSurface {
   // for each ruling at a cone's tip, none on a fold or where it depends on the direction.
   std::optional<Eigen::Vector3d> NormalAt(double u, double v) const;
 
-  // The loops in the domain that bound the part of the surface that counts: the outer boundary
-  // first, counter-clockwise, then the holes, clockwise; none: the whole domain. On a periodic
-  // direction they lie in one period [lower, upper], and where the part goes round, its outer loop
-  // runs along the seam, once on either side. Evaluation does not look at them; trim_region.h tells
-  // what is inside.
+  // The loops in the domain that bound the part of the surface that counts: the outer boundaries of
+  // its regions, counter-clockwise, one of them first, and holes, clockwise; none: the whole
+  // domain. On a periodic direction they lie in one period [lower, upper], and where a region goes
+  // round, its outer loop runs along the seam, once on either side. Evaluation does not look at
+  // them; trim_region.h tells what is inside.
   const std::vector<NurbsCurve<2>>& trims() const { return trims_; }
   bool trimmed() const { return !trims_.empty(); }
 

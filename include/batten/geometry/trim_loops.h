@@ -19,6 +19,11 @@ double SignedArea(const NurbsCurve<2>& loop);
 // The loop of greatest area first and counter-clockwise, then the others in their order, clockwise.
 std::vector<NurbsCurve<2>> TurnedLoops(std::vector<NurbsCurve<2>> loops);
 
+// The loops of a surface's trims by the regions they bound: an outer loop, counter-clockwise, and
+// the holes in it, clockwise; regions in the order of their outer loops. Empty without trims. The
+// loops must be as CheckTrims wants them. O(loops² · vertices of their polygons).
+std::vector<std::vector<NurbsCurve<2>>> LoopsByRegion(const NurbsSurface& surface);
+
 // A loop as a polygon: its vertices, in order, lie on the loop at increasing parameters; the last
 // is joined to the first.
 struct Polygon {
@@ -37,9 +42,10 @@ Polygon LoopPolyline(const NurbsCurve<2>& loop, double tolerance);
 // Throws std::invalid_argument, naming the loop and the rule, unless the surface's loops
 //  · end where they begin, to kLoopClosure of the domain,
 //  · lie in the domain to 1e-9 of it,
-//  · bound an area: the first, the outer one, counter-clockwise, all others clockwise,
-//  · wind 0 or 1 times round every place: none crosses itself or another, and holes lie inside the
-//    outer loop and not in each other. They may touch.
+//  · bound an area, the first one counter-clockwise,
+//  · wind 0 or 1 times round every place: none crosses itself or another, outer loops, which run
+//    counter-clockwise, lie outside one another or in holes, and holes, which run clockwise, lie
+//    inside an outer loop and not in each other. They may touch.
 // What is narrower than 1e-9 of the domain is not seen. Two neighbouring arcs are compared, where
 // they are nearest first, at no more than 256 heights between two ends of arcs: of arcs that run
 // along one another a crossing that is shorter can be missed. O(arcs · arcs at one height).

@@ -48,7 +48,7 @@ void ForTrimmedSurfaces(const std::function<void(const NurbsSurface&, RandomSpli
     for (const LoopCase& loops : LoopCases(seed)) {
       SCOPED_TRACE(loops.name + ", seed " + std::to_string(seed));
       RandomSplines random(seed);
-      law(Trimmed(RandomSurface(random), loops.loops), random);
+      law(Trimmed(RandomSurface(random), loops), random);
     }
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/trim_region.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "angles.h"
 #include "batten/geometry/degree_elevation.h"
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
+#include "batten/geometry/surface_area.h"
 #include "tolerances.h"
 #include "trim_cases.h"
-#include "angles.h"
 
 namespace batten::internal::trim_region_test {
 
@@ -69,7 +70,7 @@ TEST(TrimRegionTest, TheBoundaryCountsAsInside) {
   for (const unsigned seed : {1u, 2u}) {
     for (const LoopCase& loops : LoopCases(seed)) {
       SCOPED_TRACE(loops.name + ", seed " + std::to_string(seed));
-      const NurbsSurface surface = Trimmed(Plane(-3, 5, 100, 101), loops.loops);
+      const NurbsSurface surface = Trimmed(Plane(-3, 5, 100, 101), loops);
       const TrimRegion region(surface);
       for (const NurbsCurve<2>& loop : surface.trims()) {
         for (int k = 0; k <= 2000; ++k) {
@@ -98,7 +99,7 @@ TEST(TrimRegionTest, AgreesWithAPolygonOfManyCorners) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     for (const LoopCase& loops : LoopCases(seed)) {
       SCOPED_TRACE(loops.name + ", seed " + std::to_string(seed));
-      const NurbsSurface surface = Trimmed(Plane(), loops.loops);
+      const NurbsSurface surface = Trimmed(Plane(), loops);
       const TrimRegion region(surface);
       RandomSplines random(seed);
       std::vector<Polygon> polygons;
@@ -131,7 +132,7 @@ TEST(TrimRegionTest, AgreesWithAPolygonOfManyCorners) {
 TEST(TrimRegionTest, EditsOfALoopChangeNothing) {
   for (const LoopCase& loops : LoopCases(8)) {
     SCOPED_TRACE(loops.name);
-    const NurbsSurface surface = Trimmed(Plane(5e6, 5e6 + 1, -1e-6, 1e-6), loops.loops);
+    const NurbsSurface surface = Trimmed(Plane(5e6, 5e6 + 1, -1e-6, 1e-6), loops);
     const TrimRegion region(surface);
     std::vector<NurbsCurve<2>> elevated, refined, reversed;
     for (const NurbsCurve<2>& loop : surface.trims()) {
@@ -175,7 +176,7 @@ TEST(TrimRegionTest, DegenerateLoopsAreFollowed) {
 TEST(TrimRegionTest, CoverIsCertainWhereItSaysSo) {
   for (const LoopCase& loops : LoopCases(5)) {
     SCOPED_TRACE(loops.name);
-    const TrimRegion region(Trimmed(Plane(), loops.loops));
+    const TrimRegion region(Trimmed(Plane(), loops));
     RandomSplines random(5);
     int cut = 0;
     for (int k = 0; k < 2000; ++k) {
@@ -373,9 +374,10 @@ TEST(CheckTrimsTest, NamesTheLoopAndTheRule) {
   };
   EXPECT_EQ(complaint({disc, Circle({0.5, 0.5}, 0.1, false)}), "");
   expect(complaint({Circle({0.5, 0.5}, 0.4, false)}),
-         "loop 0 (the outer one) is not turned counter");
-  expect(complaint({disc, Circle({0.5, 0.5}, 0.1)}), "loop 1 (a hole) is not turned clockwise");
-  expect(complaint({Circle({0.5, 0.5}, 0.6)}), "loop 0 (the outer one) leaves the domain");
+         "loop 0 (an outer one) is not turned counter");
+  expect(complaint({disc, Circle({0.5, 0.5}, 0.1)}),
+         "loop 0 (an outer one) and trim loop 1 (an outer one) overlap");
+  expect(complaint({Circle({0.5, 0.5}, 0.6)}), "loop 0 (an outer one) leaves the domain");
   expect(complaint({disc, Circle({0.5, 0.8}, 0.2, false)}), "loop 1 (a hole)");
   expect(complaint({disc, Circle({0.05, 0.05}, 0.04, false)}), "reaches beyond the outer loop");
   expect(complaint({disc, Circle({0.5, 0.5}, 0.1, false), Circle({0.5, 0.5}, 0.05, false)}),
@@ -384,6 +386,42 @@ TEST(CheckTrimsTest, NamesTheLoopAndTheRule) {
          "1 (a hole) and trim loop 2 (a hole)");
   expect(complaint({PolygonLoop({{0.1, 0.1}, {0.9, 0.9}, {0.9, 0.1}, {0.1, 0.8}})}), "loop 0");
   expect(complaint({PolygonLoop({{0.1, 0.1}, {0.9, 0.1}, {0.5, 0.1}})}), "bounds no area");
+}
+
+// Their loops in any order, but for the first.
+TEST(LoopsByRegionTest, AreOuterLoopsWithTheirHoles) {
+  std::vector<NurbsCurve<2>> loops = LoopsOfThreeRegions();
+  std::rotate(loops.begin() + 1, loops.begin() + 3, loops.end());  // holes before outer loops
+  const NurbsSurface surface = Plane().WithTrims(loops);
+  EXPECT_EQ(Complaint(surface), "");
+  std::vector<double> areas;
+  std::vector<size_t> sizes;
+  for (const auto& region : LoopsByRegion(surface)) {
+    EXPECT_EQ(Complaint(Plane().WithTrims(region)), "");
+    areas.push_back(Area(Plane().WithTrims(region)));
+    sizes.push_back(region.size());
+  }
+  EXPECT_THAT(sizes, testing::ElementsAre(2, 2, 1));
+  EXPECT_THAT(areas,
+              testing::ElementsAre(testing::DoubleNear((0.04 - 0.01) * kPi, 1e-9),
+                                   testing::DoubleNear((0.28 * 0.28 - 0.18 * 0.18) * kPi, 1e-9),
+                                   testing::DoubleNear(0.14 * 0.08, 1e-9)));
+  EXPECT_TRUE(LoopsByRegion(Plane()).empty());
+}
+
+TEST(CheckTrimsTest, RegionsLieBesideOneAnotherOrInHoles) {
+  const NurbsSurface plane = Plane();
+  const auto complaint = [&](std::vector<NurbsCurve<2>> loops) {
+    return Complaint(plane.WithTrims(std::move(loops)));
+  };
+  const NurbsCurve<2> left = Circle({0.25, 0.5}, 0.2), right = Circle({0.75, 0.5}, 0.2);
+  EXPECT_EQ(complaint({left, right}), "");
+  EXPECT_EQ(complaint({left, Circle({0.65, 0.5}, 0.2)}), "");  // they touch
+  EXPECT_EQ(complaint({left, right, Circle({0.75, 0.5}, 0.1, false)}), "");
+  EXPECT_EQ(complaint({left, Circle({0.25, 0.5}, 0.1, false), Circle({0.25, 0.5}, 0.05)}), "");
+  EXPECT_NE(complaint({left, Circle({0.55, 0.5}, 0.2)}), "");
+  EXPECT_NE(complaint({left, Circle({0.5, 0.8}, 0.05, false)}), "");  // a hole in neither
+  EXPECT_NE(complaint({left, right, Circle({0.5, 0.5}, 0.1, false)}), "");
 }
 
 TEST(CheckTrimsTest, LoopsMayTouch) {

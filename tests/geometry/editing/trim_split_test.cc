@@ -70,7 +70,7 @@ TEST(TrimSplitTest, PartsMakeUpTheWhole) {
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     for (const LoopCase& loops : LoopCases(seed)) {
       RandomSplines random(seed);
-      const NurbsSurface whole = Trimmed(Sheet(random), loops.loops);
+      const NurbsSurface whole = Trimmed(Sheet(random), loops);
       for (const Direction direction : {Direction::kU, Direction::kV}) {
         const SplineBasis& basis = direction == Direction::kU ? whole.basis_u() : whole.basis_v();
         const double at = random.Real(basis.lower(), basis.upper());
@@ -93,7 +93,7 @@ TEST(TrimSplitTest, DecomposeGivesEveryPartItsPiece) {
   for (const LoopCase& loops : LoopCases(7)) {
     SCOPED_TRACE(loops.name);
     RandomSplines random(7);
-    const NurbsSurface whole = Trimmed(Sheet(random), loops.loops);
+    const NurbsSurface whole = Trimmed(Sheet(random), loops);
     const std::vector<NurbsSurface> pieces = Decompose(whole);
     ExpectPartition(whole, pieces, {-1, 5, 10, 11}, random);
     for (const NurbsSurface& piece : pieces) {
@@ -152,7 +152,7 @@ TEST(TrimSplitTest, ACutThatTouchesACurveLeavesIt) {
 TEST(TrimSplitTest, SeveralPartsAreAllGivenOrRefused) {
   const LoopCase comb = LoopCases(1)[4];
   ASSERT_EQ(comb.name, "comb");
-  const NurbsSurface surface = Trimmed(UnitPlane(), comb.loops);
+  const NurbsSurface surface = Trimmed(UnitPlane(), comb);
   EXPECT_EQ(SegmentParts(surface, Direction::kV, 0.5, 1).size(), 3u);
   EXPECT_EQ(SegmentParts(surface, Direction::kV, 0.85, 1).size(), 2u);
   EXPECT_EQ(SegmentParts(surface, Direction::kV, 0, 0.2).size(), 1u);

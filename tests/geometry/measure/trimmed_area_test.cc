@@ -35,6 +35,9 @@ TEST(TrimmedAreaTest, OfPlanePartsIsTheirFormula) {
     EXPECT_NEAR(
         share({RectangleLoop(0, 1, 0, 1), RectangleLoop(0.2, 0.7, 0.1, 0.4)}), 0.85, kRounding);
     EXPECT_NEAR(share({RectangleLoop(0, 1, 0, 1)}), 1, kRounding);
+    EXPECT_NEAR(Area(Trimmed(plane, {"", LoopsOfThreeRegions(), true})) / whole,
+                (0.2 * 0.2 - 0.1 * 0.1 + 0.28 * 0.28 - 0.18 * 0.18) * kPi + 0.14 * 0.08,
+                kIterated);
     EXPECT_NEAR(share({Ellipse({0.3, 0.6}, {1e-4, 1e-5})}) / (1e-9 * kPi), 1, kIterated);
   }
 }
@@ -93,7 +96,7 @@ TEST(TrimmedAreaTest, PartAndRestMakeUpTheWhole) {
     for (const LoopCase& loops : LoopCases(seed)) {
       if (loops.loops.size() > 1) continue;
       SCOPED_TRACE(loops.name + ", seed " + std::to_string(seed));
-      const NurbsSurface part = Trimmed(sheet, loops.loops);
+      const NurbsSurface part = Trimmed(sheet, loops);
       const NurbsSurface rest = Trimmed(sheet, {RectangleLoop(0, 1, 0, 1), loops.loops[0]});
       EXPECT_NEAR((Area(part) + Area(rest)) / whole, 1, kIterated);
     }
@@ -104,7 +107,7 @@ TEST(TrimmedAreaTest, IsTheSumOverPiecesAndRectanglesAndTheSameInOtherParameters
   for (const LoopCase& loops : LoopCases(4)) {
     SCOPED_TRACE(loops.name);
     RandomSplines random(4);
-    const NurbsSurface surface = Trimmed(Sheet(random), loops.loops);
+    const NurbsSurface surface = Trimmed(Sheet(random), loops);
     const double whole = Area(surface);
     double pieces = 0;
     for (const NurbsSurface& piece : Decompose(surface)) pieces += Area(piece);

@@ -55,7 +55,7 @@ TEST(TrimmedBoxTest, HoldsThePartAndIsTight) {
     for (const LoopCase& loops : LoopCases(seed)) {
       SCOPED_TRACE(loops.name + ", seed " + std::to_string(seed));
       RandomSplines random(seed);
-      const NurbsSurface surface = Trimmed(Sheet(random, 2), loops.loops);
+      const NurbsSurface surface = Trimmed(Sheet(random, 2), loops);
       const Eigen::AlignedBox3d box = BoundingBox(surface);
       const TrimRegion region(surface);
       Eigen::AlignedBox3d seen;

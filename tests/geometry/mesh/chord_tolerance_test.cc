@@ -210,7 +210,7 @@ TEST(ChordToleranceTest, HoldsInsideTrims) {
       const NurbsSurface whole = round == 0
                                      ? MakeTorus(Frame(), 3, 1)
                                      : random.Sheet(random.Integer(1, 5), random.Integer(1, 5), 1);
-      const NurbsSurface surface = Trimmed(whole, loops.loops);
+      const NurbsSurface surface = Trimmed(whole, loops);
       EXPECT_TRUE(
           ExpectWithin(surface, SizeOfBox(surface) * random.Logarithmic(0.002, 0.02), random, 60));
     }

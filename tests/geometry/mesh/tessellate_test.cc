@@ -212,7 +212,7 @@ TEST(TessellateTest, TrimmedSurfacesFollowTheirLoops) {
                                            MakeSphere(Tilted(), 2, {0, 2}, {-1, 1})};
   for (const NurbsSurface& whole : surfaces) {
     for (const LoopCase& loops : LoopCases(kSeed)) {
-      const NurbsSurface surface = Trimmed(whole, loops.loops);
+      const NurbsSurface surface = Trimmed(whole, loops);
       const double tolerance = 2e-3;
       SCOPED_TRACE(loops.name);
       const TriangleMesh mesh = Tessellate(surface, {.chord_tolerance = tolerance});
@@ -274,7 +274,7 @@ TEST(TessellateTest, CreasesAreEdges) {
 
 TEST(TessellateTest, TheUnitAndTheOriginMakeNoDifference) {
   RandomSplines random(kSeed);
-  const NurbsSurface surface = Trimmed(MakeTorus(Frame(), 3, 1), LoopCases(kSeed)[2].loops);
+  const NurbsSurface surface = Trimmed(MakeTorus(Frame(), 3, 1), LoopCases(kSeed)[2]);
   const TriangleMesh mesh = Tessellate(surface, {.chord_tolerance = 0.01});
   for (const double scale : {1e-6, 1e6}) {
     const Eigen::Matrix3Xd scaled_points = scale * surface.control_points();

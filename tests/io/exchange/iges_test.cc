@@ -19,8 +19,11 @@
 #include <string>
 #include <vector>
 
+#include "angles.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/make_surface.h"
+#include "batten/geometry/surface_area.h"
+#include "batten/geometry/trim_loops.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/iges_writer.h"
@@ -28,7 +31,6 @@
 #include "random_geometry.h"
 #include "random_trims.h"
 #include "temporary_folder.h"
-#include "angles.h"
 
 namespace batten::internal::iges_test {
 
@@ -138,6 +140,27 @@ TEST(IgesTest, WholeDomainsComeBackUntrimmed) {
   const NurbsSurface surface = random.Surface(3, 2, true, false);
   WriteIges({WithWhole(surface, false)}, folder.File("a.igs"));
   EXPECT_TRUE(std::get<NurbsSurface>(ReadIges(folder.File("a.igs")).at(0)) == surface);
+}
+
+// A trimmed surface for every region, each on the whole surface.
+TEST(IgesTest, RegionsBecomeTrimmedSurfaces) {
+  RandomGeometry random(kSeed);
+  RandomTrims trims(kSeed);
+  for (int i = 0; i < 10; ++i) {
+    SCOPED_TRACE(i);
+    const NurbsSurface surface = trims.OfThreeRegions(random.Surface(3, 2, true, i % 2));
+    const TemporaryFolder folder;
+    WriteIges({surface}, folder.File("a.igs"));
+    const std::vector<Geometry> back = ReadIges(folder.File("a.igs"));
+    const auto regions = LoopsByRegion(surface);
+    ASSERT_EQ(back.size(), regions.size());
+    for (size_t k = 0; k < back.size(); ++k)
+      EXPECT_TRUE(std::get<NurbsSurface>(back[k]) == surface.WithTrims(regions[k]));
+    const Oracle oracle(folder.File("a.igs"));
+    EXPECT_TRUE(BRepCheck_Analyzer(oracle.shape).IsValid());
+    EXPECT_EQ(oracle.Count(TopAbs_FACE), 3);
+    EXPECT_NEAR(oracle.Area(), Area(surface), 1e-3 * Area(surface));
+  }
 }
 
 // OpenCASCADE finds the same faces, valid, with the wires and the area that the loops bound.

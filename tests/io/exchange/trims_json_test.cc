@@ -68,6 +68,17 @@ TEST(TrimsJsonTest, ReadsBackLoopsBitByBit) {
   }
 }
 
+TEST(TrimsJsonTest, ReadsBackRegionsBitByBit) {
+  RandomGeometry random(kSeed);
+  RandomTrims trims(kSeed);
+  for (int i = 0; i < 20; ++i) {
+    const NurbsSurface surface = trims.OfThreeRegions(random.Surface(3, 2, i % 2, i % 3 == 0));
+    const std::string text = ToGeometryJson({surface});
+    EXPECT_TRUE(Read(text) == surface);
+    EXPECT_EQ(ToGeometryJson({Read(text)}), text);
+  }
+}
+
 TEST(TrimsJsonTest, ReadsBackLoopsOfPeriodicSurfacesBitByBit) {
   SCOPED_TRACE(kSeed);
   RandomSplines random(kSeed);

@@ -17,8 +17,11 @@
 #include <string>
 #include <vector>
 
+#include "angles.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/make_surface.h"
+#include "batten/geometry/surface_area.h"
+#include "batten/geometry/trim_loops.h"
 #include "batten/io/read_error.h"
 #include "batten/io/step_reader.h"
 #include "batten/io/step_writer.h"
@@ -27,7 +30,6 @@
 #include "random_splines.h"
 #include "random_trims.h"
 #include "temporary_folder.h"
-#include "angles.h"
 
 namespace batten::internal::step_trims_test {
 
@@ -42,18 +44,18 @@ int Count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
   return count;
 }
 
-// The area that OpenCASCADE finds in the file, whose one face must be valid.
-double ValidArea(const std::string& path, size_t loops) {
+// The area that OpenCASCADE finds in the file, whose faces must be valid.
+double ValidArea(const std::string& path, size_t loops, int faces = 1) {
   STEPControl_Controller::Init();
   STEPControl_Reader reader;
   EXPECT_EQ(reader.ReadFile(path.c_str()), IFSelect_RetDone);
   reader.TransferRoots();
   const TopoDS_Shape shape = reader.OneShape();
   EXPECT_TRUE(BRepCheck_Analyzer(shape).IsValid());
-  EXPECT_EQ(Count(shape, TopAbs_FACE), 1);
+  EXPECT_EQ(Count(shape, TopAbs_FACE), faces);
   EXPECT_EQ(Count(shape, TopAbs_WIRE), static_cast<int>(loops));
   GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
+  BRepGProp::SurfaceProperties(shape, properties, 1e-6);
   return properties.Mass();
 }
 
@@ -111,6 +113,24 @@ TEST(StepTrimsTest, KeepsLoopsFarAwayAndInOtherUnits) {
       SCOPED_TRACE(testing::Message() << "scale " << scale << " far " << far);
       ExpectKept(Placed(trims.Trimmed(random.Surface(3, 3, true, false), 3), scale, far));
     }
+  }
+}
+
+// A face for every region, each on the whole surface.
+TEST(StepTrimsTest, RegionsBecomeFaces) {
+  RandomGeometry random(kSeed);
+  RandomTrims trims(kSeed);
+  for (int i = 0; i < 10; ++i) {
+    SCOPED_TRACE(i);
+    const NurbsSurface surface = trims.OfThreeRegions(random.Surface(3, 2, true, i % 2));
+    const TemporaryFolder folder;
+    WriteStep({surface}, folder.File("a.step"));
+    EXPECT_NEAR(ValidArea(folder.File("a.step"), 5, 3), Area(surface), 1e-3 * Area(surface));
+    const std::vector<Geometry> back = ReadStep(folder.File("a.step"));
+    const auto regions = LoopsByRegion(surface);
+    ASSERT_EQ(back.size(), regions.size());
+    for (size_t k = 0; k < back.size(); ++k)
+      ExpectSameLoops(std::get<NurbsSurface>(back[k]), surface.WithTrims(regions[k]), kStepLoops);
   }
 }
 
