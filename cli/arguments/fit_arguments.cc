@@ -233,7 +233,6 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
         "coordinates are more than 500 m from zero, where CAD systems lose digits: "
         "--origin local writes them near zero and reports the shift");
   }
-  const double before = Seconds();
   const MeasuredPoints measured{.cloud = file_.cloud,
                                 .distances = residuals,
                                 .parameters = parameters,
@@ -248,8 +247,9 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
-  report.seconds.write = Seconds() - before;
-  report.seconds.total = Seconds();
+  const double fitted = report.seconds.total, now = Seconds();
+  report.seconds.write = std::max(0.0, now - read_seconds_ - fitted);
+  report.seconds.total = read_seconds_ + fitted + report.seconds.write;
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;

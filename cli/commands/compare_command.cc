@@ -20,6 +20,7 @@
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
+#include "fitting/core/stage_clock.h"
 
 namespace batten::internal {
 namespace {
@@ -92,7 +93,7 @@ std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
 }
 
 int RunCompare(const CompareArguments& a) {
-  const auto start = std::chrono::steady_clock::now();
+  StageClock clock(&StageSeconds::read);
   CheckOutputArguments(a.output);
   std::vector<std::string> outputs = a.output.reports;
   outputs.push_back(a.output.residuals);
@@ -118,8 +119,7 @@ int RunCompare(const CompareArguments& a) {
   }
   ThreadPool pool(a.work.threads);
   report.threads = pool.threads();
-  report.seconds.read =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  clock.Enter(&StageSeconds::project);
   const Progress progress = MakeProgress(a.flags.quiet);
 
   // Several geometries: every point belongs to the nearest.
@@ -149,10 +149,7 @@ int RunCompare(const CompareArguments& a) {
       nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
     }
   }
-  report.seconds.project =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
-      report.seconds.read;
-
+  clock.Enter(&StageSeconds::prepare);
   const MergedCloud merged = MergeDuplicates(cloud);
   CloudStatisticsOptions statistics;
   statistics.find_outliers = false;
@@ -182,7 +179,7 @@ int RunCompare(const CompareArguments& a) {
   report.termination = a.tolerance && report.error.out_of_tolerance == 0
                            ? Termination::kToleranceReached
                            : Termination::kStalled;
-  const auto write_start = std::chrono::steady_clock::now();
+  clock.Enter(&StageSeconds::write);
   const MeasuredPoints points{.cloud = cloud,
                               .distances = nearest.distances,
                               .parameters = nearest.parameters,
@@ -201,9 +198,7 @@ int RunCompare(const CompareArguments& a) {
                           a.flags.quiet);
   const auto residuals = ResidualsFor(a.output, points, a.tolerance);
   if (residuals) residuals->Commit();
-  const auto end = std::chrono::steady_clock::now();
-  report.seconds.write = std::chrono::duration<double>(end - write_start).count();
-  report.seconds.total = std::chrono::duration<double>(end - start).count();
+  report.seconds = clock.Seconds();
   WriteReports(report, target);
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }

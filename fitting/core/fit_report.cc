@@ -125,6 +125,21 @@ std::optional<bool> FitReport::tolerance_reached() const {
   return judged.out_of_tolerance == 0;
 }
 
+StageSeconds& StageSeconds::operator+=(const StageSeconds& more) {
+  for (double StageSeconds::*const stage : {&StageSeconds::read,
+                                            &StageSeconds::prepare,
+                                            &StageSeconds::parameterize,
+                                            &StageSeconds::solve,
+                                            &StageSeconds::project,
+                                            &StageSeconds::refine,
+                                            &StageSeconds::optimize,
+                                            &StageSeconds::trim,
+                                            &StageSeconds::write,
+                                            &StageSeconds::total})
+    this->*stage += more.*stage;
+  return *this;
+}
+
 void FitReport::Join(const FitReport& other) {
   const auto append = [](auto& list, const auto& more) {
     list.insert(list.end(), more.begin(), more.end());
@@ -139,12 +154,7 @@ void FitReport::Join(const FitReport& other) {
   input.duplicates += other.input.duplicates;
   input.spacing = std::max(input.spacing, other.input.spacing);
   input.noise = std::max(input.noise, other.input.noise);
-  seconds.parameterize += other.seconds.parameterize;
-  seconds.solve += other.seconds.solve;
-  seconds.project += other.seconds.project;
-  seconds.refine += other.seconds.refine;
-  seconds.optimize += other.seconds.optimize;
-  seconds.total += other.seconds.total;
+  seconds += other.seconds;
   optimize.ran = optimize.ran || other.optimize.ran;
   optimize.iterations += other.optimize.iterations;
   termination = std::max(termination, other.termination);

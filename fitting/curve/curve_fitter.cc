@@ -13,7 +13,7 @@
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/solve_linear.h"
 #include "fitting/core/point_rank.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/curve_ends.h"
 #include "fitting/curve/curve_outcome.h"
@@ -63,12 +63,14 @@ class CurveFitter {
               const OrderedPoints& ordered,
               const PointMask& sequence_outliers,
               const CurveFitOptions& options,
-              ThreadPool& pool)
+              ThreadPool& pool,
+              StageClock& clock)
       : cloud_(cloud),
         ordered_(ordered),
         sequence_outliers_(sequence_outliers),
         options_(options),
-        pool_(pool) {
+        pool_(pool),
+        clock_(clock) {
     report_.threads = pool_.threads();
     distance_ = options.distance;
     if (distance_ == CurveDistance::kAuto) {
@@ -84,7 +86,9 @@ class CurveFitter {
   CurveFit<Dim> Run() {
     RequireEnough();
     MakeProblem();
+    clock_.Enter(&StageSeconds::parameterize);
     FindCorners();
+    clock_.Enter(&StageSeconds::solve);
     if (distance_ == CurveDistance::kParameter && !ordered_.closed) {
       FitAtParameters();
     } else if (options_.smooth_by != SmoothBy::kWeight) {
@@ -140,7 +144,6 @@ class CurveFitter {
     input.origin = cloud_.origin();
     input.box_min = cloud_.origin() + cloud_.points().rowwise().minCoeff();
     input.box_max = cloud_.origin() + cloud_.points().rowwise().maxCoeff();
-    report_.seconds.prepare = watch_.Lap();
   }
 
   // Corners, and the parameters with the seam at one of them.
@@ -157,7 +160,6 @@ class CurveFitter {
     Eigen::Matrix2Xd parameters = problem_->data().parameters;
     parameters.row(0) = given_;
     problem_ = problem_->WithParameters(std::move(parameters));
-    report_.seconds.parameterize = watch_.Lap();
   }
 
   SpanLayout EqualSpans(int spans, std::vector<double> corners) const {
@@ -183,7 +185,6 @@ class CurveFitter {
       }
       if (robust) Reweight(start.WithBasis(problem_->basis_u()));
     }
-    report_.seconds.solve = watch_.Lap();
     if (options_.tolerance) {
       RefineAtParameters();
     } else {
@@ -208,6 +209,7 @@ class CurveFitter {
   }
 
   void RefineAtParameters() {
+    clock_.Enter(&StageSeconds::refine);
     if (!options_.control_points) problem_ = problem_->WithBasis(Uniform(options_.degree + 1));
     SpanRefineOptions refine;
     refine.tolerance = *options_.tolerance;
@@ -219,7 +221,6 @@ class CurveFitter {
     report_.termination = refined.termination;
     problem_ = std::move(refined.problem);
     Take(refined.solution);
-    report_.seconds.refine = watch_.Lap();
   }
 
   SpanAdaptOptions AdaptOptions() const {
@@ -307,7 +308,6 @@ class CurveFitter {
                            : robust ? WeightedWhole(adapted, *loss)
                                     : problem_->WithBasis(adapted.layout.Basis());
     Settle(std::move(whole), adapted.layout);
-    report_.seconds.solve = watch_.Lap();
   }
 
   RobustCurve Losses(Loss loss, bool all) const {
@@ -438,7 +438,6 @@ class CurveFitter {
     report_.termination = Termination::kNoiseReached;
     problem_ = std::move(problem);
     Take(SolveLinear(*problem_, pool_));
-    report_.seconds.solve = watch_.Lap();
   }
 
   // Fits the number of control points asked for, with equal spans or spans adapted to the data.
@@ -468,7 +467,6 @@ class CurveFitter {
       fit.problem = *problem_;
     }
     Settle(std::move(fit.problem), layout);
-    report_.seconds.solve = watch_.Lap();
   }
 
   // Layouts with as many spans as `even`, adapted to the data: with the density that adaptation
@@ -510,10 +508,11 @@ class CurveFitter {
       summary.why = "residuals are at the noise";
       return;
     }
+    clock_.Enter(&StageSeconds::project);
     const Eigen::VectorXd distances = AtTheirPlaces(*problem_, curve_->control_points());
     const double rms = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
     summary.rms_before = summary.rms_after = rms;
-    report_.seconds.project = watch_.Lap();
+    clock_.Enter(&StageSeconds::optimize);
     if (report_.termination == Termination::kCancelled) return;
     OptimizeOptions optimize;
     if (options_.optimize) {
@@ -564,6 +563,7 @@ class CurveFitter {
   // Tries few rational spans where weights are free.
   bool FitRationally() {
     if (!options_.optimize || !options_.optimize->weights || options_.control_points) return false;
+    clock_.Enter(&StageSeconds::optimize);
     OptimizeSummary& summary = report_.optimize;
     const Eigen::VectorXd distances = AtTheirPlaces(*problem_, curve_->control_points());
     RationalSpansOptions rational;
@@ -622,7 +622,6 @@ class CurveFitter {
       summary.why += "; not taken, as it left the ends of the points";
       summary.rms_after = summary.rms_before;
     }
-    report_.seconds.optimize = watch_.Lap();
   }
 
   // Returns the distances at the parameters, orthogonal to the curve where these are foot points.
@@ -631,22 +630,20 @@ class CurveFitter {
   }
 
   CurveFit<Dim> Measure() {
-    CurveFit<Dim> fit = MeasuredCurve<Dim>({cloud_,
-                                            ordered_,
-                                            sequence_outliers_,
-                                            options_,
-                                            problem_->data().weights,
-                                            problem_->data().parameters.row(0).transpose(),
-                                            distance_,
-                                            noise_,
-                                            problem_->unknowns()},
-                                           *curve_,
-                                           middle_,
-                                           std::move(report_),
-                                           pool_);
-    fit.report.seconds.project += watch_.Lap();
-    fit.report.seconds.total = total_.Lap();
-    return fit;
+    clock_.Enter(&StageSeconds::project);
+    return MeasuredCurve<Dim>({cloud_,
+                               ordered_,
+                               sequence_outliers_,
+                               options_,
+                               problem_->data().weights,
+                               problem_->data().parameters.row(0).transpose(),
+                               distance_,
+                               noise_,
+                               problem_->unknowns()},
+                              *curve_,
+                              middle_,
+                              std::move(report_),
+                              pool_);
   }
 
   // The number of directions that the noise has: plane points in space are noisy in the plane only.
@@ -668,7 +665,7 @@ class CurveFitter {
   const PointMask& sequence_outliers_;
   const CurveFitOptions& options_;
   ThreadPool& pool_;
-  Stopwatch watch_, total_;
+  StageClock& clock_;
   FitReport report_;
   CurveDistance distance_;                             // kParameter or kPoint
   std::optional<DistanceModel> model_ = std::nullopt;  // to go on with after points
@@ -691,13 +688,22 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,
                          const PointMask& sequence_outliers,
                          const CurveFitOptions& options,
-                         ThreadPool& pool) {
-  return CurveFitter<Dim>(cloud, ordered, sequence_outliers, options, pool).Run();
+                         ThreadPool& pool,
+                         StageClock& clock) {
+  return CurveFitter<Dim>(cloud, ordered, sequence_outliers, options, pool, clock).Run();
 }
 
-template CurveFit<2> FitOrdered<2>(
-    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
-template CurveFit<3> FitOrdered<3>(
-    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+template CurveFit<2> FitOrdered<2>(const PointCloud&,
+                                   const OrderedPoints&,
+                                   const PointMask&,
+                                   const CurveFitOptions&,
+                                   ThreadPool&,
+                                   StageClock&);
+template CurveFit<3> FitOrdered<3>(const PointCloud&,
+                                   const OrderedPoints&,
+                                   const PointMask&,
+                                   const CurveFitOptions&,
+                                   ThreadPool&,
+                                   StageClock&);
 
 }  // namespace batten::internal

@@ -5,6 +5,7 @@
 #include "batten/fitting/curve_options.h"
 #include "batten/fitting/ordered_points.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/core/stage_clock.h"
 
 namespace batten::internal {
 
@@ -15,11 +16,20 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          const OrderedPoints& ordered,
                          const PointMask& sequence_outliers,
                          const CurveFitOptions& options,
-                         ThreadPool& pool);
+                         ThreadPool& pool,
+                         StageClock& clock);
 
-extern template CurveFit<2> FitOrdered<2>(
-    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
-extern template CurveFit<3> FitOrdered<3>(
-    const PointCloud&, const OrderedPoints&, const PointMask&, const CurveFitOptions&, ThreadPool&);
+extern template CurveFit<2> FitOrdered<2>(const PointCloud&,
+                                          const OrderedPoints&,
+                                          const PointMask&,
+                                          const CurveFitOptions&,
+                                          ThreadPool&,
+                                          StageClock&);
+extern template CurveFit<3> FitOrdered<3>(const PointCloud&,
+                                          const OrderedPoints&,
+                                          const PointMask&,
+                                          const CurveFitOptions&,
+                                          ThreadPool&,
+                                          StageClock&);
 
 }  // namespace batten::internal

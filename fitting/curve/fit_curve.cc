@@ -9,7 +9,7 @@
 
 #include "batten/fitting/curve_components.h"
 #include "batten/geometry/thread_pool.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 #include "fitting/curve/curve_fitter.h"
 
 namespace batten {
@@ -23,6 +23,7 @@ class Components {
  public:
   Components(const PointCloud& cloud, const CurveFitOptions& options)
       : cloud_(cloud), options_(options), pool_(options.threads) {
+    StageClock clock;
     Check(options);
     if (cloud.dimension() > Dim) {
       throw std::invalid_argument("the points are in space: a plane curve can't follow them");
@@ -35,7 +36,7 @@ class Components {
     arrange.closed = options.closed;
     arrange.find_outliers = !options.loss || *options.loss != Loss::kNone;
     arranged_ = ArrangeCurves(cloud, arrange, pool_, options.progress);
-    seconds_ = watch_.Lap();
+    seconds_ = clock.Seconds();
   }
 
   size_t size() const { return arranged_.curves.size(); }
@@ -69,11 +70,11 @@ class Components {
 
   // `alone`: the others are not fitted.
   CurveFit<Dim> Fit(size_t component, bool alone) {
-    Stopwatch watch;
+    StageClock clock;
     CurveFit<Dim> fit = FitOrdered<Dim>(
-        cloud_, arranged_.curves[component], arranged_.sequence_outliers, options_, pool_);
-    fit.report.seconds.prepare += seconds_;
-    fit.report.seconds.total = watch.Lap() + seconds_;
+        cloud_, arranged_.curves[component], arranged_.sequence_outliers, options_, pool_, clock);
+    fit.report.seconds = clock.Seconds();
+    fit.report.seconds += std::exchange(seconds_, {});
     fit.report.warnings.insert(
         fit.report.warnings.begin(), arranged_.warnings.begin(), arranged_.warnings.end());
     if (alone && size() > 1) {
@@ -88,10 +89,9 @@ class Components {
  private:
   const PointCloud& cloud_;
   const CurveFitOptions& options_;
-  Stopwatch watch_;
   ThreadPool pool_;
   CurveComponents arranged_;
-  double seconds_ = 0;
+  StageSeconds seconds_;  // of the arrangement, until a fit takes them
 };
 
 }  // namespace

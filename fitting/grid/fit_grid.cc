@@ -7,7 +7,7 @@
 
 #include "batten/fitting/approximate_grid.h"
 #include "batten/fitting/interpolate_grid.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 #include "fitting/grid/fill_cells.h"
 #include "fitting/grid/grid_input.h"
 #include "fitting/parameterization/parameterization.h"
@@ -110,19 +110,19 @@ Eigen::Matrix2Xd AllPairs(const GridParameters& parameters, int rows, int column
 
 SurfaceFit FitGrid(const PointCloud& cloud, const GridFitOptions& options) {
   Check(options);
-  Stopwatch watch, total;
+  StageClock clock;
   ThreadPool pool(options.threads);
   Report(options.progress, "grid", 0);
   GridInput input = ReadGrid(cloud, options);
   const MergedCloud merged = MergeDuplicates(cloud);
   FitReport report;
   report.threads = pool.threads();
-  report.seconds.prepare = watch.Lap();
+  clock.Enter(&StageSeconds::solve);
   Report(options.progress, "grid", 0.1);
   input.net = WithFilledCells(input.net, input.parameters);
   const GridAnswer answer = Answer(input, options, pool);
   const Eigen::Matrix2Xd starts = StartsOf(merged, input, answer.grid.parameters, options);
-  report.seconds.solve = watch.Lap();
+  clock.Enter(&StageSeconds::project);
   Report(options.progress, "measure", 0);
   report.input = Summarise(cloud, input, merged.duplicates);
   report.geometry.base = "grid";
@@ -144,8 +144,7 @@ SurfaceFit FitGrid(const PointCloud& cloud, const GridFitOptions& options) {
                               pool,
                               std::move(report),
                               &starts);
-  fit.report.seconds.project = watch.Lap();
-  fit.report.seconds.total = total.Lap();
+  fit.report.seconds = clock.Seconds();
   return fit;
 }
 

@@ -9,7 +9,7 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/fitting/ordered_points.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -135,14 +135,14 @@ InputSummary Describe(const PointCloud& cloud, const OrderedPoints& ordered) {
 template <int Dim>
 CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolationOptions& options) {
   Check(options);
-  Stopwatch watch, total;
+  StageClock clock;
   const Row<Dim> row = RowOf<Dim>(cloud, options);
   FitReport report;
   report.input = Describe(cloud, row.ordered);
-  report.seconds.prepare = watch.Lap();
+  clock.Enter(&StageSeconds::solve);
   const InterpolatedCurve<Dim> local = Interpolated<Dim>(row, options);
   RequireMet(local, row);
-  report.seconds.solve = watch.Lap();
+  clock.Enter(&StageSeconds::project);
   // Errors are measured on the curve that is returned.
   const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - options.shift).template head<Dim>();
   CurveFit<Dim> fit{
@@ -168,8 +168,7 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
   report.termination = !options.tolerance                   ? Termination::kNoiseReached
                        : report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
                                                             : Termination::kStalled;
-  report.seconds.project = watch.Lap();
-  report.seconds.total = total.Lap();
+  report.seconds = clock.Seconds();
   fit.report = std::move(report);
   return fit;
 }

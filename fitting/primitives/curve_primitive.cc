@@ -333,7 +333,7 @@ PrimitiveSummary CurvePrimitive::Summary(double scale) const {
 }
 
 PrimitiveFit CurvePrimitive::Fit() {
-  input_.report.seconds.solve = input_.watch.Lap();
+  input_.clock.Enter(&StageSeconds::project);
   return input_.plane() ? Measure<2>() : Measure<3>();
 }
 

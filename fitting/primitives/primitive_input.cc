@@ -55,7 +55,7 @@ PrimitiveInput::PrimitiveInput(const PointCloud& given, const PrimitiveFitOption
   move = cloud.origin() - options.shift;
   const double far = summary.box_min.cwiseAbs().cwiseMax(summary.box_max.cwiseAbs()).maxCoeff();
   rounding = std::max(kExact, 4 * std::numeric_limits<double>::epsilon() * far / size);
-  report.seconds.prepare = watch.Lap();
+  clock.Enter(&StageSeconds::solve);
 }
 
 double PrimitiveInput::Anywhere(Eigen::Index count) const {
@@ -86,8 +86,7 @@ void FinishReport(PrimitiveInput& input,
   report.geometry.kind = kind;
   report.geometry.base = primitive.kind;
   report.geometry.primitive = std::move(primitive);
-  report.seconds.project = input.watch.Lap();
-  report.seconds.total = input.total.Lap();
+  report.seconds = input.clock.Seconds();
   fit.report = std::move(report);
 }
 

@@ -8,9 +8,9 @@
 
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/primitive_options.h"
-#include "fitting/primitives/shape_data.h"
-#include "fitting/core/stopwatch.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/core/stage_clock.h"
+#include "fitting/primitives/shape_data.h"
 
 namespace batten::internal {
 
@@ -23,7 +23,7 @@ struct PrimitiveInput {
   const PointCloud& cloud;
   const PrimitiveFitOptions& options;
   ThreadPool pool;
-  Stopwatch watch, total;
+  StageClock clock;
   FitReport report;
   MergedCloud merged;
   double unit = 1;         // about the points' size

@@ -259,7 +259,8 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
   round.rms = std::sqrt(fit.distances.squaredNorm() / static_cast<double>(points.cols()));
   round.max = fit.distances.cwiseAbs().maxCoeff();
   round.score = fit.sigma;
-  round.seconds = report.seconds.solve = input.watch.Lap();
+  round.seconds = input.clock.Seconds().solve;
+  input.clock.Enter(&StageSeconds::project);
   report.iterations.push_back(round);
   const ExactSurface local = Placed(described.patch, 1, -input.move);
   Eigen::Matrix2Xd feet = FootPointsOn(local, points, input.pool);

@@ -10,7 +10,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/cloud/voxel_downsample.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 #include "fitting/surface/given_parameters.h"
 #include "fitting/surface/surface_fitter.h"
 #include "fitting/surface/surface_measurement.h"
@@ -41,14 +41,14 @@ class SurfacePipeline {
  public:
   SurfacePipeline(const PointCloud& cloud,
                   const SurfaceFitOptions& options,
+                  StageClock& clock,
                   std::optional<CloudSymmetry> symmetry = std::nullopt)
-      : cloud_(cloud), pool_(options.threads) {
+      : cloud_(cloud), pool_(options.threads), clock_(clock) {
     if (options.given_parameters) {
-      given_ = PrepareGiven(cloud, options, pool_);
+      given_ = PrepareGiven(cloud, options, pool_, clock);
     } else {
-      prepared_ = PrepareCloud(cloud, options, pool_, std::move(symmetry));
+      prepared_ = PrepareCloud(cloud, options, pool_, clock, std::move(symmetry));
     }
-    prepare_seconds_ = watch_.Lap();
   }
 
   // Whether the last fit set outliers aside or bounded them without being asked to.
@@ -57,19 +57,19 @@ class SurfacePipeline {
   SurfaceFit Fit(const SurfaceFitOptions& asked) {
     const SurfaceFitOptions options = WithDegreesOfSides(asked);
     const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
-    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
-    const double so_far = prepared_.base_seconds;
-    if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_)) {
-      prepare_seconds_ += prepared_.base_seconds - so_far;
-      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_);
-    }
+    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+    clock_.Enter(&StageSeconds::parameterize);
+    if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_))
+      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
     used_robust_weights_ = fitted.doubted;
+    clock_.Enter(&StageSeconds::solve);
     if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
     if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
+    clock_.Enter(&StageSeconds::trim);
     TrimToUsed(fitted, prepared, options, pool_);
     if (options.domain) TakeParametersOf(*options.domain, fitted.draft);
     if (options.side_of_normals) TakeSideOfNormals(fitted.draft);
-    watch_.Lap();
+    clock_.Enter(&StageSeconds::project);
     SurfaceFit fit =
         MeasureFit(given_ ? given_->InUsersUnits(fitted.draft.surface) : fitted.draft.surface,
                    cloud_,
@@ -84,8 +84,6 @@ class SurfacePipeline {
     const bool kept =
         !fit.report.optimize.ran || (options.optimize && !options.optimize->parameters);
     if (given_ && kept) fit.report.parameter_error = AtParameters(fit, cloud_, options);
-    fit.report.seconds.project += watch_.Lap();
-    fit.report.seconds.total = total_.Lap();
     return fit;
   }
 
@@ -116,17 +114,14 @@ class SurfacePipeline {
     report.geometry.base_why = prepared.base.why;
     if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
     report.warnings = prepared.warnings;
-    report.seconds.parameterize = prepared.base_seconds;
-    report.seconds.prepare = prepare_seconds_ - prepared.base_seconds;
     return report;
   }
 
   const PointCloud& cloud_;
   ThreadPool pool_;
-  Stopwatch watch_, total_;
+  StageClock& clock_;
   PreparedCloud prepared_;
   std::optional<GivenParameters> given_;
-  double prepare_seconds_ = 0;
   bool used_robust_weights_ = false;
 };
 
@@ -140,13 +135,17 @@ SurfaceFit Explained(SurfaceFit without, SurfaceFit with_all) {
 }
 
 // Converts the fit of a cloud with its mirror image to a fit of the cloud.
-SurfaceFit FitSymmetric(const PointCloud& cloud, const SurfaceFitOptions& options) {
+SurfaceFit FitSymmetric(const PointCloud& cloud,
+                        const SurfaceFitOptions& options,
+                        StageClock& clock) {
   MirrorPlane plane = *options.symmetric;
   const double length = plane.normal.norm();
   plane = {plane.normal / length, plane.offset / length};
   SymmetricCloud both = WithMirrorImage(cloud, plane);
-  SurfacePipeline road(
-      both.cloud, options, CloudSymmetry{plane.From(both.cloud.origin()), std::move(both.twins)});
+  SurfacePipeline road(both.cloud,
+                       options,
+                       clock,
+                       CloudSymmetry{plane.From(both.cloud.origin()), std::move(both.twins)});
   SurfaceFit fit = road.Fit(options);
   const Eigen::Index own = cloud.size();
   fit.parameters.conservativeResize(2, own);
@@ -203,17 +202,21 @@ std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
   return beyond;
 }
 
+SurfaceFit FitTimed(const PointCloud&, const SurfaceFitOptions&, StageClock&);
+
 // Converts the fit of a thinned cloud to a fit of the cloud, with every point measured.
-SurfaceFit FitDownsampled(const PointCloud& cloud, const SurfaceFitOptions& options) {
-  Stopwatch watch;
+SurfaceFit FitDownsampled(const PointCloud& cloud,
+                          const SurfaceFitOptions& options,
+                          StageClock& clock) {
   DownsampledCloud thinned = Thinned(cloud, *options.thin);
   SurfaceFitOptions plain = options;
   plain.thin.reset();
-  SurfaceFit fit = FitSurface(thinned.cloud, plain);
+  SurfaceFit fit = FitTimed(thinned.cloud, plain, clock);
   PointDistances found = AllDistances(cloud, thinned, fit, options);
   if (const auto beyond = BeyondTheBorder(cloud, thinned, fit, found, options); !beyond.empty()) {
     thinned = WithPoints(cloud, std::move(thinned), beyond);
-    fit = FitSurface(thinned.cloud, plain);
+    clock.Enter(&StageSeconds::prepare);
+    fit = FitTimed(thinned.cloud, plain, clock);
     found = AllDistances(cloud, thinned, fit, options);
   }
   const Eigen::Index all = cloud.size(), stayed = thinned.cloud.size();
@@ -240,23 +243,28 @@ SurfaceFit FitDownsampled(const PointCloud& cloud, const SurfaceFitOptions& opti
                                 "counted (error_all counts them)");
     }
   }
-  const double seconds = watch.Lap();
-  report.seconds.prepare += std::max(0.0, seconds - report.seconds.total);
-  report.seconds.total = seconds;
   return fit;
+}
+
+// With all but the report's seconds.
+SurfaceFit FitTimed(const PointCloud& cloud, const SurfaceFitOptions& options, StageClock& clock) {
+  if (options.thin) return FitDownsampled(cloud, options, clock);
+  if (options.symmetric) return FitSymmetric(cloud, options, clock);
+  SurfacePipeline road(cloud, options, clock);
+  SurfaceFit fit = road.Fit(options);
+  const bool free_knots = options.optimize && options.optimize->knots && !options.given_parameters;
+  if (!road.doubted() || !free_knots) return fit;
+  return Explained(std::move(fit), road.FitAll(options));
 }
 
 }  // namespace
 
 SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
   Check(options);
-  if (options.thin) return FitDownsampled(cloud, options);
-  if (options.symmetric) return FitSymmetric(cloud, options);
-  SurfacePipeline road(cloud, options);
-  SurfaceFit fit = road.Fit(options);
-  const bool free_knots = options.optimize && options.optimize->knots && !options.given_parameters;
-  if (!road.doubted() || !free_knots) return fit;
-  return Explained(std::move(fit), road.FitAll(options));
+  StageClock clock;
+  SurfaceFit fit = FitTimed(cloud, options, clock);
+  fit.report.seconds = clock.Seconds();
+  return fit;
 }
 
 }  // namespace batten

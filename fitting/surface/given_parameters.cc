@@ -14,7 +14,6 @@
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/knot_vectors.h"
-#include "fitting/core/stopwatch.h"
 
 namespace batten::internal {
 namespace {
@@ -115,7 +114,8 @@ NurbsSurface GivenParameters::InUsersUnits(const NurbsSurface& surface) const {
 
 GivenParameters PrepareGiven(const PointCloud& cloud,
                              const SurfaceFitOptions& options,
-                             ThreadPool& pool) {
+                             ThreadPool& pool,
+                             StageClock& clock) {
   Report(options.progress, "prepare", 0);
   if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
   if (cloud.parameters().cols() == 0) {
@@ -145,7 +145,7 @@ GivenParameters PrepareGiven(const PointCloud& cloud,
     prepared.used[prepared.merged.place[at]] = !prepared.statistics.outliers[places.place[at]];
   }
   prepared.statistics.outliers = !prepared.used;
-  Stopwatch watch;
+  clock.Enter(&StageSeconds::parameterize);
   Parameterization& base = prepared.base;
   base.name = "given";
   base.why = "asked for";
@@ -162,7 +162,6 @@ GivenParameters PrepareGiven(const PointCloud& cloud,
   base.length_v = lengths[1];
   base.parameters = lengths.asDiagonal() * base.parameters;
   SortByPlace(prepared);
-  prepared.base_seconds = watch.Lap();
   return given;
 }
 

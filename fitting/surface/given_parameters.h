@@ -24,6 +24,7 @@ struct GivenParameters {
 // on a line.
 GivenParameters PrepareGiven(const PointCloud& cloud,
                              const SurfaceFitOptions& options,
-                             ThreadPool& pool);
+                             ThreadPool& pool,
+                             StageClock& clock);
 
 }  // namespace batten::internal

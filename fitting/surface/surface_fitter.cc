@@ -15,7 +15,6 @@
 #include "fitting/cloud/local_outlier_factor.h"
 #include "fitting/cloud/residual_outliers.h"
 #include "fitting/constraints/constrained_surface.h"
-#include "fitting/core/stopwatch.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/choose_smoothing.h"
@@ -50,18 +49,21 @@ class SurfaceFitter {
   SurfaceFitter(const PreparedCloud& prepared,
                 const SurfaceFitOptions& options,
                 FitReport report,
-                ThreadPool& pool)
+                ThreadPool& pool,
+                StageClock& clock)
       : prepared_(prepared),
         own_base_(prepared.reached.all() ? Parameterization{} : prepared.base),
         base_(prepared.reached.all() ? prepared.base : own_base_),
         points_(prepared.merged.cloud),
         options_(options),
         pool_(pool),
+        clock_(clock),
         report_(std::move(report)),
         used_(prepared.used) {}
 
   FittedState Run() {
     RequireRoomToClose();
+    clock_.Enter(&StageSeconds::solve);
     ClassifyInliers();
     if (options_.tolerance) {
       Refine();
@@ -86,7 +88,7 @@ class SurfaceFitter {
     if (prepared_.conditions.any()) {
       report_.optimize.why = "the surface meets conditions, which free points would leave";
     } else {
-      OptimiseWhereItPays(draft, options_, pool_, watch_, report_);
+      OptimiseWhereItPays(draft, options_, pool_, clock_, report_);
     }
     report_.geometry.distortion = DistortionAt(draft.surface, draft.parameters);
     report_.geometry.poles = {base_.poles.start != PoleKind::kNone,
@@ -215,7 +217,6 @@ class SurfaceFitter {
       // choose the bases.
       Take(ProblemOf(used_).WithBases(problem_->basis_u(), problem_->basis_v()));
     }
-    report_.seconds.solve = watch_.Lap();
   }
 
   // Removes isolated points: outliers on the surface's continuation beyond an edge of the shape
@@ -366,6 +367,7 @@ class SurfaceFitter {
   }
 
   void Refine() {
+    clock_.Enter(&StageSeconds::refine);
     if (!options_.control_points) Take(CoarsestWithin());
     RefineOptions refine;
     refine.tolerance = *options_.tolerance;
@@ -385,7 +387,6 @@ class SurfaceFitter {
     // Where parameters are part of the data the joint stage starts from those.
     parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
     empty_area_fraction_ = refined.empty_area_fraction;
-    report_.seconds.refine = watch_.Lap();
   }
 
   // The fairness weight chosen from the data.
@@ -432,11 +433,11 @@ class SurfaceFitter {
     report_.termination = Termination::kNoiseReached;
     surface_ = base_.Surface(problem_->basis_u(), problem_->basis_v(), solution.coefficients);
     parameters_ = problem_->data().parameters;
-    report_.seconds.solve += watch_.Lap();
   }
 
   // Solves under the constraints over the bases chosen without them.
   void MeetConditions() {
+    clock_.Enter(&StageSeconds::solve);
     const FittingProblem problem =
         options_.tolerance ? ProblemOf(used_).WithBases(surface_->basis_u(), surface_->basis_v())
                            : *problem_;
@@ -451,7 +452,6 @@ class SurfaceFitter {
     }
     surface_ = std::move(solution.surface);
     parameters_ = problem.data().parameters;
-    report_.seconds.solve += watch_.Lap();
   }
 
   void Record(const std::vector<RoundSummary>& rounds) {
@@ -464,7 +464,7 @@ class SurfaceFitter {
   const PointCloud& points_;
   const SurfaceFitOptions& options_;
   ThreadPool& pool_;
-  Stopwatch watch_;
+  StageClock& clock_;
   FitReport report_;
   PointMask used_;                          // inliers among the merged points
   PointCloud used_cloud_;                   // the points of used_
@@ -484,8 +484,9 @@ class SurfaceFitter {
 FittedState FitOverBase(const PreparedCloud& prepared,
                         const SurfaceFitOptions& options,
                         FitReport report,
-                        ThreadPool& pool) {
-  return SurfaceFitter(prepared, options, std::move(report), pool).Run();
+                        ThreadPool& pool,
+                        StageClock& clock) {
+  return SurfaceFitter(prepared, options, std::move(report), pool, clock).Run();
 }
 
 }  // namespace batten::internal

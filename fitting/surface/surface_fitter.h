@@ -24,6 +24,7 @@ struct FittedState {
 FittedState FitOverBase(const PreparedCloud& prepared,
                         const SurfaceFitOptions& options,
                         FitReport report,
-                        ThreadPool& pool);
+                        ThreadPool& pool,
+                        StageClock& clock);
 
 }  // namespace batten::internal

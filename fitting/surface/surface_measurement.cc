@@ -162,13 +162,14 @@ std::vector<int> PolePoints(const SurfaceState& draft) {
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
                          ThreadPool& pool,
-                         Stopwatch& watch,
+                         StageClock& clock,
                          FitReport& report) {
+  clock.Enter(&StageSeconds::project);
   const PointDistances before =
       DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool);
   const Eigen::Index points = draft.used.size();
   const double rms = std::sqrt(before.distances.squaredNorm() / static_cast<double>(points));
-  report.seconds.project += watch.Lap();
+  clock.Enter(&StageSeconds::optimize);
   report.optimize.rms_before = report.optimize.rms_after = rms;
   if (report.termination == Termination::kCancelled) return;
   // The noise of exact points is rounding, far below the errors a joint stage could reduce.
@@ -222,7 +223,6 @@ void OptimiseWhereItPays(SurfaceState& draft,
     return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
   };
   const double rms_after = std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
-  report.seconds.optimize = watch.Lap();
   if (options.tolerance && !options.optimize && keeps_tolerance(before) &&
       !keeps_tolerance(after)) {
     report.optimize.why += "; what it found does not keep the tolerance and was not taken";

@@ -9,7 +9,7 @@
 #include "batten/fitting/poles.h"
 #include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
-#include "fitting/core/stopwatch.h"
+#include "fitting/core/stage_clock.h"
 
 namespace batten::internal {
 
@@ -26,11 +26,11 @@ struct SurfaceState {
 
 // Runs the joint optimization of the draft with the variables the options free; where they leave it
 // open, only where it pays: residuals are above the noise and there are points enough for free
-// parameters. Fills report.optimize and seconds.
+// parameters. Fills report.optimize.
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
                          ThreadPool& pool,
-                         Stopwatch& watch,
+                         StageClock& clock,
                          FitReport& report);
 
 // The report's input section: points read, duplicates merged, spacing and noise.

@@ -12,7 +12,6 @@
 
 #include "batten/fitting/neighbours.h"
 #include "fitting/cloud/local_outlier_factor.h"
-#include "fitting/core/stopwatch.h"
 
 namespace batten::internal {
 
@@ -95,7 +94,6 @@ void TakeBase(PreparedCloud& prepared,
               const NeighbourIndex& index,
               const SurfaceFitOptions& options,
               ThreadPool& pool) {
-  Stopwatch watch;
   auto [choice, conditions] =
       ChooseConditionedBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
   prepared.conditions = std::move(conditions);
@@ -105,7 +103,6 @@ void TakeBase(PreparedCloud& prepared,
   prepared.warnings = std::move(choice.warnings);
   prepared.used = prepared.reached && !prepared.statistics.outliers;
   SortByPlace(prepared);
-  prepared.base_seconds += watch.Lap();
 }
 
 // Removes isolated points where there are outliers: those beside the shape's edges look like its
@@ -157,6 +154,7 @@ bool TakeSmallerBase(PreparedCloud& prepared,
 PreparedCloud PrepareCloud(const PointCloud& cloud,
                            const SurfaceFitOptions& options,
                            ThreadPool& pool,
+                           StageClock& clock,
                            std::optional<CloudSymmetry> symmetry) {
   PreparedCloud prepared;
   prepared.symmetry = std::move(symmetry);
@@ -174,6 +172,7 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   prepared.statistics = MeasureCloud(points.points(), index, statistics, pool, options.progress);
   if (!options.keep_outliers) FlagOutliers(points, prepared.statistics, pool);
   Report(options.progress, "parameterize", 0);
+  clock.Enter(&StageSeconds::parameterize);
   TakeBase(prepared, index, options, pool);
   return prepared;
 }

@@ -13,6 +13,7 @@
 #include "batten/geometry/thread_pool.h"
 #include "fitting/constraints/conditioned_base.h"
 #include "fitting/constraints/symmetric_cloud.h"
+#include "fitting/core/stage_clock.h"
 #include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
@@ -38,7 +39,6 @@ struct PreparedCloud {
   PointMask reached;  // mask of the merged points: parameterized by the base
   PointMask used;     // mask of the merged points: initial inliers
   std::vector<std::string> warnings;
-  double base_seconds = 0;  // time spent finding the base
 };
 
 // Merges duplicates, measures spacing and noise, flags outliers, finds the base, and sorts the
@@ -48,6 +48,7 @@ struct PreparedCloud {
 PreparedCloud PrepareCloud(const PointCloud& cloud,
                            const SurfaceFitOptions& options,
                            ThreadPool& pool,
+                           StageClock& clock,
                            std::optional<CloudSymmetry> symmetry = std::nullopt);
 
 // Sorts points so that neighbours in the base are neighbours in memory, because later stages visit

@@ -161,6 +161,7 @@ Json Seconds(const StageSeconds& seconds) {
           {"project", Number(seconds.project)},
           {"refine", Number(seconds.refine)},
           {"optimize", Number(seconds.optimize)},
+          {"trim", Number(seconds.trim)},
           {"write", Number(seconds.write)},
           {"total", Number(seconds.total)}};
 }

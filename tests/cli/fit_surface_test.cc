@@ -87,6 +87,7 @@ TEST_F(FitSurfaceCommandTest, ReportHasEveryFieldOfTheContract) {
                           "project",
                           "refine",
                           "optimize",
+                          "trim",
                           "write",
                           "total"}) {
     EXPECT_TRUE(report["seconds"].contains(key)) << key;

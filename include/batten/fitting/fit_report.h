@@ -125,9 +125,12 @@ struct RoundSummary {
   double seconds = 0;
 };
 
+// The time of the stages; every moment of the total belongs to one.
 struct StageSeconds {
   double read = 0, prepare = 0, parameterize = 0, solve = 0, project = 0, refine = 0, optimize = 0,
-         write = 0, total = 0;
+         trim = 0, write = 0, total = 0;
+
+  StageSeconds& operator+=(const StageSeconds& more);  // stage by stage
 };
 
 // The errors at one of several geometries, over the points nearest to it.

@@ -270,8 +270,18 @@ function runTable(data) {
       }
     }
   }
-  const names = { read: "reading", prepare: "preparing", parameterize: "parametrising", solve: "solving",
-    project: "foot points", refine: "refining", optimize: "joint optimisation", write: "writing", total: "in all" };
+  const names = {
+    read: 'reading',
+    prepare: 'preparing',
+    parameterize: 'parametrising',
+    solve: 'solving',
+    project: 'foot points',
+    refine: 'refining',
+    optimize: 'joint optimisation',
+    trim: 'trimming',
+    write: 'writing',
+    total: 'in all'
+  };
   for (const [field, label] of Object.entries(names)) {
     const value = (r.seconds || {})[field];
     if (value >= 0.0005) rows.push([label, seconds(value)]);

@@ -113,6 +113,7 @@ TEST(ReportJsonTest, HasEveryFieldOfTheContractInItsOrder) {
                    "project",
                    "refine",
                    "optimize",
+                   "trim",
                    "write",
                    "total"}));
 }
