@@ -498,7 +498,7 @@ bool ParameterizeByOutline(Parameterization& base,
   const double spacing = sparseness * mean_spacing;
   const Outline outline = OutlineOf(base, reached, spacing, noise, pool);
   // A loop of degree one is the rectangle itself.
-  if (outline.fills || outline.loops.empty() || outline.loops.front().loop.basis().degree() == 1) {
+  if (outline.fills || outline.parts != 1 || outline.loops.front().loop.basis().degree() == 1) {
     return false;
   }
   Ring ring;

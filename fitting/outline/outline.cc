@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/outline.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include "fitting/outline/outline_polygon.h"
 #include "fitting/outline/outline_spline.h"
 #include "fitting/outline/periodic_copies.h"
+#include "geometry/editing/trim_faults.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -28,7 +31,12 @@ constexpr double kRadius = 2.5;     // of the alpha shape
 constexpr double kLeastArea = 36;   // smaller holes and parts are ignored
 constexpr double kOutwards = 0.43;  // how far random points' ragged border lies inside, measured
 constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which points lie outside
+constexpr double kRounding = 1e-12;  // of the rectangle
 constexpr double kFarthest = 1.5;   // points farther outside are not contained
+constexpr double kPinned = 4;       // radius about a crossing that is first put back on the border
+constexpr double kHidden = 3;       // points farther outside get a part of their own …
+constexpr double kDisc = 1;         // … of this radius about each
+constexpr double kWiden = 4;        // factor of the radius where that does not undo the crossing
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {
@@ -45,21 +53,28 @@ void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   if (parameters.cols() == 0) throw std::invalid_argument("FindOutline: parameters hold no point");
 }
 
-bool Contains(const OutlineLoop& loop, const Eigen::Vector2d& place) {
-  bool inside = false;
-  for (size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-    const Eigen::Vector2d &a = loop[i].place, &b = loop[j].place;
-    if ((a.y() > place.y()) != (b.y() > place.y()) &&
-        place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-      inside = !inside;
+bool HoldsOneOf(const Eigen::Matrix2Xd& points, const Eigen::Matrix2Xd& polygon) {
+  if (points.cols() == 0) return false;
+  const Eigen::AlignedBox2d box(polygon.rowwise().minCoeff(), polygon.rowwise().maxCoeff());
+  for (const auto& p : points.colwise()) {
+    if (!box.contains(Eigen::Vector2d(p))) continue;
+    bool inside = false;
+    for (Index i = 0, j = polygon.cols() - 1; i < polygon.cols(); j = i++) {
+      const Eigen::Vector2d a = polygon.col(i), b = polygon.col(j);
+      if ((a.y() > p.y()) != (b.y() > p.y()) &&
+          p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+        inside = !inside;
+    }
+    if (inside) return true;
   }
-  return inside;
+  return false;
 }
 
-// The largest part with its holes, by falling area.
-std::vector<OutlineLoop> LargestPart(std::vector<OutlineLoop> loops,
-                                     const OutlineOptions& options,
-                                     Outline& outline) {
+// The loops that bound parts of some size or hold a lone point, and holes of some size.
+std::vector<OutlineLoop> SizedParts(std::vector<OutlineLoop> loops,
+                                    const Eigen::Matrix2Xd& lone,
+                                    const OutlineOptions& options,
+                                    Outline& outline) {
   struct Sized {
     double area;
     OutlineLoop loop;
@@ -67,19 +82,18 @@ std::vector<OutlineLoop> LargestPart(std::vector<OutlineLoop> loops,
   std::vector<Sized> sized;
   for (OutlineLoop& loop : loops) {
     const double area = AreaInSpace(PolygonOf(loop), options);
-    if (std::abs(area) >= kLeastArea / 2) sized.push_back({area, std::move(loop)});
+    const bool holds = area > 0 && HoldsOneOf(lone, PolygonOf(loop));
+    if (holds || std::abs(area) >= kLeastArea / 2) sized.push_back({area, std::move(loop)});
   }
-  std::stable_sort(
-      sized.begin(), sized.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
+  std::stable_sort(sized.begin(), sized.end(), [](const auto& a, const auto& b) {
+    return (a.area > 0) != (b.area > 0) ? a.area > 0 : std::abs(a.area) > std::abs(b.area);
+  });
   outline.parts = static_cast<int>(
       std::count_if(sized.begin(), sized.end(), [](const Sized& s) { return s.area > 0; }));
-  std::vector<OutlineLoop> part;
-  if (outline.parts == 0) return part;
-  part.push_back(std::move(sized.front().loop));
-  for (size_t k = sized.size(); k-- > 1;)
-    if (sized[k].area < 0 && Contains(part.front(), sized[k].loop.front().place))
-      part.push_back(std::move(sized[k].loop));
-  return part;
+  std::vector<OutlineLoop> parts;
+  if (outline.parts == 0) return parts;
+  for (Sized& one : sized) parts.push_back(std::move(one.loop));
+  return parts;
 }
 
 OutlineCurve Rectangle(double u, double v) {
@@ -111,40 +125,59 @@ class OutlineSearch {
         spacing_(points_),
         sides_(options.length_u / options.spacing, options.length_v / options.spacing) {}
 
+  // Whether the points have one border, along the edges of the rectangle.
+  bool Fills() {
+    Outline outline;
+    const std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, options_, outline);
+    return parts.empty() || (parts.size() == 1 && FillsRectangle(parts.front(), spacing_, sides_));
+  }
+
   Outline Find() {
     Outline outline;
-    std::vector<OutlineLoop> part = LargestPart(Borders(), options_, outline);
-    if (part.empty()) {
+    std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, options_, outline);
+    if (parts.empty()) {
       outline.warnings.push_back("the points cover no area larger than " + NumberText(kLeastArea) +
                                  " spacings squared: no outline");
       outline.fills = true;
-      outline.parts = 0;
       return outline;
     }
+    if (const Eigen::Matrix2Xd lone = LonePoints(parts); lone.cols() > 0)
+      parts = SizedParts(Borders(lone), lone, options_, outline);
     if (outline.parts > 1)
       outline.warnings.push_back("the points fall into " + std::to_string(outline.parts) +
-                                 " parts: only the largest has an outline");
-    const bool whole = FillsRectangle(part.front(), spacing_, sides_);
-    outline.fills = whole && part.size() == 1;
+                                 " parts, each with an outline of its own");
+    const bool whole = FillsRectangle(parts.front(), spacing_, sides_);
+    outline.fills = whole && parts.size() == 1;
     if (outline.fills) return outline;
-    if (whole) {
-      outline.loops.push_back(Rectangle(options_.length_u, options_.length_v));
-      part.erase(part.begin());
-    }
-    for (OutlineLoop& loop : part) PutOnEdges(loop, sides_);
-    Smooth(part, whole, outline);
+    if (whole) parts.erase(parts.begin());
+    Smooth(parts, whole, outline);
     return outline;
   }
 
  private:
-  // The covered region, cut at the seams.
-  std::vector<OutlineLoop> Borders() const {
-    const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(points_, sides_, options_);
+  // The covered region, cut at the seams; with discs about lone points, however small.
+  std::vector<OutlineLoop> Borders(const Eigen::Matrix2Xd& lone) const {
+    Eigen::Matrix2Xd covered(2, points_.cols() + kOnDisc * lone.cols());
+    covered.leftCols(points_.cols()) = points_;
+    for (Index k = 0; k < kOnDisc * lone.cols(); ++k) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(k % kOnDisc) / kOnDisc;
+      covered.col(points_.cols() + k) =
+          (lone.col(k / kOnDisc) + kDisc * Eigen::Vector2d(std::cos(angle), std::sin(angle)))
+              .cwiseMax(0.0)
+              .cwiseMin(sides_);
+    }
+    const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(covered, sides_, options_);
     const auto stretch = [&](const Eigen::Vector2d& place) { return spacing_.At(place); };
     std::vector<OutlineLoop> loops;
-    for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, stretch, pool_))
-      if (std::abs(AreaInSpace(polygon, options_)) >= kLeastArea)
-        loops.push_back(SampledOutline(polygon, kOutwards));
+    for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, stretch, pool_)) {
+      const bool large = std::abs(AreaInSpace(polygon, options_)) >= kLeastArea;
+      if (!large && !(SignedArea(polygon) > 0 && HoldsOneOf(lone, polygon))) continue;
+      loops.push_back(SampledOutline(polygon, kOutwards));
+      // A small part is too short to be sampled.
+      if (!large)
+        PinToBorder(loops.back(),
+                    {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
+    }
     for (int axis = 0; axis < 2; ++axis) {
       if (!(axis == 0 ? options_.periodic_u : options_.periodic_v)) continue;
       loops = CutOutlines(loops, axis, 1, 0);
@@ -154,21 +187,46 @@ class OutlineSearch {
     return loops;
   }
 
-  void Smooth(const std::vector<OutlineLoop>& part, bool whole, Outline& outline) const {
-    std::vector<OutlineSpline> splines;
-    for (const OutlineLoop& loop : part) {
-      splines.push_back(SmoothedOutline(loop, options_.noise / options_.spacing));
-      FixOnEdges(splines.back());
+  // The points far outside the ragged borders.
+  Eigen::Matrix2Xd LonePoints(const std::vector<OutlineLoop>& parts) const {
+    std::vector<OutlineSpline> ragged;
+    for (OutlineLoop loop : parts) {
+      PinToBorder(loop, {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
+      ragged.push_back(SmoothedOutline(loop, 0));
     }
-    EnforceContainment(points_, sides_, kFarthest, splines, pool_);
-    if (MatchSeams(splines, options_, sides_))
-      EnforceContainment(points_, sides_, kFarthest, splines, pool_);
-    for (OutlineSpline& spline : splines) KeepInRectangle(spline, sides_);
-    if (const Index outside = Outside(splines, whole); outside > 0)
+    std::vector<Index> lone;
+    for (const OutlineFootPoint& foot :
+         OutlinePolygon(ragged, kHidden).FootPointSet(points_, pool_))
+      if (foot.outside > kHidden) lone.push_back(foot.point);
+    return points_(Eigen::all, lone);
+  }
+
+  // Smooths the borders; where smoothed ones cross themselves or each other, or leave points far
+  // outside, they are put back on the points' own border, farther and farther about the place.
+  void Smooth(const std::vector<OutlineLoop>& parts, bool whole, Outline& outline) const {
+    std::vector<std::vector<OutlinePin>> pins(parts.size());
+    std::vector<OutlineSpline> splines = Smoothed(parts, pins);
+    for (double radius = kPinned; radius < kWiden * sides_.maxCoeff(); radius *= kWiden) {
+      const std::vector<TrimFault> faults = TrimFaults(Trimmed(splines, whole));
+      const std::vector<Index> hidden = Outside(splines, whole, kHidden);
+      if (faults.empty() && hidden.empty()) break;
+      const int before = whole ? 1 : 0;  // the rectangle
+      for (const TrimFault& fault : faults)
+        for (const int loop : {fault.loop - before, fault.other - before})
+          if (loop >= 0) pins[loop].push_back({fault.at, radius});
+      for (const Index point : hidden)
+        for (std::vector<OutlinePin>& of_loop : pins)
+          of_loop.push_back({points_.col(point), radius});
+      splines = Smoothed(parts, pins);
+    }
+    std::stable_sort(splines.begin(), splines.end(), [](const auto& a, const auto& b) {
+      const double one = AreaWithin(a), other = AreaWithin(b);
+      return (one > 0) != (other > 0) ? one > 0 : std::abs(one) > std::abs(other);
+    });
+    outline.outside = Outside(splines, whole, kRounding * sides_.maxCoeff());
+    if (const auto outside = static_cast<Index>(outline.outside.size()); outside > 0)
       outline.warnings.push_back(Counted(outside, "outside the outline"));
-    std::stable_sort(splines.begin() + (whole ? 0 : 1),
-                     splines.end(),
-                     [](const auto& a, const auto& b) { return AreaWithin(a) < AreaWithin(b); });
+    if (whole) outline.loops.push_back(Rectangle(options_.length_u, options_.length_v));
     for (const OutlineSpline& spline : splines) {
       std::vector<double> corners = spline.corners;
       for (double& corner : corners) corner *= options_.spacing;
@@ -176,17 +234,51 @@ class OutlineSearch {
     }
   }
 
-  // Beyond rounding; what is beyond no hole's border only is inside a whole rectangle.
-  Index Outside(const std::vector<OutlineSpline>& splines, bool whole) const {
+  std::vector<OutlineSpline> Smoothed(const std::vector<OutlineLoop>& parts,
+                                      const std::vector<std::vector<OutlinePin>>& pins) const {
+    std::vector<OutlineSpline> splines;
+    for (size_t k = 0; k < parts.size(); ++k) {
+      OutlineLoop loop = parts[k];
+      PutOnEdges(loop, pins[k], sides_);
+      for (const OutlinePin& pin : pins[k]) PinToBorder(loop, pin);
+      splines.push_back(SmoothedOutline(loop, options_.noise / options_.spacing));
+      FixOnEdges(splines.back());
+    }
+    EnforceContainment(points_, sides_, kFarthest, splines, pool_);
+    if (MatchSeams(splines, options_, sides_))
+      EnforceContainment(points_, sides_, kFarthest, splines, pool_);
+    for (OutlineSpline& spline : splines) KeepInRectangle(spline, sides_);
+    return splines;
+  }
+
+  // The rectangle as a plane, trimmed by the loops.
+  NurbsSurface Trimmed(const std::vector<OutlineSpline>& splines, bool whole) const {
+    Eigen::Matrix3Xd corners(3, 4);
+    corners << 0, 0, sides_[0], sides_[0], 0, sides_[1], 0, sides_[1], 0, 0, 0, 0;
+    std::vector<NurbsCurve<2>> loops;
+    if (whole) loops.push_back(Rectangle(sides_[0], sides_[1]).loop);
+    for (const OutlineSpline& spline : splines) loops.push_back(spline.Curve(1));
+    return NurbsSurface(SplineBasis(1, {0, 0, sides_[0], sides_[0]}),
+                        SplineBasis(1, {0, 0, sides_[1], sides_[1]}),
+                        corners)
+        .WithTrims(std::move(loops));
+  }
+
+  // The points farther outside than that; what is beyond no hole's border only is inside a whole
+  // rectangle.
+  std::vector<Index> Outside(const std::vector<OutlineSpline>& splines,
+                             bool whole,
+                             double distance) const {
     std::vector<OutlineSpline> all = splines;
     if (whole) all.push_back(RectangleSpline(sides_));
-    const double rounding = 1e-12 * sides_.maxCoeff();
-    Index count = 0;
+    std::vector<Index> outside;
     for (const OutlineFootPoint& foot :
-         OutlinePolygon(all, kFarthest, kExact).FootPointSet(points_, pool_))
-      if (foot.outside > rounding) ++count;
-    return count;
+         OutlinePolygon(all, std::max(kFarthest, distance), kExact).FootPointSet(points_, pool_))
+      if (foot.outside > distance) outside.push_back(foot.point);
+    return outside;
   }
+
+  static constexpr Index kOnDisc = 8;
 
   const OutlineOptions& options_;
   ThreadPool& pool_;
@@ -202,6 +294,13 @@ Outline FindOutline(const Eigen::Matrix2Xd& parameters,
                     ThreadPool& pool) {
   Check(parameters, options);
   return OutlineSearch(parameters, options, pool).Find();
+}
+
+bool FillTheirRectangle(const Eigen::Matrix2Xd& parameters,
+                        const OutlineOptions& options,
+                        ThreadPool& pool) {
+  Check(parameters, options);
+  return OutlineSearch(parameters, options, pool).Fills();
 }
 
 }  // namespace batten

@@ -2,7 +2,9 @@
 #include "fitting/outline/outline_containment.h"
 
 #include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -31,83 +33,124 @@ struct Condition {
   double least;
 };
 
-using Row = Eigen::Matrix<double, 1, Eigen::Dynamic>;
+// A cubic's values at a parameter and the columns of its control points.
+struct SparseRow {
+  std::array<int, 4> column;
+  std::array<double, 4> value;
 
+  Eigen::Vector2d operator*(const Eigen::Matrix2Xd& points) const {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (int r = 0; r < 4; ++r) sum += value[r] * points.col(column[r]);
+    return sum;
+  }
+};
+
+// The least move, in the mean square along the border, that meets conditions: dual ascent, one
+// condition after the other [Hildreth 1957]. The inverse of the splines' Gram matrix decays by more
+// than a half per control point, so that a condition moves only those in a window about it.
 class LeastMove {
  public:
-  explicit LeastMove(const OutlineSpline& spline) : spline_(spline) {
-    const auto n = spline.points.cols();
-    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n);
-    const auto& knots = spline.basis.knots();
-    constexpr int kSamples = 6;
-    for (const int span : spline.basis.Spans()) {
-      const double length = knots[span + 1] - knots[span];
-      for (int k = 0; k < kSamples; ++k) {
-        Row row = Values(knots[span] + length * (k + 0.5) / kSamples);
-        mass += length / kSamples * row.transpose() * row;
-      }
-    }
-    for (int axis = 0; axis < 2; ++axis) {
-      Eigen::MatrixXd held = mass;
-      held.diagonal().array() += kOwnLength;  // short pieces do not slide
-      for (Eigen::Index i = 0; i < n; ++i) {
-        if (!spline.fixed[i][axis]) continue;
-        held.row(i).setZero();
-        held.col(i).setZero();
-        held(i, i) = 1;
-      }
-      inverse_[axis] = held.llt().solve(Eigen::MatrixXd::Identity(n, n));
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (spline.fixed[i][axis]) inverse_[axis].row(i).setZero();
-    }
-  }
-
-  Row Values(double t) const {
-    double values[4];
-    const int span = spline_.basis.Span(t);
-    spline_.basis.Values(span, t, values);
-    Row row = Row::Zero(spline_.points.cols());
-    for (int r = 0; r <= 3; ++r) row[spline_.unknown[span - 3 + r]] += values[r];
-    return row;
-  }
+  explicit LeastMove(const OutlineSpline& spline) : spline_(spline), mass_(Mass(spline)) {}
 
   // 2 × n moves that meet the conditions, or nearly where they would ask for much.
   Eigen::Matrix2Xd Move(const std::vector<Condition>& conditions) const {
+    std::vector<Active> actives;
+    for (const Condition& condition : conditions) actives.push_back(ActiveOf(condition));
     for (double soft = kSoft;; soft *= 10) {
-      Eigen::Matrix2Xd move = Move(conditions, soft);
+      Eigen::Matrix2Xd move = Move(conditions, actives, soft);
       if (!(move.colwise().norm().maxCoeff() > kMostContainmentMoved) || soft > 1e3) return move;
     }
   }
 
  private:
-  Eigen::Matrix2Xd Move(const std::vector<Condition>& conditions, double soft) const {
-    const auto n = spline_.points.cols();
-    Eigen::Matrix2Xd move = Eigen::Matrix2Xd::Zero(2, n);
-    struct Active {
-      Row row;
-      Eigen::Matrix2Xd step;  // what a multiplier of one moves
-      double size = 0, multiplier = 0;
-    };
-    std::vector<Active> actives;
-    for (const Condition& condition : conditions) {
-      Active active{Values(condition.t), Eigen::Matrix2Xd(2, n)};
-      for (int axis = 0; axis < 2; ++axis)
-        active.step.row(axis) =
-            condition.n[axis] * (inverse_[axis] * active.row.transpose()).transpose();
-      active.size = condition.n.dot(active.step * active.row.transpose());
-      actives.push_back(std::move(active));
+  static constexpr int kWindow = 24;  // control points on either side: 0.43^24 is 2e-9
+
+  struct Active {
+    SparseRow row;
+    std::vector<int> columns;
+    Eigen::Matrix2Xd step;  // what a multiplier of one moves, of these columns
+    double size = 0;
+  };
+
+  static SparseRow RowAt(const OutlineSpline& spline, double t) {
+    SparseRow row;
+    const int span = spline.basis.Span(t);
+    spline.basis.Values(span, t, row.value.data());
+    for (int r = 0; r < 4; ++r) row.column[r] = spline.unknown[span - 3 + r];
+    return row;
+  }
+
+  static Eigen::SparseMatrix<double> Mass(const OutlineSpline& spline) {
+    const auto n = static_cast<int>(spline.points.cols());
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto& knots = spline.basis.knots();
+    constexpr int kSamples = 6;
+    for (const int span : spline.basis.Spans()) {
+      const double length = knots[span + 1] - knots[span];
+      for (int k = 0; k < kSamples; ++k) {
+        const SparseRow row = RowAt(spline, knots[span] + length * (k + 0.5) / kSamples);
+        for (int r = 0; r < 4; ++r)
+          for (int s = 0; s < 4; ++s)
+            entries.emplace_back(
+                row.column[r], row.column[s], length / kSamples * row.value[r] * row.value[s]);
+      }
     }
+    for (int i = 0; i < n; ++i)
+      entries.emplace_back(i, i, kOwnLength);  // short pieces do not slide
+    Eigen::SparseMatrix<double> mass(n, n);
+    mass.setFromTriplets(entries.begin(), entries.end());
+    return mass;
+  }
+
+  Active ActiveOf(const Condition& condition) const {
+    Active active;
+    active.row = RowAt(spline_, condition.t);
+    const auto n = static_cast<int>(spline_.points.cols());
+    const int size = std::min(n, 2 * kWindow + 4);
+    const int first = size == n ? 0 : active.row.column[0] - kWindow + n;
+    for (int k = 0; k < size; ++k) active.columns.push_back((first + k) % n);
+    const auto place = [&](Eigen::Index column) {
+      return ((static_cast<int>(column) - first) % n + n) % n;
+    };
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(size, size);
+    for (int k = 0; k < size; ++k)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(mass_, active.columns[k]); it; ++it)
+        if (place(it.row()) < size) mass(place(it.row()), k) = it.value();
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(size);
+    for (int r = 0; r < 4; ++r) values[place(active.row.column[r])] += active.row.value[r];
+    active.step.resize(2, size);
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::MatrixXd held = mass;
+      Eigen::VectorXd right = condition.n[axis] * values;
+      for (int k = 0; k < size; ++k) {
+        if (!spline_.fixed[active.columns[k]][axis]) continue;
+        held.row(k).setZero();
+        held.col(k).setZero();
+        held(k, k) = 1;
+        right[k] = 0;
+      }
+      active.step.row(axis) = held.llt().solve(right).transpose();
+    }
+    active.size = condition.n.dot(active.step * values);
+    return active;
+  }
+
+  Eigen::Matrix2Xd Move(const std::vector<Condition>& conditions,
+                        const std::vector<Active>& actives,
+                        double soft) const {
+    Eigen::Matrix2Xd move = Eigen::Matrix2Xd::Zero(2, spline_.points.cols());
+    std::vector<double> multipliers(actives.size(), 0.0);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       double worst = 0;
       for (size_t k = 0; k < actives.size(); ++k) {
-        Active& active = actives[k];
+        const Active& active = actives[k];
         if (active.size < 1e-6) continue;  // fixed there
-        const double lacks = conditions[k].least - soft * active.multiplier -
-                             conditions[k].n.dot(move * active.row.transpose());
-        const double change = std::max(-active.multiplier, lacks / (active.size + soft));
+        const double lacks =
+            conditions[k].least - soft * multipliers[k] - conditions[k].n.dot(active.row * move);
+        const double change = std::max(-multipliers[k], lacks / (active.size + soft));
         if (change == 0) continue;
-        active.multiplier += change;
-        move += change * active.step;
+        multipliers[k] += change;
+        move(Eigen::all, active.columns) += change * active.step;
         worst = std::max(worst, std::abs(change) * active.size);
       }
       if (worst < kMet) break;
@@ -116,7 +159,7 @@ class LeastMove {
   }
 
   const OutlineSpline& spline_;
-  Eigen::MatrixXd inverse_[2];
+  Eigen::SparseMatrix<double> mass_;
 };
 
 // No margin is kept near corners, which may lie on an edge of the rectangle.

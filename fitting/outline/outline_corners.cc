@@ -167,6 +167,10 @@ class CornerSearch {
     });
     for (const Candidate& candidate : candidates)
       if (!Taken(candidate.corner.index, window)) corners_.push_back(candidate.corner);
+    SortByIndex();
+  }
+
+  void SortByIndex() {
     std::sort(corners_.begin(), corners_.end(), [](const auto& a, const auto& b) {
       return a.index < b.index;
     });
@@ -197,6 +201,7 @@ class CornerSearch {
       corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(next));
       if (next == 0) break;
     }
+    SortByIndex();  // the last corner may have taken the place of the first
   }
 
   // The longest straight window on a side that ends before the next corner.

@@ -37,9 +37,19 @@ double DeepestWindow(
   return deepest;
 }
 
+// Whether the border runs along an edge as the rectangle's own does, the covered region on its left:
+// the inner side of a thin strip beside the edge runs the other way.
+bool RunsAlong(const Eigen::Vector2d& way, int edge) {
+  const bool forwards = edge == 1 || edge == 2;  // right, lower
+  return (way[1 - edge / 2] > 0) == forwards;
+}
+
 // The index of the edge along which samples first … last run, −1 if none.
 int EdgeOf(const OutlineLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
+  const Eigen::Vector2d way = loop[(first + count - 1) % loop.size()].measured -
+                              loop[first % loop.size()].measured;
   for (int edge = 0; edge < 4; ++edge) {
+    if (!RunsAlong(way, edge)) continue;
     double deepest = 0, sum = 0;
     for (size_t k = 0; k < count; ++k) {
       const OutlineSample& sample = loop[(first + k) % loop.size()];
@@ -74,7 +84,9 @@ bool FillsRectangle(const OutlineLoop& outer,
          SignedArea(PolygonOf(outer)) >= inner.prod();
 }
 
-void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides) {
+void PutOnEdges(OutlineLoop& loop,
+                const std::vector<OutlinePin>& pins,
+                const Eigen::Vector2d& sides) {
   const size_t n = loop.size();
   const auto first = static_cast<size_t>(
       std::find_if(loop.begin(), loop.end(), [](const auto& s) { return s.corner; }) -
@@ -87,7 +99,14 @@ void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides) {
     size_t end = k + 1;
     while (end < n && !loop[(first + end) % n].corner) ++end;
     OutlineSample corner = loop[start % n];
-    const int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, sides);
+    const auto pinned = [&] {
+      for (size_t i = k; i <= end; ++i)
+        for (const OutlinePin& pin : pins)
+          if (pin.Holds(loop[(first + i) % n])) return true;
+      return false;
+    };
+    int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, sides);
+    if (edge >= 0 && pinned()) edge = -1;
     if (edge >= 0) {
       corner.along_cut = true;
       onto.emplace_back(result.size(), edge);
@@ -111,8 +130,11 @@ void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides) {
 void FixOnEdges(OutlineSpline& spline) {
   constexpr int kDegree = 3;
   for (size_t c = 0; c < spline.corners.size(); ++c) {
-    if (spline.straight[c] == 0) continue;
     const int span = spline.basis.Span(spline.corners[c]);
+    if (spline.pinned[c] != 0)
+      for (int i = 0; i <= kDegree; ++i)
+        spline.fixed[spline.unknown[span - kDegree + i]] = {true, true};
+    if (spline.straight[c] == 0) continue;
     const int first = spline.unknown[span - kDegree], last = spline.unknown[span];
     for (int i = 1; i < kDegree; ++i)
       spline.fixed[spline.unknown[span - kDegree + i]] = {true, true};
@@ -246,7 +268,7 @@ OutlineSpline RectangleSpline(const Eigen::Vector2d& sides) {
   for (const auto& [u, v] :
        {std::pair(0.0, 0.0), {sides[0], 0.0}, {sides[0], sides[1]}, {0.0, sides[1]}}) {
     OutlineSample sample;
-    sample.place = sample.measured = Eigen::Vector2d(u, v);
+    sample.place = sample.measured = sample.border = Eigen::Vector2d(u, v);
     sample.corner = sample.along_cut = true;
     loop.push_back(sample);
   }

@@ -20,8 +20,10 @@ bool FillsRectangle(const OutlineLoop& outer,
                     const Eigen::Vector2d& sides);
 
 // Moves stretches between corners that are nowhere far from an edge exactly onto it, up to the
-// rectangle's corners.
-void PutOnEdges(OutlineLoop& loop, const Eigen::Vector2d& sides);
+// rectangle's corners; not those that a pin holds.
+void PutOnEdges(OutlineLoop& loop,
+                const std::vector<OutlinePin>& pins,
+                const Eigen::Vector2d& sides);
 
 // Gives corners cut by a seam the same height on both sides of it.
 void MatchSeam(std::vector<OutlineLoop>& loops, int axis, double period);

@@ -12,9 +12,13 @@ namespace {
 // shape the outermost points lie on it.
 constexpr double kWiden = 0.25;
 
-}  // namespace
+struct InBox {
+  Eigen::Matrix2Xd parameters;
+  OutlineOptions options;
+  Eigen::Vector2d low;
+};
 
-Outline FindOutlineInBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool) {
+InBox MovedIntoBox(Eigen::Matrix2Xd parameters, OutlineOptions options) {
   const double widen = kWiden * options.spacing;
   Eigen::Vector2d low = (parameters.rowwise().minCoeff().array() - widen).max(0.0);
   Eigen::Vector2d high = parameters.rowwise().maxCoeff().array() + widen;
@@ -34,12 +38,24 @@ Outline FindOutlineInBox(Eigen::Matrix2Xd parameters, OutlineOptions options, Th
       return whole(v + shift);
     };
   }
-  Outline outline = FindOutline(parameters, options, pool);
+  return {std::move(parameters), std::move(options), low};
+}
+
+}  // namespace
+
+Outline FindOutlineInBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool) {
+  const InBox box = MovedIntoBox(std::move(parameters), std::move(options));
+  Outline outline = FindOutline(box.parameters, box.options, pool);
   for (OutlineCurve& curve : outline.loops) {
-    Eigen::Matrix2Xd points = curve.loop.control_points().colwise() + low;
+    Eigen::Matrix2Xd points = curve.loop.control_points().colwise() + box.low;
     curve.loop = NurbsCurve<2>(curve.loop.basis(), std::move(points), curve.loop.weights());
   }
   return outline;
+}
+
+bool FillTheirBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool) {
+  const InBox box = MovedIntoBox(std::move(parameters), std::move(options));
+  return FillTheirRectangle(box.parameters, box.options, pool);
 }
 
 }  // namespace batten::internal

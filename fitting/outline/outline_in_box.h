@@ -13,4 +13,7 @@ namespace batten::internal {
 // then means that the points fill that box.
 Outline FindOutlineInBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool);
 
+// FillTheirRectangle of that box.
+bool FillTheirBox(Eigen::Matrix2Xd parameters, OutlineOptions options, ThreadPool& pool);
+
 }  // namespace batten::internal

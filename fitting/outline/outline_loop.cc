@@ -20,14 +20,20 @@ constexpr double kCornerGap = 1.5;  // left out on either side of a corner
 
 Eigen::Vector2d RightOf(const Eigen::Vector2d& way) { return {way.y(), -way.x()}; }
 
-// Points evenly along a closed polygon, and how far apart.
-std::pair<Eigen::Matrix2Xd, double> Evenly(const Eigen::Matrix2Xd& polygon) {
+// Points evenly along a closed polygon, how far apart, and the edges of the polygon they lie on.
+struct EvenPoints {
+  Eigen::Matrix2Xd points;
+  double step;
+  std::vector<Index> edges;
+};
+
+EvenPoints Evenly(const Eigen::Matrix2Xd& polygon) {
   const Index n = polygon.cols();
   double length = 0;
   for (Index i = 0; i < n; ++i) length += (polygon.col((i + 1) % n) - polygon.col(i)).norm();
   const Index count = std::max<Index>(8, std::lround(length / kStep));
   const double step = length / static_cast<double>(count);
-  Eigen::Matrix2Xd result(2, count);
+  EvenPoints result{Eigen::Matrix2Xd(2, count), step, {}};
   Index edge = 0;
   double begin = 0, size = (polygon.col(1 % n) - polygon.col(0)).norm();
   for (Index k = 0; k < count; ++k) {
@@ -38,9 +44,11 @@ std::pair<Eigen::Matrix2Xd, double> Evenly(const Eigen::Matrix2Xd& polygon) {
       size = (polygon.col((edge + 1) % n) - polygon.col(edge)).norm();
     }
     const double share = size > 0 ? std::clamp((at - begin) / size, 0.0, 1.0) : 0.0;
-    result.col(k) = polygon.col(edge) + share * (polygon.col((edge + 1) % n) - polygon.col(edge));
+    result.edges.push_back(edge);
+    result.points.col(k) =
+        polygon.col(edge) + share * (polygon.col((edge + 1) % n) - polygon.col(edge));
   }
-  return {result, step};
+  return result;
 }
 
 // Samples of the points first … last (wrapped), each smoothed by a line through those near it.
@@ -66,7 +74,7 @@ class StretchSmoothing {
     if (square > 0) slope /= square;
     const Eigen::Vector2d right = RightOf(slope.normalized());
     const Eigen::Vector2d place = mean + (static_cast<double>(i) - middle) * slope;
-    return {place + outwards_ * right, At(i) + outwards_ * right};
+    return {place + outwards_ * right, At(i) + outwards_ * right, false, false, false, At(i), {}};
   }
 
  private:
@@ -106,25 +114,69 @@ Eigen::Vector2d CornerMoved(const OutlineCorner& corner, double outwards) {
 }  // namespace
 
 OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards) {
-  const auto [border, step] = Evenly(polygon);
+  const auto [border, step, edges] = Evenly(polygon);
   const std::vector<OutlineCorner> corners = OutlineCorners(border, step);
   const StretchSmoothing smoothing(border, step, outwards);
   OutlineLoop loop;
+  std::vector<Index> indices;  // of the samples on the border
   const Index n = border.cols();
+  const auto add = [&](Index i, OutlineSample sample) {
+    loop.push_back(std::move(sample));
+    indices.push_back(i % n);
+  };
   if (corners.empty())
-    for (Index i = 0; i < n; ++i) loop.push_back(smoothing.Sample(i, -n, 2 * n));
+    for (Index i = 0; i < n; ++i) add(i, smoothing.Sample(i, -n, 2 * n));
   for (size_t c = 0; c < corners.size(); ++c) {
     const Eigen::Vector2d place = CornerMoved(corners[c], outwards);
-    loop.push_back({place, place, true});
+    add(corners[c].index, {place, place, true, false, false, border.col(corners[c].index), {}});
     const OutlineCorner& next = corners[(c + 1) % corners.size()];
     const Index end = c + 1 < corners.size() ? next.index : next.index + n;
     const Index room = (end - corners[c].index) / 3;
     const Index first =
         corners[c].index + Rounded(border, corners[c].index, 1, corners[c].after, step, room);
     const Index last = end - Rounded(border, next.index, -1, next.before, step, room);
-    for (Index i = first; i <= last; ++i) loop.push_back(smoothing.Sample(i, first, last));
+    for (Index i = first; i <= last; ++i) add(i, smoothing.Sample(i, first, last));
+  }
+  for (size_t k = 0; k < loop.size(); ++k) {
+    const Index last = edges[indices[(k + 1) % loop.size()]];
+    for (Index edge = edges[indices[k]]; edge != last;) {
+      edge = (edge + 1) % polygon.cols();
+      loop[k].vertices.push_back(polygon.col(edge));
+    }
   }
   return loop;
+}
+
+void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
+  const size_t n = loop.size();
+  std::vector<char> near(n, 0);
+  for (size_t k = 0; k < n; ++k) {
+    if (loop[k].along_cut || loop[(k + n - 1) % n].along_cut) continue;
+    near[k] = pin.Holds(loop[k]);
+  }
+  OutlineLoop result;
+  for (size_t k = 0; k < n; ++k) {
+    const OutlineSample& sample = loop[k];
+    if (!near[k]) {
+      result.push_back(sample);
+      continue;
+    }
+    OutlineSample pinned;
+    pinned.place = pinned.measured = pinned.border = sample.border;
+    pinned.corner = true;
+    pinned.pinned = sample.pinned || near[(k + 1) % n] != 0;
+    const bool within = pinned.pinned && near[(k + n - 1) % n] != 0;
+    if (!within || sample.pinned) result.push_back(pinned);
+    if (!pinned.pinned) {
+      result.back().vertices = sample.vertices;
+      continue;
+    }
+    for (const Eigen::Vector2d& vertex : sample.vertices) {
+      pinned.place = pinned.measured = pinned.border = vertex;
+      result.push_back(pinned);
+    }
+  }
+  loop = std::move(result);
 }
 
 double SignedArea(const Eigen::Matrix2Xd& polygon) {
@@ -179,6 +231,7 @@ class EdgeCut {
         chains_.push_back({{crossing, b}, along_.dot(crossing.place), 0});
       } else {
         crossing.along_cut = true;
+        chains_.back().samples.back().vertices.clear();
         chains_.back().out = along_.dot(crossing.place);
         chains_.back().samples.push_back(crossing);
       }
@@ -217,7 +270,7 @@ class EdgeCut {
     OutlineSample result;
     result.place = a.place + share * (b.place - a.place);
     result.place[axis_] = at_;
-    result.measured = result.place;
+    result.measured = result.border = result.place;
     result.corner = true;
     return result;
   }

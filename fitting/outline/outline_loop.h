@@ -13,6 +13,9 @@ struct OutlineSample {
   Eigen::Vector2d measured;  // on the ragged border, offset by the same amount
   bool corner = false;       // a corner: place is where its sides meet
   bool along_cut = false;    // the border runs straight along a cut to the next sample
+  bool pinned = false;       // the border runs straight to the next sample, and is not to be moved
+  Eigen::Vector2d border;    // where the ragged border itself runs
+  std::vector<Eigen::Vector2d> vertices;  // of the ragged border, between here and the next sample
 };
 
 // A closed loop with the covered region on its left.
@@ -21,6 +24,18 @@ using OutlineLoop = std::vector<OutlineSample>;
 // Samples a closed polygon about every half spacing, with its corners, offset outwards by
 // `outwards`. O(length).
 OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards);
+
+// A disc in which an outline follows the ragged border.
+struct OutlinePin {
+  Eigen::Vector2d place;
+  double radius;
+
+  bool Holds(const OutlineSample& sample) const { return (sample.border - place).norm() < radius; }
+};
+
+// Puts the stretches in the disc back on the ragged border, vertex by vertex: it never crosses
+// itself, what is smoothed may. Stretches along cuts stay.
+void PinToBorder(OutlineLoop& loop, const OutlinePin& pin);
 
 double SignedArea(const Eigen::Matrix2Xd& polygon);   // positive: counter-clockwise
 Eigen::Matrix2Xd PolygonOf(const OutlineLoop& loop);  // of the places

@@ -119,10 +119,34 @@ void OutlinePolygon::MarkInside() {
   }
 }
 
+// By the borders crossed on the way to the middle of the cell, all of which are entered in it.
+bool OutlinePolygon::IsInside(const Eigen::Vector2d& point, std::int64_t cell) const {
+  const Eigen::Vector2d middle =
+      corner_ + side_ * Eigen::Vector2d(static_cast<double>(cell % nu_) + 0.5,
+                                        static_cast<double>(cell / nu_) + 0.5);
+  const Eigen::Vector2d way = middle - point;
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  bool inside = inside_[cell] != 0;
+  for (std::int64_t e = begin_[cell]; e < begin_[cell + 1]; ++e) {
+    const Segment& segment = segments_[entries_[e]];
+    const Eigen::Vector2d a = vertices_[segment.loop][segment.first].place - point,
+                          b = vertices_[segment.loop][segment.first + 1].place - point;
+    const double of_a = cross(way, a), of_b = cross(way, b);
+    if ((of_a > 0) == (of_b > 0)) continue;
+    const Eigen::Vector2d at = a + of_a / (of_a - of_b) * (b - a);
+    const double share = at.dot(way);
+    if (share > 0 && share < way.squaredNorm()) inside = !inside;
+  }
+  return inside;
+}
+
 OutlineFootPoint OutlinePolygon::FootOf(const Eigen::Vector2d& point, std::int64_t cell) const {
   double least = std::numeric_limits<double>::infinity();
   OutlineFootPoint foot{0, -1, 0, 0, Eigen::Vector2d::Zero()};
   Eigen::Vector2d nearest = point, normals = Eigen::Vector2d::Zero();
+  int meeting = 0;  // sides at the nearest place
   for (std::int64_t e = begin_[cell]; e < begin_[cell + 1]; ++e) {
     const Segment& segment = segments_[entries_[e]];
     const Vertex &a = vertices_[segment.loop][segment.first],
@@ -136,17 +160,22 @@ OutlineFootPoint OutlinePolygon::FootOf(const Eigen::Vector2d& point, std::int64
     const Eigen::Vector2d right = Eigen::Vector2d(way.y(), -way.x()) / length;
     if (square == least && place == nearest) {
       normals += right;  // two sides that meet
+      ++meeting;
     } else if (square < least) {
       least = square;
       nearest = place;
       normals = right;
+      meeting = 1;
       foot.loop = segment.loop;
       foot.t = a.t + share * (b.t - a.t);
     }
   }
   const double distance = std::sqrt(least);
-  const double side = normals.dot(point - nearest);
-  foot.outside = side > 0 ? distance : -distance;
+  // Nearer borders than those entered in the cell may be beyond the reach, and where more than two
+  // sides meet their normals do not tell.
+  const bool outside = distance > reach_ || meeting > 2 ? !IsInside(point, cell)
+                                                        : normals.dot(point - nearest) > 0;
+  foot.outside = outside ? distance : -distance;
   foot.outward = distance > 1e-3 ? Eigen::Vector2d((point - nearest) / foot.outside)
                                  : Eigen::Vector2d(normals.normalized());
   return foot;

@@ -44,6 +44,7 @@ class OutlinePolygon {
   void Enter();
   void MarkInside();
   OutlineFootPoint FootOf(const Eigen::Vector2d& point, std::int64_t cell) const;
+  bool IsInside(const Eigen::Vector2d& point, std::int64_t cell) const;
 
   double reach_, side_;
   Eigen::Vector2d corner_;
@@ -52,7 +53,7 @@ class OutlinePolygon {
   std::vector<Segment> segments_;
   std::vector<std::int64_t> begin_;  // of a cell's segments
   std::vector<int> entries_;
-  std::vector<char> inside_;  // of a cell without segments
+  std::vector<char> inside_;  // whether a cell's middle is
 };
 
 }  // namespace batten::internal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/outline/outline_spline.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -45,7 +45,7 @@ int Column(const SplineBasis& basis, int i) {
 // Least squares; weak regularization holds control points without data near their neighbours.
 Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
   const int n = data.closed ? basis.size() - kDegree : basis.size();
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
+  std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
   for (size_t k = 0; k < data.at.size(); ++k) {
     double values[kDegree + 1];
@@ -55,7 +55,7 @@ Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
       const int i = Column(basis, span - kDegree + r);
       right.row(i) += values[r] * data.points.col(static_cast<Eigen::Index>(k)).transpose();
       for (int s = 0; s <= kDegree; ++s)
-        normal(i, Column(basis, span - kDegree + s)) += values[r] * values[s];
+        entries.emplace_back(i, Column(basis, span - kDegree + s), values[r] * values[s]);
     }
   }
   constexpr double kHeld = 1e-4;
@@ -65,16 +65,21 @@ Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
     const int places[3] = {before, i, after};
     const double weights[3] = {-1, 2, -1};
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) normal(places[a], places[b]) += kHeld * weights[a] * weights[b];
+      for (int b = 0; b < 3; ++b)
+        entries.emplace_back(places[a], places[b], kHeld * weights[a] * weights[b]);
   }
-  if (data.closed) return normal.ldlt().solve(right).transpose();
+  Eigen::SparseMatrix<double> normal(n, n);
+  normal.setFromTriplets(entries.begin(), entries.end());
+  using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+  if (data.closed) return Solver(normal).solve(right).transpose();
   Eigen::MatrixX2d solved(n, 2);
   solved.row(0) = data.start.transpose();
   solved.row(n - 1) = data.end.transpose();
   right -= normal.col(0) * solved.row(0) + normal.col(n - 1) * solved.row(n - 1);
-  if (n > 2)
-    solved.middleRows(1, n - 2) =
-        normal.block(1, 1, n - 2, n - 2).ldlt().solve(right.middleRows(1, n - 2));
+  if (n > 2) {
+    const Eigen::SparseMatrix<double> inner = normal.block(1, 1, n - 2, n - 2);
+    solved.middleRows(1, n - 2) = Solver(inner).solve(right.middleRows(1, n - 2).eval());
+  }
   return solved.transpose();
 }
 
@@ -188,7 +193,7 @@ std::vector<OutlineSample> WithStraightEnds(const Eigen::Vector2d& start,
     const double length = (to - from).norm();
     for (double away = kStep; away < length - kStep / 2; away += kStep) {
       const Eigen::Vector2d place = from + away / length * (to - from);
-      result.push_back({place, place});
+      result.push_back({place, place, false, false, false, place, {}});
     }
   };
   fill(start, samples.front().place);
@@ -208,7 +213,7 @@ OutlinePiece StraightPiece(const Eigen::Vector2d& start, const Eigen::Vector2d& 
 
 OutlineSpline Closed(const OutlineLoop& loop, double noise) {
   PieceFit fit = Chosen(ClosedData(loop), noise);
-  OutlineSpline spline{fit.basis, {}, std::move(fit.points), {}, {}, {}};
+  OutlineSpline spline{fit.basis, {}, std::move(fit.points), {}, {}, {}, {}};
   for (int i = 0; i < spline.basis.size(); ++i) spline.unknown.push_back(Column(spline.basis, i));
   spline.fixed.assign(static_cast<size_t>(spline.points.cols()), {false, false});
   return spline;
@@ -234,7 +239,7 @@ OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
   const size_t n = loop.size();
   if (first == n) return Closed(loop, noise);
   std::vector<double> knots(kDegree + 1, 0.0), corners;
-  std::vector<char> straight;
+  std::vector<char> straight, pinned;
   std::vector<Eigen::Vector2d> points{loop[first].place};
   for (size_t k = 0; k < n;) {
     const OutlineSample& start = loop[(first + k) % n];
@@ -243,18 +248,20 @@ OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
     for (; end < n && !loop[(first + end) % n].corner; ++end)
       samples.push_back(loop[(first + end) % n]);
     const Eigen::Vector2d& goal = loop[(first + end) % n].place;
-    const OutlinePiece piece = start.along_cut ? StraightPiece(start.place, goal)
-                                               : SmoothedPiece(start.place, samples, goal, noise);
+    const OutlinePiece piece = start.along_cut || start.pinned
+                                   ? StraightPiece(start.place, goal)
+                                   : SmoothedPiece(start.place, samples, goal, noise);
     const double begin = knots.back();
     corners.push_back(begin);
     straight.push_back(start.along_cut);
+    pinned.push_back(start.pinned);
     for (size_t i = 1; i + 1 < piece.breaks.size(); ++i) knots.push_back(begin + piece.breaks[i]);
     knots.insert(knots.end(), kDegree, begin + piece.breaks.back());
     for (Eigen::Index i = 1; i < piece.points.cols(); ++i) points.push_back(piece.points.col(i));
     k = end;
   }
   knots.push_back(knots.back());
-  OutlineSpline spline{SplineBasis(kDegree, knots), {}, {}, {}, corners, straight};
+  OutlineSpline spline{SplineBasis(kDegree, knots), {}, {}, {}, corners, straight, pinned};
   const auto count = static_cast<int>(points.size()) - 1;
   spline.points.resize(2, count);
   for (int i = 0; i < count; ++i) spline.points.col(i) = points[i];
@@ -274,7 +281,9 @@ Eigen::Vector2d OutlineSpline::At(double t) const {
 
 bool OutlineSpline::IsStraight(double t) const {
   const auto next = std::upper_bound(corners.begin(), corners.end(), t);
-  return next != corners.begin() && straight[next - corners.begin() - 1] != 0;
+  if (next == corners.begin()) return false;
+  const auto piece = next - corners.begin() - 1;
+  return straight[piece] != 0 || pinned[piece] != 0;
 }
 
 NurbsCurve<2> OutlineSpline::Curve(double scale) const {

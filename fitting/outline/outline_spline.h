@@ -20,7 +20,8 @@ struct OutlineSpline {
   Eigen::Matrix2Xd points;
   std::vector<std::array<bool, 2>> fixed;  // coordinates of columns that must not move
   std::vector<double> corners;             // their parameters
-  std::vector<char> straight;              // the piece from this corner to the next is a given line
+  std::vector<char> straight;  // the piece from this corner to the next is a line along a cut
+  std::vector<char> pinned;    // the piece from this corner to the next is a line that stays
 
   Eigen::Vector2d At(double t) const;
   bool IsStraight(double t) const;
@@ -29,7 +30,7 @@ struct OutlineSpline {
 
 // Fits cubics to the samples, straight lines where a border runs along a cut; parameters are
 // lengths. Schwarz' criterion chooses the number of control points, usually few; detail below
-// `noise` (in spacings) is not followed. O(length · control points).
+// `noise` (in spacings) is not followed. O(length · log(control points)).
 OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise);
 
 // An open cubic spline between two places, fitted to the samples of a piece.

@@ -4,20 +4,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "fitting/outline/outline_in_box.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/trim_loops.h"
-#include "batten/geometry/trim_region.h"
+#include "fitting/outline/outline_in_box.h"
+#include "geometry/editing/trim_faults.h"
 
 namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kMostOutside = 0.01;  // share of the points outside one outline; above: no trim
 constexpr double kFlattest = 1e-3;     // ratio of mean lengths beyond which they are not followed
 
 // Means of |S_u| and |S_v| over some of the feet.
@@ -62,20 +60,11 @@ class RowStretch {
   double length_;
 };
 
-double ShareOutside(const NurbsSurface& surface, const Eigen::Matrix2Xd& feet) {
-  const TrimRegion region(surface);
-  Eigen::Index outside = 0;
-  for (const auto& foot : feet.colwise()) outside += region.Contains(foot[0], foot[1]) ? 0 : 1;
-  return static_cast<double>(outside) / static_cast<double>(feet.cols());
-}
+bool HasValidTrims(const NurbsSurface& surface) { return TrimFaults(surface).empty(); }
 
-bool HasValidTrims(const NurbsSurface& surface) {
-  try {
-    CheckTrims(surface);
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-  return true;
+std::ptrdiff_t OuterLoops(const std::vector<NurbsCurve<2>>& loops) {
+  return std::count_if(
+      loops.begin(), loops.end(), [](const auto& loop) { return SignedArea(loop) > 0; });
 }
 
 // The bounding box of a loop's control points, which contains the loop.
@@ -86,23 +75,22 @@ Eigen::AlignedBox2d BoxOf(const NurbsCurve<2>& loop) {
 }  // namespace
 
 CompatibleLoops LoopsThatGoTogether(const NurbsSurface& trimmed) {
-  const std::vector<NurbsCurve<2>>& all = trimmed.trims();
-  if (all.empty() || HasValidTrims(trimmed)) return {all, 0};
-  const auto count = static_cast<int>(all.size());
-  if (!HasValidTrims(trimmed.WithTrims({all.front()}))) return {{}, count};
-  std::vector<NurbsCurve<2>> holes(all.begin() + 1, all.end());
-  std::stable_sort(holes.begin(), holes.end(), [](const auto& a, const auto& b) {
-    return std::abs(SignedArea(a)) > std::abs(SignedArea(b));
+  std::vector<NurbsCurve<2>> all = trimmed.trims();
+  if (all.empty() || HasValidTrims(trimmed)) return {std::move(all), 0};
+  std::vector<std::pair<double, size_t>> order;  // outer loops first, by falling area
+  for (size_t k = 0; k < all.size(); ++k) order.emplace_back(SignedArea(all[k]), k);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return (a.first > 0) != (b.first > 0) ? a.first > 0 : std::abs(a.first) > std::abs(b.first);
   });
-  CompatibleLoops result{{all.front()}, 0};
-  for (const NurbsCurve<2>& hole : holes) {
-    const Eigen::AlignedBox2d box = BoxOf(hole);
-    std::vector<NurbsCurve<2>> near = {all.front()};
-    for (size_t k = 1; k < result.loops.size(); ++k)
-      if (BoxOf(result.loops[k]).intersects(box)) near.push_back(result.loops[k]);
-    near.push_back(hole);
+  CompatibleLoops result;
+  for (const auto& [area, k] : order) {
+    const Eigen::AlignedBox2d box = BoxOf(all[k]);
+    std::vector<NurbsCurve<2>> near;
+    for (const NurbsCurve<2>& taken : result.loops)
+      if (BoxOf(taken).intersects(box)) near.push_back(taken);
+    near.push_back(all[k]);
     if (HasValidTrims(trimmed.WithTrims(std::move(near)))) {
-      result.loops.push_back(hole);
+      result.loops.push_back(all[k]);
     } else {
       ++result.left_out;
     }
@@ -146,26 +134,20 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
   lengths = lengths.array().max(0).matrix();
   for (int d = 0; d < 2; ++d) lengths.row(d) = lengths.row(d).cwiseMin(most[d]);
   const Outline outline = FindOutlineInBox(std::move(lengths), options, pool);
-  PointTrim result{surface, outline.warnings};
+  PointTrim result{surface, outline.warnings, outline.parts, outline.outside};
   if (outline.fills) return result;
   std::vector<NurbsCurve<2>> loops;
   for (const OutlineCurve& curve : outline.loops) loops.push_back(curve.loop);
-  NurbsSurface trimmed =
-      surface.WithTrims(MovedLoops(TurnedLoops(std::move(loops)), stretch.cwiseInverse(), low));
-  if (outline.parts > 1 && ShareOutside(trimmed, feet) > kMostOutside) {
-    result.warnings = {"the points fall into " + std::to_string(outline.parts) +
-                       " parts: a surface has one outline, so it was not cut back to any; fit one "
-                       "part at a time (--box, --where)"};
+  NurbsSurface trimmed = surface.WithTrims(MovedLoops(loops, stretch.cwiseInverse(), low));
+  CompatibleLoops together = LoopsThatGoTogether(trimmed);
+  if (OuterLoops(together.loops) < OuterLoops(trimmed.trims())) {  // would hide a part's points
+    result.warnings.push_back("outlines of the points cross: the surface is not trimmed");
+    result.outside.clear();
     return result;
   }
-  CompatibleLoops together = LoopsThatGoTogether(trimmed);
   if (together.left_out > 0) {
-    result.warnings.push_back(
-        together.loops.empty()
-            ? "the outline of the points crosses itself: the surface was not cut back to it"
-            : "holes among the points whose outlines cross themselves or others were left "
-              "closed: " +
-                  std::to_string(together.left_out));
+    result.warnings.push_back("outlines of holes that cross themselves or others were left out: " +
+                              std::to_string(together.left_out));
     trimmed = surface.WithTrims(std::move(together.loops));
   }
   result.surface = std::move(trimmed);

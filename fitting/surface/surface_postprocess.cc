@@ -41,7 +41,7 @@ bool FillBase(const PreparedCloud& prepared, const PointMask& used, ThreadPool& 
   options.periodic_v = base.periodic_v;
   options.length_u = base.length_u;
   options.length_v = base.length_v;
-  return FindOutlineInBox(base.parameters(Eigen::all, kept), options, pool).fills;
+  return FillTheirBox(base.parameters(Eigen::all, kept), options, pool);
 }
 
 }  // namespace

@@ -18,20 +18,23 @@ struct OutlineCurve {
 };
 
 struct Outline {
-  // The outer loop first, counter-clockwise, then holes clockwise by falling area.
+  // Outer loops, counter-clockwise, then holes, clockwise, both by falling area. They cross neither
+  // themselves nor each other.
   std::vector<OutlineCurve> loops;
   bool fills = false;  // there is no hole and the outer loop is the whole rectangle
   std::vector<std::string> warnings;
-  int parts = 1;  // connected parts of the cloud; the outline is that of the largest
+  int parts = 1;                      // connected parts of the cloud, each with an outer loop
+  std::vector<Eigen::Index> outside;  // points outside the loops
 };
 
-// Finds a smooth outline, of few control points with corners kept, of points (2 × m in [0,
-// length_u] × [0, length_v], which it never leaves). It lies about half a spacing outside the
-// ragged border of the points, contains them all except those a spacing or more beyond it, which a
-// warning counts, and runs exactly along edges of the rectangle where it is nowhere far from them.
-// Gaps and parts of less than 36 h² are ignored as chance.
+// Finds a smooth outline for every part, of few control points with corners kept, of points (2 × m
+// in [0, length_u] × [0, length_v], which it never leaves). It lies about half a spacing outside
+// the ragged border of the points, contains them all except those a spacing or more beyond it,
+// which a warning counts, and runs exactly along edges of the rectangle where it is nowhere far
+// from them. Gaps and parts of less than 36 h² are ignored as chance. Where a smooth outline would
+// cross itself or another it follows the ragged border by straight lines, about the crossing only.
 //
-// Periodic directions have no edge: borders cross the seam. Where the part goes all the way round,
+// Periodic directions have no edge: borders cross the seam. Where a part goes all the way round,
 // its outer loop runs along the seam on either side; holes that the seam cuts become part of the
 // outer loop. A tube with straight ends and no holes has `fills` set.
 //
@@ -44,5 +47,11 @@ struct Outline {
 Outline FindOutline(const Eigen::Matrix2Xd& parameters,
                     const OutlineOptions& options,
                     ThreadPool& pool);
+
+// Whether the points have one border and no holes, and the border runs along the edges of the
+// rectangle: FindOutline(…).fills at the cost of the alpha shape.
+bool FillTheirRectangle(const Eigen::Matrix2Xd& parameters,
+                        const OutlineOptions& options,
+                        ThreadPool& pool);
 
 }  // namespace batten

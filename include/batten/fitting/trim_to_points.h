@@ -14,13 +14,15 @@ namespace batten {
 
 struct PointTrim {
   NurbsSurface surface;               // without loops where the points fill its domain
-  std::vector<std::string> warnings;  // about parts and holes that are ignored
+  std::vector<std::string> warnings;  // about parts, and loops that are left out
+  int parts = 1;                      // connected parts of the points, each a region of the surface
+  std::vector<Eigen::Index> outside;  // points whose feet lie outside the loops
 };
 
-// Trims the surface by the outline and the holes of its points (FindOutline); no loops where the
-// points fill the domain, or fall into parts so that one outline would leave out more than 1 % of
-// them. `feet` are the foot point parameters of the points, `spacing` and `noise` those of the
-// points. Lengths in the domain are mean lengths on the surface. O(m log m).
+// Trims the surface by the outlines of the parts of its points and their holes (FindOutline); no
+// loops where the points fill the domain. `feet` are the foot point parameters of the points,
+// `spacing` and `noise` those of the points. Lengths in the domain are mean lengths on the surface.
+// O(m log m).
 PointTrim TrimToPoints(const NurbsSurface& surface,
                        const Eigen::Matrix2Xd& feet,
                        const Poles& poles,
@@ -28,9 +30,9 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
                        double noise,
                        ThreadPool& pool);
 
-// The compatible trim loops of a surface: the outer loop and, from the largest on, the holes that
-// cross neither themselves nor loops taken before them; none where the outer loop crosses itself.
-// `left_out` counts the others. Loops are oriented by TurnedLoops. [CheckTrims]
+// The compatible trim loops of a surface: the outer loops, then the holes, from the largest on,
+// that cross neither themselves nor loops taken before them, nor lie where those forbid. `left_out`
+// counts the others. [CheckTrims]
 struct CompatibleLoops {
   std::vector<NurbsCurve<2>> loops;
   int left_out = 0;

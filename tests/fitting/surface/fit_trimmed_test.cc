@@ -158,10 +158,14 @@ TEST(FitTrimmedTest, KeepsTheRectangleWhereThatIsAskedFor) {
   EXPECT_TRUE(said);
 }
 
-TEST(FitTrimmedTest, DoesNotCutBackToOneOfTwoParts) {
+TEST(FitTrimmedTest, EveryPartIsARegion) {
   const auto beside = [](double x, double) { return x < 0.46 || x > 0.54; };
   const SurfaceFit fit = FitSurface(Hilly(8000, beside, Eigen::Matrix3d::Identity()));
-  EXPECT_FALSE(fit.surface.trimmed());
+  CheckTrims(fit.surface);
+  EXPECT_EQ(LoopsByRegion(fit.surface).size(), 2u);
+  const TrimRegion region(fit.surface);
+  const SplineBasis &u = fit.surface.basis_u(), &v = fit.surface.basis_v();
+  EXPECT_FALSE(region.Contains((u.lower() + u.upper()) / 2, (v.lower() + v.upper()) / 2));
   bool said = false;
   for (const std::string& warning : fit.report.warnings)
     said = said || warning.find("fall into 2 parts") != std::string::npos;
