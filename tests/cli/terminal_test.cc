@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <sstream>
 
 #include "run_on_terminal.h"
@@ -81,26 +82,35 @@ TEST_F(TerminalTest, NothingIsDrawnInFilesQuietlyOrWhereNoLineCanBeTakenBack) {
   dumb.environment = {{"TERM", "dumb"}};
   const std::vector<std::pair<std::vector<std::string>, TerminalSetting>> cases = {
       {Waiting(), to_file}, {Waiting({"--quiet"}), {}}, {Waiting(), dumb}};
-  for (const auto& [arguments, setting] : cases) {
-    TerminalRun run(arguments, setting);
-    EXPECT_FALSE(run.ReadUntil(BarSeen, 1.6));
-    EXPECT_EQ(run.seen(), "");
-    run.Feed(points_);
-    run.CloseInput();
-    EXPECT_EQ(run.Wait(), 0);
+  std::vector<std::unique_ptr<TerminalRun>> runs;  // all at once
+  for (const auto& [arguments, setting] : cases)
+    runs.push_back(std::make_unique<TerminalRun>(arguments, setting));
+  double patience = 1.6;
+  for (const auto& run : runs) {
+    EXPECT_FALSE(run->ReadUntil(BarSeen, patience));
+    EXPECT_EQ(run->seen(), "");
+    run->Feed(points_);
+    run->CloseInput();
+    EXPECT_EQ(run->Wait(), 0);
+    patience = 0.1;
   }
   EXPECT_THAT(folder_.Text("errors.txt"), Not(AnyOf(HasSubstr("\r"), HasSubstr("\033"))));
 }
 
 TEST_F(TerminalTest, TheBarStaysWithinNarrowTerminals) {
+  std::vector<std::pair<int, std::unique_ptr<TerminalRun>>> runs;  // all at once
   for (const int columns : {8, 20, 200}) {
     TerminalSetting setting;
     setting.columns = columns;
-    TerminalRun run({"fit", "surface", "-", "--format", "text", "-o", out_}, setting);
-    ASSERT_TRUE(run.ReadUntil(BarSeen, kPatience));
-    run.Type("\x03");
-    EXPECT_EQ(run.Wait(), 130);
-    std::istringstream pieces(run.seen());
+    const std::vector<std::string> command = {
+        "fit", "surface", "-", "--format", "text", "-o", out_};
+    runs.emplace_back(columns, std::make_unique<TerminalRun>(command, setting));
+  }
+  for (const auto& [columns, run] : runs) {
+    ASSERT_TRUE(run->ReadUntil(BarSeen, kPatience));
+    run->Type("\x03");
+    EXPECT_EQ(run->Wait(), 130);
+    std::istringstream pieces(run->seen());
     for (std::string piece; std::getline(pieces, piece, '\r');) {
       if (piece.find("batten") == std::string::npos && piece.find('^') == std::string::npos) {
         EXPECT_LT(static_cast<int>(piece.size()), columns) << piece;

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "cases.h"
 #include "primitive_clouds.h"
 #include "tolerances.h"
 
@@ -125,7 +126,7 @@ TEST(FitPrimitiveTest, LinesThroughExactPointsAreExact) {
 TEST(FitPrimitiveTest, TheSumOfSquaresIsTheLeast) {
   RandomSplines random(3);
   Noise noise(3);
-  for (int trial = 0; trial < 8; ++trial) {
+  for (int trial = 0; trial < Cases(4); ++trial) {
     SCOPED_TRACE("seed 3, trial " + std::to_string(trial));
     const bool plane = random.Coin();
     const double sweep = random.Logarithmic(20, 360) * kDegree;
@@ -141,7 +142,7 @@ TEST(FitPrimitiveTest, TheSumOfSquaresIsTheLeast) {
       EXPECT_GE(BruteForce(other, points, random, plane), cost * (1 - kIterated));
     }
   }
-  for (int trial = 0; trial < 8; ++trial) {
+  for (int trial = 0; trial < Cases(4); ++trial) {
     SCOPED_TRACE("seed 3, line " + std::to_string(trial));
     const bool plane = random.Coin();
     Eigen::Matrix3Xd points = LinePoints(random.Integer(4, 40), 1);
@@ -290,8 +291,9 @@ TEST(FitPrimitiveTest, FindsShortNoisyArcsInSpace) {
   for (const double degrees : {5.0, 10.0, 30.0}) {
     const double sweep = degrees * kDegree, sagitta = 1 - std::cos(sweep / 2);
     double squares = 0;
-    constexpr int kTrials = 40, kPoints = 400;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    constexpr int kPoints = 400;
+    const int trials = Cases(40);
+    for (int trial = 0; trial < trials; ++trial) {
       SCOPED_TRACE("seed 7, trial " + std::to_string(trial));
       Eigen::Matrix3Xd points = ArcPoints(kPoints, sweep);
       noise.AddTo(points, 0.1 * sagitta, false);
@@ -302,8 +304,8 @@ TEST(FitPrimitiveTest, FindsShortNoisyArcsInSpace) {
     }
     // With y = −c κ/2 t² the curvature's variance is σ²·180·4/(N L⁴)·…: sd(κ) = σ √(720/N)/L².
     const double expected = 0.1 * sagitta * std::sqrt(720.0 / kPoints) / (sweep * sweep);
-    EXPECT_LT(std::sqrt(squares / kTrials), 1.3 * expected);
-    EXPECT_GT(std::sqrt(squares / kTrials), 0.7 * expected);
+    EXPECT_LT(std::sqrt(squares / trials), 1.3 * expected);
+    EXPECT_GT(std::sqrt(squares / trials), 0.7 * expected);
   }
 }
 

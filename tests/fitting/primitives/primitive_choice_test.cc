@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "cases.h"
 #include "primitive_clouds.h"
 #include "tolerances.h"
 
@@ -19,8 +20,8 @@ TEST(PrimitiveChoiceTest, ChoosesTheSimplestThatThePointsDoNotReject) {
   RandomSplines random(10);
   Noise noise(10);
   int wrong = 0, missed = 0;
-  constexpr int kTrials = 200;
-  for (int trial = 0; trial < kTrials; ++trial) {
+  const int trials = Cases(100);
+  for (int trial = 0; trial < trials; ++trial) {
     const bool plane = random.Coin();
     const int count = random.Integer(4, 200);
     Eigen::Matrix3Xd points = LinePoints(count, 1);
@@ -34,8 +35,8 @@ TEST(PrimitiveChoiceTest, ChoosesTheSimplestThatThePointsDoNotReject) {
     noise.AddTo(arc, 0.2 * (1 - std::cos(sweep / 2)), plane);
     if (std::holds_alternative<LineShape>(FitPrimitive(Cloud(arc, plane)).shape)) ++missed;
   }
-  EXPECT_LE(wrong, kTrials * 3 / 100);
-  EXPECT_LE(missed, kTrials / 100);
+  EXPECT_LE(wrong, trials * 3 / 100);
+  EXPECT_LE(missed, trials / 100);
 }
 
 TEST(PrimitiveChoiceTest, WarnsWhereTheRadiusMeansLittle) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "cases.h"
 #include "primitive_clouds.h"
 #include "tolerances.h"
 
@@ -76,7 +77,7 @@ void ExpectRobust(Loss loss, double share, double factor, int trials) {
   }
 }
 
-TEST(PrimitiveOutliersTest, BearsOutliers) { ExpectRobust(Loss::kTukey, 0.3, 1.5, 20); }
+TEST(PrimitiveOutliersTest, BearsOutliers) { ExpectRobust(Loss::kTukey, 0.3, 1.5, Cases(20)); }
 
 TEST(LongPrimitiveOutliersTest, ThirtyPercentOfOutliersCostLittleUnderEveryLoss) {
   for (const Loss loss : {Loss::kTukey, Loss::kHuber, Loss::kCauchy}) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "cases.h"
 #include "measured_shapes.h"
 #include "tolerances.h"
 
@@ -63,7 +64,7 @@ TEST(ShapeFitterTest, SetsOutliersAside) {
 TEST(ShapeFitterTest, UnitsAndThreadsDoNotMatter) {
   RandomSplines random(3);
   ThreadPool one(1), three(3);
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int trial = 0; trial < Cases(10); ++trial) {
     SCOPED_TRACE(trial);
     const SurfaceKind kind = kSurfaceKinds[trial % 5];
     const MeasuredShape truth = RandomShape(kind, random, 0);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "cases.h"
 #include "fitting/core/distributions.h"
 #include "measured_shapes.h"
 #include "tolerances.h"
@@ -31,7 +32,7 @@ double SquaresLeft(const MeasuredShape& truth,
 TEST(SnapTest, TakesTheKindThatThePointsAreOf) {
   RandomSplines random(1);
   ThreadPool pool(2);
-  for (int trial = 0; trial < 25; ++trial) {
+  for (int trial = 0; trial < Cases(10); ++trial) {
     SCOPED_TRACE("seed 1, trial " + std::to_string(trial));
     const SurfaceKind kind = kSurfaceKinds[trial % 5];
     const MeasuredShape truth = RandomShape(kind, random);

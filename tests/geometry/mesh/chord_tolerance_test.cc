@@ -16,6 +16,7 @@
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/tessellate.h"
 #include "batten/geometry/trim_region.h"
+#include "cases.h"
 #include "nasty_surfaces.h"
 #include "random_splines.h"
 #include "tolerances.h"
@@ -128,9 +129,9 @@ double SizeOfBox(const NurbsSurface& surface) { return BoundingBox(surface).diag
 
 TEST(ChordToleranceTest, HoldsForRandomSurfacesOfEveryDegree) {
   RandomSplines random(91);
-  constexpr int kRounds = 200;
+  const int rounds = Cases(80);
   int measured = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const int p = random.Integer(1, 9), q = random.Integer(1, 9);
     SCOPED_TRACE(std::to_string(round) + ": degrees " + std::to_string(p) + ", " +
                  std::to_string(q));
@@ -139,18 +140,19 @@ TEST(ChordToleranceTest, HoldsForRandomSurfacesOfEveryDegree) {
         round % 2 == 0 ? random.Sheet(p, q, 1, kind) : random.Surface(p, q, round % 4 == 1, kind);
     measured += ExpectWithin(surface, SizeOfBox(surface) * random.Logarithmic(0.005, 0.05), random);
   }
-  EXPECT_GT(measured, kRounds * 9 / 10);
+  EXPECT_GT(measured, rounds * 9 / 10);
 }
 
 // Without those that have no area, and those whose random nets close or lie in a plane: these fold
 // on themselves inside single spans, which is looked for at seven places of a triangle only.
 TEST(ChordToleranceTest, HoldsForNastySurfaces) {
   RandomSplines random(92);
-  constexpr int kPeriodic = 11, kInAPlane = 15, kWithoutArea = 16, kClosed = 17, kRounds = 5;
+  constexpr int kPeriodic = 11, kInAPlane = 15, kWithoutArea = 16, kClosed = 17;
+  const int rounds = Cases(2);
   int measured = 0, all = 0;
   for (int kind = 0; kind < kNastyKinds; ++kind) {
     if (kind == kPeriodic || kind == kInAPlane || kind == kWithoutArea || kind == kClosed) continue;
-    for (int round = 0; round < kRounds; ++round, ++all) {
+    for (int round = 0; round < rounds; ++round, ++all) {
       SCOPED_TRACE(std::to_string(kind) + " " + std::to_string(round));
       const NurbsSurface surface = NastySurface(kind, random);
       measured +=

@@ -16,6 +16,7 @@
 
 #include "batten/io/read_error.h"
 #include "batten/io/write_cloud.h"
+#include "cases.h"
 #include "cloud_bytes.h"
 #include "las_bytes.h"
 
@@ -278,7 +279,7 @@ TEST(ReadCloudTest, NeedsLittleMoreMemoryThanThePoints) {
 
 // Damaged files give points or a reason; never a crash or memory that the file does not justify.
 TEST(ReadCloudTest, SurvivesRandomDamage) {
-  constexpr int kRounds = 2000;
+  const int rounds = Cases(800);
   std::mt19937_64 random(kSeed);
   SCOPED_TRACE(kSeed);
   const TemporaryFolder folder;
@@ -287,7 +288,7 @@ TEST(ReadCloudTest, SurvivesRandomDamage) {
   samples.push_back({"a.las", LasBytes(RandomLasPoints(random, 5))});
   samples.push_back({"b.stl", FacetsWithoutNeighbours(random, 3)});
   for (const Sample& sample : samples) {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       std::string bytes = sample.bytes;
       for (auto damage = random() % 4; damage < 4; ++damage) {
         // Half of the hits on the first bytes, where headers are.
