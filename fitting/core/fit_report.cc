@@ -54,6 +54,48 @@ const char* Name(Termination termination) {
   return "";
 }
 
+const char* Name(EndCode code) {
+  switch (code) {
+    case EndCode::kToleranceReached:
+      return "tolerance_reached";
+    case EndCode::kNoiseReached:
+      return "noise_reached";
+    case EndCode::kCrossValidated:
+      return "cross_validated";
+    case EndCode::kDetailBelowSpacing:
+      return "detail_below_spacing";
+    case EndCode::kStructuredResiduals:
+      return "structured_residuals";
+    case EndCode::kMaxControlPoints:
+      return "max_control_points";
+    case EndCode::kMaxIterations:
+      return "max_iterations";
+    case EndCode::kTimeLimit:
+      return "time_limit";
+    case EndCode::kCancelled:
+      return "cancelled";
+  }
+  return "";
+}
+
+Termination TerminationOf(EndCode code) {
+  switch (code) {
+    case EndCode::kToleranceReached:
+      return Termination::kToleranceReached;
+    case EndCode::kNoiseReached:
+      return Termination::kNoiseReached;
+    case EndCode::kMaxControlPoints:
+      return Termination::kMaxControlPoints;
+    case EndCode::kMaxIterations:
+    case EndCode::kTimeLimit:
+      return Termination::kMaxIterations;
+    case EndCode::kCancelled:
+      return Termination::kCancelled;
+    default:
+      return Termination::kStalled;
+  }
+}
+
 ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
                        std::optional<double> tolerance,
                        const Eigen::Array<bool, Eigen::Dynamic, 1>& mask) {
@@ -157,6 +199,7 @@ void FitReport::Join(const FitReport& other) {
   seconds += other.seconds;
   optimize.ran = optimize.ran || other.optimize.ran;
   optimize.iterations += other.optimize.iterations;
+  if (other.termination > termination) end = other.end;
   termination = std::max(termination, other.termination);
 }
 

@@ -55,6 +55,13 @@ constexpr int kRoundsOfDistance = 20;
 constexpr double kVariancesPerControlPoint = 3;
 constexpr int kMostToRelocate = 80;  // spans; the time grows with their square
 
+EndCode SearchEnd(Termination termination) {
+  return termination == Termination::kToleranceReached   ? EndCode::kToleranceReached
+         : termination == Termination::kMaxControlPoints ? EndCode::kMaxControlPoints
+         : termination == Termination::kCancelled        ? EndCode::kCancelled
+                                                         : EndCode::kCrossValidated;
+}
+
 // One fit, stage by stage; members are what the stages hand on.
 template <int Dim>
 class CurveFitter {
@@ -188,7 +195,7 @@ class CurveFitter {
     if (options_.tolerance) {
       RefineAtParameters();
     } else {
-      report_.termination = Termination::kNoiseReached;
+      report_.end.code = EndCode::kCrossValidated;
       Take(SolveLinear(*problem_, pool_));
     }
   }
@@ -218,7 +225,7 @@ class CurveFitter {
     refine.max_control_points = options_.control_points.value_or(options_.max_control_points);
     SpanRefinement refined = RefineSpans(*problem_, refine, pool_, options_.progress);
     Record(refined.rounds);
-    report_.termination = refined.termination;
+    report_.end.code = SearchEnd(refined.termination);
     problem_ = std::move(refined.problem);
     Take(refined.solution);
   }
@@ -301,9 +308,7 @@ class CurveFitter {
     if (many && robust) adapted = AdaptedToAll(adapted, *loss);
     const double means = many ? static_cast<double>(problem_->size()) / kMeans : 1;
     if (noise_ == 0) noise_ = adapted.noise * std::sqrt(means);
-    report_.termination = adapted.full         ? Termination::kMaxControlPoints
-                          : options_.tolerance ? Termination::kStalled
-                                               : Termination::kNoiseReached;
+    report_.end.code = adapted.full ? EndCode::kMaxControlPoints : EndCode::kCrossValidated;
     FittingProblem whole = !many    ? std::move(adapted.problem)
                            : robust ? WeightedWhole(adapted, *loss)
                                     : problem_->WithBasis(adapted.layout.Basis());
@@ -435,7 +440,7 @@ class CurveFitter {
       const int steps = distance_ == CurveDistance::kPoint ? 1 : 0;
       problem = FitWithCorrection(problem, steps, pool_, anchored_).problem;
     }
-    report_.termination = Termination::kNoiseReached;
+    report_.end.code = EndCode::kCrossValidated;
     problem_ = std::move(problem);
     Take(SolveLinear(*problem_, pool_));
   }
@@ -461,7 +466,7 @@ class CurveFitter {
       fit = std::move(trial);
       layout = other;
     }
-    report_.termination = Termination::kMaxControlPoints;
+    report_.end.code = EndCode::kMaxControlPoints;
     if (options_.loss && *options_.loss != Loss::kNone) {
       Reweight(fit.problem);
       fit.problem = *problem_;
@@ -513,7 +518,7 @@ class CurveFitter {
     const double rms = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
     summary.rms_before = summary.rms_after = rms;
     clock_.Enter(&StageSeconds::optimize);
-    if (report_.termination == Termination::kCancelled) return;
+    if (report_.end.code == EndCode::kCancelled) return;
     OptimizeOptions optimize;
     if (options_.optimize) {
       optimize.free = *options_.optimize;
@@ -600,7 +605,7 @@ class CurveFitter {
       summary.why = result.ran ? summary.why + "; " + result.note : result.note;
     }
     Record(result.rounds);
-    if (result.cancelled) report_.termination = Termination::kCancelled;
+    if (result.cancelled) report_.end.code = EndCode::kCancelled;
     NurbsCurve<Dim> curve(
         result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
     const bool regularized =

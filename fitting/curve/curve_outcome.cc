@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "batten/fitting/curve_parameterization.h"
+#include "fitting/core/fit_end.h"
 #include "fitting/foot_points/curve_distances.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kExcessToSayNoise = 2;
+constexpr double kStructured = 0.5;  // correlation of neighbouring offsets
 constexpr double kExactFit = 1e-9;  // share of the cloud's size: below it rounding
 
 // The points of this curve.
@@ -61,21 +62,47 @@ Eigen::VectorXd OffsetsAtParameters(const MeasureInput& grounds, const NurbsCurv
   return offsets;
 }
 
-Termination Judged(const MeasureInput& grounds, const FitReport& report) {
-  const ErrorSummary& error = report.judged_error();
-  const CurveFitOptions& options = grounds.options;
-  const double rounding = kExactFit * (report.input.box_max - report.input.box_min).norm();
-  if (report.termination == Termination::kCancelled) return report.termination;
-  if (options.tolerance) {
-    if (error.out_of_tolerance == 0) return Termination::kToleranceReached;
-    if (report.termination == Termination::kMaxControlPoints) return report.termination;
-    const bool noisy = grounds.noise > 0 && error.rms <= kExcessToSayNoise * grounds.noise;
-    return noisy ? Termination::kNoiseReached : Termination::kStalled;
+// The correlation of the used points' offsets with those of their neighbours along the curve: 0 for
+// noise, towards 1 where the curve misses a shape.
+template <int Dim>
+double NeighbourCorrelation(const CurveFit<Dim>& fit,
+                            const NurbsCurve<Dim>& curve,
+                            const PointCloud& cloud,
+                            const PointMask& used) {
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index k = 0; k < used.size(); ++k)
+    if (used[k]) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return fit.parameters[a] < fit.parameters[b];
+  });
+  using Point = Eigen::Matrix<double, Dim, 1>;
+  Point last = Point::Zero();
+  double products = 0, squares = 0;
+  for (const Eigen::Index k : order) {
+    const Point off = cloud.points().col(k).template head<Dim>() - curve.At(fit.parameters[k]);
+    products += last.dot(off);
+    squares += off.squaredNorm();
+    last = off;
   }
-  if (options.control_points) return Termination::kMaxControlPoints;
-  const bool at_noise = error.rms <= std::max(kExcessToSayNoise * grounds.noise, rounding);
-  if (!at_noise && report.termination == Termination::kMaxControlPoints) return report.termination;
-  return at_noise ? Termination::kNoiseReached : Termination::kStalled;
+  return squares > 0 ? products / squares : 0;
+}
+
+template <int Dim>
+void Judge(const MeasureInput& grounds,
+           const CurveFit<Dim>& fit,
+           const NurbsCurve<Dim>& curve,
+           const PointMask& used,
+           FitReport& report) {
+  EndEvidence evidence;
+  evidence.search = report.end.code;
+  evidence.control_points_given = grounds.options.control_points.has_value();
+  evidence.noise = grounds.noise;
+  evidence.rounding = kExactFit * (report.input.box_max - report.input.box_min).norm();
+  evidence.structured = NeighbourCorrelation(fit, curve, grounds.cloud, used) > kStructured;
+  Eigen::Index farthest = 0;
+  used.select(fit.residuals.array().abs(), 0).maxCoeff(&farthest);
+  evidence.farthest = grounds.cloud.World(farthest);
+  JudgeEnd(evidence, report);
 }
 
 }  // namespace
@@ -120,7 +147,7 @@ CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
   }
-  report.termination = Judged(grounds, report);
+  Judge(grounds, fit, measured, used, report);
   fit.report = std::move(report);
   return fit;
 }

@@ -9,6 +9,7 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/fitting/ordered_points.h"
+#include "fitting/core/fit_end.h"
 #include "fitting/core/stage_clock.h"
 #include "geometry/numeric/number_text.h"
 
@@ -16,7 +17,8 @@ namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kMostMiss = 1e-6;  // of the points' size
+constexpr double kMostMiss = 1e-6;   // of the points' size
+constexpr double kRounding = 1e-12;  // of the points' size
 
 [[noreturn]] void RefuseCloud(const std::string& reason) { throw std::invalid_argument(reason); }
 
@@ -165,9 +167,7 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
   report.geometry.control_points = {fit.curve.basis().size()};
   report.geometry.closed = {options.closed};
   report.optimize.why = "interpolation leaves nothing free";
-  report.termination = !options.tolerance                   ? Termination::kNoiseReached
-                       : report.error.out_of_tolerance == 0 ? Termination::kToleranceReached
-                                                            : Termination::kStalled;
+  JudgeEnd({.rounding = kRounding * (report.input.box_max - report.input.box_min).norm()}, report);
   report.seconds = clock.Seconds();
   fit.report = std::move(report);
   return fit;

@@ -40,6 +40,7 @@ constexpr double kAsGood = 1.01;          // a sheet's score against a plane's, 
 constexpr double kClearlyBetter = 0.995;  // elsewhere
 constexpr double kFewLetGo = 0.005;       // share of the points without a place
 constexpr double kClearlyFewer = 0.8;     // ratio of control points
+constexpr const char* kFewGrids = "predicts left-out points worse, by a few grids";
 
 // Computes the candidate bases of a cloud and chooses between them; members hold what every step
 // needs of the points.
@@ -73,6 +74,7 @@ class BaseChooser {
     RefuseParts();
     ParameterizationChoice choice = Chosen();
     Close(choice.base);
+    choice.candidates = CandidatesBeside(choice.base.name);
     return choice;
   }
 
@@ -81,6 +83,34 @@ class BaseChooser {
   bool automatic() const { return options_.base == BaseShape::kAuto; }
   bool asks_to_close() const {
     return options_.closed != Closing::kAuto && options_.closed != Closing::kNone;
+  }
+
+  BaseCandidate& Candidate(const std::string& name) {
+    for (BaseCandidate& one : candidates_)
+      if (one.name == name) return one;
+    return candidates_.emplace_back(BaseCandidate{name});
+  }
+
+  const BaseScore::Value& Record(const std::string& name, const BaseScore::Value& value) {
+    BaseCandidate& one = Candidate(name);
+    one.score = std::sqrt(value.score);
+    one.control_points = value.control_points;
+    return value;
+  }
+
+  // All candidates, with the reason why the others were not taken.
+  std::vector<BaseCandidate> CandidatesBeside(const std::string& taken) {
+    const std::optional<double> best = Candidate(taken).score;
+    for (BaseCandidate& one : candidates_) {
+      if (one.name == taken) {
+        one.refused.clear();
+      } else if (one.refused.empty()) {
+        one.refused = one.score && best && *one.score < *best
+                          ? "predicts left-out points not clearly better, for its control points"
+                          : "predicts left-out points no better";
+      }
+    }
+    return candidates_;
   }
 
   struct Scored {
@@ -97,6 +127,8 @@ class BaseChooser {
       return Required(std::move(round));
     }
     ParameterizationChoice plane = OverPlane();
+    if (options_.base != BaseShape::kSheet)
+      Candidate("plane").refused = plane_possible() ? "" : layers_;
     if (automatic() && !asks_to_close() && plane_.overlap <= kOverlapToWarn &&
         plane_.steepness <= kGentle) {
       return plane;
@@ -176,7 +208,7 @@ class BaseChooser {
 
   // Scores a base; if it leaves more points than outliers without a place, these count too.
   BaseScore::Value ScoreOf(const ParameterizationChoice& choice) {
-    return score().Of(choice.base, CountedOf(choice, std::ssize(kept_)));
+    return Record(choice.base.name, score().Of(choice.base, CountedOf(choice, std::ssize(kept_))));
   }
 
   // Whether base a predicts left-out points clearly better, or as well with clearly fewer control
@@ -243,17 +275,22 @@ class BaseChooser {
     const bool height_field = plane_allowed() && plane_.overlap <= kOverlapToWarn;
     if (plane != nullptr && height_field && IsAtNoise(PlaneScore(*plane)) &&
         AreHopelessBeside(*plane)) {
+      Candidate("closed").refused = kFewGrids;
       return std::nullopt;
     }
     ClosedBases closed = FindClosedBases(good(), options_, !height_field, pool_);
     if (closed.serving.empty()) {
       revolution_failure_ = closed.failure_reason;
+      Candidate("closed").refused = closed.failure_reason;
       return std::nullopt;
     }
     std::optional<Scored> best;
     for (ClosedBase& one : closed.serving) {
       ParameterizationChoice choice = ForAll(std::move(one), kept_);
-      if (plane != nullptr && IsHopelessBeside(*plane, choice, std::ssize(kept_))) continue;
+      if (plane != nullptr && IsHopelessBeside(*plane, choice, std::ssize(kept_))) {
+        Candidate(choice.base.name).refused = kFewGrids;
+        continue;
+      }
       const BaseScore::Value value = ScoreOf(choice);
       if (!best || IsBetter(value, best->value)) best = {std::move(choice), value};
     }
@@ -311,6 +348,7 @@ class BaseChooser {
   std::optional<ParameterizationChoice> OverSheet() {
     const SheetBase& found = layout_->found();
     failure_reason_ = found.failure_reason;
+    Candidate("sheet").refused = found.failure_reason;
     one_sided_ = !found.orientation_consistent;
     distortion_ = found.distortion;
     if (!found.ok()) return std::nullopt;
@@ -362,7 +400,7 @@ class BaseChooser {
   // Returns the sheet's score, computed once for each set of parameters.
   const BaseScore::Value& SheetScore(const ParameterizationChoice& sheet) {
     if (!sheet_score_) sheet_score_ = score().Of(sheet.base, CountedOf(sheet, PointsOfSheet()));
-    return *sheet_score_;
+    return Record("sheet", *sheet_score_);
   }
 
   // Returns the sheet, with smoothed parameters if they are better, or the plane; none if there is
@@ -425,7 +463,10 @@ class BaseChooser {
     if (!sheet_score_) {
       const double at_most = AtMostBeside(sheet, PointsOfSheet(), of_plane);
       if (at_most <= most) return false;
-      if (at_most > kClearlyHopeless * most) return true;
+      if (at_most > kClearlyHopeless * most) {
+        Candidate("sheet").refused = kFewGrids;
+        return true;
+      }
     }
     return SheetScore(sheet).score > most;
   }
@@ -436,7 +477,7 @@ class BaseChooser {
         SmoothParameters(sheet.base, cloud_, sheet.reached, score(), before, pool_);
     if (settled.any) sheet.base.why += "; parameters settled on a coarse surface";
     sheet_score_.reset();
-    if (!LetsGo(sheet, std::ssize(kept_))) sheet_score_ = settled.value;
+    if (!LetsGo(sheet, std::ssize(kept_))) sheet_score_ = Record("sheet", settled.value);
   }
 
   const PointCloud& cloud_;
@@ -459,6 +500,7 @@ class BaseChooser {
   bool sheet_sampled_ = false;  // only points of the sample have places on the sheet
   std::optional<BaseScore::Value> sheet_score_, plane_score_;
   std::optional<BaseScore> score_;
+  std::vector<BaseCandidate> candidates_;
 };
 
 }  // namespace

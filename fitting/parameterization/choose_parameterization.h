@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/fit_report.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
@@ -17,6 +18,7 @@ struct ParameterizationChoice {
   Parameterization base;
   PointMask reached;  // points the base has a place for
   std::vector<std::string> warnings;
+  std::vector<BaseCandidate> candidates = {};  // all that were considered
 };
 
 // Chooses the base of a cloud: a plane if the points are a height field that is nowhere steep.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "fitting/core/distributions.h"
+#include "fitting/core/fit_end.h"
 #include "fitting/primitives/curve_primitive.h"
 #include "fitting/primitives/primitive_input.h"
 #include "fitting/primitives/surface_choice.h"
@@ -69,19 +70,18 @@ bool WarnOfStructure(PrimitiveInput& input, const ShapeFit& fit) {
   return true;
 }
 
-// Replaces kNoiseReached by kStalled where the residuals are structured.
-void SayStalled(bool structured, PrimitiveFit& fit) {
-  if (structured && fit.report.termination == Termination::kNoiseReached) {
-    fit.report.termination = Termination::kStalled;
-  }
+// Where the residuals are structured they are no noise.
+void SayStructured(bool structured, const PointCloud& cloud, PrimitiveFit& fit) {
+  if (structured && fit.report.termination == Termination::kNoiseReached)
+    JudgeEnd({.structured = true, .farthest = FarthestPoint(fit, cloud)}, fit.report);
 }
 
 // The curve fit with a warning where the points are too far off it for measurement noise.
-PrimitiveFit NearestCurve(CurvePrimitive& curve) {
+PrimitiveFit NearestCurve(CurvePrimitive& curve, const PrimitiveInput& input) {
   constexpr double kFarOff = 0.03;  // of the points' extent
   PrimitiveFit fit = curve.Fit();
-  const InputSummary& input = fit.report.input;
-  const double size = (input.box_max - input.box_min).norm();
+  const InputSummary& summary = fit.report.input;
+  const double size = (summary.box_max - summary.box_min).norm();
   if (fit.report.error.rms > kFarOff * size) {
     char percent[16];
     std::snprintf(percent, sizeof percent, "%.0f %%", 100 * fit.report.error.rms / size);
@@ -89,7 +89,7 @@ PrimitiveFit NearestCurve(CurvePrimitive& curve) {
         "no line, circle, plane, sphere, cylinder, cone or torus explains the points; the " +
         fit.report.geometry.primitive->kind + " is the nearest: they are off it by " + percent +
         " of their extent");
-    SayStalled(true, fit);
+    SayStructured(true, input.cloud, fit);
   }
   return fit;
 }
@@ -105,7 +105,7 @@ PrimitiveFit FitSurfaceOf(PrimitiveInput& input, SurfaceKind kind) {
   const ShapeFit fit = fitter.Fit(kind);
   const bool structured = WarnOfStructure(input, fit);
   PrimitiveFit result = SurfaceMeasurement(input, fitter, fit, "asked for");
-  SayStalled(structured, result);
+  SayStructured(structured, input.cloud, result);
   return result;
 }
 
@@ -135,25 +135,25 @@ double SurpriseOf(const ShapeFit& fit,
 // each has one distance component only.
 PrimitiveFit FitAny(PrimitiveInput& input) {
   CurvePrimitive curve(input, PrimitiveKind::kAuto);
-  if (input.plane()) return NearestCurve(curve);
+  if (input.plane()) return NearestCurve(curve, input);
   ShapeFitter fitter(input.points(), input.merged.cloud.weights(), ShapeOptions(input), input.pool);
   std::optional<SurfaceChoice> chosen = ChooseSurface(fitter, input.rounding, input.pool);
-  if (!chosen) return NearestCurve(curve);
+  if (!chosen) return NearestCurve(curve, input);
   try {
     const DescribedSurface described =
         Described(chosen->fit, fitter, input.points(), input.move, input.rounding, input.pool);
     if (NoiseExplains(curve, chosen->fit, input) ||
         !(SurpriseOf(chosen->fit, described, input) < curve.Surprise())) {
-      return NearestCurve(curve);
+      return NearestCurve(curve, input);
     }
   } catch (const std::invalid_argument&) {
-    return NearestCurve(curve);  // the points are on one line of the surface
+    return NearestCurve(curve, input);  // the points are on one line of the surface
   }
   input.report.iterations.clear();
   input.report.warnings.clear();
   const bool structured = WarnOfStructure(input, chosen->fit);
   PrimitiveFit result = SurfaceMeasurement(input, fitter, chosen->fit, chosen->why);
-  SayStalled(structured, result);
+  SayStructured(structured, input.cloud, result);
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fitting/core/fit_end.h"
 #include "fitting/core/unit_of.h"
 
 namespace batten::internal {
@@ -69,6 +70,12 @@ void PrimitiveInput::Require(const std::string& what, Eigen::Index fewest) const
          (points().cols() == 1 ? "is " : "are ") + std::to_string(points().cols()));
 }
 
+Eigen::Vector3d FarthestPoint(const PrimitiveFit& fit, const PointCloud& cloud) {
+  Eigen::Index farthest = 0;
+  fit.outliers.select(0, fit.residuals.array().abs()).maxCoeff(&farthest);
+  return cloud.World(farthest);
+}
+
 void FinishReport(PrimitiveInput& input,
                   PrimitiveSummary primitive,
                   const std::string& kind,
@@ -80,10 +87,11 @@ void FinishReport(PrimitiveInput& input,
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
   report.input.noise = primitive.scale;
-  report.termination = report.tolerance_reached().value_or(false) ? Termination::kToleranceReached
-                       : tolerance                                ? Termination::kStalled
-                                                                  : Termination::kNoiseReached;
   report.geometry.kind = kind;
+  JudgeEnd({.noise = primitive.scale,
+            .rounding = input.rounding * (report.input.box_max - report.input.box_min).norm(),
+            .farthest = FarthestPoint(fit, input.cloud)},
+           report);
   report.geometry.base = primitive.kind;
   report.geometry.primitive = std::move(primitive);
   report.seconds = input.clock.Seconds();

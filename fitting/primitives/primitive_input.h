@@ -46,6 +46,9 @@ struct PrimitiveInput {
   void Require(const std::string& what, Eigen::Index fewest) const;
 };
 
+// The used point with the largest residual, in world coordinates.
+Eigen::Vector3d FarthestPoint(const PrimitiveFit& fit, const PointCloud& cloud);
+
 // Completes the report with the measured errors, the termination and the times, and hands it to
 // `fit`.
 void FinishReport(PrimitiveInput& input,

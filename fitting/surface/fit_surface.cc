@@ -114,6 +114,7 @@ class SurfacePipeline {
     report.geometry.base_why = prepared.base.why;
     if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
     report.warnings = prepared.warnings;
+    report.base_candidates = prepared.candidates;
     return report;
   }
 

@@ -178,6 +178,7 @@ class Refinement {
       if (nu * nv > round_limit) continue;
       (line.in_u ? in_u : in_v).push_back(line.knot);
     }
+    narrowest_ = lines.empty();
     if (in_u.empty() && in_v.empty()) return false;
     problem_ = problem_.WithBases(WithInnerKnots(problem_.basis_u(), in_u),
                                   WithInnerKnots(problem_.basis_v(), in_v));
@@ -206,12 +207,15 @@ class Refinement {
     return static_cast<double>(points_.cols()) * beyond;
   }
 
-  RefineResult Finish(Termination termination) {
-    if (termination == Termination::kToleranceReached) RemoveLines();
+  // Whether spans with points out of tolerance were all as narrow as the spacing lets them be.
+  bool narrowest() const { return narrowest_; }
+
+  RefineResult Finish(EndCode end) {
+    if (end == EndCode::kToleranceReached) RemoveLines();
     Regularized();
     return {std::move(*best_),
             std::move(best_parameters_),
-            termination,
+            end,
             empty_area_fraction_,
             std::move(rounds_)};
   }
@@ -241,6 +245,7 @@ class Refinement {
   std::optional<FittingProblem> best_problem_;
   double empty_area_fraction_ = 0;
   double validation_ = 0;
+  bool narrowest_ = false;
   std::tuple<std::optional<NurbsSurface>, Eigen::Matrix2Xd, std::optional<FittingProblem>>
       remembered_;
   Eigen::Matrix2Xd best_parameters_;
@@ -261,27 +266,28 @@ RefineResult RefineToTolerance(const FittingProblem& problem,
   double validation = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::Index out = refinement.Round("refine");
-    if (out == 0) return refinement.Finish(Termination::kToleranceReached);
+    if (out == 0) return refinement.Finish(EndCode::kToleranceReached);
     // No more points are out than noise alone explains: continue only while validation on left-out
     // points improves, because the noise of sparse exact points is easily overestimated.
     const double noise_out = refinement.NoiseOut();
     const bool as_noise = static_cast<double>(out) <= noise_out + 2 * std::sqrt(noise_out);
     if (as_noise && refinement.validation() >= validation) {
       refinement.Return();
-      return refinement.Finish(Termination::kNoiseReached);
+      return refinement.Finish(EndCode::kNoiseReached);
     }
     if (as_noise) refinement.Remember();
     validation = as_noise ? refinement.validation() : std::numeric_limits<double>::infinity();
-    if (cancelled(0.02 * std::min(round, 40))) return refinement.Finish(Termination::kCancelled);
+    if (cancelled(0.02 * std::min(round, 40))) return refinement.Finish(EndCode::kCancelled);
     if (!refinement.InsertLines()) break;
   }
   for (int round = 0; round < kReweightingRounds; ++round) {
     refinement.Reweight();
-    if (refinement.Round("reweight") == 0) return refinement.Finish(Termination::kToleranceReached);
+    if (refinement.Round("reweight") == 0) return refinement.Finish(EndCode::kToleranceReached);
     if (cancelled(0.8 + 0.2 * round / kReweightingRounds))
-      return refinement.Finish(Termination::kCancelled);
+      return refinement.Finish(EndCode::kCancelled);
   }
-  return refinement.Finish(Termination::kMaxControlPoints);
+  return refinement.Finish(refinement.narrowest() ? EndCode::kDetailBelowSpacing
+                                                  : EndCode::kMaxControlPoints);
 }
 
 }  // namespace batten::internal

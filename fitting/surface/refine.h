@@ -23,7 +23,7 @@ struct RefineOptions {
 struct RefineResult {
   NurbsSurface surface;
   Eigen::Matrix2Xd parameters;  // foot points of the data
-  Termination termination;
+  EndCode end;
   double empty_area_fraction = 0;  // of the domain without points
   std::vector<RoundSummary> rounds;
 };

@@ -382,7 +382,7 @@ class SurfaceFitter {
                                              pool_,
                                              options_.progress);
     Record(refined.rounds);
-    report_.termination = refined.termination;
+    report_.end.code = refined.end;
     surface_ = std::move(refined.surface);
     // Where parameters are part of the data the joint stage starts from those.
     parameters_ = base_.exact ? problem_->data().parameters : std::move(refined.parameters);
@@ -430,7 +430,7 @@ class SurfaceFitter {
       report_.warnings.push_back(
           "the points do not determine every control point: fairness was raised");
     }
-    report_.termination = Termination::kNoiseReached;
+    report_.end.code = EndCode::kCrossValidated;
     surface_ = base_.Surface(problem_->basis_u(), problem_->basis_v(), solution.coefficients);
     parameters_ = problem_->data().parameters;
   }

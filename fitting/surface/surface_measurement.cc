@@ -13,6 +13,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
 #include "batten/geometry/closure.h"
+#include "fitting/core/fit_end.h"
 #include "fitting/least_squares/residual_structure.h"
 
 namespace batten::internal {
@@ -22,7 +23,6 @@ constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
 constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
 constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint optimization pays
-constexpr double kExcessToSayNoise = 2;
 constexpr double kFollowsNoise = 0.8;  // residuals over noise; below: a warning of overfitting
 constexpr double kSharedAtMost = 2.5;  // residuals over noise; above: they are shape
 constexpr double kStructured = 0.15;   // share of the residuals' variance that is smooth in a cell
@@ -96,30 +96,46 @@ void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
   }
 }
 
-// The termination reason, checked against the measured errors.
-void JudgeTermination(const SurfaceFitOptions& options,
-                      const std::string& shape,
-                      FitReport& report) {
-  Termination& termination = report.termination;
-  if (termination == Termination::kCancelled) return;
-  if (options.tolerance) {
-    if (report.error.out_of_tolerance == 0) {
-      termination = Termination::kToleranceReached;
-    } else if (termination == Termination::kToleranceReached) {
-      termination = Termination::kStalled;
-    }
-    return;
+// Whether neighbours share the residuals of the used points.
+bool HasStructure(const SurfaceFit& fit, const SurfaceFitOptions& options, ThreadPool& pool) {
+  constexpr Eigen::Index kPlaces = 400;  // enough for mean lengths of S_u and S_v
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index k = 0; k < fit.outliers.size(); ++k)
+    if (!fit.outliers[k]) used.push_back(k);
+  const auto count = static_cast<Eigen::Index>(used.size());
+  Eigen::Vector2d stretch = Eigen::Vector2d::Zero();
+  for (Eigen::Index k = 0; k < count; k += std::max<Eigen::Index>(1, count / kPlaces)) {
+    const auto at = fit.parameters.col(used[k]);
+    const SurfaceJet jet = fit.surface.JetAt(at[0], at[1]);
+    stretch += Eigen::Vector2d(jet.du.norm(), jet.dv.norm()) / kPlaces;
   }
-  if (report.error.rms <=
-      std::max(kExcessToSayNoise * report.input.noise, RoundingOf(report.input))) {
-    return;
-  }
-  if (options.control_points) {
-    termination = Termination::kMaxControlPoints;
-    return;
-  }
-  termination = Termination::kStalled;
-  if (!(report.input.noise > 0)) return;
+  return StructuredShare({stretch.asDiagonal() * fit.parameters(Eigen::all, used),
+                          fit.residuals(used),
+                          options.seed},
+                         fit.surface.size_u() * fit.surface.size_v(),
+                         pool) > kStructured;
+}
+
+// How the fit ended, by the measured errors.
+void Judge(const SurfaceFit& fit,
+           const PointCloud& cloud,
+           const SurfaceFitOptions& options,
+           const std::string& shape,
+           ThreadPool& pool,
+           FitReport& report) {
+  EndEvidence evidence;
+  evidence.search = report.end.code;
+  evidence.control_points_given = options.control_points.has_value();
+  evidence.noise = report.input.noise;
+  evidence.rounding = RoundingOf(report.input);
+  Eigen::Index farthest = 0;
+  fit.outliers.select(0, fit.residuals.array().abs()).maxCoeff(&farthest);
+  evidence.farthest = cloud.World(farthest);
+  JudgeEnd(evidence, report);
+  if (report.termination != Termination::kStalled) return;
+  evidence.structured = HasStructure(fit, options, pool);
+  JudgeEnd(evidence, report);
+  if (options.tolerance || !(report.input.noise > 0)) return;
   report.warnings.push_back(
       "residuals are well above the noise of neighbouring points, but more control points would "
       "not predict left-out points better: the shape has edges, layers or detail that " +
@@ -171,7 +187,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
   const double rms = std::sqrt(before.distances.squaredNorm() / static_cast<double>(points));
   clock.Enter(&StageSeconds::optimize);
   report.optimize.rms_before = report.optimize.rms_after = rms;
-  if (report.termination == Termination::kCancelled) return;
+  if (report.end.code == EndCode::kCancelled) return;
   // The noise of exact points is rounding, far below the errors a joint stage could reduce.
   const double noise =
       report.input.noise > 0 ? std::max(report.input.noise, RoundingOf(report.input)) : 0;
@@ -212,7 +228,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why = result.ran ? report.optimize.why + "; " + result.note : result.note;
   }
   report.iterations.insert(report.iterations.end(), result.rounds.begin(), result.rounds.end());
-  if (result.cancelled) report.termination = Termination::kCancelled;
+  if (result.cancelled) report.end.code = EndCode::kCancelled;
   NurbsSurface optimised(result.problem.basis_u(),
                          result.problem.basis_v(),
                          std::move(result.control_points),
@@ -312,7 +328,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
         "there are more control points than points: fairness decides the rest");
   }
   WarnOfNoise(options, report);
-  JudgeTermination(options, shape, report);
+  Judge(fit, cloud, options, shape, pool, report);
   fit.report = std::move(report);
   return fit;
 }

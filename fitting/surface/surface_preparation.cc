@@ -101,6 +101,7 @@ void TakeBase(PreparedCloud& prepared,
   prepared.base = std::move(choice.base);
   prepared.reached = std::move(choice.reached);
   prepared.warnings = std::move(choice.warnings);
+  prepared.candidates = std::move(choice.candidates);
   prepared.used = prepared.reached && !prepared.statistics.outliers;
   SortByPlace(prepared);
 }

@@ -39,6 +39,7 @@ struct PreparedCloud {
   PointMask reached;  // mask of the merged points: parameterized by the base
   PointMask used;     // mask of the merged points: initial inliers
   std::vector<std::string> warnings;
+  std::vector<BaseCandidate> candidates;  // for the base
 };
 
 // Merges duplicates, measures spacing and noise, flags outliers, finds the base, and sorts the

@@ -153,6 +153,24 @@ Json Rounds(const std::vector<RoundSummary>& rounds, bool curve) {
   return result;
 }
 
+Json Candidates(const std::vector<BaseCandidate>& candidates) {
+  Json result = Json::array();
+  for (const BaseCandidate& one : candidates)
+    result.push_back({{"name", one.name},
+                      {"score", one.score ? Number(*one.score) : Json(nullptr)},
+                      {"control_points", one.score ? Json(one.control_points) : Json(nullptr)},
+                      {"refused", one.refused.empty() ? Json(nullptr) : Json(one.refused)}});
+  return result;
+}
+
+// Null where nothing was fitted.
+Json End(const FitEnd& end) {
+  if (end.words.empty()) return nullptr;
+  return {{"code", Name(end.code)},
+          {"words", end.words},
+          {"where", end.where ? Vector(*end.where) : Json(nullptr)}};
+}
+
 Json Seconds(const StageSeconds& seconds) {
   return {{"read", Number(seconds.read)},
           {"prepare", Number(seconds.prepare)},
@@ -169,7 +187,7 @@ Json Seconds(const StageSeconds& seconds) {
 }  // namespace
 
 std::string ToReportJson(const FitReport& report, const ReportContext& context) {
-  Json json = {{"schema", "batten-report-1"},
+  Json json = {{"schema", "batten-report-2"},
                {"command", context.command},
                {"input", Input(report.input, context)},
                {"geometry", Shape(report.geometry, context.file)},
@@ -177,6 +195,7 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"error_all", Error(report.error_all, "orthogonal")},
                {"optimize", Optimize(report.optimize)},
                {"termination", Name(report.termination)},
+               {"end", End(report.end)},
                {"tolerance_reached", OrNull(report.tolerance_reached())},
                {"iterations", Rounds(report.iterations, report.geometry.kind == "curve")},
                {"seconds", Seconds(report.seconds)},
@@ -184,6 +203,7 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"threads", report.threads},
                {"warnings", report.warnings},
                {"version", context.version}};
+  if (!report.base_candidates.empty()) json["base_candidates"] = Candidates(report.base_candidates);
   if (report.parameter_error) {
     const ErrorSummary& error = *report.parameter_error;
     Json& entry = json["parameter_error"] = Error(error, "parameter");

@@ -43,7 +43,7 @@ class FitSurfaceCommandTest : public ::testing::Test {
 
 TEST_F(FitSurfaceCommandTest, ReportHasEveryFieldOfTheContract) {
   const Json report = Fit({cloud_, "--tolerance", "0.05"}, "out.json");
-  EXPECT_EQ(report["schema"], "batten-report-1");
+  EXPECT_EQ(report["schema"], "batten-report-2");
   for (const char* key : {"command",
                           "input",
                           "geometry",

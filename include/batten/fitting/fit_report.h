@@ -23,6 +23,33 @@ enum class Termination {
 // The report's name of a termination, such as "tolerance_reached".
 const char* Name(Termination termination);
 
+// How a fit ended, finer than its termination.
+enum class EndCode {
+  kToleranceReached,
+  kNoiseReached,
+  kCrossValidated,       // more control points would not predict left-out points better
+  kDetailBelowSpacing,   // what is left is finer than the spacing of the points
+  kStructuredResiduals,  // neighbours share what is left: shape that the geometry does not follow
+  kMaxControlPoints,
+  kMaxIterations,
+  kTimeLimit,
+  kCancelled,
+};
+
+// The report's name of a code, such as "cross_validated".
+const char* Name(EndCode code);
+
+// The termination that a code belongs to: cross_validated, detail_below_spacing and
+// structured_residuals are `stalled`.
+Termination TerminationOf(EndCode code);
+
+struct FitEnd {
+  EndCode code = EndCode::kNoiseReached;
+  std::string words;  // a sentence without a full stop; empty: nothing was fitted
+  std::optional<Eigen::Vector3d> where = std::nullopt;  // world: the used point farthest off, if it
+                                                        // ended short of noise and tolerance
+};
+
 // Orthogonal distances of points to a geometry, in the data's units. Signed values are along the
 // surface normal (curves: not signed, both zero).
 struct ErrorSummary {
@@ -107,6 +134,14 @@ struct GeometrySummary {
   std::vector<bool> poles = {};  // whether the edges v = low and v = high are poles
 };
 
+// A parameterization that was considered for a surface.
+struct BaseCandidate {
+  std::string name;                            // "plane", "sheet", "revolution", …
+  std::optional<double> score = std::nullopt;  // rms distance of left-out points predicted over it
+  int control_points = 0;                      // with which it predicts them; 0 without a score
+  std::string refused = {};                    // why it was not taken; empty: it was
+};
+
 // The joint stage.
 struct OptimizeSummary {
   bool ran = false;
@@ -142,6 +177,7 @@ struct PartError {
 struct FitReport {
   InputSummary input;
   GeometrySummary geometry;
+  std::vector<BaseCandidate> base_candidates;
   ErrorSummary error;      // over the used points
   ErrorSummary error_all;  // over all finite points
   // Distances from the geometry at every point's own parameters, for fits at given parameters.
@@ -150,6 +186,7 @@ struct FitReport {
   bool judged_at_parameters = false;  // the tolerance applies to parameter_error
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;
+  FitEnd end;  // `termination` in full
   std::vector<RoundSummary> iterations;
   StageSeconds seconds;
   std::vector<std::string> warnings;

@@ -21,7 +21,7 @@ struct ReportContext {
   std::string date = {};  // as the page shows it; empty: none
 };
 
-// The schema "batten-report-1", indented, ending with a line feed. Numbers are written in the
+// The schema "batten-report-2", indented, ending with a line feed. Numbers are written in the
 // shortest form that reads back bit by bit; one that is not finite, for which JSON has no form, as
 // null, and so is what was not measured. Only where it applies: input.thinned_to, and parts, one
 // {index, name, geometry, and the fields of an error} for each of several geometries.

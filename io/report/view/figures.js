@@ -1,15 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The words and numbers of the report: title, verdict, key figures, warnings, tables, command.
 
-const kTerminationWords = {
-  tolerance_reached: "every point used is within the tolerance",
-  noise_reached: "more freedom would only follow the noise",
-  max_control_points: "the limit on control points, or what the points can carry, is used up",
-  max_iterations: "the limit on rounds is used up",
-  stalled: "another round would change nothing",
-  cancelled: "interrupted",
-};
-
 function lengthScale(data) {
   const e = data.report.error || {};
   const sensible = [data.tolerance, e.p95, e.rms, data.limit].find((v) => v > 0);
@@ -261,7 +252,7 @@ function runTable(data) {
   const scale = lengthScale(data);
   const rows = [];
   if (!isComparison(data)) {
-    rows.push(["ended because", kTerminationWords[r.termination] || r.termination || kNone]);
+    rows.push(["ended because", (r.end && r.end.words) || kNone]);
     if (o) {
       rows.push(["joint optimisation", (o.ran ? "ran" : "did not run") + (o.why ? ": " + o.why : "")]);
       if (o.ran) {
@@ -270,18 +261,9 @@ function runTable(data) {
       }
     }
   }
-  const names = {
-    read: 'reading',
-    prepare: 'preparing',
-    parameterize: 'parametrising',
-    solve: 'solving',
-    project: 'foot points',
-    refine: 'refining',
-    optimize: 'joint optimisation',
-    trim: 'trimming',
-    write: 'writing',
-    total: 'in all'
-  };
+  const names = { read: "reading", prepare: "preparing", parameterize: "parametrising", solve: "solving",
+    project: "foot points", refine: "refining", optimize: "joint optimisation", trim: "trimming", write: "writing",
+    total: "in all" };
   for (const [field, label] of Object.entries(names)) {
     const value = (r.seconds || {})[field];
     if (value >= 0.0005) rows.push([label, seconds(value)]);

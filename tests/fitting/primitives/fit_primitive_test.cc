@@ -331,7 +331,7 @@ TEST(FitPrimitiveTest, JudgesTheTolerance) {
   options.tolerance = 0.01;
   const PrimitiveFit fit = FitPrimitive(Cloud(points, true), options);
   EXPECT_EQ(fit.report.tolerance_reached(), false);
-  EXPECT_EQ(fit.report.termination, Termination::kStalled);
+  EXPECT_EQ(fit.report.end.code, EndCode::kNoiseReached);  // the tolerance is the noise
   EXPECT_THAT(fit.report.OneLine(), HasSubstr("circle of radius"));
 }
 

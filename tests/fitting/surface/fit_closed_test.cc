@@ -76,6 +76,9 @@ TEST(FitClosedTest, ClosesWhatIsClosedAndSaysSo) {
     const GeometrySummary& geometry = fit.report.geometry;
     EXPECT_NE(std::find(bases.begin(), bases.end(), geometry.base), bases.end()) << geometry.base;
     EXPECT_FALSE(geometry.base_why.empty());
+    for (const BaseCandidate& one : fit.report.base_candidates)
+      EXPECT_EQ(one.refused.empty(), one.name == geometry.base) << one.name << ": " << one.refused;
+    EXPECT_GE(fit.report.base_candidates.size(), 3u);
     const std::vector<bool> closed = ClosedOver(geometry.base, shape);
     EXPECT_EQ(geometry.closed, closed);
     EXPECT_EQ(fit.surface.basis_u().periodic(), closed[0]);

@@ -120,7 +120,7 @@ TEST(ReportHtmlTest, ArraysReadBackAsTheyWereInSinglePrecision) {
   EXPECT_EQ(Numbers<float>(data["cloud"]["deviation"], "f32")[2],
             std::numeric_limits<float>::max());  // no infinity
   EXPECT_EQ(data["histogram"]["counts"], Json({1, 0, 2}));
-  EXPECT_EQ(data["report"]["schema"], "batten-report-1");
+  EXPECT_EQ(data["report"]["schema"], "batten-report-2");
   EXPECT_EQ(data["report"]["command"], Context().command);
   EXPECT_TRUE(data["tolerance"].is_null());
 }

@@ -36,6 +36,8 @@ FitReport Example() {
   report.error_all.max = 4;
   report.optimize = {true, "the residuals exceed the noise", 5, 0.002, 0.0011};
   report.termination = Termination::kMaxControlPoints;
+  report.end = {EndCode::kMaxControlPoints, "used up", Eigen::Vector3d(4, 5, 6)};
+  report.base_candidates = {{"plane", 0.002, 108, ""}, {"sheet", std::nullopt, 0, "folds"}};
   report.iterations = {{"refine", 6, 7, 0.5, 2, 1.5, 0.25}};
   report.seconds.total = 1.25;
   report.warnings = {"far from the origin"};
@@ -77,13 +79,25 @@ TEST(ReportJsonTest, HasEveryFieldOfTheContractInItsOrder) {
                    "error_all",
                    "optimize",
                    "termination",
+                   "end",
                    "tolerance_reached",
                    "iterations",
                    "seconds",
                    "peak_memory_bytes",
                    "threads",
                    "warnings",
-                   "version"}));
+                   "version",
+                   "base_candidates"}));
+  EXPECT_EQ(json["end"],
+            (Json{{"code", "max_control_points"}, {"words", "used up"}, {"where", {4, 5, 6}}}));
+  EXPECT_EQ(
+      json["base_candidates"][0],
+      (Json{{"name", "plane"}, {"score", 0.002}, {"control_points", 108}, {"refused", nullptr}}));
+  EXPECT_EQ(json["base_candidates"][1],
+            (Json{{"name", "sheet"},
+                  {"score", nullptr},
+                  {"control_points", nullptr},
+                  {"refused", "folds"}}));
   EXPECT_EQ(Keys(json["input"]),
             (Words{"files",
                    "points",
@@ -120,7 +134,7 @@ TEST(ReportJsonTest, HasEveryFieldOfTheContractInItsOrder) {
 
 TEST(ReportJsonTest, SaysWhatTheReportAndItsContextHold) {
   const Json json = Json::parse(ToReportJson(Example(), Context()));
-  EXPECT_EQ(json["schema"], "batten-report-1");
+  EXPECT_EQ(json["schema"], "batten-report-2");
   EXPECT_EQ(json["command"], "batten fit surface a.ply");
   EXPECT_EQ(json["input"]["files"], Json({"a.ply", "b.ply"}));
   EXPECT_EQ(json["input"]["used"], 980);
