@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "ablation.h"
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fit_surface.h"
 #include "known_clouds.h"

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "ablation.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/statistics.h"
 #include "closed_oracle.h"

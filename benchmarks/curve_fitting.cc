@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "ablation.h"
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_primitive.h"
 #include "batten/fitting/statistics.h"

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "ablation.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/surface_evaluator.h"

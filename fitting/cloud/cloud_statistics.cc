@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fitting/cloud/cloud_outliers.h"
+#include "fitting/core/rules.h"
 #include "fitting/neighbours/local_quadric.h"
 #include "batten/fitting/statistics.h"
 
@@ -154,7 +155,7 @@ CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
   const double thickness = radius > 0 ? result.noise / radius : 0;
   result.spacing /= std::sqrt(1 + 2.1 * thickness * thickness);
   Report(progress, "prepare", 0.3);
-  if (!options.find_outliers) return result;
+  if (!options.find_outliers || !Acts(Rule::kLocalOutliers)) return result;
 
   result.outliers = FindOutliers(points, index, result.spacing, result.noise, pool, progress);
   result.outlier_count = result.outliers.count();

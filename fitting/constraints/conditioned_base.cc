@@ -10,6 +10,7 @@
 #include "batten/geometry/reverse.h"
 #include "fitting/constraints/domain_box.h"
 #include "fitting/constraints/neighbour_tangents.h"
+#include "fitting/core/rules.h"
 
 namespace batten::internal {
 namespace {
@@ -215,7 +216,8 @@ ConditionedBase ChooseConditionedBase(const PointCloud& points,
     TakeDomain(base, result.choice.reached, points.origin(), *options.domain);
   } else if (!options.symmetric && MayEndInOutline(base, options)) {
     const PointMask counted = result.choice.reached && !statistics.outliers;
-    if (ParameterizeByOutline(base, counted, statistics.spacing, statistics.noise, pool)) {
+    if (Acts(Rule::kOutlineBase) &&
+        ParameterizeByOutline(base, counted, statistics.spacing, statistics.noise, pool)) {
       base.why += "; its rectangle ends in the outline of the points";
       base.plane.reset();
     }

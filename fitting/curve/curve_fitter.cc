@@ -13,6 +13,7 @@
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/solve_linear.h"
 #include "fitting/core/point_rank.h"
+#include "fitting/core/rules.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/curve_ends.h"
@@ -157,7 +158,7 @@ class CurveFitter {
   void FindCorners() {
     given_ = problem_->data().parameters.row(0).transpose();
     near_exact_ = FollowsClosely(ordered_);
-    if (!options_.corners || options_.degree < 2 || distance_ == CurveDistance::kParameter) return;
+    if (!Acts(Rule::kCorners) || !options_.corners || options_.degree < 2 || distance_ == CurveDistance::kParameter) return;
     FitCorners found = CornersForFit(
         ordered_, options_.degree, options_.control_points.value_or(options_.max_control_points));
     corners_ = std::move(found.parameters);
@@ -255,7 +256,7 @@ class CurveFitter {
     const int fewest = std::max({1, sharp, ordered_.closed ? least : 1});
     SpanAdaptation adapted =
         AdaptSpans(problem, EqualSpans(std::max(fewest, spans), corners), AdaptOptions(), pool_);
-    if (adapted.layout.spans() > kMostToRelocate) return adapted;
+    if (adapted.layout.spans() > kMostToRelocate || !Acts(Rule::kRelocatedKnots)) return adapted;
     if (options_.tolerance)
       return RelocatedWithinTolerance(std::move(adapted), AdaptOptions(), pool_);
     return RelocatedSpans(std::move(adapted), AdaptOptions(), pool_);
@@ -265,7 +266,7 @@ class CurveFitter {
   // well with fewer control points: an apparent corner may be a bend of the whole curve.
   SpanAdaptation Adapted(const FittingProblem& problem) {
     SpanAdaptation sharp = Adapted(problem, corners_);
-    if (corners_.empty() || near_exact_) return sharp;
+    if (corners_.empty() || near_exact_ || !Acts(Rule::kSmoothForCorners)) return sharp;
     const Eigen::VectorXd off = AtTheirPlaces(sharp.problem, sharp.solution.coefficients);
     const double left = std::sqrt(off.squaredNorm() / static_cast<double>(problem.size()));
     if (sought_as_exact_ && left < kExactAgainstNoise * ordered_.noise) return sharp;
@@ -331,7 +332,7 @@ class CurveFitter {
     Record(adapted.rounds);
     if (noise_ == 0) noise_ = adapted.noise;
     const Eigen::VectorXd own = problem.data().weights;
-    adapted = NearLeastAbsolute(std::move(adapted), losses, pool_);
+    if (Acts(Rule::kLeastAbsolute)) adapted = NearLeastAbsolute(std::move(adapted), losses, pool_);
     for (int pass = 0; pass < kRobustPasses; ++pass) {
       const FittingProblem weighted = WeightedByLoss(adapted, losses, own, pool_);
       adapted = Adapted(weighted);
@@ -371,7 +372,7 @@ class CurveFitter {
                       : problem.size() > kManyPoints     ? 1
                                                          : kFootPointSteps;
     CorrectedFit fit = FitWithCorrection(problem, steps, pool_, anchored_);
-    if (steps > 0 && !layout.closed() && noise_ > ordered_.spacing) {
+    if (steps > 0 && !layout.closed() && noise_ > ordered_.spacing && Acts(Rule::kLooseEnds)) {
       layout = WithLooseEnds(layout, fit, noise_, ordered_.spacing);
       fit = FitWithCorrection(fit.problem.WithBasis(layout.Basis()), steps, pool_, anchored_);
     }
@@ -394,6 +395,7 @@ class CurveFitter {
 
   // Returns the problem's solution, with more fairness where the curve overshoots between its data.
   LinearSolution Regularized(LinearSolution solution) {
+    if (!Acts(Rule::kOvershoot)) return solution;
     bool told = false;
     for (double smoothing = kFirstRegularization; smoothing <= kLastRegularization;
          smoothing *= kRegularizationStep) {

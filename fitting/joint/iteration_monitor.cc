@@ -40,7 +40,7 @@ void IterationMonitor::Record(double cost, double seconds) {
 
 bool IterationMonitor::Settled() {
   if (AtNoise(cells_, options_)) {
-    result_.note = kAtNoise;
+    result_.SayAtNoise();
     return true;
   }
   const std::vector<RoundSummary>& rounds = result_.rounds;

@@ -87,7 +87,7 @@ JointResult OptimizeScaled(const FittingProblem& problem,
   }
   result.misfit_before = result.misfit_after = *misfit;
   if (IterationMonitor::AtNoise(cells, options)) {
-    result.note = kAtNoise;
+    result.SayAtNoise();
     return result;
   }
 

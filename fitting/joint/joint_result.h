@@ -11,9 +11,6 @@
 
 namespace batten::internal {
 
-// JointResult::note where the residuals are at the noise level.
-inline constexpr const char* kAtNoise = "the residuals are at the noise";
-
 struct JointResult {
   FittingProblem problem;          // its bases and foot points are those that were found; the one
                                    // given where the start was kept
@@ -23,8 +20,14 @@ struct JointResult {
   double rms_before = 0, rms_after = 0;        // of the distances
   double misfit_before = 0, misfit_after = 0;  // Σ w 2ρ(d) and the terms' squares
   bool cancelled = false;
+  bool at_noise = false;  // the residuals are, and the note says so
   std::string note = {};  // why it ended, when that is worth a word
   std::vector<RoundSummary> rounds = {};
+
+  void SayAtNoise() {
+    at_noise = true;
+    note = "the residuals are at the noise";
+  }
 };
 
 }  // namespace batten::internal

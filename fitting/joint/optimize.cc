@@ -101,7 +101,7 @@ class Optimizer {
         OptimizeJointly(result_.problem, result_.control_points, result_.weights, probe, pool_);
     result_.rms_before = result_.rms_after = start.rms_after;
     misfit_ = start.misfit_after;
-    at_noise_ = !start.note.empty();
+    at_noise_ = start.at_noise || !start.note.empty();  // or no start at all
     result_.note = start.note;
   }
 
@@ -160,7 +160,7 @@ class Optimizer {
     joint.size = Size();
     JointResult found =
         OptimizeJointly(result_.problem, result_.control_points, result_.weights, joint, pool_);
-    at_noise_ = found.note == kAtNoise;
+    at_noise_ = found.at_noise;
     Adopt(std::move(found));
   }
 
@@ -198,7 +198,7 @@ class Optimizer {
     JointOptions probe = Settings({.parameters = options_.free.parameters});
     probe.max_iterations = 0;
     JointResult found = OptimizeJointly(problem, net, {}, probe, pool_);
-    at_noise_ = found.rms_after < result_.rms_after && found.note == kAtNoise;
+    at_noise_ = found.rms_after < result_.rms_after && found.at_noise;
     Adopt(std::move(found));
   }
 

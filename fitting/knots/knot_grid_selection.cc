@@ -14,6 +14,7 @@
 
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/rules.h"
 #include "fitting/knots/block_cross_validation.h"
 #include "fitting/least_squares/fitting_bases.h"
 
@@ -91,6 +92,7 @@ class Search {
     round.score = known->second;
     round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     rounds.push_back(round);
+    tried.push_back({cells_u, cells_v, round.rms});
     return known->second;
   }
 
@@ -115,6 +117,7 @@ class Search {
   }
 
   std::vector<RoundSummary> rounds;
+  std::vector<TriedGrid> tried;
 
  private:
   SplineBasis LikeU(int cells) const {
@@ -225,7 +228,7 @@ GridChoice ChooseGrid(const FittingProblem& problem,
                       const Progress& progress) {
   Search search(problem, limits, pool);
   const auto coarsened = [&](std::pair<int, int> cells) {
-    if (!limits.blocks) return cells;
+    if (!limits.blocks || !Acts(Rule::kBlockValidation)) return cells;
     return CoarsenByBlockCv(
         problem,
         limits,
@@ -261,6 +264,7 @@ GridChoice ChooseGrid(const FittingProblem& problem,
   choice.blocks_disagree = grid != scored;
   choice.score = search.Score(grid.first, grid.second);
   choice.rounds = std::move(search.rounds);
+  choice.tried = std::move(search.tried);
   return choice;
 }
 

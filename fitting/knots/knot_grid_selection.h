@@ -15,6 +15,12 @@ namespace batten::internal {
 // few too many by chance. [Kim & Gu 2004]
 inline constexpr double kFreedomFactor = 1.2;
 
+// A grid that was solved over, with what it left of the points.
+struct TriedGrid {
+  int cells_u, cells_v;
+  double rms;
+};
+
 struct GridChoice {
   int cells_u = 1, cells_v = 1;
   double score =
@@ -23,6 +29,7 @@ struct GridChoice {
   // score, so that correlated noise is not followed. That finer grid:
   bool blocks_disagree = false;
   int scored_cells_u = 1, scored_cells_v = 1;
+  std::vector<TriedGrid> tried;      // in the order in which they were
   std::vector<RoundSummary> rounds;  // "cross-validation" and "block validation"
 };
 

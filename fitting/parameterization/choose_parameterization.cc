@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/core/rules.h"
 #include "fitting/flattening/sheet_base.h"
 #include "fitting/parameterization/base_score.h"
 #include "fitting/parameterization/closed_bases.h"
@@ -129,7 +130,8 @@ class BaseChooser {
     ParameterizationChoice plane = OverPlane();
     if (options_.base != BaseShape::kSheet)
       Candidate("plane").refused = plane_possible() ? "" : layers_;
-    if (automatic() && !asks_to_close() && plane_.overlap <= kOverlapToWarn &&
+    if (Acts(Rule::kGentlePlane) && automatic() && !asks_to_close() &&
+        plane_.overlap <= kOverlapToWarn &&
         plane_.steepness <= kGentle) {
       return plane;
     }
@@ -195,6 +197,7 @@ class BaseChooser {
     if (options_.base == BaseShape::kPlane) return false;
     if (!sheet) return true;
     if (!automatic()) return false;
+    if (!Acts(Rule::kRoundGate)) return true;
     const Parameterization& base = sheet->base;
     return distortion_ > kManyLengths ||
            EmptyAreaFraction(base.parameters, sheet->reached, base.length_u, base.length_v) >
@@ -248,6 +251,7 @@ class BaseChooser {
   bool IsHopelessBeside(const ParameterizationChoice& plane,
                         const ParameterizationChoice& round,
                         Eigen::Index points) {
+    if (!Acts(Rule::kHopelessBases)) return false;
     const BaseScore::Value& of_plane = PlaneScore(plane);
     return IsAtNoise(of_plane) &&
            AtMostBeside(round, points, of_plane) > kClearlyHopeless * kHopeless * of_plane.score;
@@ -257,6 +261,7 @@ class BaseChooser {
   // alone: if these are a small part of the cloud, this is fast.
   bool AreHopelessBeside(const ParameterizationChoice& plane) {
     constexpr Eigen::Index kManyMorePoints = 3;
+    if (!Acts(Rule::kHopelessBases)) return false;
     const std::vector<Eigen::Index> sampled = Sampled();
     if (kManyMorePoints * std::ssize(sampled) > std::ssize(kept_)) return false;
     const Eigen::Matrix3Xd some = cloud_.points()(Eigen::all, sampled);
@@ -428,8 +433,8 @@ class BaseChooser {
       if (sheet_sampled_) Lay(sheet_sampled_ = false, *sheet);
       Settle(*sheet);
       // On steep places a plane's cells are long: there the sheet is preferred at a tie.
-      const double better = !plane_is_right                 ? kBetterOnRoughGround
-                            : plane_.steepness > kVerySteep ? kAsGood
+      const double better = !plane_is_right && Acts(Rule::kRoughGround) ? kBetterOnRoughGround
+                            : plane_.steepness > kVerySteep && Acts(Rule::kSteepTie) ? kAsGood
                                                             : kClearlyBetter;
       const BaseScore::Value of_sheet = SheetScore(*sheet);
       if (of_sheet.score < better * of_plane.score ||
@@ -459,6 +464,7 @@ class BaseChooser {
 
   // Whether the sheet cannot compete with the plane, by a few grids if that suffices.
   bool IsHopeless(const ParameterizationChoice& sheet, const BaseScore::Value& of_plane) {
+    if (!Acts(Rule::kHopelessBases)) return false;
     const double most = kHopeless * of_plane.score;
     if (!sheet_score_) {
       const double at_most = AtMostBeside(sheet, PointsOfSheet(), of_plane);
@@ -472,6 +478,7 @@ class BaseChooser {
   }
 
   void Settle(ParameterizationChoice& sheet) {
+    if (!Acts(Rule::kSmoothedParameters)) return;
     const BaseScore::Value before = score().Of(sheet.base, sheet.reached);
     const Settled settled =
         SmoothParameters(sheet.base, cloud_, sheet.reached, score(), before, pool_);

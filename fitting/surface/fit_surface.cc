@@ -12,7 +12,7 @@
 #include "fitting/cloud/voxel_downsample.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/surface/given_parameters.h"
-#include "fitting/surface/surface_fitter.h"
+#include "fitting/surface/fit_over_base.h"
 #include "fitting/surface/surface_measurement.h"
 #include "fitting/surface/surface_postprocess.h"
 #include "fitting/surface/surface_preparation.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/geometry/insert_knots.h"
+#include "fitting/core/rules.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/linear/coefficient_order.h"
 #include "fitting/surface/gap_bounds.h"
@@ -269,7 +270,7 @@ GapRegularizationResult SolveWithGapRegularization(const FittingProblem& problem
   const std::vector<GapBounds> bounds =
       BoundsOfGaps(problem, result.solution, map, options.measured, pool);
   const Holding holding(map, bounds, pool);
-  if (!holding.any()) return result;
+  if (!holding.any() || !Acts(Rule::kGaps)) return result;
 
   // A small share of the variance from noise, σ² for each control point.
   const double budget = kDisturbance * result.solution.residual_squares * problem.unknowns() /

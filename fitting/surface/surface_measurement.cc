@@ -14,6 +14,7 @@
 #include "batten/fitting/optimize.h"
 #include "batten/geometry/closure.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/rules.h"
 #include "fitting/least_squares/residual_structure.h"
 
 namespace batten::internal {
@@ -48,7 +49,7 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
     summary.why = "asked for";
     return true;
   }
-  if (!(noise > 0) || rms <= kExcessToOptimise * noise) {
+  if (!Acts(Rule::kJointStage) || !(noise > 0) || rms <= kExcessToOptimise * noise) {
     summary.why = "residuals are at the noise";
     return false;
   }
@@ -65,7 +66,7 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
   const bool missed = options.tolerance && distances.cwiseAbs().maxCoeff() > *options.tolerance;
   const double structured =
       StructuredShare({draft.parameters, distances, options.seed}, unknowns, pool);
-  if (!missed && rms <= kSharedAtMost * noise &&
+  if (Acts(Rule::kStructuredGate) && !missed && rms <= kSharedAtMost * noise &&
       (draft.noise_is_shared || structured < kStructured)) {
     summary.why =
         "residuals exceed the noise of nearest neighbours, but they are no shape that "

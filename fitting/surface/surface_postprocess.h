@@ -5,7 +5,7 @@
 
 #include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
-#include "fitting/surface/surface_fitter.h"
+#include "fitting/surface/fit_over_base.h"
 #include "fitting/surface/surface_preparation.h"
 
 namespace batten::internal {

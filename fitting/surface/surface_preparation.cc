@@ -12,6 +12,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "fitting/cloud/local_outlier_factor.h"
+#include "fitting/core/rules.h"
 
 namespace batten::internal {
 
@@ -109,8 +110,9 @@ void TakeBase(PreparedCloud& prepared,
 // Removes isolated points where there are outliers: those beside the shape's edges look like its
 // continuation and are found by isolation only.
 void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
-  if (static_cast<double>(statistics.outlier_count) <=
-      kOutlierShareForLoss * static_cast<double>(points.size())) {
+  if (!Acts(Rule::kIsolatedPoints) ||
+      static_cast<double>(statistics.outlier_count) <=
+          kOutlierShareForLoss * static_cast<double>(points.size())) {
     return;
   }
   statistics.outliers = !NonIsolatedPoints(points.points(), !statistics.outliers, pool);
@@ -136,6 +138,7 @@ bool TakeSmallerBase(PreparedCloud& prepared,
                      const PointMask& used,
                      const SurfaceFitOptions& options,
                      ThreadPool& pool) {
+  if (!Acts(Rule::kSmallerBase)) return false;
   if (AreaReached(prepared.base, used) >=
       kClearlySmaller * AreaReached(prepared.base, prepared.used)) {
     return false;

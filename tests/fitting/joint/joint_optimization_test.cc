@@ -196,7 +196,7 @@ TEST(JointOptimizationTest, StopsAtTheNoiseAndStaysThere) {
     const JointResult first = Solved(c, options);
     EXPECT_GT(first.iterations, 0);
     EXPECT_LE(first.rms_after, 2e-3);
-    if (first.note != kAtNoise) continue;
+    if (!first.at_noise) continue;
     ++stopped;
     // Neighbours are those of the parameters that the first began with.
     const auto as_given = [&](const SplineBasis& u) {
@@ -205,7 +205,7 @@ TEST(JointOptimizationTest, StopsAtTheNoiseAndStaysThere) {
     };
     const JointCase end{as_given(first.problem.basis_u()), first.control_points, first.weights};
     const JointResult again = Solved(end, options);
-    EXPECT_EQ(again.note, kAtNoise);
+    EXPECT_TRUE(again.at_noise);
     EXPECT_EQ(again.iterations, 0);
     EXPECT_EQ(again.control_points, first.control_points);
     EXPECT_EQ(again.weights, first.weights);

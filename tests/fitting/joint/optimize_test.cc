@@ -322,7 +322,7 @@ TEST(OptimizeTest, DoesNothingWhereTheResidualsAreNoise) {
     const OptimizeResult result = Optimized(c, Free(kParameters));
     if (result.ran) continue;
     ++quiet;
-    EXPECT_EQ(result.note, kAtNoise);
+    EXPECT_EQ(result.note, "the residuals are at the noise");
     EXPECT_EQ(result.iterations, 0);
     EXPECT_EQ(result.control_points, c.net);
     EXPECT_EQ(result.rms_after, result.rms_before);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/core/rules.h"
+
+#include <bitset>
+
+namespace batten::internal {
+namespace {
+
+std::bitset<64> switched_off;
+
+}  // namespace
+
+std::vector<NamedRule> AllRules() {
+  return {{Rule::kLocalOutliers, "local-outliers"},
+          {Rule::kIsolatedPoints, "isolated-points"},
+          {Rule::kGentlePlane, "gentle-plane"},
+          {Rule::kRoughGround, "rough-ground"},
+          {Rule::kSteepTie, "steep-tie"},
+          {Rule::kHopelessBases, "hopeless-bases"},
+          {Rule::kRoundGate, "round-gate"},
+          {Rule::kSmoothedParameters, "smoothed-parameters"},
+          {Rule::kOutlineBase, "outline-base"},
+          {Rule::kSmallerBase, "smaller-base"},
+          {Rule::kBlockValidation, "block-validation"},
+          {Rule::kReweighting, "reweighting"},
+          {Rule::kLossRejection, "loss-rejection"},
+          {Rule::kNeighbourVotes, "neighbour-votes"},
+          {Rule::kKnotLines, "knot-lines"},
+          {Rule::kGaps, "gaps"},
+          {Rule::kJointStage, "joint-stage"},
+          {Rule::kStructuredGate, "structured-gate"},
+          {Rule::kCorners, "corners"},
+          {Rule::kSmoothForCorners, "smooth-for-corners"},
+          {Rule::kRelocatedKnots, "relocated-knots"},
+          {Rule::kLeastAbsolute, "least-absolute"},
+          {Rule::kLooseEnds, "loose-ends"},
+          {Rule::kOvershoot, "overshoot"}};
+}
+
+bool Acts(Rule rule) { return !switched_off[static_cast<std::size_t>(rule)]; }
+
+void SwitchOff(Rule rule) { switched_off.set(static_cast<std::size_t>(rule)); }
+
+}  // namespace batten::internal

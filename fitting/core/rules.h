@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// The rules of the fits that can be switched off, one by one, to measure what each is worth.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace batten::internal {
+
+enum class Rule {
+  // preparation
+  kLocalOutliers,   // points off the quadrics of their neighbours are no inliers
+  kIsolatedPoints,  // nor are isolated points, where there are outliers
+  // parameterization
+  kGentlePlane,         // a height field that is nowhere steep needs no other base
+  kRoughGround,         // a sheet must be twice as good as a plane that misses the noise
+  kSteepTie,            // on steep ground a sheet need not be better than a plane
+  kHopelessBases,       // a base that a few grids show to be worse is not scored
+  kRoundGate,           // closed bases are tried where the sheet is distorted or much of it empty
+  kSmoothedParameters,  // a sheet's parameters are smoothed on a coarse surface
+  kOutlineBase,         // a sheet of four sides ends in its outline
+  kSmallerBase,         // the base is chosen anew where outliers had enlarged it
+  // degrees of freedom and solution
+  kBlockValidation,  // blocks of left-out points tell noise that neighbours share from shape
+  kReweighting,      // a robust loss bounds residuals where there are outliers
+  kLossRejection,    // unless it spoils the fit of what is good
+  kNeighbourVotes,   // points off the surface count with neighbours that are off as far
+  kKnotLines,        // knot lines are added and removed one by one after the grid is chosen
+  kGaps,             // gaps between points are regularized
+  // the joint stage
+  kJointStage,
+  kStructuredGate,  // which runs only where residuals have a shape
+  // curves
+  kCorners,
+  kSmoothForCorners,  // a smooth curve is tried beside one with corners
+  kRelocatedKnots,
+  kLeastAbsolute,  // robust curves start near least absolute distances
+  kLooseEnds,      // noisy open ends are extended to their points
+  kOvershoot,      // fairness is raised where a curve overshoots between its points
+};
+
+// All rules with their names, such as "gentle-plane".
+struct NamedRule {
+  Rule rule;
+  std::string name;
+};
+std::vector<NamedRule> AllRules();
+
+// Whether a rule acts: all do unless the program switched one off.
+bool Acts(Rule rule);
+
+// For measurements, before any fit: not safe beside running ones.
+void SwitchOff(Rule rule);
+
+}  // namespace batten::internal

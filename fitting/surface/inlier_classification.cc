@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/inlier_classification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "batten/fitting/distances.h"
+#include "batten/fitting/robust_loss.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/cloud/local_outlier_factor.h"
+#include "fitting/cloud/residual_outliers.h"
+#include "fitting/core/rules.h"
+#include "fitting/least_squares/residual_structure.h"
+#include "fitting/least_squares/reweighting.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kLeastScale = 1e-3;        // spacings: least outlier threshold of exact points
+constexpr double kOutlierInScales = 4.685;  // scales: Tukey's loss gives zero weight beyond
+constexpr int kOutlierPasses = 5;
+constexpr double kFewChanges = 0.01;
+constexpr double kConverged = 1e-3;           // share of points and of squares: the grid is kept
+constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
+constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
+constexpr Eigen::Index kFewestPoints = 4;
+constexpr double kMisses = 3;            // scale over noise; above: the shape is missed
+constexpr double kBeyondStructure = 2;   // spacings
+constexpr double kSpoilt = 5;            // times the plain misfit; above: loss rejected
+constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
+
+// In a periodic direction the last control points repeat the first.
+void RequireRoomToClose(const SurfaceFitOptions& options, const Parameterization& base) {
+  const auto least = [](bool periodic, int degree) {
+    return periodic ? 2 * degree + 1 : degree + 1;
+  };
+  const int least_u = least(base.periodic_u, options.degree_u),
+            least_v = least(base.periodic_v, options.degree_v);
+  const auto reject = [](const std::string& what, int degree, int count) {
+    throw std::invalid_argument(what + " are too few: in a closed direction the last " +
+                                std::to_string(degree) + " repeat the first, so at least " +
+                                std::to_string(count) + " are needed");
+  };
+  if (!options.control_points) {
+    if (options.max_control_points >= least_u * least_v) return;
+    reject("max_control_points: " + std::to_string(options.max_control_points),
+           base.periodic_u ? options.degree_u : options.degree_v,
+           least_u * least_v);
+  }
+  const auto require = [&](int count, int degree, int needed) {
+    if (count >= needed) return;
+    reject("control_points: " + std::to_string(count) + " of degree " + std::to_string(degree),
+           degree,
+           needed);
+  };
+  require(options.control_points->first, options.degree_u, least_u);
+  require(options.control_points->second, options.degree_v, least_v);
+}
+
+// Whether outliers that their neighbours tell are so many that a loss must bound them.
+bool StartsRobust(const FitContext& context) {
+  const SurfaceFitOptions& options = context.options();
+  if (options.loss) return *options.loss != Loss::kNone;
+  return !options.keep_outliers &&
+         static_cast<double>(context.prepared().statistics.outlier_count) >
+             kOutlierShareForLoss * static_cast<double>(context.points().size());
+}
+
+// Removes isolated points: outliers on the surface's continuation beyond an edge of the shape have
+// small residuals and are found by isolation only.
+PointMask WithoutIsolated(const FitContext& context, bool robust, PointMask mask) {
+  if (!robust || context.base().exact || context.options().keep_outliers ||
+      !Acts(Rule::kIsolatedPoints))
+    return mask;
+  return NonIsolatedPoints(context.points().points(), mask, context.pool());
+}
+
+// The passes, over what they hand on.
+class InlierPasses {
+ public:
+  InlierPasses(FitContext& context, bool robust, const PointMask& used)
+      : context_(context),
+        options_(context.options()),
+        found_{used, {}, context.ProblemOf(used), robust} {}
+
+  ClassifiedPoints Run() && {
+    bool settled = false;      // few points changed class: the grid is nearly right
+    bool few_changed = false;  // too few and too near the surface to change it
+    for (int pass = 1; pass <= kOutlierPasses; ++pass) {
+      found_.cloud = found_.used.all() ? context_.points() : context_.points().Subset(found_.used);
+      const FittingProblem last = found_.problem;
+      if (pass > 1) Take(context_.ProblemOf(found_.used));
+      if (few_changed) {
+        Take(found_.problem.WithBases(last.basis_u(), last.basis_v()));
+      } else {
+        ChooseBases(settled && IsLarge(last) ? &last : nullptr);
+      }
+      if (pass == 1) RefuseTwoSheets();
+      if (found_.robust) ReweightWhereItHelps();
+      PointMask& used = found_.used;
+      if (pass == kOutlierPasses || (options_.keep_outliers && used.all())) break;
+      if (options_.keep_outliers) {
+        context_.PlaceTheRest(Surface());
+        used.setConstant(true);
+        continue;
+      }
+      const PointMask now = WithoutIsolated(context_, found_.robust, InliersOfSurface());
+      if (now.count() < kFewestPoints) break;
+      if (!found_.robust && !loss_rejected_ && !options_.loss && (now != used).any() &&
+          !now.all()) {
+        found_.robust = true;  // outliers have bent the plain fit
+        continue;
+      }
+      const Eigen::Index changed = (now != used).count();
+      if (changed == 0) break;
+      settled = static_cast<double>(changed) < kFewChanges * static_cast<double>(now.size());
+      few_changed = !found_.robust && Converged(now != used);
+      used = now;
+    }
+    // With a tolerance the user defines which residuals matter: robust weights serve only to choose
+    // the bases.
+    if (options_.tolerance && found_.robust && !options_.loss)
+      Take(context_.ProblemOf(found_.used)
+               .WithBases(found_.problem.basis_u(), found_.problem.basis_v()));
+    return std::move(found_);
+  }
+
+ private:
+  // Sets the present problem.
+  void Take(FittingProblem problem) {
+    found_.problem = std::move(problem);
+    solution_.reset();
+  }
+
+  // The solution of the present problem, computed once.
+  const LinearSolution& Solution() {
+    if (!solution_) solution_ = SolveLinear(found_.problem, context_.pool());
+    return *solution_;
+  }
+  NurbsSurface Surface() {
+    return context_.base().Surface(
+        found_.problem.basis_u(), found_.problem.basis_v(), Solution().coefficients);
+  }
+  SurfaceResiduals Residuals() {
+    return {found_.problem.data().parameters,
+            context_.base().Residuals(found_.problem, Solution().coefficients, context_.pool()),
+            options_.seed};
+  }
+
+  // Whether searching the size of the grid anew takes long.
+  bool IsLarge(const FittingProblem& problem) const {
+    return problem.unknowns() > kLargeGrid || found_.cloud.size() > kManyPoints;
+  }
+
+  // The bases, given or chosen; the search starts near those of a similar problem if any.
+  void ChooseBases(const FittingProblem* similar) {
+    if (options_.control_points) {
+      return Take(context_.WithCells(found_.problem,
+                                     options_.control_points->first - options_.degree_u,
+                                     options_.control_points->second - options_.degree_v));
+    }
+    GridLimits limits;
+    limits.degree_u = options_.degree_u;
+    limits.degree_v = options_.degree_v;
+    limits.max_control_points = options_.max_control_points;
+    if (!context_.base().exact && context_.noise() > 0) limits.noise = context_.noise();
+    if (similar != nullptr) {
+      limits.near_cells_u = similar->basis_u().size() - options_.degree_u;
+      limits.near_cells_v = similar->basis_v().size() - options_.degree_v;
+    }
+    const GridChoice choice =
+        ChooseGrid(found_.problem, limits, context_.pool(), options_.progress);
+    found_.rounds.insert(found_.rounds.end(), choice.rounds.begin(), choice.rounds.end());
+    found_.tried.insert(found_.tried.end(), choice.tried.begin(), choice.tried.end());
+    found_.noise_is_shared = choice.blocks_disagree;
+    Take(context_.WithCells(found_.problem, choice.cells_u, choice.cells_v));
+  }
+
+  // Reweights with a loss the user did not ask for, unless that increases the misfit much: where a
+  // surface is nearly exact the scale is so small that a tip or a crease it follows less well is
+  // taken for outliers, loses weight, and then deviates even more.
+  void ReweightWhereItHelps() {
+    if (!options_.loss && !Acts(Rule::kReweighting)) return;
+    if (options_.loss || !Acts(Rule::kLossRejection)) return Reweight();
+    const FittingProblem plain = found_.problem;
+    const SurfaceResiduals before = Residuals();
+    const PointMask good = ResidualInliers(before.parameters,
+                                           before.residuals,
+                                           FarthestGood(RobustScale(before.residuals)),
+                                           context_.spacing(),
+                                           context_.pool());
+    Reweight();
+    const Eigen::VectorXd after = Residuals().residuals;
+    const double misfit_before = good.select(before.residuals.array(), 0).matrix().norm();
+    const double misfit_after = good.select(after.array(), 0).matrix().norm();
+    if (misfit_after <= kSpoilt * misfit_before) return;
+    Take(plain);
+    found_.robust = false;
+    loss_rejected_ = true;
+  }
+
+  void Reweight() {
+    Take(Reweighted(
+        found_.problem,
+        {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
+        [&](const FittingProblem& problem, const LinearSolution& solution) {
+          return context_.base().Residuals(problem, solution.coefficients, context_.pool());
+        },
+        context_.pool(),
+        found_.rounds));
+  }
+
+  void RefuseTwoSheets() {
+    if (context_.base().exact) return;
+    const double share = DoubleLayerFractionOf(Residuals(), context_.pool());
+    if (share <= kLayersToRefuse) return;
+    throw std::invalid_argument(
+        "in " + std::to_string(std::lround(100 * share)) +
+        " % of places the points lie on two sheets, one above the other: one "
+        "surface would run between them; fit one of them (--box, --where)");
+  }
+
+  // The outlier threshold for distances from a surface with this scale.
+  double FarthestGood(double scale) const {
+    // A surface that misses the shape can identify only outliers far beyond the structure between
+    // points.
+    const bool misses = loss_rejected_ || scale > kMisses * context_.noise();
+    return std::max({kOutlierInScales * scale,
+                     (misses ? kBeyondStructure : kLeastScale) * context_.spacing(),
+                     options_.tolerance.value_or(0)});
+  }
+
+  // Whether points are few, with a small share of the sum of squares of the last distances.
+  bool Converged(const PointMask& points) const {
+    const Eigen::ArrayXd squares = distances_.array().square();
+    return static_cast<double>(points.count()) < kConverged * static_cast<double>(points.size()) &&
+           points.select(squares, 0).sum() < kConverged * found_.used.select(squares, 0).sum();
+  }
+
+  // The mask of inliers of the present solution among all points.
+  PointMask InliersOfSurface() {
+    const NurbsSurface surface = Surface();
+    context_.PlaceTheRest(surface);
+    const Eigen::Matrix2Xd& parameters = context_.base().parameters;
+    distances_ =
+        DistancesFrom(surface, context_.points().points(), parameters, context_.pool()).distances;
+    Eigen::VectorXd of_used(found_.cloud.size());
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < distances_.size(); ++k)
+      if (found_.used[k]) of_used[count++] = distances_[k];
+    const double limit = FarthestGood(options_.loss_scale.value_or(RobustScale(of_used)));
+    PointMask close =
+        Acts(Rule::kNeighbourVotes)
+            ? ResidualInliers(parameters, distances_, limit, context_.spacing(), context_.pool())
+            : (distances_.array().abs() <= limit).eval();
+    // Points without parameters in the base must be on the surface: no neighbours can classify
+    // them.
+    for (Eigen::Index k = 0; k < close.size(); ++k)
+      if (!context_.prepared().reached[k])
+        close[k] = std::abs(distances_[k]) <= limit && context_.IsInside(k);
+    return close;
+  }
+
+  FitContext& context_;
+  const SurfaceFitOptions& options_;
+  ClassifiedPoints found_;
+  std::optional<LinearSolution> solution_;  // of the problem, computed on demand
+  Eigen::VectorXd distances_;               // of all points, at the last classification
+  bool loss_rejected_ = false;              // a loss was tried and rejected
+};
+
+}  // namespace
+
+ClassifiedPoints ClassifyInliers(FitContext& context) {
+  RequireRoomToClose(context.options(), context.base());
+  const bool robust = StartsRobust(context);
+  return InlierPasses(context, robust, WithoutIsolated(context, robust, context.prepared().used))
+      .Run();
+}
+
+}  // namespace batten::internal
