@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/curve/curve_adaptation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fitting/core/rules.h"
+#include "fitting/curve/curve_robustness.h"
+#include "fitting/curve/parameter_correction.h"
+#include "fitting/ordering/row_means.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kRobustPasses = 3;
+constexpr double kExactAgainstNoise = 0.2;
+constexpr int kStartForTolerance = 5;
+constexpr Eigen::Index kPointsOfStartSpan = 8;
+constexpr Eigen::Index kManyUnderLoss = 10000;
+constexpr double kVariancesPerControlPoint = 3;
+
+SpanAdaptation AdaptedBetween(const CurveTask& task,
+                              const FittingProblem& problem,
+                              const std::vector<double>& corners) {
+  const CurveFitOptions& options = task.options;
+  const bool closed = task.ordered.closed;
+  const Eigen::Index few = std::max<Eigen::Index>(1, problem.size() / kPointsOfStartSpan);
+  const int start = options.tolerance ? kStartForTolerance : kStartSpans;
+  const auto sharp = static_cast<int>(corners.size());
+  const int room =
+      options.max_control_points - (closed ? 0 : options.degree) - sharp * (options.degree - 1);
+  const int spans = std::min(static_cast<int>(std::min<Eigen::Index>(start, few)), room);
+  // Around a closed curve more control points than the degree.
+  const int least = options.degree + 1 - (options.degree - 1) * sharp;
+  const int fewest = std::max({1, sharp, closed ? least : 1});
+  const SpanAdaptOptions adapt = AdaptOptions(task);
+  SpanAdaptation adapted =
+      AdaptSpans(problem, task.EqualSpans(std::max(fewest, spans), corners), adapt, task.pool);
+  if (adapted.layout.spans() > kMostSpansToRelocate || !Acts(Rule::kRelocatedKnots)) return adapted;
+  return options.tolerance ? RelocatedWithinTolerance(std::move(adapted), adapt, task.pool)
+                           : RelocatedSpans(std::move(adapted), adapt, task.pool);
+}
+
+// What is missed of the tolerance, then the squares in variances with so many for a control point.
+std::pair<double, double> ScoreOf(const CurveTask& task,
+                                  const SpanAdaptation& adapted,
+                                  double variance) {
+  const Eigen::VectorXd distances =
+      task.DistancesOf(adapted.problem, adapted.solution.coefficients);
+  const double numbers = kVariancesPerControlPoint * adapted.layout.control_points();
+  if (task.options.tolerance)
+    return {std::max(0.0, distances.maxCoeff() - *task.options.tolerance), numbers};
+  return {0.0, distances.squaredNorm() / variance + numbers};
+}
+
+RobustCurve Losses(const CurveTask& task, Loss loss, bool all) {
+  return {loss,
+          task.options.loss_scale,
+          !task.options.loss,
+          task.by_feet(),
+          std::max(kCurvesAlike * task.size, kTiniestScale),
+          all ? task.anchored : std::vector<Eigen::Index>{}};
+}
+
+void Append(std::vector<RoundSummary>& rounds, const SpanAdaptation& adapted) {
+  rounds.insert(rounds.end(), adapted.rounds.begin(), adapted.rounds.end());
+}
+
+// Adaptation and weights in turn; the problem that comes back has the weights of the loss.
+SpanAdaptation AdaptedUnderLoss(CurveTask& task,
+                                const FittingProblem& problem,
+                                Loss loss,
+                                std::vector<RoundSummary>& rounds) {
+  const RobustCurve losses = Losses(task, loss, problem.size() == task.problem.size());
+  SpanAdaptation adapted = AdaptedSpans(task, problem);
+  Append(rounds, adapted);
+  if (task.noise == 0) task.noise = adapted.noise;
+  const Eigen::VectorXd own = problem.data().weights;
+  if (Acts(Rule::kLeastAbsolute))
+    adapted = NearLeastAbsolute(std::move(adapted), losses, task.pool);
+  for (int pass = 0; pass < kRobustPasses; ++pass) {
+    const FittingProblem weighted = WeightedByLoss(adapted, losses, own, task.pool);
+    adapted = AdaptedSpans(task, weighted);
+    Append(rounds, adapted);
+  }
+  adapted.problem = WeightedByLoss(adapted, losses, own, task.pool);
+  return adapted;
+}
+
+// All data at their foot points on a curve fitted to some of them or to means, weighted by the
+// loss.
+FittingProblem WeightedWhole(const CurveTask& task, const SpanAdaptation& part, Loss loss) {
+  const FittingProblem whole = task.problem.WithBasis(part.layout.Basis());
+  const SpanAdaptation all{
+      part.layout,
+      task.by_feet()
+          ? CorrectedParameters(whole, part.solution.coefficients, task.pool, task.anchored)
+          : whole,
+      part.solution,
+      part.noise,
+      part.full,
+      {}};
+  return WeightedByLoss(all, Losses(task, loss, true), whole.data().weights, task.pool);
+}
+
+}  // namespace
+
+SpanAdaptOptions AdaptOptions(const CurveTask& task) {
+  SpanAdaptOptions adapt;
+  adapt.tolerance = task.options.tolerance;
+  adapt.feet = task.by_feet();
+  adapt.exact = kCurvesAlike * task.size;
+  adapt.noise = task.noise;
+  if (task.problem.size() <= kManyCurvePoints) adapt.anchored = task.anchored;
+  adapt.max_control_points = task.options.max_control_points;
+  adapt.progress = task.options.progress;
+  return adapt;
+}
+
+SpanAdaptation AdaptedSpans(CurveTask& task, const FittingProblem& problem) {
+  SpanAdaptation sharp = AdaptedBetween(task, problem, task.corners);
+  if (task.corners.empty() || task.near_exact || !Acts(Rule::kSmoothForCorners)) return sharp;
+  const Eigen::VectorXd off = task.DistancesOf(sharp.problem, sharp.solution.coefficients);
+  const double left = std::sqrt(off.squaredNorm() / static_cast<double>(problem.size()));
+  if (task.sought_as_exact && left < kExactAgainstNoise * task.ordered.noise) return sharp;
+  std::vector<Eigen::Index> anchored;
+  std::swap(anchored, task.anchored);
+  SpanAdaptation smooth = AdaptedBetween(task, problem, {});
+  const double variance = std::max({std::pow(std::min(sharp.noise, smooth.noise), 2),
+                                    std::pow(kCurvesAlike * task.size, 2),
+                                    kTiniestScale});
+  if (task.sought_as_exact || ScoreOf(task, smooth, variance) < ScoreOf(task, sharp, variance)) {
+    task.corners.clear();
+    return smooth;
+  }
+  std::swap(anchored, task.anchored);
+  return sharp;
+}
+
+SpanAdaptation AdaptedToPoints(CurveTask& task,
+                               std::optional<Loss> loss,
+                               std::vector<RoundSummary>& rounds) {
+  const bool many = task.problem.size() > kManyCurvePoints && !task.options.tolerance;
+  if (!loss) {
+    SpanAdaptation adapted =
+        AdaptedSpans(task, many ? MeansOfRows(task.problem, kCurveMeans) : task.problem);
+    Append(rounds, adapted);
+    const double means = many ? static_cast<double>(task.problem.size()) / kCurveMeans : 1;
+    if (task.noise == 0) task.noise = adapted.noise * std::sqrt(means);
+    if (many) adapted.problem = task.problem.WithBasis(adapted.layout.Basis());
+    return adapted;
+  }
+  SpanAdaptation adapted = AdaptedUnderLoss(
+      task, many ? EveryFewData(task.problem, kManyUnderLoss) : task.problem, *loss, rounds);
+  if (!many) return adapted;
+  // To all data, with the outliers taken from a fit to some of them.
+  adapted = AdaptedSpans(task, MeansOfRows(WeightedWhole(task, adapted, *loss), kCurveMeans));
+  Append(rounds, adapted);
+  adapted.problem = WeightedWhole(task, adapted, *loss);
+  return adapted;
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/curve/solve_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "batten/fitting/curve_spans.h"
+#include "batten/fitting/solve_linear.h"
+#include "fitting/core/rules.h"
+#include "fitting/curve/curve_adaptation.h"
+#include "fitting/curve/curve_ends.h"
+#include "fitting/curve/knot_relocation.h"
+#include "fitting/curve/overshoot.h"
+#include "fitting/curve/parameter_correction.h"
+#include "fitting/foot_points/curve_distances.h"
+#include "fitting/least_squares/choose_smoothing.h"
+#include "fitting/least_squares/reweighting.h"
+#include "fitting/ordering/row_means.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kBasisPasses = 2;  // weights choose spans, spans choose weights
+constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e-3, kRegularizationStep = 10;
+constexpr double kManyOutliers = 0.003;  // share of the points: above it some were missed
+constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
+constexpr int kFootPointSteps = 2;
+constexpr double kFewForControlPoint = 4;  // data
+constexpr int kRoundsOfDistance = 20;
+
+void Take(const LinearSolution& solution, SolvedCurve& solved) {
+  solved.squares = solution.residual_squares;
+  solved.control_points = solution.coefficients;
+  if (solution.regularised)
+    solved.warnings.push_back(
+        "the points do not determine every control point: fairness was raised");
+}
+
+SplineBasis Uniform(const CurveTask& task, int control_points) {
+  return SplineBasis::Uniform(
+      task.options.degree, control_points, task.ordered.lower, task.ordered.upper);
+}
+
+void Reweight(const CurveTask& task, const FittingProblem& problem, SolvedCurve& solved) {
+  solved.problem = Reweighted(
+      problem,
+      {*task.options.loss, task.options.loss_scale, task.options.progress},
+      [&](const FittingProblem& current, const LinearSolution& solution) {
+        return CurveDistances(current, solution.coefficients, task.distance, task.pool);
+      },
+      task.pool,
+      solved.rounds);
+}
+
+EndCode SearchEnd(Termination termination) {
+  return termination == Termination::kToleranceReached   ? EndCode::kToleranceReached
+         : termination == Termination::kMaxControlPoints ? EndCode::kMaxControlPoints
+         : termination == Termination::kCancelled        ? EndCode::kCancelled
+                                                         : EndCode::kCrossValidated;
+}
+
+void RefineAtParameters(const CurveTask& task, SolvedCurve& solved) {
+  const CurveFitOptions& options = task.options;
+  if (!options.control_points)
+    solved.problem = solved.problem.WithBasis(Uniform(task, options.degree + 1));
+  SpanRefineOptions refine;
+  refine.tolerance = *options.tolerance;
+  refine.distance = task.distance;
+  refine.noise = task.ordered.noise;
+  refine.max_control_points = options.control_points.value_or(options.max_control_points);
+  SpanRefinement refined = RefineSpans(solved.problem, refine, task.pool, options.progress);
+  solved.rounds.insert(solved.rounds.end(), refined.rounds.begin(), refined.rounds.end());
+  solved.end = SearchEnd(refined.termination);
+  solved.problem = std::move(refined.problem);
+  Take(refined.solution, solved);
+}
+
+// Layouts with as many spans as `even`, adapted to the data: with the density that adaptation
+// finds, and both with relocated knots.
+std::vector<SpanLayout> SpreadLayouts(const CurveTask& task, const SpanLayout& even) {
+  const int spans = even.spans();
+  if (spans <= 1 + static_cast<int>(task.corners.size())) return {};
+  SpanAdaptOptions adapt = AdaptOptions(task);
+  adapt.tolerance.reset();
+  const bool many = task.problem.size() > kManyCurvePoints;
+  const FittingProblem problem = many ? MeansOfRows(task.problem, kCurveMeans) : task.problem;
+  const int start = std::min(kStartSpans, spans);
+  const SpanAdaptation free =
+      AdaptSpans(problem, task.EqualSpans(start, task.corners), adapt, task.pool);
+  std::vector<SpanLayout> layouts{free.layout.Resampled(spans)};
+  if (spans > kMostSpansToRelocate) return layouts;
+  const LayoutTrials trials(free.problem, spans);
+  layouts.push_back(RelocateKnots(trials, layouts.front()));
+  layouts.push_back(RelocateKnots(trials, even));
+  return layouts;
+}
+
+// The problem's solution, with more fairness where the curve overshoots between its data.
+void TakeRegularized(const CurveTask& task, LinearSolution solution, SolvedCurve& solved) {
+  const std::string told =
+      "the points leave parts of the curve open: fairness was raised there and everywhere";
+  for (double smoothing = kFirstRegularization;
+       smoothing <= kLastRegularization && Acts(Rule::kOvershoot);
+       smoothing *= kRegularizationStep) {
+    if (!HasOvershoot(solved.problem, solution.coefficients, {}, task.noise)) break;
+    if (smoothing <= solved.problem.smoothing()) continue;
+    solved.problem = solved.problem.WithSmoothing(smoothing);
+    solution = SolveLinear(solved.problem, task.pool);
+    if (solved.warnings.empty() || solved.warnings.back() != told) solved.warnings.push_back(told);
+  }
+  Take(solution, solved);
+}
+
+// Makes the last fits on all data; noisy open ends are extended to their points first.
+void Settle(const CurveTask& task, FittingProblem problem, SpanLayout layout, SolvedCurve& solved) {
+  // Of many points one step says as much.
+  const int steps = !task.by_feet() ? 0 : problem.size() > kManyCurvePoints ? 1 : kFootPointSteps;
+  CorrectedFit fit = FitWithCorrection(problem, steps, task.pool, task.anchored);
+  const double spacing = task.ordered.spacing;
+  if (steps > 0 && !layout.closed() && task.noise > spacing && Acts(Rule::kLooseEnds)) {
+    layout = WithLooseEnds(layout, fit, task.noise, spacing);
+    fit = FitWithCorrection(fit.problem.WithBasis(layout.Basis()), steps, task.pool, task.anchored);
+  }
+  // Of few points the parameters are the larger part of the error.
+  const bool few =
+      static_cast<double>(problem.size()) < kFewForControlPoint * layout.control_points();
+  if (steps > 0 && (task.model || (task.anchored.empty() && (few || task.options.tolerance)))) {
+    DistanceMinimisationOptions minimise;
+    minimise.model = task.model.value_or(DistanceModel::kTangent);
+    if (!task.model) minimise.max_rounds = kRoundsOfDistance;
+    minimise.progress = task.options.progress;
+    fit = AtMinimumDistance(fit, minimise, task.pool);
+    RoundSummary round;
+    round.stage = task.model == DistanceModel::kSquared ? "squared distance" : "tangent distance";
+    round.control_points_u = problem.unknowns();
+    round.control_points_v = 1;
+    round.rms = std::sqrt(fit.solution.residual_squares / static_cast<double>(problem.size()));
+    round.score = fit.steps;
+    solved.rounds.push_back(round);
+  }
+  solved.problem = std::move(fit.problem);
+  TakeRegularized(task, std::move(fit.solution), solved);
+}
+
+}  // namespace
+
+SolvedCurve SolveAtParameters(const CurveTask& task) {
+  const CurveFitOptions& options = task.options;
+  SolvedCurve solved{task.problem, {}};
+  const bool robust = options.loss && *options.loss != Loss::kNone;
+  const int passes = robust && !options.control_points ? kBasisPasses : 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    if (options.control_points) {
+      solved.problem = solved.problem.WithBasis(Uniform(task, *options.control_points));
+    } else if (robust || !options.tolerance) {
+      SpanChoice choice =
+          ChooseSpans(solved.problem, options.max_control_points, task.pool, options.progress);
+      solved.problem = std::move(choice.problem);
+      solved.rounds.insert(solved.rounds.end(), choice.rounds.begin(), choice.rounds.end());
+    }
+    if (robust) Reweight(task, task.problem.WithBasis(solved.problem.basis_u()), solved);
+  }
+  if (options.tolerance) {
+    RefineAtParameters(task, solved);
+  } else {
+    Take(SolveLinear(solved.problem, task.pool), solved);
+  }
+  return solved;
+}
+
+SolvedCurve SolveSmoothly(const CurveTask& task) {
+  const CurveFitOptions& options = task.options;
+  const bool closed = task.ordered.closed;
+  const auto most = static_cast<int>(task.problem.size() / kPointsOfSmoothSpan);
+  const int beside =
+      (closed ? 0 : options.degree) + (options.degree - 1) * static_cast<int>(task.corners.size());
+  const int spans = options.control_points
+                        ? *options.control_points - beside
+                        : std::min({most, kMostSmoothSpans, options.max_control_points - beside});
+  const SpanLayout layout = task.EqualSpans(
+      std::max(closed && task.corners.empty() ? options.degree + 1 : 1, spans), task.corners);
+  FittingProblem problem = task.problem.WithBasis(layout.Basis());
+  for (int pass = 0; pass < 2; ++pass) {
+    problem = problem.WithSmoothing(
+        options.smooth_by == SmoothBy::kNoise
+            ? SmoothingFromNoise(
+                  problem,
+                  std::max({task.ordered.noise, kCurvesAlike * task.size, kTiniestScale}),
+                  task.pool,
+                  options.progress)
+            : SmoothingByCrossValidation(problem, task.pool, options.progress));
+    problem = FitWithCorrection(problem, task.by_feet() ? 1 : 0, task.pool, task.anchored).problem;
+  }
+  SolvedCurve solved{std::move(problem), {}};
+  Take(SolveLinear(solved.problem, task.pool), solved);
+  return solved;
+}
+
+SolvedCurve SolveWithControlPoints(const CurveTask& task) {
+  const CurveFitOptions& options = task.options;
+  const int asked = *options.control_points;
+  const int ends = task.ordered.closed ? 0 : options.degree;
+  const int spans = asked - ends - (options.degree - 1) * static_cast<int>(task.corners.size());
+  if (spans < 1 || (task.ordered.closed && asked <= options.degree)) {
+    throw std::invalid_argument("a closed curve of degree " + std::to_string(options.degree) +
+                                " needs more than " + std::to_string(options.degree) +
+                                " control points");
+  }
+  const int steps = task.by_feet() ? kFootPointSteps : 0;
+  SpanLayout layout = task.EqualSpans(spans, task.corners);
+  CorrectedFit fit =
+      FitWithCorrection(task.problem.WithBasis(layout.Basis()), steps, task.pool, task.anchored);
+  for (const SpanLayout& other : SpreadLayouts(task, layout)) {
+    CorrectedFit trial =
+        FitWithCorrection(task.problem.WithBasis(other.Basis()), steps, task.pool, task.anchored);
+    if (!(trial.solution.residual_squares < fit.solution.residual_squares)) continue;
+    fit = std::move(trial);
+    layout = other;
+  }
+  SolvedCurve solved{fit.problem, {}};
+  solved.end = EndCode::kMaxControlPoints;
+  if (options.loss && *options.loss != Loss::kNone) Reweight(task, fit.problem, solved);
+  Settle(task, solved.problem, layout, solved);
+  return solved;
+}
+
+SolvedCurve SolveAdaptively(CurveTask& task, Eigen::Index outliers, Eigen::Index points) {
+  std::optional<Loss> loss = task.options.loss;
+  const bool noisy = task.ordered.noise > 0;  // else what is off is the curve
+  if (!loss && noisy && static_cast<double>(outliers) > kManyOutliers * static_cast<double>(points))
+    loss = Loss::kTukey;
+  if (loss == Loss::kNone) loss.reset();
+  SolvedCurve solved{task.problem, {}};
+  SpanAdaptation adapted = AdaptedToPoints(task, loss, solved.rounds);
+  if (adapted.full) solved.end = EndCode::kMaxControlPoints;
+  Settle(task, std::move(adapted.problem), adapted.layout, solved);
+  return solved;
+}
+
+}  // namespace batten::internal
