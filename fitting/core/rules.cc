@@ -14,8 +14,6 @@ std::vector<NamedRule> AllRules() {
   return {{Rule::kLocalOutliers, "local-outliers"},
           {Rule::kIsolatedPoints, "isolated-points"},
           {Rule::kGentlePlane, "gentle-plane"},
-          {Rule::kRoughGround, "rough-ground"},
-          {Rule::kSteepTie, "steep-tie"},
           {Rule::kHopelessBases, "hopeless-bases"},
           {Rule::kRoundGate, "round-gate"},
           {Rule::kSmoothedParameters, "smoothed-parameters"},

@@ -13,8 +13,6 @@ enum class Rule {
   kIsolatedPoints,  // nor are isolated points, where there are outliers
   // parameterization
   kGentlePlane,         // a height field that is nowhere steep needs no other base
-  kRoughGround,         // a sheet must be twice as good as a plane that misses the noise
-  kSteepTie,            // on steep ground a sheet need not be better than a plane
   kHopelessBases,       // a base that a few grids show to be worse is not scored
   kRoundGate,           // closed bases are tried where the sheet is distorted or much of it empty
   kSmoothedParameters,  // a sheet's parameters are smoothed on a coarse surface

@@ -29,15 +29,13 @@ constexpr double kOverlapToWarn = 0.02;
 constexpr double kOverlapToRefuse = 0.15;
 constexpr double kGentle = std::numbers::pi / 4;  // steepness up to which a plane is taken at once
 constexpr double kAtNoise = 1.5;
-constexpr double kBetterOnRoughGround = 0.5;  // score ratio, if the plane's score exceeds the noise
 constexpr double kApartToRefuse = 0.1;
 constexpr double kHopeless = 1.1;          // times the plane's score; beyond, no smoothing helps
 constexpr double kClearlyHopeless = 1.03;  // times that, if only a few grids are scored
 constexpr double kManyMore = 3;            // times the control points of a plane at the noise
 constexpr double kManyLengths = 0.03;      // distortion of a sheet; above, round bases are tried
 constexpr double kMuchEmpty = 0.2;         // empty share of its rectangle; above, the same
-constexpr double kVerySteep = 75 / kDegrees;
-constexpr double kAsGood = 1.01;          // a sheet's score against a plane's, on steep places
+constexpr double kAsGood = 1.01;          // score ratio, with clearly fewer control points
 constexpr double kClearlyBetter = 0.995;  // elsewhere
 constexpr double kFewLetGo = 0.005;       // share of the points without a place
 constexpr double kClearlyFewer = 0.8;     // ratio of control points
@@ -432,15 +430,8 @@ class BaseChooser {
     if (!IsHopeless(*sheet, of_plane)) {
       if (sheet_sampled_) Lay(sheet_sampled_ = false, *sheet);
       Settle(*sheet);
-      // On steep places a plane's cells are long: there the sheet is preferred at a tie.
-      const double better = !plane_is_right && Acts(Rule::kRoughGround) ? kBetterOnRoughGround
-                            : plane_.steepness > kVerySteep && Acts(Rule::kSteepTie) ? kAsGood
-                                                            : kClearlyBetter;
       const BaseScore::Value of_sheet = SheetScore(*sheet);
-      if (of_sheet.score < better * of_plane.score ||
-          (plane_is_right && IsBetter(of_sheet, of_plane))) {
-        return Scored{std::move(*sheet), of_sheet};
-      }
+      if (IsBetter(of_sheet, of_plane)) return Scored{std::move(*sheet), of_sheet};
     }
     plane.base.why += "; laid out flat, points are not predicted clearly better";
     return Scored{std::move(plane), of_plane};
