@@ -168,7 +168,8 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
         {"auto", "none", "u", "v", "uv"});
   Allow(*add("--trim",
              a->trim,
-             "auto: cut back to the outline and the holes of the points; none: the whole rectangle",
+             "auto: cut back to the outlines and the holes of the points, a region for every part; "
+             "none: the whole rectangle",
              "TRIM"),
         {"auto", "none"});
   Allow(*add("--normals",

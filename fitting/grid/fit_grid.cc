@@ -135,6 +135,7 @@ SurfaceFit FitGrid(const PointCloud& cloud, const GridFitOptions& options) {
   if (poles.any_column()) report.geometry.poles = {poles.first_column, poles.last_column};
   report.warnings = std::move(input.warnings);
   report.optimize.why = "a grid keeps its parameters";
+  if (options.control_points) report.end.code = EndCode::kMaxControlPoints;
   SurfaceFit fit = MeasureFit(answer.grid.surface,
                               cloud,
                               merged,

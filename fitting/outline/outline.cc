@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "batten/geometry/trim_loops.h"
 #include "fitting/neighbours/local_spacing.h"
 #include "fitting/outline/alpha_shape.h"
 #include "fitting/outline/outline_containment.h"
@@ -17,6 +18,7 @@
 #include "fitting/outline/outline_polygon.h"
 #include "fitting/outline/outline_spline.h"
 #include "fitting/outline/periodic_copies.h"
+#include "geometry/editing/loop_nesting.h"
 #include "geometry/editing/trim_faults.h"
 #include "geometry/numeric/number_text.h"
 
@@ -56,18 +58,22 @@ void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
 bool HoldsOneOf(const Eigen::Matrix2Xd& points, const Eigen::Matrix2Xd& polygon) {
   if (points.cols() == 0) return false;
   const Eigen::AlignedBox2d box(polygon.rowwise().minCoeff(), polygon.rowwise().maxCoeff());
-  for (const auto& p : points.colwise()) {
-    if (!box.contains(Eigen::Vector2d(p))) continue;
-    bool inside = false;
-    for (Index i = 0, j = polygon.cols() - 1; i < polygon.cols(); j = i++) {
-      const Eigen::Vector2d a = polygon.col(i), b = polygon.col(j);
-      if ((a.y() > p.y()) != (b.y() > p.y()) &&
-          p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
-        inside = !inside;
-    }
-    if (inside) return true;
-  }
+  for (const auto& p : points.colwise())
+    if (box.contains(Eigen::Vector2d(p)) && InsidePolygon(polygon, p)) return true;
   return false;
+}
+
+// Outer loops, then holes, by falling area.
+std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
+  std::vector<std::pair<double, size_t>> order;
+  for (const OutlineSpline& spline : splines)
+    order.emplace_back(SignedArea(spline.Curve(1)), order.size());
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return (a.first > 0) != (b.first > 0) ? a.first > 0 : std::abs(a.first) > std::abs(b.first);
+  });
+  std::vector<OutlineSpline> sorted;
+  for (const auto& [area, k] : order) sorted.push_back(std::move(splines[k]));
+  return sorted;
 }
 
 // The loops that bound parts of some size or hold a lone point, and holes of some size.
@@ -106,14 +112,6 @@ OutlineCurve Rectangle(double u, double v) {
 
 std::string Counted(Index count, const std::string& what) {
   return std::to_string(count) + (count == 1 ? " point lies " : " points lie ") + what;
-}
-
-double AreaWithin(const OutlineSpline& spline) {
-  const OutlinePolygon polygon({spline}, kFarthest);
-  const auto& vertices = polygon.vertices().front();
-  Eigen::Matrix2Xd places(2, static_cast<Index>(vertices.size()) - 1);
-  for (Index i = 0; i < places.cols(); ++i) places.col(i) = vertices[i].place;
-  return SignedArea(places);
 }
 
 class OutlineSearch {
@@ -219,10 +217,7 @@ class OutlineSearch {
           of_loop.push_back({points_.col(point), radius});
       splines = Smoothed(parts, pins);
     }
-    std::stable_sort(splines.begin(), splines.end(), [](const auto& a, const auto& b) {
-      const double one = AreaWithin(a), other = AreaWithin(b);
-      return (one > 0) != (other > 0) ? one > 0 : std::abs(one) > std::abs(other);
-    });
+    splines = ByArea(std::move(splines));
     outline.outside = Outside(splines, whole, kRounding * sides_.maxCoeff());
     if (const auto outside = static_cast<Index>(outline.outside.size()); outside > 0)
       outline.warnings.push_back(Counted(outside, "outside the outline"));

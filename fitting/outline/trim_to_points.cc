@@ -141,7 +141,7 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
   NurbsSurface trimmed = surface.WithTrims(MovedLoops(loops, stretch.cwiseInverse(), low));
   CompatibleLoops together = LoopsThatGoTogether(trimmed);
   if (OuterLoops(together.loops) < OuterLoops(trimmed.trims())) {  // would hide a part's points
-    result.warnings.push_back("outlines of the points cross: the surface is not trimmed");
+    result.warnings = {"outlines of the points cross: the surface is not trimmed"};
     result.outside.clear();
     return result;
   }

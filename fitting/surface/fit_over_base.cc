@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/fit_over_base.h"
 
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "fitting/surface/solve_surface.h"
@@ -13,12 +15,41 @@ void Append(std::vector<T>& list, const std::vector<T>& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
 
+// In a periodic direction the last control points repeat the first.
+void RequireRoomToClose(const SurfaceFitOptions& options, const Parameterization& base) {
+  const auto least = [](bool periodic, int degree) {
+    return periodic ? 2 * degree + 1 : degree + 1;
+  };
+  const int least_u = least(base.periodic_u, options.degree_u),
+            least_v = least(base.periodic_v, options.degree_v);
+  const auto reject = [](const std::string& what, int degree, int count) {
+    throw std::invalid_argument(what + " are too few: in a closed direction the last " +
+                                std::to_string(degree) + " repeat the first, so at least " +
+                                std::to_string(count) + " are needed");
+  };
+  if (!options.control_points) {
+    if (options.max_control_points >= least_u * least_v) return;
+    reject("max_control_points: " + std::to_string(options.max_control_points),
+           base.periodic_u ? options.degree_u : options.degree_v,
+           least_u * least_v);
+  }
+  const auto require = [&](int count, int degree, int needed) {
+    if (count >= needed) return;
+    reject("control_points: " + std::to_string(count) + " of degree " + std::to_string(degree),
+           degree,
+           needed);
+  };
+  require(options.control_points->first, options.degree_u, least_u);
+  require(options.control_points->second, options.degree_v, least_v);
+}
+
 // The surface before the joint stage, and what the stages so far say.
 FittedState Solved(const PreparedCloud& prepared,
                    const SurfaceFitOptions& options,
                    FitReport report,
                    ThreadPool& pool,
                    StageClock& clock) {
+  RequireRoomToClose(options, prepared.base);
   FitContext context(prepared, options, pool);
   clock.Enter(&StageSeconds::solve);
   ClassifiedPoints points = ClassifyInliers(context);

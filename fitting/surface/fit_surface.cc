@@ -155,6 +155,11 @@ SurfaceFit FitSymmetric(const PointCloud& cloud,
   FitReport& report = fit.report;
   report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
   report.error_all = Summarise(fit.residuals, options.tolerance);
+  if (report.end.where) {  // not a point's mirror image
+    Eigen::Index farthest = 0;
+    fit.outliers.select(0, fit.residuals.array().abs()).maxCoeff(&farthest);
+    report.end.where = cloud.World(farthest);
+  }
   report.input.points = own;
   report.input.duplicates = MergeDuplicates(cloud).duplicates;
   report.input.used = report.error.points;

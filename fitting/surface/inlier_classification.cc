@@ -33,34 +33,6 @@ constexpr double kBeyondStructure = 2;   // spacings
 constexpr double kSpoilt = 5;            // times the plain misfit; above: loss rejected
 constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
 
-// In a periodic direction the last control points repeat the first.
-void RequireRoomToClose(const SurfaceFitOptions& options, const Parameterization& base) {
-  const auto least = [](bool periodic, int degree) {
-    return periodic ? 2 * degree + 1 : degree + 1;
-  };
-  const int least_u = least(base.periodic_u, options.degree_u),
-            least_v = least(base.periodic_v, options.degree_v);
-  const auto reject = [](const std::string& what, int degree, int count) {
-    throw std::invalid_argument(what + " are too few: in a closed direction the last " +
-                                std::to_string(degree) + " repeat the first, so at least " +
-                                std::to_string(count) + " are needed");
-  };
-  if (!options.control_points) {
-    if (options.max_control_points >= least_u * least_v) return;
-    reject("max_control_points: " + std::to_string(options.max_control_points),
-           base.periodic_u ? options.degree_u : options.degree_v,
-           least_u * least_v);
-  }
-  const auto require = [&](int count, int degree, int needed) {
-    if (count >= needed) return;
-    reject("control_points: " + std::to_string(count) + " of degree " + std::to_string(degree),
-           degree,
-           needed);
-  };
-  require(options.control_points->first, options.degree_u, least_u);
-  require(options.control_points->second, options.degree_v, least_v);
-}
-
 // Whether outliers that their neighbours tell are so many that a loss must bound them.
 bool StartsRobust(const FitContext& context) {
   const SurfaceFitOptions& options = context.options();
@@ -276,7 +248,6 @@ class InlierPasses {
 }  // namespace
 
 ClassifiedPoints ClassifyInliers(FitContext& context) {
-  RequireRoomToClose(context.options(), context.base());
   const bool robust = StartsRobust(context);
   return InlierPasses(context, robust, WithoutIsolated(context, robust, context.prepared().used))
       .Run();

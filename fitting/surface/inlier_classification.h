@@ -22,8 +22,8 @@ struct ClassifiedPoints {
 // Classifies inliers by their neighbours before there is a surface, then by their distance from it,
 // until the classification is stable: at most five passes. The bases are chosen anew each time, or
 // taken from the options; weights are those of the loss where outliers were found or one is asked
-// for. Throws std::invalid_argument where the points lie on two sheets, or are too few for the
-// control points a closed direction needs; Cancelled when progress asks to stop.
+// for. Throws std::invalid_argument where the points lie on two sheets; Cancelled when progress
+// asks to stop.
 ClassifiedPoints ClassifyInliers(FitContext& context);
 
 }  // namespace batten::internal

@@ -104,12 +104,14 @@ bool HasStructure(const SurfaceFit& fit, const SurfaceFitOptions& options, Threa
   for (Eigen::Index k = 0; k < fit.outliers.size(); ++k)
     if (!fit.outliers[k]) used.push_back(k);
   const auto count = static_cast<Eigen::Index>(used.size());
+  const Eigen::Index step = std::max<Eigen::Index>(1, count / kPlaces);
   Eigen::Vector2d stretch = Eigen::Vector2d::Zero();
-  for (Eigen::Index k = 0; k < count; k += std::max<Eigen::Index>(1, count / kPlaces)) {
+  for (Eigen::Index k = 0; k < count; k += step) {
     const auto at = fit.parameters.col(used[k]);
     const SurfaceJet jet = fit.surface.JetAt(at[0], at[1]);
-    stretch += Eigen::Vector2d(jet.du.norm(), jet.dv.norm()) / kPlaces;
+    stretch += Eigen::Vector2d(jet.du.norm(), jet.dv.norm());
   }
+  stretch *= static_cast<double>(step) / static_cast<double>(std::max<Eigen::Index>(1, count));
   return StructuredShare({stretch.asDiagonal() * fit.parameters(Eigen::all, used),
                           fit.residuals(used),
                           options.seed},

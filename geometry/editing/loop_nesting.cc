@@ -30,6 +30,17 @@ double PolygonArea(const Eigen::Matrix2Xd& polygon) {
   return twice / 2;
 }
 
+bool InsidePolygon(const Eigen::Matrix2Xd& polygon, const Eigen::Vector2d& place) {
+  bool inside = false;
+  for (Eigen::Index i = 0, j = polygon.cols() - 1; i < polygon.cols(); j = i++) {
+    const Eigen::Vector2d a = polygon.col(j), b = polygon.col(i);
+    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
+    const double x = a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (place.x() < x) inside = !inside;
+  }
+  return inside;
+}
+
 bool MostlyInside(const Eigen::Matrix2Xd& polygon, const Eigen::Matrix2Xd& outer) {
   constexpr double kOnSide = 1e-9;  // of the size
   const Eigen::Vector2d low = outer.rowwise().minCoeff(), high = outer.rowwise().maxCoeff();
@@ -40,17 +51,14 @@ bool MostlyInside(const Eigen::Matrix2Xd& polygon, const Eigen::Matrix2Xd& outer
   const double near = kOnSide * (high - low).norm();
   Eigen::Index inside = 0, outside = 0;
   for (const auto& p : polygon.colwise()) {
-    bool odd = false, on_side = false;
+    bool on_side = false;
     for (Eigen::Index i = 0, j = outer.cols() - 1; i < outer.cols(); j = i++) {
       const Eigen::Vector2d a = outer.col(j), b = outer.col(i), along = b - a, to = p - a;
       const double square = along.squaredNorm();
       const double share = square > 0 ? std::clamp(to.dot(along) / square, 0.0, 1.0) : 0;
       on_side = on_side || (to - share * along).squaredNorm() < near * near;
-      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-      const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-      if (p.x() < x) odd = !odd;
     }
-    if (!on_side) ++(odd ? inside : outside);
+    if (!on_side) ++(InsidePolygon(outer, p) ? inside : outside);
   }
   return inside >= outside;
 }

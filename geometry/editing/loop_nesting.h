@@ -15,6 +15,9 @@ Eigen::Matrix2Xd NestingPolygon(const NurbsCurve<2>& loop);
 // The area inside a polygon, positive where it runs counter-clockwise.
 double PolygonArea(const Eigen::Matrix2Xd& polygon);
 
+// By the sides crossed on the way to the left; on a side either.
+bool InsidePolygon(const Eigen::Matrix2Xd& polygon, const Eigen::Vector2d& place);
+
 // Whether most vertices of a polygon lie in another one: polygons are not exact. Vertices on the
 // other's sides say nothing. O(vertices · vertices) where their boxes meet.
 bool MostlyInside(const Eigen::Matrix2Xd& polygon, const Eigen::Matrix2Xd& outer);

@@ -50,6 +50,11 @@ TEST(StageSecondsTest, AddUpToTheTotal) {
     }
     EXPECT_NEAR(sum, total, 1e-9 * total);
     EXPECT_LE(total, run.seconds);
+    if (!words.starts_with("fit surface")) continue;
+    for (const char* stage :
+         {"read", "prepare", "parameterize", "solve", "trim", "project", "write"}) {
+      EXPECT_GT(seconds[stage].get<double>(), 0) << stage;
+    }
   }
 }
 

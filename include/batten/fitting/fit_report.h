@@ -44,7 +44,7 @@ const char* Name(EndCode code);
 Termination TerminationOf(EndCode code);
 
 struct FitEnd {
-  EndCode code = EndCode::kNoiseReached;
+  EndCode code = EndCode::kCrossValidated;
   std::string words;  // a sentence without a full stop; empty: nothing was fitted
   std::optional<Eigen::Vector3d> where = std::nullopt;  // world: the used point farthest off, if it
                                                         // ended short of noise and tolerance

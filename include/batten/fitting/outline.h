@@ -30,9 +30,10 @@ struct Outline {
 // Finds a smooth outline for every part, of few control points with corners kept, of points (2 × m
 // in [0, length_u] × [0, length_v], which it never leaves). It lies about half a spacing outside
 // the ragged border of the points, contains them all except those a spacing or more beyond it,
-// which a warning counts, and runs exactly along edges of the rectangle where it is nowhere far
-// from them. Gaps and parts of less than 36 h² are ignored as chance. Where a smooth outline would
-// cross itself or another it follows the ragged border by straight lines, about the crossing only.
+// which a warning counts, none more than three beyond it, and runs exactly along edges of the
+// rectangle where it is nowhere far from them. Gaps and parts of less than 36 h² are ignored as
+// chance. Where a smooth outline would cross itself or another it follows the ragged border by
+// straight lines, about the crossing only.
 //
 // Periodic directions have no edge: borders cross the seam. Where a part goes all the way round,
 // its outer loop runs along the seam on either side; holes that the seam cuts become part of the
