@@ -206,6 +206,20 @@ const PointCloud& FitFiles::Read(bool parameters) {
   return file_.cloud;
 }
 
+std::string FlagsThatHelp(Remedy remedy) {
+  switch (remedy) {
+    case Remedy::kNone:
+      return "";
+    case Remedy::kFitPart:
+      return " (--box, --where)";
+    case Remedy::kFlatten:
+      return " (--base sheet lays a bent sheet out flat, --box takes a part of the cloud)";
+    case Remedy::kClosingByData:
+      return " (--closed auto)";
+  }
+  return "";
+}
+
 void FitFiles::Refuse(const std::string& reason) const {
   const std::string first = a_.clouds.front() == "-" ? "standard input" : a_.clouds.front();
   throw ReadError(first + (a_.clouds.size() > 1 ? " and others" : ""), reason);
@@ -252,7 +266,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   report.seconds.total = read_seconds_ + fitted + report.seconds.write;
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
-  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
+  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
 }
 
 }  // namespace batten::internal

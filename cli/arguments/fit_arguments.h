@@ -10,6 +10,7 @@
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
@@ -78,6 +79,9 @@ Options WithWork(Options options, const FitArguments& a) {
   return options;
 }
 
+// The flags that carry out a remedy, as the end of a sentence; empty for Remedy::kNone.
+std::string FlagsThatHelp(Remedy remedy);
+
 // A fit from its files' point of view: checks the outputs before any work is done, reads, and
 // writes geometry, residuals and reports.
 class FitFiles {
@@ -92,11 +96,14 @@ class FitFiles {
   // Of what was read: places of rows that are not finite.
   const std::vector<Eigen::Index>& missing() const { return file_.missing; }
 
-  // Runs `fit`; the library's reason why points can't be fitted gets the name of their file.
+  // Runs `fit`; the library's reason why points can't be fitted gets the name of their file and the
+  // flags that help.
   template <class Function>
   auto Explained(const Function& fit) const {
     try {
       return fit();
+    } catch (const RefusedData& refusal) {
+      Refuse(refusal.what() + FlagsThatHelp(refusal.remedy()));
     } catch (const std::invalid_argument& error) {
       Refuse(error.what());
     }

@@ -11,6 +11,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten {
 namespace {
@@ -45,13 +46,12 @@ double MiddleOf(std::span<Weighted> sample) {
 // Tukey's biweight mean about the median.
 double RobustMean(std::span<Weighted> sample) {
   constexpr int kRounds = 3;
-  constexpr double kReach = 4.685;  // standard deviations: 95 % efficient for normal errors
   double centre = MiddleOf(sample);
   std::array<Weighted, kNearest> offsets;
   for (std::size_t k = 0; k < sample.size(); ++k) {
     offsets[k] = {std::abs(sample[k].value - centre), sample[k].weight};
   }
-  const double width = kReach * kMadToSigma * MiddleOf({offsets.data(), sample.size()});
+  const double width = kTukeyTuning * kMadToSigma * MiddleOf({offsets.data(), sample.size()});
   if (!(width > 0)) return centre;
   for (int round = 0; round < kRounds; ++round) {
     double sum = 0, weights = 0;

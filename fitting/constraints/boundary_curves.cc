@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "batten/fitting/refused_data.h"
 #include "batten/geometry/arc_length.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/iso_curve.h"
@@ -50,11 +51,11 @@ void RequireOpen(const NurbsCurve<3>& curve, const std::string& name, double siz
   const double a = curve.basis().lower(), b = curve.basis().upper();
   const double gap = (curve.At(b) - curve.At(a)).norm();
   if (ArcLength(curve) <= kFollows * size)
-    throw std::invalid_argument("boundary " + name + ": the curve has no length");
+    throw RefusedData("boundary " + name + ": the curve has no length");
   if (gap <= kFollows * size) {
-    throw std::invalid_argument("boundary " + name +
-                                ": the curve is closed; an edge of a surface runs from corner to "
-                                "corner: give its parts one by one");
+    throw RefusedData("boundary " + name +
+                      ": the curve is closed; an edge of a surface runs from corner to "
+                      "corner: give its parts one by one");
   }
 }
 
@@ -80,12 +81,11 @@ BoundaryEdge EdgeAlong(const NurbsSurface& neighbour,
     }
   }
   if (best && least <= std::max(kAlong * spacing, kFollows * SizeOf(points))) return *best;
-  throw std::invalid_argument("boundary " + name +
-                              ": no edge of this surface runs along the points" +
-                              (best ? ": the nearest is " + RoundedText(least) + " away, " +
-                                          RoundedText(kAlong) + " spacings are allowed"
-                                    : "") +
-                              "; give the curve itself where the surface is to end elsewhere");
+  throw RefusedData("boundary " + name + ": no edge of this surface runs along the points" +
+                    (best ? ": the nearest is " + RoundedText(least) + " away, " +
+                                RoundedText(kAlong) + " spacings are allowed"
+                          : "") +
+                    "; give the curve itself where the surface is to end elsewhere");
 }
 
 }  // namespace
@@ -110,10 +110,9 @@ std::vector<BoundaryEdge> BoundaryEdges(const SurfaceFitOptions& options,
     RequireOpen(side.curve, side.name, size);
     const double distance = DistanceFrom(side.curve, points, index);
     if (distance > kFarFromPoints * size) {
-      throw std::invalid_argument("boundary " + side.name + ": the curve runs " +
-                                  RoundedText(distance) +
-                                  " from the points on average, which are " + RoundedText(size) +
-                                  " across: is it in their coordinates?");
+      throw RefusedData("boundary " + side.name + ": the curve runs " + RoundedText(distance) +
+                        " from the points on average, which are " + RoundedText(size) +
+                        " across: is it in their coordinates?");
     }
     if (side.curve.rational()) {
       side.curve =

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "batten/fitting/refused_data.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "fitting/constraints/domain_box.h"
@@ -85,10 +86,11 @@ class Conditioner {
         {}};
     Parameterization& base = result.choice.base;
     if (base.periodic_u || base.periodic_v || base.poles.any()) {
-      throw std::invalid_argument(
+      throw RefusedData(
           "boundary curves and points to be met need an open surface; these points lie on one that "
           "closes (" +
-          base.name + "): take a part of it (--box)");
+              base.name + "): take a part of it",
+          Remedy::kFitPart);
     }
     PlaceSides(result);
     PlacePoints(result);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "batten/fitting/refused_data.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -33,7 +34,7 @@ void TakeDomain(Parameterization& base,
                 const Eigen::Vector3d& origin,
                 const DomainBox& box) {
   if (base.periodic_u || base.periodic_v || base.poles.any()) {
-    throw std::invalid_argument(
+    throw RefusedData(
         "a domain is for open surfaces; these points lie on one that closes "
         "(" +
         base.name + ")");
@@ -60,10 +61,10 @@ void TakeDomain(Parameterization& base,
     place = inside;
   }
   if (reached.count() >= kFewestPoints) return;
-  throw std::invalid_argument("the domain holds " + std::to_string(reached.count()) +
-                              " points; over this base they lie in [" + NumberText(corner[0]) +
-                              ", " + NumberText(corner[0] + old[0]) + "] × [" +
-                              NumberText(corner[1]) + ", " + NumberText(corner[1] + old[1]) + "]");
+  throw RefusedData("the domain holds " + std::to_string(reached.count()) +
+                    " points; over this base they lie in [" + NumberText(corner[0]) + ", " +
+                    NumberText(corner[0] + old[0]) + "] × [" + NumberText(corner[1]) + ", " +
+                    NumberText(corner[1] + old[1]) + "]");
 }
 
 }  // namespace batten::internal

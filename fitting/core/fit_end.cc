@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "geometry/numeric/number_text.h"
+
 namespace batten::internal {
 namespace {
 
@@ -18,6 +20,7 @@ EndCode CodeOf(const EndEvidence& evidence, const FitReport& report) {
   const EndCode search = evidence.search;
   const ErrorSummary& error = report.judged_error();
   if (search == EndCode::kCancelled) return search;
+  if (report.leaves_points()) return EndCode::kStructuredResiduals;
   if (error.tolerance && error.out_of_tolerance == 0) return EndCode::kToleranceReached;
   const bool full = search == EndCode::kMaxControlPoints;
   if (error.tolerance) {
@@ -35,6 +38,11 @@ EndCode CodeOf(const EndEvidence& evidence, const FitReport& report) {
 }
 
 std::string WordsOf(EndCode code, const FitReport& report) {
+  if (report.leaves_points() && code == EndCode::kStructuredResiduals) {
+    return "the surface leaves its points by " + RoundedText(report.overshoot->max) + ", " +
+           RoundedText(report.overshoot->in_spacings) +
+           " times their spacing, where they do not determine it";
+  }
   const bool tolerance = report.judged_error().tolerance.has_value();
   const std::string shape = report.geometry.kind.empty() ? "geometry" : report.geometry.kind;
   switch (code) {
@@ -75,8 +83,11 @@ void JudgeEnd(const EndEvidence& evidence, FitReport& report) {
   const EndCode code = CodeOf(evidence, report);
   report.termination = TerminationOf(code);
   report.end = {code, WordsOf(code, report), std::nullopt};
-  if (code != EndCode::kToleranceReached && code != EndCode::kNoiseReached)
+  if (report.leaves_points()) {
+    report.end.where = report.overshoot->at;
+  } else if (code != EndCode::kToleranceReached && code != EndCode::kNoiseReached) {
     report.end.where = evidence.farthest;
+  }
 }
 
 }  // namespace batten::internal

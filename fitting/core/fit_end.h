@@ -24,6 +24,7 @@ struct EndEvidence {
 
 // Decides by the measured errors of the report, which are against its tolerance if there is one:
 //  · cancelled as the search was;
+//  · structured_residuals if the surface leaves its points, with the place where it does most;
 //  · tolerance_reached if no point is out;
 //  · noise_reached if the rms is at most twice the noise or rounding, or the search found what is
 //    out to be noise, unless control points ran out first;

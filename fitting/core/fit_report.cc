@@ -164,7 +164,13 @@ const ErrorSummary& FitReport::judged_error() const {
 std::optional<bool> FitReport::tolerance_reached() const {
   const ErrorSummary& judged = judged_error();
   if (!judged.tolerance) return std::nullopt;
-  return judged.out_of_tolerance == 0;
+  return judged.out_of_tolerance == 0 && !leaves_points();
+}
+
+bool FitReport::leaves_points() const {
+  constexpr double kLeaves = 3;  // spacings
+  return overshoot && !overshoot->asked_for && overshoot->in_spacings > kLeaves &&
+         overshoot->max > std::max(error.max, error.tolerance.value_or(0));
 }
 
 StageSeconds& StageSeconds::operator+=(const StageSeconds& more) {

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten {
+using internal::kTukeyTuning;
 namespace {
 
-constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTukeyTuning = 4.685,
-                 kTruncatedTuning = 2.795;
+constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTruncatedTuning = 2.795;
 
 }  // namespace
 

@@ -13,9 +13,8 @@ std::bitset<64> switched_off;
 std::vector<NamedRule> AllRules() {
   return {{Rule::kLocalOutliers, "local-outliers"},
           {Rule::kIsolatedPoints, "isolated-points"},
-          {Rule::kGentlePlane, "gentle-plane"},
+          {Rule::kCertainBase, "certain-base"},
           {Rule::kHopelessBases, "hopeless-bases"},
-          {Rule::kRoundGate, "round-gate"},
           {Rule::kSmoothedParameters, "smoothed-parameters"},
           {Rule::kOutlineBase, "outline-base"},
           {Rule::kSmallerBase, "smaller-base"},
@@ -24,14 +23,13 @@ std::vector<NamedRule> AllRules() {
           {Rule::kLossRejection, "loss-rejection"},
           {Rule::kNeighbourVotes, "neighbour-votes"},
           {Rule::kKnotLines, "knot-lines"},
-          {Rule::kGaps, "gaps"},
+          {Rule::kBounds, "bounds"},
           {Rule::kJointStage, "joint-stage"},
           {Rule::kStructuredGate, "structured-gate"},
           {Rule::kCorners, "corners"},
           {Rule::kSmoothForCorners, "smooth-for-corners"},
           {Rule::kRelocatedKnots, "relocated-knots"},
           {Rule::kLeastAbsolute, "least-absolute"},
-          {Rule::kLooseEnds, "loose-ends"},
           {Rule::kOvershoot, "overshoot"}};
 }
 

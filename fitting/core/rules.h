@@ -12,9 +12,8 @@ enum class Rule {
   kLocalOutliers,   // points off the quadrics of their neighbours are no inliers
   kIsolatedPoints,  // nor are isolated points, where there are outliers
   // parameterization
-  kGentlePlane,         // a height field that is nowhere steep needs no other base
+  kCertainBase,         // a base that hardly changes lengths ends the search
   kHopelessBases,       // a base that a few grids show to be worse is not scored
-  kRoundGate,           // closed bases are tried where the sheet is distorted or much of it empty
   kSmoothedParameters,  // a sheet's parameters are smoothed on a coarse surface
   kOutlineBase,         // a sheet of four sides ends in its outline
   kSmallerBase,         // the base is chosen anew where outliers had enlarged it
@@ -24,7 +23,7 @@ enum class Rule {
   kLossRejection,    // unless it spoils the fit of what is good
   kNeighbourVotes,   // points off the surface count with neighbours that are off as far
   kKnotLines,        // knot lines are added and removed one by one after the grid is chosen
-  kGaps,             // gaps between points are regularized
+  kBounds,           // coefficients stay within what the data nearby allow
   // the joint stage
   kJointStage,
   kStructuredGate,  // which runs only where residuals have a shape
@@ -33,7 +32,6 @@ enum class Rule {
   kSmoothForCorners,  // a smooth curve is tried beside one with corners
   kRelocatedKnots,
   kLeastAbsolute,  // robust curves start near least absolute distances
-  kLooseEnds,      // noisy open ends are extended to their points
   kOvershoot,      // fairness is raised where a curve overshoots between its points
 };
 

@@ -10,7 +10,6 @@
 #include "batten/fitting/solve_linear.h"
 #include "fitting/core/rules.h"
 #include "fitting/curve/curve_adaptation.h"
-#include "fitting/curve/curve_ends.h"
 #include "fitting/curve/knot_relocation.h"
 #include "fitting/curve/overshoot.h"
 #include "fitting/curve/parameter_correction.h"
@@ -113,16 +112,14 @@ void TakeRegularized(const CurveTask& task, LinearSolution solution, SolvedCurve
   Take(solution, solved);
 }
 
-// Makes the last fits on all data; noisy open ends are extended to their points first.
-void Settle(const CurveTask& task, FittingProblem problem, SpanLayout layout, SolvedCurve& solved) {
+// Makes the last fits on all data.
+void Settle(const CurveTask& task,
+            FittingProblem problem,
+            const SpanLayout& layout,
+            SolvedCurve& solved) {
   // Of many points one step says as much.
   const int steps = !task.by_feet() ? 0 : problem.size() > kManyCurvePoints ? 1 : kFootPointSteps;
   CorrectedFit fit = FitWithCorrection(problem, steps, task.pool, task.anchored);
-  const double spacing = task.ordered.spacing;
-  if (steps > 0 && !layout.closed() && task.noise > spacing && Acts(Rule::kLooseEnds)) {
-    layout = WithLooseEnds(layout, fit, task.noise, spacing);
-    fit = FitWithCorrection(fit.problem.WithBasis(layout.Basis()), steps, task.pool, task.anchored);
-  }
   // Of few points the parameters are the larger part of the error.
   const bool few =
       static_cast<double>(problem.size()) < kFewForControlPoint * layout.control_points();

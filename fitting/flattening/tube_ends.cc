@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -20,7 +21,6 @@ constexpr double kLeastBins = 12, kMostBins = 96;
 constexpr int kMostHarmonics = 6;
 constexpr int kEndRounds = 4;     // of bins below the wave of the round before
 constexpr int kReweightings = 6;  // of bins that have no place near the edge
-constexpr double kTukey = 4.685;
 
 int BinOf(double u, double period, int bins) {
   const double share = u / period - std::floor(u / period);
@@ -75,7 +75,7 @@ void FollowLowest(const Lowest& lowest, double spacing, PeriodicWave& wave) {
     for (Eigen::Index k = 0; k < count; ++k) sizes[k] = std::abs(off[k]);
     const double scale = std::max(kMadToSigma * Median(sizes), spacing / 2);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const double t = off[k] / (kTukey * scale);
+      const double t = off[k] / (kTukeyTuning * scale);
       weights[k] = std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 1e-6;
     }
   }

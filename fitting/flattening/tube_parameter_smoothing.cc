@@ -11,6 +11,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/flattening/tube_chart.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
@@ -19,7 +20,6 @@ namespace batten::internal {
 namespace {
 
 constexpr int kSmoothingDegree = 5;  // smooth enough that its knots do not show in the feet
-constexpr double kSmoothing = 1e-4;
 constexpr Eigen::Index kSample = 10000;
 constexpr int kSmoothingCellsRound[] = {6, 8, 11, 15, 20};
 constexpr double kPointsPerControlPoint = 6;
@@ -70,7 +70,7 @@ std::vector<Draft> StatesOf(const TubeParameters& tube,
     FittingProblem problem(PeriodicBasis(round, tube.length_u),
                            FittingBasis(kSmoothingDegree, along, 0, tube.length_v),
                            data,
-                           kSmoothing);
+                           kSurfaceSmoothing);
     LinearSolution solution = SolveLinear(problem, pool);
     const double variance = solution.residual_squares / std::max(1.0, count - unknowns);
     drafts.push_back({std::move(problem), std::move(solution), variance});

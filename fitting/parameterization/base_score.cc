@@ -8,6 +8,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/knots/block_validation.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
@@ -16,10 +17,8 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kSample = 30000;
-constexpr double kSmoothing = 1e-4;  // as in the fit itself
 constexpr int kMostDegree = 3;
 constexpr double kShapeInSpacings = 0.25;
-constexpr double kOutlierInScales = 4.685;
 
 int Rounded(double cells, int least) {
   return std::max(least, static_cast<int>(std::lround(cells)));
@@ -47,7 +46,7 @@ FittingProblem BaseScore::ProblemOf(const Parameterization& base, const PointMas
                         sample_ && reached,
                         std::min(options_.degree_u, kMostDegree),
                         std::min(options_.degree_v, kMostDegree),
-                        kSmoothing);
+                        kSurfaceSmoothing);
 }
 
 BaseScore::Value BaseScore::Of(const Parameterization& base, const PointMask& reached) const {
@@ -123,8 +122,8 @@ BaseScore::Value BaseScore::At(const Parameterization& base,
       base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
   // Residuals are clipped, since a few outliers may be left; small ones against the spacing are
   // not.
-  const double most = std::max(kOutlierInScales * RobustScale(residuals),
-                               kShapeInSpacings * ParameterSpacing(problem));
+  const double most =
+      std::max(kTukeyTuning * RobustScale(residuals), kShapeInSpacings * ParameterSpacing(problem));
   const double squares = residuals.cwiseAbs().cwiseMin(most).squaredNorm();
   const auto count = static_cast<double>(problem.size());
   const double freedom = std::max(1.0, count - kFreedomFactor * chosen.unknowns());

@@ -14,8 +14,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMostEmpty = 0.35;
-constexpr double kClearlyRound = 0.02;  // relative misfit; below, no tube is tried
+constexpr double kMostEmpty = 0.35;     // share of the rectangle
+constexpr double kClearlyRound = 0.02;  // relative misfit
 
 // Points inside the open edges. Points beyond an edge were given a place on it: they are outliers.
 PointMask Inside(const Parameterization& base) {
@@ -31,124 +31,132 @@ PointMask Inside(const Parameterization& base) {
   return inside;
 }
 
-// Search for closed bases, kind by kind; members are shared by the kinds.
-class Finder {
+// Samples and the axis of a round shape, found once for all candidates that need them.
+class RoundShape {
  public:
-  Finder(const GoodPoints& good, const SurfaceFitOptions& options, bool tubes, ThreadPool& pool)
-      : good_(good),
-        asked_(options.base),
-        tubes_(tubes),
-        progress_(options.progress),
-        pool_(pool) {}
+  RoundShape(const BaseInput& input, std::shared_ptr<SheetFlattening> flattening)
+      : input_(input), flattening_(std::move(flattening)) {}
 
-  ClosedBases Run() {
-    if (asked_ != BaseShape::kSheet) TryRound();
-    if (tubes_ && in_question(BaseShape::kSheet) && !settled_) TryTube();
-    if (found_.serving.empty() && asked_ == BaseShape::kAuto) {
-      found_.failure_reason =
-          "nor are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
-          "surface, a rectangle with edges that may be joined or drawn together, cannot cover "
-          "them; fit them in parts (--box, --where)";
+  const RevolutionSamples& samples() {
+    if (!samples_) {
+      const double noise = input_.statistics.noise;
+      const PoissonDiskSamples* nodes = flattening_->nodes();
+      samples_ = nodes ? RevolutionSamplesOf(*nodes, noise, {})
+                       : SampleRevolution(input_.inliers(), input_.index(), noise, {}, input_.pool);
+      Report(input_.options.progress, "parameterize", 0.6);
     }
-    return std::move(found_);
+    return *samples_;
+  }
+
+  const RevolutionEstimate& estimate() {
+    if (!estimate_) {
+      estimate_ = FindRevolution(samples(), std::nullopt, input_.pool);
+      Report(input_.options.progress, "parameterize", 0.7);
+    }
+    return *estimate_;
   }
 
  private:
-  bool in_question(BaseShape shape) const { return asked_ == BaseShape::kAuto || asked_ == shape; }
-
-  void TryRound() {
-    const CloudStatistics& statistics = good_.statistics;
-    const RevolutionSamples nodes =
-        good_.nodes ? RevolutionSamplesOf(*good_.nodes, statistics.noise, {})
-                    : SampleRevolution(good_.points, good_.index, statistics.noise, {}, pool_);
-    if (!nodes.ok()) {
-      found_.failure_reason = nodes.failure_reason;
-      return;
-    }
-    RoundCloud cloud{good_.points, nodes, statistics.spacing, statistics.noise, good_.margin};
-    Report(progress_, "parameterize", 0.6);
-    if (in_question(BaseShape::kSphere) && !settled_) Take(SphereBaseOf(cloud, {}, pool_));
-    if (settled_ || !(in_question(BaseShape::kTorus) || in_question(BaseShape::kRevolution)))
-      return;
-    const RevolutionEstimate shape = FindRevolution(nodes, std::nullopt, pool_);
-    cloud.shape = &shape;
-    if (in_question(BaseShape::kTorus)) Take(TorusBaseOf(cloud, {}, pool_));
-    Report(progress_, "parameterize", 0.7);
-    if (in_question(BaseShape::kRevolution) && !settled_) Take(RevolutionBaseOf(cloud, {}, pool_));
-  }
-
-  void Take(RevolutionParameterization round) {
-    if (!round.ok()) {
-      found_.failure_reason = std::move(round.failure_reason);
-      return;
-    }
-    const PointMask all = PointMask::Constant(good_.points.cols(), true);
-    const double empty = EmptyAreaFraction(round.parameters, all, round.length_u, round.length_v);
-    if (empty > kMostEmpty) {
-      found_.failure_reason = "the points leave " + std::to_string(std::lround(100 * empty)) +
-                              " % of the " + round.name + " they were taken for open";
-      return;
-    }
-    Parameterization base;
-    base.name = std::move(round.name);
-    base.why = asked_ == BaseShape::kAuto ? std::move(round.why) : "asked for; " + round.why;
-    base.shape = base.name == "revolution" ? "a smooth surface of revolution or one near it"
-                                           : "a smooth surface near a " + base.name;
-    base.parameters = std::move(round.parameters);
-    base.length_u = round.length_u;
-    base.length_v = round.length_v;
-    base.periodic_u = round.periodic_u;
-    base.periodic_v = round.periodic_v;
-    if (round.pole_start) base.poles.start = PoleKind::kSmooth;
-    if (round.pole_end) base.poles.end = PoleKind::kSmooth;
-    base.poles.turn = round.turn;
-    settled_ = round.misfit < kClearlyRound;
-    found_.failure_reason.clear();
-    PointMask inside = Inside(base);
-    found_.serving.push_back({std::move(base), std::move(inside)});
-  }
-
-  void TryTube() {
-    TubeBase tube = FlattenTube(good_.points,
-                                good_.index,
-                                good_.statistics.spacing,
-                                good_.statistics.noise,
-                                good_.margin,
-                                {},
-                                pool_,
-                                progress_);
-    if (!tube.ok()) {
-      if (found_.serving.empty()) found_.failure_reason = std::move(tube.failure_reason);
-      return;
-    }
-    Parameterization base;
-    base.name = "sheet";
-    base.why = std::move(tube.why);
-    base.shape = "a smooth tube";
-    base.parameters = std::move(tube.parameters);
-    base.length_u = tube.length_u;
-    base.length_v = tube.length_v;
-    base.periodic_u = true;
-    found_.failure_reason.clear();
-    found_.serving.push_back({std::move(base), std::move(tube.reached)});
-  }
-
-  const GoodPoints& good_;
-  BaseShape asked_;
-  bool tubes_;
-  const Progress& progress_;
-  ThreadPool& pool_;
-  bool settled_ = false;  // no other base can be better
-  ClosedBases found_;
+  const BaseInput& input_;
+  std::shared_ptr<SheetFlattening> flattening_;
+  std::optional<RevolutionSamples> samples_;
+  std::optional<RevolutionEstimate> estimate_;
 };
+
+using RoundFit = RevolutionParameterization (*)(const RoundCloud&,
+                                                const RevolutionParameterizationOptions&,
+                                                ThreadPool&);
+
+BaseAttempt OverRound(const BaseInput& input,
+                      RoundShape& shape,
+                      RoundFit fit,
+                      bool needs_axis,
+                      const InlierSubset& some) {
+  if (!shape.samples().ok()) return Failure(shape.samples().failure_reason);
+  const Eigen::Matrix3Xd part =
+      some ? input.inliers()(Eigen::all, *some).eval() : Eigen::Matrix3Xd(3, 0);
+  const CloudStatistics& statistics = input.statistics;
+  RevolutionParameterization round = fit({some ? part : input.inliers(),
+                                          shape.samples(),
+                                          statistics.spacing,
+                                          statistics.noise,
+                                          input.margin(),
+                                          needs_axis ? &shape.estimate() : nullptr},
+                                         {},
+                                         input.pool);
+  if (!round.ok()) return Failure(std::move(round.failure_reason));
+  const PointMask all = PointMask::Constant(round.parameters.cols(), true);
+  const double empty = EmptyAreaFraction(round.parameters, all, round.length_u, round.length_v);
+  if (empty > kMostEmpty) {
+    return Failure("the points leave " + std::to_string(std::lround(100 * empty)) + " % of the " +
+                   round.name + " they were taken for open");
+  }
+  Parameterization base;
+  base.name = std::move(round.name);
+  base.why =
+      input.options.base == BaseShape::kAuto ? std::move(round.why) : "asked for; " + round.why;
+  base.shape = base.name == "revolution" ? "a smooth surface of revolution or one near it"
+                                         : "a smooth surface near a " + base.name;
+  base.parameters = std::move(round.parameters);
+  base.length_u = round.length_u;
+  base.length_v = round.length_v;
+  base.periodic_u = round.periodic_u;
+  base.periodic_v = round.periodic_v;
+  if (round.pole_start) base.poles.start = PoleKind::kSmooth;
+  if (round.pole_end) base.poles.end = PoleKind::kSmooth;
+  base.poles.turn = round.turn;
+  const PointMask inside = Inside(base);
+  BaseAttempt made = Attempt(input, some, std::move(base), inside);
+  made.certain = round.misfit < kClearlyRound;
+  return made;
+}
+
+BaseAttempt OverTube(const BaseInput& input) {
+  TubeBase tube = FlattenTube(input.inliers(),
+                              input.index(),
+                              input.statistics.spacing,
+                              input.statistics.noise,
+                              input.margin(),
+                              {},
+                              input.pool,
+                              input.options.progress);
+  if (!tube.ok()) return Failure(std::move(tube.failure_reason));
+  Parameterization base;
+  base.name = "sheet";
+  base.why = std::move(tube.why);
+  base.shape = "a smooth tube";
+  base.parameters = std::move(tube.parameters);
+  base.length_u = tube.length_u;
+  base.length_v = tube.length_v;
+  base.periodic_u = true;
+  return Attempt(input, std::nullopt, std::move(base), tube.reached);
+}
 
 }  // namespace
 
-ClosedBases FindClosedBases(const GoodPoints& good,
-                            const SurfaceFitOptions& options,
-                            bool tubes,
-                            ThreadPool& pool) {
-  return Finder(good, options, tubes, pool).Run();
+std::vector<BaseMethod> ClosedCandidates(const BaseInput& input,
+                                         bool tubes,
+                                         std::shared_ptr<SheetFlattening> flattening) {
+  struct Kind {
+    const char* name;
+    BaseShape shape;
+    RoundFit fit;
+    bool needs_axis;
+  };
+  const BaseShape asked = input.options.base;
+  const auto shape = std::make_shared<RoundShape>(input, std::move(flattening));
+  std::vector<BaseMethod> candidates;
+  for (const Kind& kind : {Kind{"sphere", BaseShape::kSphere, SphereBaseOf, false},
+                           Kind{"torus", BaseShape::kTorus, TorusBaseOf, true},
+                           Kind{"revolution", BaseShape::kRevolution, RevolutionBaseOf, true}}) {
+    if (asked != BaseShape::kAuto && asked != kind.shape) continue;
+    candidates.push_back({kind.name, [&input, shape, kind](const InlierSubset& some) {
+                            return OverRound(input, *shape, kind.fit, kind.needs_axis, some);
+                          }});
+  }
+  if (tubes && (asked == BaseShape::kAuto || asked == BaseShape::kSheet))
+    candidates.push_back({"tube", [&input](const InlierSubset&) { return OverTube(input); }});
+  return candidates;
 }
 
 }  // namespace batten::internal

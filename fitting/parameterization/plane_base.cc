@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "batten/fitting/point_mask.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/neighbours/normals.h"
 #include "fitting/parameterization/normal_cone.h"
@@ -252,8 +253,7 @@ PlaneBase BaseAlong(Eigen::Vector3d axis,
   }
   const TurnedRectangle r = RectangleOf(ConvexHullOf(std::move(plan)));
   if (!(r.area > 0)) {
-    throw std::invalid_argument(
-        "all points lie on a line: a surface needs points in two directions");
+    throw RefusedData("all points lie on a line: a surface needs points in two directions");
   }
   const Eigen::Vector3d u = base.axes.col(0) * r.axis[0] + base.axes.col(1) * r.axis[1];
   base.axes.col(0) = u;
@@ -293,15 +293,14 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         double margin,
                         const PlaneBaseOptions& options,
                         ThreadPool& pool) {
-  if (points.cols() < 3) throw std::invalid_argument("a surface needs at least 3 different points");
+  if (points.cols() < 3) throw RefusedData("a surface needs at least 3 different points");
   const Eigen::Vector3d mean = points.rowwise().mean();
   const Eigen::Matrix3d scatter = ScatterAbout(points, mean) / static_cast<double>(points.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca(scatter);
   const double across = std::sqrt(std::max(0.0, pca.eigenvalues()[1]));
   const double along = std::sqrt(std::max(0.0, pca.eigenvalues()[2]));
   if (!(across > 1e-7 * along)) {
-    throw std::invalid_argument(
-        "all points lie on a line: a surface needs points in two directions");
+    throw RefusedData("all points lie on a line: a surface needs points in two directions");
   }
 
   const std::vector<Eigen::Index> samples =

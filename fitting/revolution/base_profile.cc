@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "batten/fitting/fitting_problem.h"
-#include "fitting/neighbours/nearest_sample.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
+#include "fitting/neighbours/nearest_sample.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kDegree = 3;
 constexpr int kSamplesASpan = 8;
-constexpr double kSmoothing = 1e-4;
 
 SplineBasis BasisOf(double range, int spans, bool closed) {
   if (!closed) return SplineBasis::Uniform(kDegree, spans + kDegree, 0, range);
@@ -60,7 +60,7 @@ BaseProfile::BaseProfile(const Eigen::Matrix2Xd& places,
   data->values = places;
   data->weights = weights;
   const Eigen::MatrixXd points =
-      SolveLinear(FittingProblem(basis, std::move(data), kSmoothing), pool).coefficients;
+      SolveLinear(FittingProblem(basis, std::move(data), kSurfaceSmoothing), pool).coefficients;
   for (const int span : basis.Spans()) {
     double values[4 * (kDegree + 1)];
     basis.Derivatives(span, basis.knots()[span], kDegree, values);

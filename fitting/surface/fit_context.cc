@@ -4,12 +4,11 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr double kSmoothing = 1e-4;
 
 // Uniform knots over given parameters.
 SplineBasis Cells(const Parameterization& base, const SplineBasis& like, int degree, int cells) {
@@ -31,7 +30,7 @@ FittingProblem FitContext::ProblemOf(const PointMask& mask) const {
                           mask,
                           options_.degree_u,
                           options_.degree_v,
-                          options_.smoothing.value_or(kSmoothing));
+                          options_.smoothing.value_or(kSurfaceSmoothing));
 }
 
 FittingProblem FitContext::WithCells(const FittingProblem& problem,

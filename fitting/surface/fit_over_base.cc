@@ -77,7 +77,6 @@ FittedState Solved(const PreparedCloud& prepared,
            points.robust,
            points.noise_is_shared},
           std::move(points.used),
-          solved.empty_area_fraction,
           doubted,
           std::move(report)};
 }

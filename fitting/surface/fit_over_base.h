@@ -12,7 +12,6 @@ namespace batten::internal {
 struct FittedState {
   SurfaceState draft;              // in the cloud's local coordinates, over the base's parameters
   PointMask used;                  // mask of the prepared points: inliers of the fit
-  double empty_area_fraction = 0;  // share of the domain in data gaps
   bool doubted = false;  // outliers were set aside, or a loss the fitter chose bounds them
   FitReport report;      // the given one and all stages; no final measurements
 };

@@ -11,14 +11,15 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kGivenSmoothing = 1e-4;   // smoothing of the coarse fit that scales the parameters
 constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for knots between them
 constexpr double kLineSquared = 1e-13;  // share of the spread across a line: rounding of the sums
 constexpr double kLeastSize = 1e-100;   // squares of smaller numbers vanish
@@ -38,31 +39,31 @@ struct Side {
 Side RangeOf(const Eigen::RowVectorXd& parameters, const char* name) {
   const Side side{parameters.minCoeff(), parameters.maxCoeff()};
   if (!(side.high > side.low)) {
-    throw std::invalid_argument(std::string("the given parameters ") + name +
-                                " are all equal: a surface needs columns u and v");
+    throw RefusedData(std::string("the given parameters ") + name +
+                      " are all equal: a surface needs columns u and v");
   }
   if (!(side.high - side.low >
         kNarrowestRange * std::max(std::abs(side.low), std::abs(side.high)))) {
-    throw std::invalid_argument(std::string("the given parameters ") + name +
-                                " hardly differ against their size: subtract an origin from them");
+    throw RefusedData(std::string("the given parameters ") + name +
+                      " hardly differ against their size: subtract an origin from them");
   }
   return side;
 }
 
 void RequireSheet(const Eigen::Matrix3Xd& points) {
   if (points.cols() < 4) {
-    throw std::invalid_argument("a surface needs at least 4 different points; there are " +
-                                std::to_string(points.cols()));
+    throw RefusedData("a surface needs at least 4 different points; there are " +
+                      std::to_string(points.cols()));
   }
   const Eigen::Vector3d middle = points.rowwise().mean();
   const double size = (points.colwise() - middle).cwiseAbs().maxCoeff();
   if (size < kLeastSize) {
-    throw std::invalid_argument("the points differ by less than 1e-100: scale them up");
+    throw RefusedData("the points differ by less than 1e-100: scale them up");
   }
   const Eigen::Matrix3Xd unit = (points.colwise() - middle) / size;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(unit * unit.transpose());
   if (!(spread.eigenvalues()[1] > kLineSquared * spread.eigenvalues()[2])) {
-    throw std::invalid_argument("the points lie on a line: they don't carry a surface");
+    throw RefusedData("the points lie on a line: they don't carry a surface");
   }
 }
 
@@ -85,7 +86,7 @@ Eigen::Vector2d MeanLengths(const PreparedCloud& prepared,
   const int p = std::min(kScalingDegree, options.degree_u),
             q = std::min(kScalingDegree, options.degree_v);
   const FittingProblem coarse =
-      prepared.base.ProblemOf(prepared.merged.cloud, prepared.used, p, q, kGivenSmoothing)
+      prepared.base.ProblemOf(prepared.merged.cloud, prepared.used, p, q, kSurfaceSmoothing)
           .WithBases(SplineBasis::Uniform(p, p + kScalingSpans, 0, 1),
                      SplineBasis::Uniform(q, q + kScalingSpans, 0, 1));
   const NurbsSurface surface(
@@ -117,9 +118,9 @@ GivenParameters PrepareGiven(const PointCloud& cloud,
                              ThreadPool& pool,
                              StageClock& clock) {
   Report(options.progress, "prepare", 0);
-  if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
+  if (cloud.size() == 0) throw RefusedData("the cloud holds no points");
   if (cloud.parameters().cols() == 0) {
-    throw std::invalid_argument("the points have no parameters u and v");
+    throw RefusedData("the points have no parameters u and v");
   }
   const Side sides[2] = {RangeOf(cloud.parameters().row(0), "u"),
                          RangeOf(cloud.parameters().row(1), "v")};

@@ -9,19 +9,21 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/solve_linear.h"
 #include "fitting/cloud/local_outlier_factor.h"
 #include "fitting/cloud/residual_outliers.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/residual_structure.h"
 #include "fitting/least_squares/reweighting.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kLeastScale = 1e-3;        // spacings: least outlier threshold of exact points
-constexpr double kOutlierInScales = 4.685;  // scales: Tukey's loss gives zero weight beyond
+constexpr double kLeastScale = 1e-3;  // spacings: least outlier threshold of exact points
 constexpr int kOutlierPasses = 5;
 constexpr double kFewChanges = 0.01;
 constexpr double kConverged = 1e-3;           // share of points and of squares: the grid is kept
@@ -190,10 +192,10 @@ class InlierPasses {
     if (context_.base().exact) return;
     const double share = DoubleLayerFractionOf(Residuals(), context_.pool());
     if (share <= kLayersToRefuse) return;
-    throw std::invalid_argument(
-        "in " + std::to_string(std::lround(100 * share)) +
-        " % of places the points lie on two sheets, one above the other: one "
-        "surface would run between them; fit one of them (--box, --where)");
+    throw RefusedData("in " + Percent(share) +
+                          " of places the points lie on two sheets, one above the other: one "
+                          "surface would run between them; fit one of them",
+                      Remedy::kFitPart);
   }
 
   // The outlier threshold for distances from a surface with this scale.
@@ -201,7 +203,7 @@ class InlierPasses {
     // A surface that misses the shape can identify only outliers far beyond the structure between
     // points.
     const bool misses = loss_rejected_ || scale > kMisses * context_.noise();
-    return std::max({kOutlierInScales * scale,
+    return std::max({kTukeyTuning * scale,
                      (misses ? kBeyondStructure : kLeastScale) * context_.spacing(),
                      options_.tolerance.value_or(0)});
   }

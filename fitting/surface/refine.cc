@@ -15,7 +15,7 @@
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/fitting_bases.h"
 #include "fitting/parameterization/height_field.h"
-#include "fitting/surface/gap_regularization.h"
+#include "fitting/surface/bounded_solution.h"
 
 namespace batten::internal {
 namespace {
@@ -26,7 +26,6 @@ constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait
 constexpr double kNarrowestInSpacings = 0.65;  // spacings: no knot makes a narrower cell
 constexpr int kReweightingRounds = 15;
 constexpr int kMaxRounds = 200;
-constexpr int kMostRefinementForGaps = 16;  // times the control points, for knots in gaps
 
 struct Line {
   bool in_u;
@@ -72,7 +71,7 @@ class Refinement {
   // tolerance.
   Eigen::Index Round(const char* stage) {
     const auto start = std::chrono::steady_clock::now();
-    const LinearSolution solution = SolveLinear(problem_, pool_);
+    const LinearSolution solution = Solve();
     const auto points = static_cast<double>(points_.cols());
     const double freedom = std::max(1.0, points - kFreedomFactor * problem_.unknowns());
     validation_ = points * solution.residual_squares / (freedom * freedom);
@@ -86,32 +85,16 @@ class Refinement {
   void Remember() { remembered_ = {best_, best_parameters_, best_problem_}; }
   void Return() { std::tie(best_, best_parameters_, best_problem_) = remembered_; }
 
-  // Solves again with the best bases and weights, with gap regularization.
-  void Regularized() {
-    const auto start = std::chrono::steady_clock::now();
-    GapRegularizationOptions gap_options;
-    gap_options.spacing = options_.spacing;
-    gap_options.measured = points_.cols();
-    gap_options.most_control_points =
-        std::min(static_cast<int>(limit_), kMostRefinementForGaps * best_problem_->unknowns());
-    gap_options.gives_way = false;  // points within the tolerance stay within it
-    const GapRegularizationResult regularized =
-        SolveWithGapRegularization(*best_problem_, gap_options, pool_);
-    empty_area_fraction_ = regularized.empty_area_fraction;
-    if (regularized.places_held == 0) return;
-    problem_ = regularized.problem;
-    best_.reset();
-    Measure("regularize", regularized.solution, start);
+ private:
+  LinearSolution Solve() const {
+    return SolveWithinBounds(problem_, points_.cols(), options_.spacing, pool_).solution;
   }
 
- private:
-  NurbsSurface SurfaceOf(const FittingProblem& problem, const LinearSolution& solution) const {
+  NurbsSurface SurfaceOf(const FittingProblem& problem, const Eigen::MatrixXd& net) const {
     const SplineBasis &basis_u = problem.basis_u(), &basis_v = problem.basis_v();
-    return base_ ? HeightSurface(*base_, basis_u, basis_v, solution.coefficients)
+    return base_ ? HeightSurface(*base_, basis_u, basis_v, net)
                  : NurbsSurface(
-                       basis_u,
-                       basis_v,
-                       WithPolesClosed(solution.coefficients, basis_u, basis_v, problem.poles()));
+                       basis_u, basis_v, WithPolesClosed(net, basis_u, basis_v, problem.poles()));
   }
 
   // Removes knot lines that the tolerance does not need.
@@ -120,21 +103,22 @@ class Refinement {
     const int before = best_problem_->unknowns();
     const auto kept = [&](const FittingProblem& problem, const LinearSolution& solution) {
       const Eigen::Matrix2Xd places = problem.data().parameters.leftCols(points_.cols());
-      return DistancesFrom(SurfaceOf(problem, solution), points_, places, pool_)
+      return DistancesFrom(SurfaceOf(problem, solution.coefficients), points_, places, pool_)
                  .distances.cwiseAbs()
                  .maxCoeff() <= options_.tolerance;
     };
     const FittingProblem fewer = RemoveKnotLines(*best_problem_, kept, pool_);
     if (fewer.unknowns() == before) return;
+    Remember();
     problem_ = fewer;
     best_.reset();
-    Measure("fewer lines", SolveLinear(problem_, pool_), start);
+    if (Measure("fewer lines", Solve(), start) > 0) Return();  // held at the bounds
   }
 
   Eigen::Index Measure(const char* stage,
                        const LinearSolution& solution,
                        std::chrono::steady_clock::time_point start) {
-    NurbsSurface surface = SurfaceOf(problem_, solution);
+    NurbsSurface surface = SurfaceOf(problem_, solution.coefficients);
     PointDistances found =
         DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
     distances_ = found.distances;
@@ -212,12 +196,7 @@ class Refinement {
 
   RefineResult Finish(EndCode end) {
     if (end == EndCode::kToleranceReached) RemoveLines();
-    Regularized();
-    return {std::move(*best_),
-            std::move(best_parameters_),
-            end,
-            empty_area_fraction_,
-            std::move(rounds_)};
+    return {std::move(*best_), std::move(best_parameters_), end, std::move(rounds_)};
   }
 
  private:
@@ -243,7 +222,6 @@ class Refinement {
   Eigen::VectorXd distances_, original_, emphasis_;
   std::optional<NurbsSurface> best_;
   std::optional<FittingProblem> best_problem_;
-  double empty_area_fraction_ = 0;
   double validation_ = 0;
   bool narrowest_ = false;
   std::tuple<std::optional<NurbsSurface>, Eigen::Matrix2Xd, std::optional<FittingProblem>>

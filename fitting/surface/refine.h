@@ -24,7 +24,6 @@ struct RefineResult {
   NurbsSurface surface;
   Eigen::Matrix2Xd parameters;  // foot points of the data
   EndCode end;
-  double empty_area_fraction = 0;  // of the domain without points
   std::vector<RoundSummary> rounds;
 };
 

@@ -12,13 +12,11 @@
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/choose_smoothing.h"
 #include "fitting/least_squares/residual_noise.h"
-#include "fitting/surface/gap_regularization.h"
+#include "fitting/surface/bounded_solution.h"
 #include "fitting/surface/refine.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr int kMostForGaps = 16;  // times the control points, to turn a surface inside a gap
 
 // The fairness weight chosen from the data.
 double Smoothing(const FitContext& context, const FittingProblem& problem) {
@@ -73,20 +71,12 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
   }
   if (options.smooth_by != SmoothBy::kWeight)
     problem = problem.WithSmoothing(Smoothing(context, problem));
-  GapRegularizationOptions gaps;
-  gaps.spacing = context.spacing();
-  gaps.measured = points.cloud.size();
-  gaps.most_control_points = options.control_points ? problem.unknowns()
-                                                    : std::min(options.max_control_points,
-                                                               kMostForGaps * problem.unknowns());
-  GapRegularizationResult held = SolveWithGapRegularization(problem, gaps, pool);
+  BoundedSolution held = SolveWithinBounds(problem, points.cloud.size(), context.spacing(), pool);
   SolvedSurface solved{
-      context.base().Surface(
-          held.problem.basis_u(), held.problem.basis_v(), held.solution.coefficients),
-      held.problem.data().parameters,
-      held.problem,
-      EndCode::kCrossValidated,
-      held.empty_area_fraction};
+      context.base().Surface(problem.basis_u(), problem.basis_v(), held.solution.coefficients),
+      problem.data().parameters,
+      problem,
+      EndCode::kCrossValidated};
   if (held.solution.regularised)
     solved.warnings.push_back(
         "the points do not determine every control point: fairness was raised");
@@ -117,7 +107,6 @@ SolvedSurface RefineWithinTolerance(const FitContext& context, const ClassifiedP
           std::move(parameters),
           std::move(problem),
           refined.end,
-          refined.empty_area_fraction,
           std::move(refined.rounds)};
 }
 

@@ -14,14 +14,13 @@ struct SolvedSurface {
   Eigen::Matrix2Xd parameters;     // of the points used
   FittingProblem problem;          // the one last solved over, with the weights of the points
   EndCode end;                     // how the search for degrees of freedom ended
-  double empty_area_fraction = 0;  // share of the domain in data gaps
   std::vector<RoundSummary> rounds = {};
   std::vector<std::string> warnings = {};
 };
 
 // The surface of as many control points as the data carry, or of those asked for: knot lines are
-// refined and pruned, smoothing is chosen from the data where the options say so, and data gaps are
-// held.
+// refined and pruned, smoothing is chosen from the data where the options say so, and coefficients
+// stay within BoundsFromData.
 SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& points);
 
 // The surface of few control points that keeps options.tolerance, or comes near it: knot lines are

@@ -16,6 +16,8 @@
 #include "fitting/core/fit_end.h"
 #include "fitting/core/rules.h"
 #include "fitting/least_squares/residual_structure.h"
+#include "fitting/surface/surface_overshoot.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
@@ -30,6 +32,7 @@ constexpr double kStructured = 0.15;   // share of the residuals' variance that 
 constexpr double kExact = 1e-9;        // of the cloud's size: residuals below are rounding
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
+constexpr double kEmptyToWarn = 0.05;  // share of the area
 
 // Decides whether the joint stage runs, and says why.
 bool JointOptimizationReducesError(const SurfaceFitOptions& options,
@@ -135,6 +138,14 @@ void Judge(const SurfaceFit& fit,
   fit.outliers.select(0, fit.residuals.array().abs()).maxCoeff(&farthest);
   evidence.farthest = cloud.World(farthest);
   JudgeEnd(evidence, report);
+  if (report.leaves_points()) {
+    const Eigen::Vector3d& at = report.overshoot->at;
+    const double unit = std::pow(10, std::floor(std::log10(report.input.spacing)) - 1);
+    const auto text = [&](double x) { return NumberText(std::round(x / unit) * unit); };
+    report.warnings.push_back(report.end.words + ": near (" + text(at[0]) + ", " + text(at[1]) +
+                              ", " + text(at[2]) + ")");
+    return;
+  }
   if (report.termination != Termination::kStalled) return;
   evidence.structured = HasStructure(fit, options, pool);
   JudgeEnd(evidence, report);
@@ -174,6 +185,23 @@ std::vector<int> PolePoints(const SurfaceState& draft) {
       held.insert(held.end(), {row + size_v - 2, row + size_v - 1});
   }
   return held;
+}
+
+OvershootSummary OvershootOf(const NurbsSurface& surface,
+                             const MergedCloud& merged,
+                             const PointMask& used,
+                             const Eigen::Matrix2Xd& parameters,
+                             const FitReport& report,
+                             ThreadPool& pool) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < used.size(); ++k)
+    if (used[k]) kept.push_back(k);
+  const Eigen::Matrix3Xd points = merged.cloud.points()(Eigen::all, kept);
+  const Eigen::Matrix2Xd feet = parameters(Eigen::all, kept);
+  OvershootInput input{surface, points, feet, report.input.spacing};
+  if (report.geometry.base == "plane" && report.geometry.base_axes)
+    input.up = report.geometry.base_axes->col(2);
+  return MeasureOvershoot(input, pool);
 }
 
 }  // namespace
@@ -307,6 +335,9 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                                     : report.error_all;
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
+  report.overshoot = OvershootOf(measured, merged, used, found.parameters, report, pool);
+  report.overshoot->asked_for = options.trim == Trimming::kNone;
+  if (report.overshoot->max > 0) report.overshoot->at += cloud.origin();
   report.geometry.kind = "surface";
   report.geometry.degree = {fit.surface.basis_u().degree(), fit.surface.basis_v().degree()};
   report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};
@@ -323,12 +354,17 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
     report.warnings.push_back(
         std::to_string(report.error_all.out_of_tolerance - report.error.out_of_tolerance) +
         " points out of tolerance were set aside as outliers and are not counted (error_all "
-        "counts them; --keep-outliers fits them)");
+        "counts them)");
   }
   const bool fair = report.geometry.base != "grid";  // grids are filled first
   if (fair && fit.surface.size_u() * fit.surface.size_v() > report.input.used) {
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
+  }
+  if (!fit.surface.trimmed() && report.overshoot->share_without_points > kEmptyToWarn) {
+    report.warnings.push_back("there are no points in " +
+                              Percent(report.overshoot->share_without_points) +
+                              " of the surface: it is a guess there");
   }
   WarnOfNoise(options, report);
   Judge(fit, cloud, options, shape, pool, report);

@@ -20,11 +20,12 @@
 #include "fitting/linear/coefficient_order.h"
 #include "fitting/outline/outline_in_box.h"
 #include "fitting/primitives/snap.h"
+#include "fitting/surface/surface_overshoot.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kGapShareToWarn = 0.05;
+constexpr double kEmptyToTrim = 0.02;  // share of the area
 
 // Whether the points fill the rectangle of the parameterization. Foot points on a coarse surface
 // may later leave a protruding part of it empty.
@@ -140,21 +141,23 @@ void TrimToUsed(FittedState& fitted,
                 ThreadPool& pool) {
   SurfaceState& draft = fitted.draft;
   FitReport& report = fitted.report;
-  if (options.trim == Trimming::kAuto && !FillBase(prepared, fitted.used, pool)) {
-    const CloudStatistics& statistics = prepared.statistics;
-    const Eigen::Matrix2Xd feet =
-        report.geometry.primitive
-            ? DistancesTo(draft.surface, draft.used.points(), pool).parameters
-            : DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool).parameters;
+  if (options.trim == Trimming::kNone) return;
+  const CloudStatistics& statistics = prepared.statistics;
+  const Eigen::Matrix2Xd feet =
+      report.geometry.primitive
+          ? DistancesTo(draft.surface, draft.used.points(), pool).parameters
+          : DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool).parameters;
+  // Where the points fill the base, the surface ends near them, unless free parameters moved it.
+  const auto ends_near_points = [&] {
+    return MeasureOvershoot({draft.surface, draft.used.points(), feet, statistics.spacing}, pool)
+               .share_without_points <= kEmptyToTrim;
+  };
+  if (!FillBase(prepared, fitted.used, pool) || !ends_near_points()) {
     PointTrim trim =
         TrimToPoints(draft.surface, feet, draft.poles, statistics.spacing, statistics.noise, pool);
     draft.surface = std::move(trim.surface);
     report.warnings.insert(report.warnings.end(), trim.warnings.begin(), trim.warnings.end());
   }
-  if (draft.surface.trimmed() || fitted.empty_area_fraction <= kGapShareToWarn) return;
-  report.warnings.push_back("there are no points in " +
-                            std::to_string(std::lround(100 * fitted.empty_area_fraction)) +
-                            " % of the surface's rectangle: the surface is a guess there");
 }
 
 }  // namespace batten::internal

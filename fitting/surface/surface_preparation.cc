@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
+#include "batten/fitting/refused_data.h"
 #include "fitting/cloud/local_outlier_factor.h"
 #include "fitting/core/rules.h"
 
@@ -163,12 +164,12 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   PreparedCloud prepared;
   prepared.symmetry = std::move(symmetry);
   Report(options.progress, "prepare", 0);
-  if (cloud.size() == 0) throw std::invalid_argument("the cloud holds no points");
+  if (cloud.size() == 0) throw RefusedData("the cloud holds no points");
   prepared.merged = MergeDuplicates(cloud);
   const PointCloud& points = prepared.merged.cloud;
   if (points.size() < 4) {
-    throw std::invalid_argument("a surface needs at least 4 different points; there are " +
-                                std::to_string(points.size()));
+    throw RefusedData("a surface needs at least 4 different points; there are " +
+                      std::to_string(points.size()));
   }
   const NeighbourIndex index(points.points(), pool);
   CloudStatisticsOptions statistics;

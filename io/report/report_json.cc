@@ -163,6 +163,14 @@ Json Candidates(const std::vector<BaseCandidate>& candidates) {
   return result;
 }
 
+Json Overshoot(const OvershootSummary& overshoot) {
+  return {{"max", Number(overshoot.max)},
+          {"in_spacings", Number(overshoot.in_spacings)},
+          {"at", overshoot.max > 0 ? Vector(overshoot.at) : Json(nullptr)},
+          {"area_without_points", Number(overshoot.area_without_points)},
+          {"largest_gap", Number(overshoot.largest_gap)}};
+}
+
 // Null where nothing was fitted.
 Json End(const FitEnd& end) {
   if (end.words.empty()) return nullptr;
@@ -204,6 +212,7 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"warnings", report.warnings},
                {"version", context.version}};
   if (!report.base_candidates.empty()) json["base_candidates"] = Candidates(report.base_candidates);
+  if (report.overshoot) json["overshoot"] = Overshoot(*report.overshoot);
   if (report.parameter_error) {
     const ErrorSummary& error = *report.parameter_error;
     Json& entry = json["parameter_error"] = Error(error, "parameter");

@@ -174,6 +174,17 @@ struct PartError {
   ErrorSummary error;
 };
 
+// How far a surface leaves its points between them (inside its trims).
+struct OvershootSummary {
+  double max = 0;          // height beyond that of all points near the place, in the data's units
+  double in_spacings = 0;  // the same
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
+  double area_without_points = 0;                // farther than three spacings from all points
+  double share_without_points = 0;               // of the area
+  double largest_gap = 0;  // there: greatest distance along the surface from a foot point
+  bool asked_for = false;  // the surface beyond its points: trims were declined
+};
+
 struct FitReport {
   InputSummary input;
   GeometrySummary geometry;
@@ -182,6 +193,7 @@ struct FitReport {
   ErrorSummary error_all;  // over all finite points
   // Distances from the geometry at every point's own parameters, for fits at given parameters.
   std::optional<ErrorSummary> parameter_error;
+  std::optional<OvershootSummary> overshoot;  // of surfaces
   std::vector<PartError> parts;       // where there are several geometries, in their order
   bool judged_at_parameters = false;  // the tolerance applies to parameter_error
   OptimizeSummary optimize;
@@ -195,8 +207,12 @@ struct FitReport {
   // The errors to which the tolerance applies: parameter_error or error.
   const ErrorSummary& judged_error() const;
 
-  // None without a tolerance.
+  // None without a tolerance; false for a surface that leaves its points.
   std::optional<bool> tolerance_reached() const;
+
+  // Whether a surface overshoots by more than three spacings, its errors at the points and the
+  // tolerance, though it was to be trimmed to its points.
+  bool leaves_points() const;
 
   // Joins the report of another curve of the same cloud. Errors are not joined; the worse
   // termination is kept.

@@ -44,6 +44,18 @@ TEST(JudgeEndTest, ResidualsUpToTwiceTheNoiseAreNoise) {
   EXPECT_EQ(Judged({}, 1e-10), EndCode::kCrossValidated);  // neither is known
 }
 
+TEST(JudgeEndTest, ASurfaceThatLeavesItsPointsIsNeitherKeptNorAtTheNoise) {
+  for (const std::optional<double> tolerance : {std::optional<double>(), {0.2}}) {
+    FitReport report = ReportOf(0.1, tolerance);
+    report.overshoot = OvershootSummary{.max = 8, .in_spacings = 4, .at = {1, 2, 3}};
+    JudgeEnd({.search = EndCode::kToleranceReached, .noise = 0.1}, report);
+    EXPECT_EQ(report.end.code, EndCode::kStructuredResiduals);
+    EXPECT_EQ(report.end.where, Eigen::Vector3d(1, 2, 3));
+    EXPECT_NE(report.end.words.find("by 8, 4 times their spacing"), std::string::npos);
+    EXPECT_EQ(report.tolerance_reached(), tolerance ? std::optional(false) : std::nullopt);
+  }
+}
+
 TEST(JudgeEndTest, SaysWhatWasUsedUp) {
   const EndEvidence full{.search = EndCode::kMaxControlPoints, .noise = 0.06};
   EXPECT_EQ(Judged(full, 0.1, 0.05), EndCode::kMaxControlPoints);

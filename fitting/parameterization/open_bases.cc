@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/parameterization/open_bases.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "fitting/core/rules.h"
+#include "fitting/parameterization/empty_area_fraction.h"
+#include "geometry/numeric/number_text.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kOverlapToRefuse = 0.15;
+constexpr double kGentle = std::numbers::pi / 4;  // lengths over the plane change by 41 % at most
+constexpr double kManyLengths = 0.03;             // relative change of lengths over a sheet
+constexpr double kMuchEmpty = 0.2;                // share of its rectangle
+
+std::string InLayers(const PlaneBase& plane) {
+  return "seen from any side, they lie over each other in " + Percent(plane.overlap) + " of places";
+}
+
+std::string Steepness(const PlaneBase& plane) {
+  return std::to_string(std::lround(plane.steepness * kDegrees)) + " degrees";
+}
+
+BaseAttempt OverPlane(const BaseInput& input, const PlaneBase& plane) {
+  const bool asked = input.options.base == BaseShape::kPlane;
+  if (plane.overlap > kOverlapToRefuse) {
+    return Failure(InLayers(plane) +
+                   (asked ? ": the points are not a height field over a plane" : ""));
+  }
+  const Eigen::Matrix3Xd local = plane.ToFrame(input.cloud.points());
+  BaseAttempt made{{}, PointMask::Constant(input.cloud.size(), true)};
+  Parameterization& base = made.base;
+  base.name = "plane";
+  base.why = asked ? "asked for"
+                   : "the points are a height field, inclined " + Steepness(plane) + " or less";
+  base.shape = "a smooth height field";
+  base.length_u = plane.length_u;
+  base.length_v = plane.length_v;
+  base.parameters.resize(2, local.cols());
+  base.parameters.row(0) = local.row(0).cwiseMax(0.0).cwiseMin(plane.length_u);
+  base.parameters.row(1) = local.row(1).cwiseMax(0.0).cwiseMin(plane.length_v);
+  base.plane = plane;
+  const bool layers = plane.overlap > kOverlapToWarn;
+  if (layers)
+    made.warnings.push_back(InLayers(plane) + ": a height field goes between the layers there");
+  made.distorted = layers || plane.steepness > kGentle;
+  made.certain = !made.distorted && Acts(Rule::kCertainBase);
+  return made;
+}
+
+BaseAttempt OverSheet(const BaseInput& input,
+                      const PlaneBase& plane,
+                      const SheetLayout& layout,
+                      const InlierSubset& some) {
+  if (!layout.found().ok()) {
+    BaseAttempt failed = Failure(layout.found().failure_reason);
+    failed.one_sided = !layout.found().orientation_consistent;
+    return failed;
+  }
+  SheetBase sheet = layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
+  Parameterization base;
+  base.name = "sheet";
+  base.shape = "a smooth sheet";
+  base.why = input.options.base == BaseShape::kSheet ? "asked for"
+             : plane.overlap > kOverlapToWarn
+                 ? InLayers(plane)
+                 : "seen from any side, the points are inclined up to " + Steepness(plane) +
+                       ", and laid out flat they are predicted better";
+  base.parameters = std::move(sheet.parameters);
+  base.length_u = sheet.length_u;
+  base.length_v = sheet.length_v;
+  BaseAttempt made = Attempt(input, some, std::move(base), sheet.reached);
+  made.distorted =
+      sheet.distortion > kManyLengths ||
+      EmptyAreaFraction(
+          made.base.parameters, made.reached, made.base.length_u, made.base.length_v) > kMuchEmpty;
+  made.certain = !made.distorted && Acts(Rule::kCertainBase);
+  return made;
+}
+
+}  // namespace
+
+BaseMethod PlaneCandidate(const BaseInput& input, const PlaneBase& plane) {
+  return {"plane", [&input, &plane](const InlierSubset&) { return OverPlane(input, plane); }};
+}
+
+SheetLayout& SheetFlattening::layout() {
+  if (!layout_) {
+    layout_.emplace(input_.inliers(),
+                    input_.index(),
+                    input_.statistics.spacing,
+                    input_.statistics.noise,
+                    input_.margin(),
+                    SheetBaseOptions{},
+                    input_.pool,
+                    input_.options.progress);
+  }
+  return *layout_;
+}
+
+std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
+                                        const PlaneBase& plane,
+                                        std::shared_ptr<SheetFlattening> flattening) {
+  BaseMethod first{.name = "sheet",
+                   .make =
+                       [&input, &plane, flattening](const InlierSubset& some) {
+                         return OverSheet(input, plane, flattening->layout(), some);
+                       },
+                   .smooth = true};
+  BaseMethod closer = first;
+  closer.make = [&input, &plane, flattening](const InlierSubset& some) {
+    flattening->layout().LookCloser();
+    return OverSheet(input, plane, flattening->layout(), some);
+  };
+  closer.last_resort = true;
+  return {std::move(first), std::move(closer)};
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/coefficient_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "batten/geometry/nurbs_surface.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kOfAll =
+    0.2;  // share of the range of all heights by which a coefficient leaves it
+constexpr char kAllQuarters = 15;
+constexpr std::size_t kLeastData = 4;  // in a support, else it grows
+
+// The knot spans of one direction, the spans each function acts on, and its margin.
+struct Axis {
+  std::vector<double> breaks;           // ends of the spans, ascending
+  std::vector<std::vector<int>> spans;  // of each function, ascending but across a seam
+  std::vector<double> reach;            // greatest polar value of a polynomial within ±1
+  bool periodic;
+
+  int size() const { return static_cast<int>(breaks.size()) - 1; }
+  bool IsUpperHalf(double u) const {
+    const auto span = static_cast<size_t>(SpanAt(u));
+    return 2 * u > breaks[span] + breaks[span + 1];
+  }
+  int SpanAt(double u) const {
+    const auto above = std::upper_bound(breaks.begin() + 1, breaks.end() - 1, u);
+    return static_cast<int>(above - breaks.begin()) - 1;
+  }
+};
+
+// The polar form of the Chebyshev polynomial T_degree over [a, b] at some arguments. By the
+// recursion of symmetric functions: the polar form of x^k is e_k over the binomial coefficient.
+double ChebyshevPolar(int degree, double a, double b, const std::vector<double>& at) {
+  const auto count = at.size();
+  std::vector<double> symmetric(count + 1, 0);  // e_0 … e_count of the scaled arguments
+  symmetric[0] = 1;
+  for (size_t k = 0; k < count; ++k) {
+    const double x = (2 * at[k] - a - b) / (b - a);
+    for (size_t i = k + 1; i > 0; --i) symmetric[i] += x * symmetric[i - 1];
+  }
+  std::vector<double> last{1}, next{0, 1};  // coefficients of T_0 and T_1
+  if (degree == 0) next = last;
+  for (int k = 1; k < degree; ++k) {
+    std::vector<double> after(next.size() + 1, 0);
+    for (size_t i = 0; i < next.size(); ++i) after[i + 1] += 2 * next[i];
+    for (size_t i = 0; i < last.size(); ++i) after[i] -= last[i];
+    last = std::move(next);
+    next = std::move(after);
+  }
+  double sum = 0, binomial = 1;
+  for (size_t k = 0; k < next.size(); ++k) {
+    sum += next[k] * symmetric[k] / binomial;
+    binomial *= static_cast<double>(count - k) / static_cast<double>(k + 1);
+  }
+  return sum;
+}
+
+Axis AxisOf(const SplineBasis& basis) {
+  Axis axis;
+  axis.periodic = basis.periodic();
+  const std::vector<double>& knots = basis.knots();
+  for (const int span : basis.Spans()) axis.breaks.push_back(knots[static_cast<size_t>(span)]);
+  axis.breaks.push_back(basis.upper());
+  const int p = basis.degree();
+  const double period = basis.upper() - basis.lower();
+  for (int i = 0; i < basis.size(); ++i) {
+    const double first = knots[static_cast<size_t>(i)],
+                 last = knots[static_cast<size_t>(i + p + 1)];
+    std::vector<int> spans;
+    for (int shift = axis.periodic ? -1 : 0; shift <= (axis.periodic ? 1 : 0); ++shift) {
+      for (int k = 0; k < axis.size(); ++k) {
+        const double low = axis.breaks[static_cast<size_t>(k)] + shift * period,
+                     high = axis.breaks[static_cast<size_t>(k) + 1] + shift * period;
+        if (low < last && high > first) spans.push_back(k);
+      }
+    }
+    axis.spans.push_back(std::move(spans));
+    const double a = axis.periodic ? first : std::max(first, basis.lower()),
+                 b = axis.periodic ? last : std::min(last, basis.upper());
+    const std::vector<double> inside(knots.begin() + i + 1, knots.begin() + i + 1 + p);
+    double reach = 1;
+    for (int degree = 1; degree <= p; ++degree)
+      reach = std::max(reach, std::abs(ChebyshevPolar(degree, a, b, inside)));
+    axis.reach.push_back(reach);
+  }
+  return axis;
+}
+
+// Data sorted by cells.
+class Cells {
+ public:
+  Cells(const FittingProblem& problem, Eigen::Index measured, const Axis& u, const Axis& v)
+      : u_(u),
+        v_(v),
+        first_(static_cast<size_t>(u.size()) * v.size() + 1, 0),
+        filled_(first_.size() - 1, 0) {
+    const FittingData& data = problem.data();
+    in_space_ = data.values.rows() == 3;
+    const auto counts = [&](Eigen::Index k) {
+      return data.weights.size() == 0 || data.weights[k] > 0;
+    };
+    std::vector<size_t> cell(static_cast<size_t>(measured));
+    for (Eigen::Index k = 0; k < measured; ++k) {
+      if (!counts(k)) continue;
+      cell[static_cast<size_t>(k)] =
+          At(u.SpanAt(data.parameters(0, k)), v.SpanAt(data.parameters(1, k)));
+      ++first_[cell[static_cast<size_t>(k)] + 1];
+      const int quarter =
+          2 * u.IsUpperHalf(data.parameters(0, k)) + v.IsUpperHalf(data.parameters(1, k));
+      filled_[cell[static_cast<size_t>(k)]] |= static_cast<char>(1 << quarter);
+    }
+    for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    data_.resize(first_.back());
+    std::vector<size_t> next(first_.begin(), first_.end() - 1);
+    for (Eigen::Index k = 0; k < measured; ++k)
+      if (counts(k)) data_[next[cell[static_cast<size_t>(k)]]++] = k;
+  }
+
+  struct Support {
+    std::vector<Eigen::Index> data;
+    bool has_gap = false;
+  };
+
+  bool HasGap() const {
+    return std::any_of(
+        filled_.begin(), filled_.end(), [](char one) { return one != kAllQuarters; });
+  }
+
+  // The data in the cells of function (i, j), or around them too where they hold too few.
+  Support Of(int i, int j) const {
+    std::vector<int> us = u_.spans[static_cast<size_t>(i)], vs = v_.spans[static_cast<size_t>(j)];
+    Support support = In(us, vs);
+    const bool has_gap = support.has_gap;
+    while (support.data.size() < kLeastData &&
+           (std::ssize(us) < u_.size() || std::ssize(vs) < v_.size())) {
+      Grow(u_, us);
+      Grow(v_, vs);
+      support = In(us, vs);
+    }
+    support.has_gap = has_gap;
+    return support;
+  }
+
+ private:
+  size_t At(int a, int b) const {
+    return static_cast<size_t>(a) * static_cast<size_t>(v_.size()) + static_cast<size_t>(b);
+  }
+
+  Support In(const std::vector<int>& us, const std::vector<int>& vs) const {
+    Support support;
+    for (const int a : us) {
+      for (const int b : vs) {
+        const size_t cell = At(a, b);
+        support.has_gap =
+            support.has_gap || (in_space_ ? filled_[cell] == 0 : filled_[cell] != kAllQuarters);
+        support.data.insert(support.data.end(),
+                            data_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
+                            data_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]));
+      }
+    }
+    return support;
+  }
+
+  // Adds a span at each end.
+  static void Grow(const Axis& axis, std::vector<int>& spans) {
+    const int all = axis.size();
+    for (const int side : {-1, 1}) {
+      int next = (side < 0 ? spans.front() : spans.back()) + side;
+      if (axis.periodic) next = (next + all) % all;
+      if (next < 0 || next >= all || std::ssize(spans) >= all) continue;
+      spans.insert(side < 0 ? spans.begin() : spans.end(), next);
+    }
+  }
+
+  const Axis &u_, &v_;
+  std::vector<size_t> first_;  // of each cell's data
+  bool in_space_ = false;
+  std::vector<char> filled_;        // which quarters of each cell hold data, a bit for each
+  std::vector<Eigen::Index> data_;  // by cells
+};
+
+// Share of a range by which the coefficients of a spline within it leave it: collocation over equal
+// spans has an inverse of norm (π/2)^{p+1}/2, 3 for cubics.
+double CoveredMargin(int degree) {
+  return std::max(0.0, (std::pow(std::numbers::pi / 2, degree + 1) / 2 - 1) / 2);
+}
+
+}  // namespace
+
+bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured) {
+  const Axis u = AxisOf(problem.basis_u()), v = AxisOf(problem.basis_v());
+  return !Cells(problem, measured, u, v).HasGap();
+}
+
+CoefficientBounds BoundsFromData(const FittingProblem& problem,
+                                 const Eigen::MatrixXd& smooth,
+                                 Eigen::Index measured,
+                                 double slack,
+                                 ThreadPool& pool) {
+  const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
+  const Axis u = AxisOf(bu), v = AxisOf(bv);
+  const Cells cells(problem, measured, u, v);
+  const bool in_space = smooth.rows() == 3;
+  const Eigen::MatrixXd off = problem.data().values - EvaluateAt(problem, smooth, pool);
+  std::optional<NurbsSurface> surface;
+  if (in_space) surface.emplace(bu, bv, smooth);
+  const auto heights = problem.data().values.row(0).head(measured);
+  const double all_low = heights.minCoeff(), all_high = heights.maxCoeff(),
+               beyond = kOfAll * (all_high - all_low) + slack;
+  const double covered = CoveredMargin(std::max(bu.degree(), bv.degree()));
+  const Eigen::Index count = problem.net_size();
+  CoefficientBounds bounds{Eigen::VectorXd::Constant(count, -HUGE_VAL),
+                           Eigen::VectorXd::Constant(count, HUGE_VAL),
+                           Eigen::Matrix3Xd::Zero(3, in_space ? count : 0)};
+  for (int i = 0; i < bu.size(); ++i) {
+    for (int j = 0; j < bv.size(); ++j) {
+      const Eigen::Index k = Eigen::Index{i} * bv.size() + j;
+      const Cells::Support support = cells.Of(i, j);
+      if (support.data.size() < kLeastData) continue;
+      if (in_space) {
+        const auto normal = surface->NormalAt(bu.Clamp(bu.Greville(i)), bv.Clamp(bv.Greville(j)));
+        if (!normal) continue;
+        bounds.up.col(k) = *normal;
+      }
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      for (const Eigen::Index one : support.data) {
+        const double height = in_space ? bounds.up.col(k).dot(off.col(one)) : off(0, one);
+        low = std::min(low, height);
+        high = std::max(high, height);
+      }
+      const double reach = u.reach[static_cast<size_t>(i)] * v.reach[static_cast<size_t>(j)];
+      const double margin = support.has_gap ? (reach - 1) / 2 : covered;
+      const double more = margin * (high - low) + slack;
+      const double middle = bounds.HeightOf(smooth, k);
+      bounds.low[k] = middle + low - more;
+      bounds.high[k] = middle + high + more;
+      if (in_space || !support.has_gap) continue;
+      const double least = all_low - beyond, most = all_high + beyond;
+      bounds.low[k] = std::clamp(bounds.low[k], least, most);
+      bounds.high[k] = std::clamp(bounds.high[k], least, most);
+    }
+  }
+  return bounds;
+}
+
+}  // namespace batten::internal

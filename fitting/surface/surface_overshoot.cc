@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/surface_overshoot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/neighbours.h"
+#include "batten/geometry/knot_vectors.h"
+#include "batten/geometry/surface_evaluator.h"
+#include "batten/geometry/trim_region.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kMostMeasured = 1e5;
+constexpr int kLeastPerSpan = 4;       // places along a span: an overshoot bends within one
+constexpr double kStepInSpacings = 2;  // spacings between places
+constexpr double kWithPoints = 3;      // spacings: a place so near to a point is with the points
+constexpr double kSeam = 0.1;          // share of a period repeated beyond a seam
+constexpr int kFirstNeighbours = 32;   // of a place without points …
+constexpr int kMostNeighbours = 512;   // … whose heights are compared
+constexpr Eigen::Index kStretches = 2000;  // feet that give the length of S_u and S_v
+
+// Midpoints of equal parts of every span, and the part of the domain each stands for.
+struct Midpoints {
+  std::vector<double> places, widths;
+};
+
+Midpoints MidpointsOf(const SplineBasis& basis, double length, double step) {
+  Midpoints axis;
+  const std::vector<double>& knots = basis.knots();
+  const double domain = basis.upper() - basis.lower();
+  for (size_t k = 0; k + 1 < knots.size(); ++k) {
+    const double low = std::max(knots[k], basis.lower()),
+                 high = std::min(knots[k + 1], basis.upper());
+    if (!(high > low)) continue;
+    const int parts =
+        std::max(kLeastPerSpan, static_cast<int>(std::ceil((high - low) / domain * length / step)));
+    for (int i = 0; i < parts; ++i) {
+      axis.places.push_back(low + (high - low) * (i + 0.5) / parts);
+      axis.widths.push_back((high - low) / parts);
+    }
+  }
+  return axis;
+}
+
+// Lengths of S_u and S_v at feet: medians, which no spike moves.
+Eigen::Vector2d StretchOf(const SurfaceEvaluator& surface, const Eigen::Matrix2Xd& feet) {
+  const Eigen::Index step = std::max<Eigen::Index>(1, feet.cols() / kStretches);
+  std::vector<double> along[2];
+  for (Eigen::Index k = 0; k < feet.cols(); k += step) {
+    const SurfaceJet jet = surface.JetAt(feet(0, k), feet(1, k));
+    along[0].push_back(jet.du.norm());
+    along[1].push_back(jet.dv.norm());
+  }
+  Eigen::Vector2d stretch;
+  for (int d = 0; d < 2; ++d) {
+    auto middle = along[d].begin() + std::ssize(along[d]) / 2;
+    std::nth_element(along[d].begin(), middle, along[d].end());
+    stretch[d] = *middle;
+  }
+  return stretch;
+}
+
+// Feet in lengths along the surface, with those near a seam repeated beyond it.
+class FootMap {
+ public:
+  FootMap(const OvershootInput& input, const Eigen::Vector2d& stretch) : stretch_(stretch) {
+    const SplineBasis* bases[2] = {&input.surface.basis_u(), &input.surface.basis_v()};
+    std::vector<Eigen::Vector2d> at;
+    for (Eigen::Index k = 0; k < input.feet.cols(); ++k) {
+      at.emplace_back(input.feet.col(k));
+      owner_.push_back(k);
+    }
+    for (int d = 0; d < 2; ++d) {
+      if (!bases[d]->periodic()) continue;
+      const double period = bases[d]->upper() - bases[d]->lower();
+      for (size_t k = 0, count = at.size(); k < count; ++k) {
+        const double share = (at[k][d] - bases[d]->lower()) / period;
+        if (share >= kSeam && share <= 1 - kSeam) continue;
+        Eigen::Vector2d beyond = at[k];
+        beyond[d] += share < kSeam ? period : -period;
+        at.push_back(beyond);
+        owner_.push_back(owner_[k]);
+      }
+    }
+    origin_ = at.front();
+    places_.resize(3, std::ssize(at));
+    for (size_t k = 0; k < at.size(); ++k) places_.col(static_cast<Eigen::Index>(k)) = Place(at[k]);
+    index_.emplace(places_);
+  }
+
+  struct Neighbourhood {
+    double gap = 0;                    // distance to the nearest foot
+    std::vector<Eigen::Index> points;  // within 2 · gap + reach
+  };
+  Neighbourhood Around(const Eigen::Vector2d& uv, double reach) const {
+    const Eigen::Matrix3Xd query = Place(uv);
+    const auto all = static_cast<int>(places_.cols());
+    for (int count = std::min(kFirstNeighbours, all);; count = std::min(2 * count, all)) {
+      const std::vector<int> near = index_->Nearest(query, count);
+      const auto distance = [&](int k) { return (places_.col(k) - query).norm(); };
+      Neighbourhood found{distance(near.front()), {}};
+      const double radius = 2 * found.gap + reach;
+      if (count < std::min(all, kMostNeighbours) && distance(near.back()) < radius) continue;
+      for (const int k : near)
+        if (distance(k) <= radius) found.points.push_back(owner_[static_cast<size_t>(k)]);
+      return found;
+    }
+  }
+
+ private:
+  Eigen::Vector3d Place(const Eigen::Vector2d& uv) const {
+    const Eigen::Vector2d moved = stretch_.cwiseProduct(uv - origin_);
+    return {moved[0], moved[1], 0};
+  }
+
+  Eigen::Vector2d stretch_, origin_ = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Index> owner_;
+  Eigen::Matrix3Xd places_;
+  std::optional<NeighbourIndex> index_;
+};
+
+// The direction of heights near some points.
+Eigen::Vector3d UpNear(const OvershootInput& input,
+                       const SurfaceEvaluator& surface,
+                       const std::vector<Eigen::Index>& points) {
+  if (input.up) return *input.up;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Index k : points)
+    if (const auto normal = surface.NormalAt(input.feet(0, k), input.feet(1, k))) sum += *normal;
+  return sum.isZero(0) ? sum : sum.normalized();
+}
+
+// By how much a place is beyond the heights of points.
+double Beyond(const Eigen::Vector3d& place,
+              const Eigen::Vector3d& up,
+              const Eigen::Matrix3Xd& points,
+              const std::vector<Eigen::Index>& which) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const Eigen::Index k : which) {
+    const double height = up.dot(points.col(k) - place);
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  return std::max({0.0, low, -high});
+}
+
+// Places inside the trims, with the area in the domain that each stands for.
+struct Places {
+  Eigen::Matrix2Xd uv;
+  Eigen::VectorXd widths;
+  Eigen::Matrix3Xd points;
+  std::vector<Eigen::Index> alone;  // indices of those far from all points
+};
+
+Places MeasuredPlaces(const OvershootInput& input,
+                      const SurfaceEvaluator& surface,
+                      const Eigen::Vector2d& stretch,
+                      ThreadPool& pool) {
+  const SplineBasis &bu = input.surface.basis_u(), &bv = input.surface.basis_v();
+  const double length_u = stretch[0] * (bu.upper() - bu.lower()),
+               length_v = stretch[1] * (bv.upper() - bv.lower());
+  const double step =
+      std::max(kStepInSpacings * input.spacing, std::sqrt(length_u * length_v / kMostMeasured));
+  const Midpoints us = MidpointsOf(bu, length_u, step), vs = MidpointsOf(bv, length_v, step);
+  const TrimRegion region(input.surface);
+  Places places{Eigen::Matrix2Xd(2, std::ssize(us.places) * std::ssize(vs.places)), {}, {}, {}};
+  places.widths.resize(places.uv.cols());
+  Eigen::Index count = 0;
+  for (size_t i = 0; i < us.places.size(); ++i) {
+    for (size_t j = 0; j < vs.places.size(); ++j) {
+      if (!region.Contains(us.places[i], vs.places[j])) continue;
+      places.uv.col(count) << us.places[i], vs.places[j];
+      places.widths[count++] = us.widths[i] * vs.widths[j];
+    }
+  }
+  places.uv.conservativeResize(2, count);
+  places.widths.conservativeResize(count);
+  if (count == 0) return places;
+  surface.Points(places.uv, places.points, pool);
+  const std::vector<int> nearest = NeighbourIndex(input.points, pool).Nearest(places.points, 1);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto own = input.points.col(nearest[static_cast<size_t>(k)]);
+    if ((places.points.col(k) - own).norm() > kWithPoints * input.spacing)
+      places.alone.push_back(k);
+  }
+  return places;
+}
+
+}  // namespace
+
+OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool) {
+  const SurfaceEvaluator surface(input.surface);
+  const Eigen::Vector2d stretch = StretchOf(surface, input.feet);
+  const Places places = MeasuredPlaces(input, surface, stretch, pool);
+  OvershootSummary found;
+  if (places.alone.empty()) return found;
+  std::vector<SurfaceJet> jets;
+  surface.Jets(places.uv, jets, pool);
+  const auto area = [&](Eigen::Index k) {
+    const SurfaceJet& jet = jets[static_cast<size_t>(k)];
+    return places.widths[k] * jet.du.cross(jet.dv).norm();
+  };
+  const NeighbourIndex centres(places.points(Eigen::all, places.alone), pool);
+  const std::vector<int> nearest = centres.Nearest(places.points, 1);
+  double whole = 0;
+  for (Eigen::Index k = 0; k < places.uv.cols(); ++k) {
+    const Eigen::Index centre = places.alone[static_cast<size_t>(nearest[static_cast<size_t>(k)])];
+    const double distance = (places.points.col(k) - places.points.col(centre)).norm();
+    whole += area(k);
+    if (distance < kWithPoints * input.spacing) found.area_without_points += area(k);
+  }
+  const FootMap feet(input, stretch);
+  for (const Eigen::Index k : places.alone) {
+    const FootMap::Neighbourhood around =
+        feet.Around(places.uv.col(k), kWithPoints * input.spacing);
+    found.largest_gap = std::max(found.largest_gap, around.gap);
+    const double beyond = Beyond(
+        places.points.col(k), UpNear(input, surface, around.points), input.points, around.points);
+    if (beyond > found.max) {
+      found.max = beyond;
+      found.at = places.points.col(k);
+    }
+  }
+  if (whole > 0) found.share_without_points = found.area_without_points / whole;
+  found.in_spacings = input.spacing > 0 ? found.max / input.spacing : 0;
+  return found;
+}
+
+}  // namespace batten::internal
