@@ -26,10 +26,10 @@ constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
 constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
 constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint optimization pays
-constexpr double kFollowsNoise = 0.8;  // residuals over noise; below: a warning of overfitting
-constexpr double kSharedAtMost = 2.5;  // residuals over noise; above: they are shape
-constexpr double kStructured = 0.15;   // share of the residuals' variance that is smooth in a cell
-constexpr double kExact = 1e-9;        // of the cloud's size: residuals below are rounding
+constexpr double kFollowsNoise = 0.8;      // residuals over noise; below: a warning of overfitting
+constexpr double kSharedAtMost = 2.5;      // residuals over noise; above: they are shape
+constexpr double kStructured = 0.15;  // share of the residuals' variance that is smooth in a cell
+constexpr double kExact = 1e-9;       // of the cloud's size: residuals below are rounding
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
 constexpr double kEmptyToWarn = 0.05;  // share of the area
@@ -145,6 +145,16 @@ void Judge(const SurfaceFit& fit,
     report.warnings.push_back(report.end.words + ": near (" + text(at[0]) + ", " + text(at[1]) +
                               ", " + text(at[2]) + ")");
     return;
+  }
+  if (report.overshoot->asked_for) {
+    report.overshoot->asked_for = false;
+    if (report.leaves_points()) {
+      report.warnings.push_back("untrimmed, the surface leaves its points by " +
+                                RoundedText(report.overshoot->max) + ", " +
+                                RoundedText(report.overshoot->in_spacings) +
+                                " times their spacing, where they do not determine it");
+    }
+    report.overshoot->asked_for = true;
   }
   if (report.termination != Termination::kStalled) return;
   evidence.structured = HasStructure(fit, options, pool);

@@ -15,7 +15,8 @@ namespace batten::internal {
 namespace {
 
 constexpr double kMostMeasured = 1e5;
-constexpr int kLeastPerSpan = 4;       // places along a span: an overshoot bends within one
+constexpr double kMostByCells = 4e5;   // places that the cells ask for, but one in each
+constexpr int kMostPerSpan = 4;        // of them along a span: an overshoot bends within one
 constexpr double kStepInSpacings = 2;  // spacings between places
 constexpr double kWithPoints = 3;      // spacings: a place so near to a point is with the points
 constexpr double kSeam = 0.1;          // share of a period repeated beyond a seam
@@ -28,7 +29,7 @@ struct Midpoints {
   std::vector<double> places, widths;
 };
 
-Midpoints MidpointsOf(const SplineBasis& basis, double length, double step) {
+Midpoints MidpointsOf(const SplineBasis& basis, double length, double step, int least) {
   Midpoints axis;
   const std::vector<double>& knots = basis.knots();
   const double domain = basis.upper() - basis.lower();
@@ -37,7 +38,7 @@ Midpoints MidpointsOf(const SplineBasis& basis, double length, double step) {
                  high = std::min(knots[k + 1], basis.upper());
     if (!(high > low)) continue;
     const int parts =
-        std::max(kLeastPerSpan, static_cast<int>(std::ceil((high - low) / domain * length / step)));
+        std::max(least, static_cast<int>(std::ceil((high - low) / domain * length / step)));
     for (int i = 0; i < parts; ++i) {
       axis.places.push_back(low + (high - low) * (i + 0.5) / parts);
       axis.widths.push_back((high - low) / parts);
@@ -165,7 +166,11 @@ Places MeasuredPlaces(const OvershootInput& input,
                length_v = stretch[1] * (bv.upper() - bv.lower());
   const double step =
       std::max(kStepInSpacings * input.spacing, std::sqrt(length_u * length_v / kMostMeasured));
-  const Midpoints us = MidpointsOf(bu, length_u, step), vs = MidpointsOf(bv, length_v, step);
+  const double cells =
+      static_cast<double>(bu.Spans().size()) * static_cast<double>(bv.Spans().size());
+  const int least = std::clamp(static_cast<int>(std::sqrt(kMostByCells / cells)), 1, kMostPerSpan);
+  const Midpoints us = MidpointsOf(bu, length_u, step, least),
+                  vs = MidpointsOf(bv, length_v, step, least);
   const TrimRegion region(input.surface);
   Places places{Eigen::Matrix2Xd(2, std::ssize(us.places) * std::ssize(vs.places)), {}, {}, {}};
   places.widths.resize(places.uv.cols());
