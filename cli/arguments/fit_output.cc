@@ -171,7 +171,11 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
     std::fputs(ToReportJson(report, context).c_str(), stdout);
   } else if (!target.flags.quiet && !target.result_line.empty()) {
     const std::optional<bool> reached = report.tolerance_reached();
-    fmt::print("{}\n", reached ? WithVerdict(target.result_line, *reached) : target.result_line);
+    if (reached) {
+      PrintVerdict(target.result_line, *reached);
+    } else {
+      PrintResult(target.result_line);
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/closure.h"
 #include "cli/arguments/describe_geometry.h"
+#include "cli/terminal/streams.h"
 
 namespace batten::internal {
 namespace {
@@ -174,7 +175,7 @@ void Print(const Json& object, const std::string& indent) {
       fmt::print("{:<{}} {}\n",
                  indent + key,
                  kKeyWidth,
-                 value.is_string() ? value.get<std::string>() : JsonText(value));
+                 value.is_string() ? Printable(value.get<std::string>()) : JsonText(value));
     }
   }
 }

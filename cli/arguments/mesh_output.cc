@@ -23,6 +23,7 @@
 #include "cli/arguments/geometry_output.h"
 #include "cli/arguments/mesh_deviation.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -153,12 +154,13 @@ int WriteMeshOf(const MeshRequest& a) {
     }
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}: {} triangles, {} vertices, within {:.3g} of {}\n",
-               a.out,
-               triangles,
-               vertices,
-               options.chord_tolerance,
-               surfaces.size() == 1 ? "the surface" : fmt::format("{} surfaces", surfaces.size()));
+    PrintResult(fmt::format(
+        "{}: {} triangles, {} vertices, within {:.3g} of {}",
+        a.out,
+        triangles,
+        vertices,
+        options.chord_tolerance,
+        surfaces.size() == 1 ? "the surface" : fmt::format("{} surfaces", surfaces.size())));
     if (cloud) {
       fmt::print(
           "coloured by {} points: blue is {:.3g} below the surface, red above; {} vertices "

@@ -125,6 +125,7 @@ int RunCompare(const CompareArguments& a) {
   // Several geometries: every point belongs to the nearest.
   PointDistances nearest;
   std::vector<int> owners;
+  Eigen::Index uncertified = 0;
   for (size_t g = 0; g < geometry.size(); ++g) {
     Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
     PointDistances found = std::visit(
@@ -132,6 +133,7 @@ int RunCompare(const CompareArguments& a) {
           return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool);
         },
         geometry[g]);
+    uncertified = std::max(uncertified, found.uncertified);
     if (g == 0) {
       nearest = std::move(found);
       owners.assign(static_cast<std::size_t>(cloud.size()), 0);
@@ -149,6 +151,7 @@ int RunCompare(const CompareArguments& a) {
       nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
     }
   }
+  if (uncertified > 0) report.warnings.push_back(UncertifiedText(uncertified));
   clock.Enter(&StageSeconds::prepare);
   const MergedCloud merged = MergeDuplicates(cloud);
   CloudStatisticsOptions statistics;

@@ -21,6 +21,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -123,12 +124,12 @@ int RunConvert(const ConvertArguments& a) {
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}: {}{}\n",
-               a.out,
-               entry["kind"].get<std::string>(),
-               entry.contains("points")
-                   ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>())
-                   : GeometryWords(entry));
+    PrintResult(fmt::format("{}: {}{}",
+                            a.out,
+                            entry["kind"].get<std::string>(),
+                            entry.contains("points")
+                                ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>())
+                                : GeometryWords(entry)));
   }
   return kDone;
 }

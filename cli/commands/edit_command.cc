@@ -25,6 +25,7 @@
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/offered_words.h"
+#include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -133,7 +134,7 @@ int RunEdit(const EditArguments& a) {
   if (a.flags.json) {
     fmt::print("{}\n", Json{{"files", list}}.dump(2, ' ', false, Json::error_handler_t::replace));
   } else if (!a.flags.quiet && a.out != "-") {
-    for (const Json& entry : list) fmt::print("{}\n", FileLine(entry));
+    for (const Json& entry : list) PrintResult(FileLine(entry));
   }
   if (!a.flags.quiet) {
     for (const std::string& shortfall : edited.shortfalls) PrintWarning(shortfall);

@@ -161,6 +161,11 @@ CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
   }
   options.max_control_points = static_cast<int>(
       ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  if (options.control_points && a.max_control_points != FitCurveArguments().max_control_points &&
+      *options.control_points > options.max_control_points) {
+    throw UsageError("--control-points " + a.control_points +
+                     " is more than --max-control-points " + a.max_control_points + " allows");
+  }
   options.parameterization = ToParameterization(a.parameterization);
   options.order = ToOrder(a.order);
   options.closed = ToClosed(a.closed);

@@ -93,6 +93,11 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   const int fewest = (options.degree_u + 1) * (options.degree_v + 1);
   options.max_control_points = static_cast<int>(
       ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
+  if (options.control_points && a.max_control_points != FitSurfaceArguments().max_control_points &&
+      options.control_points->first * options.control_points->second > options.max_control_points) {
+    throw UsageError("--control-points " + a.control_points +
+                     " is more than --max-control-points " + a.max_control_points + " allows");
+  }
   options.smoothing = ToSmoothing(a.smoothing);
   options.loss = ToLoss(a.loss);
   options.loss_scale = ToLossScale(a.loss_scale);

@@ -20,6 +20,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/streams.h"
 
 namespace batten::internal {
 namespace {
@@ -59,7 +60,7 @@ int RunMake(const MakeKind& kind, const MakeCommandArguments& a) {
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}\n", FileLine(entry));
+    PrintResult(FileLine(entry));
   }
   return kDone;
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cli/commands/program.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -11,6 +14,7 @@
 #include <vector>
 
 #include "batten/fitting/progress.h"
+#include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/completion.h"
@@ -164,6 +168,29 @@ int Flushed(int code) {
   return kBadInput;
 }
 
+// Who reads standard output has had enough (`| head`): what is whole gets its name, and the program
+// ends as by the signal. The signal is raised by a write of this thread, which holds no lock.
+extern "C" void EndWithReader(int) {
+  constexpr int kReaderLeft = 128 + SIGPIPE;
+  try {
+    OutputBatch::Commit();
+    AtomicFile::RemoveTemporaries();
+  } catch (...) {
+  }
+  _exit(kReaderLeft);
+}
+
+// Does the work; its files appear when all of it is done and said, or none does.
+int Carry(const Action& action) {
+  const OutputBatch batch;
+  std::signal(SIGPIPE, EndWithReader);
+  const int code = Flushed(action());  // what is done when Ctrl-C comes too late is done
+  ClearProgress();
+  if (code != kBadInput) OutputBatch::Commit();
+  std::signal(SIGPIPE, SIG_DFL);
+  return code;
+}
+
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
@@ -226,9 +253,7 @@ int RunProgram(int argc, char** argv) {
   try {
     if (Parse(app, argc, argv) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    const int code = action();  // what is done when Ctrl-C comes too late is done
-    ClearProgress();
-    return Flushed(code);
+    return Carry(action);
   } catch (const UsageError& error) {
     PrintError(error.what());
     return kBadUsage;

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "batten/fitting/distances.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_cloud.h"
@@ -37,14 +38,15 @@ struct Foot {
   size_t index = 0;  // of the geometry that is nearest
   int parameters = 0;
   double u = 0, v = 0, distance = 0, lower_bound = 0;
+  bool certified = false;
   Eigen::Vector3d point;  // on the geometry
 };
 
 Foot ToFoot(const CurveFoot& foot, size_t index) {
-  return {index, 1, foot.u, 0, foot.distance, foot.lower_bound, foot.point};
+  return {index, 1, foot.u, 0, foot.distance, foot.lower_bound, foot.certified, foot.point};
 }
 Foot ToFoot(const SurfaceFoot& foot, size_t index) {
-  return {index, 2, foot.u, foot.v, foot.distance, foot.lower_bound, foot.point};
+  return {index, 2, foot.u, foot.v, foot.distance, foot.lower_bound, foot.certified, foot.point};
 }
 
 // The shape in the cloud's local coordinates.
@@ -79,8 +81,10 @@ class FootPointSet {
               const Foot foot = ToFoot(feet[k], g);
               const double bound =
                   g == 0 ? foot.lower_bound : std::min(nearest[k].lower_bound, foot.lower_bound);
+              const bool certified = foot.certified && (g == 0 || nearest[k].certified);
               if (g == 0 || foot.distance < nearest[k].distance) nearest[k] = foot;
               nearest[k].lower_bound = bound;
+              nearest[k].certified = certified;
             }
           },
           searches_[g]);
@@ -146,7 +150,11 @@ void AppendJson(
   AppendList(text, at, foot.parameters);
   fmt::format_to(out, ", \"foot\": ");
   AppendList(text, foot.point.data(), dimension);
-  fmt::format_to(out, ", \"distance\": {}, \"lower_bound\": {}", foot.distance, foot.lower_bound);
+  fmt::format_to(out,
+                 ", \"distance\": {}, \"lower_bound\": {}, \"certified\": {}",
+                 foot.distance,
+                 foot.lower_bound,
+                 foot.certified);
   if (indexed) fmt::format_to(out, ", \"index\": {}", foot.index);
   text.push_back('}');
 }
@@ -225,6 +233,7 @@ int RunProject(const ProjectArguments& a) {
   const Progress progress = MakeProgress(a.flags.quiet);
   TellAmount("project", static_cast<double>(cloud.size()), "points", a.flags.quiet);
   Text text;
+  Eigen::Index uncertified = 0;
   if (a.flags.json) {
     fmt::format_to(std::back_inserter(text), "{{\"results\": [");
   } else {
@@ -239,6 +248,7 @@ int RunProject(const ProjectArguments& a) {
     for (Eigen::Index k = 0; k < rows; ++k) {
       Foot foot = rows_foot_points[static_cast<size_t>(k)];
       foot.point += cloud.origin();
+      if (!foot.certified) ++uncertified;
       const Eigen::Vector3d point = cloud.World(begin + k);
       if (a.flags.json) {
         fmt::format_to(std::back_inserter(text), "{}\n  ", begin + k > 0 ? "," : "");
@@ -252,6 +262,7 @@ int RunProject(const ProjectArguments& a) {
   }
   if (a.flags.json) fmt::format_to(std::back_inserter(text), "\n]}}\n");
   if (printed) Flush(text);
+  if (uncertified > 0 && !a.flags.quiet) PrintWarning(UncertifiedText(uncertified));
   return kDone;
 }
 
@@ -274,6 +285,8 @@ void AddProjectCommand(CLI::App& app, Action& action) {
       "One row for each point, in order: its parameters on the geometry, the foot point, the\n"
       "distance, and a lower bound that certifies it: no point of the geometry is nearer than "
       "that.\n"
+      "Where the bound stays below the distance, \"certified\" is false and a warning counts "
+      "them.\n"
       "Of a trimmed surface only the part inside its loops counts.\n"
       "Of several geometries in a file the nearest is taken, and its index given.\n"
       "Examples:\n"

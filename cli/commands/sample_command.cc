@@ -18,6 +18,7 @@
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
+#include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -58,7 +59,7 @@ int RunSample(const SampleArguments& a) {
     const nlohmann::ordered_json file{{"path", a.out}, {"kind", "cloud"}, {"points", cloud.size()}};
     PrintFiles(file);
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}: {} points\n", a.out, cloud.size());
+    PrintResult(fmt::format("{}: {} points", a.out, cloud.size()));
   }
   return kDone;
 }

@@ -21,6 +21,7 @@
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/parse_values.h"
+#include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -87,7 +88,7 @@ int RunSection(const SectionArguments& a) {
   if (a.flags.json) {
     PrintFiles(FileEntry(file));
   } else if (!a.flags.quiet && a.out != "-") {
-    fmt::print("{}\n", FileLine(FileEntry(file)));
+    PrintResult(FileLine(FileEntry(file)));
   }
   return kDone;
 }

@@ -4,7 +4,8 @@
 
 namespace batten::internal {
 
-// From here on Ctrl-C and SIGTERM do no more than make Interrupted() true.
+// From here on Ctrl-C and SIGTERM do no more than make Interrupted() true; either stays ignored
+// where it was. Writing past a limit on the size of files fails with EFBIG.
 void CatchSignals();
 bool Interrupted();
 

@@ -64,15 +64,15 @@ void ClearProgress() { HideBar(); }
 
 void PrintWarning(const std::string& text) {
   ClearProgress();
-  WriteToErrors("batten: " + Toned("warning:", Tone::kWarning, Stream::kErrors) + ' ' + text +
-                '\n');
+  WriteToErrors("batten: " + Toned("warning:", Tone::kWarning, Stream::kErrors) + ' ' +
+                Printable(text) + '\n');
 }
 
 void PrintError(const std::string& text) {
   ClearProgress();
   std::string line = text;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  WriteToErrors(Toned("batten:", Tone::kError, Stream::kErrors) + ' ' + line + '\n');
+  WriteToErrors(Toned("batten:", Tone::kError, Stream::kErrors) + ' ' + Printable(line) + '\n');
 }
 
 }  // namespace batten::internal

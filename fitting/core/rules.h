@@ -16,11 +16,9 @@ enum class Rule {
   kHopelessBases,       // a base that a few grids show to be worse is not scored
   kSmoothedParameters,  // a sheet's parameters are smoothed on a coarse surface
   kOutlineBase,         // a sheet of four sides ends in its outline
-  kSmallerBase,         // the base is chosen anew where outliers had enlarged it
   // degrees of freedom and solution
   kBlockValidation,  // blocks of left-out points tell noise that neighbours share from shape
   kReweighting,      // a robust loss bounds residuals where there are outliers
-  kLossRejection,    // unless it spoils the fit of what is good
   kNeighbourVotes,   // points off the surface count with neighbours that are off as far
   kKnotLines,        // knot lines are added and removed one by one after the grid is chosen
   kBounds,           // coefficients stay within what the data nearby allow

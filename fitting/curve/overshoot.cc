@@ -11,9 +11,9 @@ namespace batten::internal {
 namespace {
 
 constexpr int kSamples = 16;  // samples of a span
-constexpr int kDataOfFunction = 3;
 constexpr Eigen::Index kEnoughToCount = 20000;
 constexpr double kNoise = 10, kOfSize = 0.01;
+constexpr double kOutside = 0.4;  // of the data's size: no place is so far outside their box
 
 template <int Dim>
 bool Stays(const FittingProblem& problem,
@@ -29,7 +29,9 @@ bool Stays(const FittingProblem& problem,
   }
   if (order.size() < 2) return true;
   std::sort(order.begin(), order.end());
-  const double size = (data.values.rowwise().maxCoeff() - data.values.rowwise().minCoeff()).norm();
+  const Eigen::Matrix<double, Dim, 1> first = data.values.rowwise().minCoeff(),
+                                      last = data.values.rowwise().maxCoeff();
+  const double size = (last - first).norm();
   const double slack = kNoise * noise + kOfSize * size;
   const NurbsCurve<Dim> curve = weights.size() > 0 ? NurbsCurve<Dim>(basis, control_points, weights)
                                                    : NurbsCurve<Dim>(basis, control_points);
@@ -58,25 +60,34 @@ bool Stays(const FittingProblem& problem,
         off = (place - a - along * (b - a)).norm();
       }
       if (!(off <= chord + slack)) return false;
+      const double outside_box = (first - place).cwiseMax(place - last).maxCoeff();
+      if (outside_box > kOutside * size) return false;
     }
   }
   return true;
 }
 
-// Whether every span has enough data to determine a polynomial curve.
+// Whether every span has data at enough different places to determine a polynomial curve: of so many
+// equal parts of it, half hold data.
 bool WellHeld(const FittingProblem& problem) {
   const SplineBasis& basis = problem.basis_u();
-  const int enough = kDataOfFunction * (basis.degree() + 1);
-  std::vector<int> held(static_cast<size_t>(basis.size()), 0);
+  const int enough = basis.degree() + 1, parts = 2 * enough;
+  std::vector<char> holds(static_cast<size_t>(basis.size()) * static_cast<size_t>(parts), 0);
   const Eigen::Index stride = std::max<Eigen::Index>(1, problem.size() / kEnoughToCount);
   for (Eigen::Index k = 0; k < problem.size(); k += stride) {
-    if (problem.data().weights.size() == 0 || problem.data().weights[k] > 0)
-      ++held[static_cast<size_t>(basis.Span(problem.data().parameters(0, k)))];
+    if (problem.data().weights.size() > 0 && !(problem.data().weights[k] > 0)) continue;
+    const double u = problem.data().parameters(0, k);
+    const int span = basis.Span(u);
+    const double low = basis.knots()[static_cast<size_t>(span)],
+                 high = basis.knots()[static_cast<size_t>(span) + 1];
+    const int part = std::clamp(static_cast<int>((u - low) / (high - low) * parts), 0, parts - 1);
+    holds[static_cast<size_t>(span) * static_cast<size_t>(parts) + static_cast<size_t>(part)] = 1;
   }
-  for (const int span : basis.Spans()) {
-    if (held[static_cast<size_t>(span)] < enough) return false;
-  }
-  return true;
+  const std::vector<int> spans = basis.Spans();
+  return std::all_of(spans.begin(), spans.end(), [&](int span) {
+    const auto first = holds.begin() + static_cast<std::ptrdiff_t>(span) * parts;
+    return std::count(first, first + parts, 1) >= enough;
+  });
 }
 
 }  // namespace

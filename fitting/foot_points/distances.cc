@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/distances.h"
 
+#include <atomic>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,19 +33,27 @@ Eigen::Matrix2Xd StartsFrom(const NurbsSurface& surface, const Eigen::Matrix2Xd&
 
 }  // namespace
 
+std::string UncertifiedText(Eigen::Index count) {
+  return "of " + std::to_string(count) +
+         " points it is not proved that no place is nearer: their distances are upper bounds";
+}
+
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            ThreadPool& pool) {
   const SurfaceFootPoints finder(surface);
   const SurfaceEvaluator evaluator(surface);
   PointDistances result{Eigen::VectorXd(points.cols()), Eigen::MatrixXd(2, points.cols())};
+  std::atomic<Eigen::Index> uncertified = 0;
   pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const SurfaceFoot foot = finder.Nearest(points.col(k));
       result.distances[k] = Signed(evaluator, points.col(k), foot);
       result.parameters.col(k) << foot.u, foot.v;
+      if (!foot.certified) ++uncertified;
     }
   });
+  result.uncertified = uncertified;
   return result;
 }
 
@@ -62,6 +71,7 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   const bool all = near.allFinite();
   LocalFootPointsKernel feet =
       LocalFootPoints(evaluator, points, all ? near : StartsFrom(surface, near), pool);
+  std::atomic<Eigen::Index> uncertified = 0;
   pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const double u = feet.parameters(0, k), v = feet.parameters(1, k);
@@ -71,9 +81,10 @@ PointDistances DistancesTo(const NurbsSurface& surface,
           known ? finder.NearestFrom(points.col(k), u, v) : finder.Nearest(points.col(k));
       feet.distances[k] = Signed(evaluator, points.col(k), foot);
       feet.parameters.col(k) << foot.u, foot.v;
+      if (!foot.certified) ++uncertified;
     }
   });
-  return {std::move(feet.distances), std::move(feet.parameters)};
+  return {std::move(feet.distances), std::move(feet.parameters), uncertified};
 }
 
 PointDistances DistancesFrom(const NurbsSurface& surface,

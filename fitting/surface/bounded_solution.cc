@@ -10,6 +10,7 @@
 #include "fitting/core/rules.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/surface/coefficient_bounds.h"
+#include "fitting/surface/data_box.h"
 
 namespace batten::internal {
 namespace {
@@ -134,27 +135,35 @@ class ActiveSet {
   ThreadPool& pool_;
 };
 
-}  // namespace
+// Σ w |S − z|²
+double SquaresOf(const FittingProblem& problem,
+                 const Eigen::MatrixXd& coefficients,
+                 ThreadPool& pool) {
+  const Eigen::VectorXd squares =
+      (EvaluateAt(problem, coefficients, pool) - problem.data().values).colwise().squaredNorm();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
+}
 
-BoundedSolution SolveWithinBounds(const FittingProblem& problem,
-                                  Eigen::Index measured,
-                                  double spacing,
-                                  ThreadPool& pool) {
-  BoundedSolution bounded{SolveLinear(problem, pool)};
+// Bounds by data nearby, where these leave cells without data.
+void HoldCoefficients(const FittingProblem& problem,
+                      const PenalisedSystem& system,
+                      Eigen::Index measured,
+                      double spacing,
+                      ThreadPool& pool,
+                      BoundedSolution& bounded) {
+  if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
   LinearSolution& solution = bounded.solution;
-  if (!Acts(Rule::kBounds) || problem.poles().any() || FillsEveryCell(problem, measured))
-    return bounded;
-  const auto errors = [&] {
-    return Eigen::MatrixXd(EvaluateAt(problem, solution.coefficients, pool) -
-                           problem.data().values);
-  };
-  const PenalisedSystem system(problem, pool);
   const double smoothing = std::max(kSmoothShape, problem.smoothing());
   const Eigen::MatrixXd smooth = system.Net(system.Solve(smoothing, &pool).rows);
-  const double noise = RobustScale(errors().colwise().norm().transpose());
+  const double noise =
+      RobustScale((EvaluateAt(problem, solution.coefficients, pool) - problem.data().values)
+                      .colwise()
+                      .norm()
+                      .transpose());
   CoefficientBounds bounds =
       BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
-  if (!bounds.Leaves(solution.coefficients)) return bounded;
+  if (!bounds.Leaves(solution.coefficients)) return;
   ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
   set.HoldWhatLeaves();
   bool changed = true;
@@ -164,9 +173,25 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
   }
   solution.coefficients = set.net();
   bounded.held = set.held();
-  const Eigen::VectorXd squares = errors().colwise().squaredNorm();
-  const Eigen::VectorXd& weights = problem.data().weights;
-  solution.residual_squares = weights.size() > 0 ? weights.dot(squares) : squares.sum();
+  solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
+}
+
+}  // namespace
+
+BoundedSolution SolveWithinBounds(const FittingProblem& problem,
+                                  Eigen::Index measured,
+                                  double spacing,
+                                  ThreadPool& pool) {
+  const PenalisedSystem system(problem, pool);
+  const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
+  BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
+  bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
+  if (!Acts(Rule::kBounds)) return bounded;
+  HoldCoefficients(problem, system, measured, spacing, pool, bounded);
+  if (auto inside = HeldInBox(problem, bounded.solution, measured, pool)) {
+    bounded.solution = std::move(*inside);
+    bounded.in_box = true;
+  }
   return bounded;
 }
 

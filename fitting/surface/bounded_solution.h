@@ -10,7 +10,8 @@ namespace batten::internal {
 
 struct BoundedSolution {
   LinearSolution solution;
-  int held = 0;  // coefficients at a bound
+  int held = 0;         // coefficients at a bound
+  bool in_box = false;  // it would have left the box of its data (HeldInBox)
 };
 
 // Minimises the problem's sum while every coefficient keeps the bounds of BoundsFromData: least
@@ -19,9 +20,10 @@ struct BoundedSolution {
 // whose gradient points inwards are released, in at most three rounds; what is outside then is
 // moved to its bound. [Björck 1996, §5.2] Points in space are bounded along the normal of a smooth
 // shape, and held as a whole. A solution within its bounds is returned bit for bit as SolveLinear
-// returns it; so is one with poles. The first `measured` data count for bounds,
-// which are slack by their spacing and noise. Values: heights or
-// points in space. O(m (p+1)(q+1)), and a factorization for each round.
+// returns it; one with poles has no bounds. Where the surface would leave the box of its data all
+// the same, it is held in that (data_box.h). The first `measured` data count for bounds, which are
+// slack by their spacing and noise. Values: heights or points in space. O(m (p+1)(q+1)), and a
+// factorization for each round.
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   Eigen::Index measured,
                                   double spacing,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "batten/geometry/nurbs_surface.h"
@@ -124,7 +125,8 @@ class Cells {
   }
 
   struct Support {
-    std::vector<Eigen::Index> data;
+    std::vector<size_t> cells;
+    size_t data = 0;  // in them
     bool has_gap = false;
   };
 
@@ -133,12 +135,17 @@ class Cells {
         filled_.begin(), filled_.end(), [](char one) { return one != kAllQuarters; });
   }
 
-  // The data in the cells of function (i, j), or around them too where they hold too few.
+  size_t size() const { return filled_.size(); }
+  std::span<const Eigen::Index> In(size_t cell) const {
+    return std::span(data_).subspan(first_[cell], first_[cell + 1] - first_[cell]);
+  }
+
+  // The cells of function (i, j), or those around them too where they hold too few data.
   Support Of(int i, int j) const {
     std::vector<int> us = u_.spans[static_cast<size_t>(i)], vs = v_.spans[static_cast<size_t>(j)];
     Support support = In(us, vs);
     const bool has_gap = support.has_gap;
-    while (support.data.size() < kLeastData &&
+    while (support.data < kLeastData &&
            (std::ssize(us) < u_.size() || std::ssize(vs) < v_.size())) {
       Grow(u_, us);
       Grow(v_, vs);
@@ -160,9 +167,8 @@ class Cells {
         const size_t cell = At(a, b);
         support.has_gap =
             support.has_gap || (in_space_ ? filled_[cell] == 0 : filled_[cell] != kAllQuarters);
-        support.data.insert(support.data.end(),
-                            data_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
-                            data_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]));
+        support.data += first_[cell + 1] - first_[cell];
+        support.cells.push_back(cell);
       }
     }
     return support;
@@ -185,6 +191,27 @@ class Cells {
   std::vector<char> filled_;        // which quarters of each cell hold data, a bit for each
   std::vector<Eigen::Index> data_;  // by cells
 };
+
+struct HeightRange {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+
+  void Widen(double height) {
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  void Widen(const HeightRange& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
+  }
+};
+
+// Of the heights in each cell.
+std::vector<HeightRange> RangesOf(const Cells& cells, const Eigen::MatrixXd& heights) {
+  std::vector<HeightRange> ranges(cells.size());
+  for (size_t cell = 0; cell < cells.size(); ++cell)
+    for (const Eigen::Index one : cells.In(cell)) ranges[cell].Widen(heights(0, one));
+  return ranges;
+}
 
 // Share of a range by which the coefficients of a spline within it leave it: collocation over equal
 // spans has an inverse of norm (π/2)^{p+1}/2, 3 for cubics.
@@ -214,6 +241,8 @@ CoefficientBounds BoundsFromData(const FittingProblem& problem,
   const auto heights = problem.data().values.row(0).head(measured);
   const double all_low = heights.minCoeff(), all_high = heights.maxCoeff(),
                beyond = kOfAll * (all_high - all_low) + slack;
+  const std::vector<HeightRange> ranges =
+      in_space ? std::vector<HeightRange>() : RangesOf(cells, off);
   const double covered = CoveredMargin(std::max(bu.degree(), bv.degree()));
   const Eigen::Index count = problem.net_size();
   CoefficientBounds bounds{Eigen::VectorXd::Constant(count, -HUGE_VAL),
@@ -223,24 +252,27 @@ CoefficientBounds BoundsFromData(const FittingProblem& problem,
     for (int j = 0; j < bv.size(); ++j) {
       const Eigen::Index k = Eigen::Index{i} * bv.size() + j;
       const Cells::Support support = cells.Of(i, j);
-      if (support.data.size() < kLeastData) continue;
+      if (support.data < kLeastData) continue;
       if (in_space) {
         const auto normal = surface->NormalAt(bu.Clamp(bu.Greville(i)), bv.Clamp(bv.Greville(j)));
         if (!normal) continue;
         bounds.up.col(k) = *normal;
       }
-      double low = HUGE_VAL, high = -HUGE_VAL;
-      for (const Eigen::Index one : support.data) {
-        const double height = in_space ? bounds.up.col(k).dot(off.col(one)) : off(0, one);
-        low = std::min(low, height);
-        high = std::max(high, height);
+      HeightRange range;
+      for (const size_t cell : support.cells) {
+        if (!in_space) {
+          range.Widen(ranges[cell]);
+          continue;
+        }
+        for (const Eigen::Index one : cells.In(cell))
+          range.Widen(bounds.up.col(k).dot(off.col(one)));
       }
       const double reach = u.reach[static_cast<size_t>(i)] * v.reach[static_cast<size_t>(j)];
       const double margin = support.has_gap ? (reach - 1) / 2 : covered;
-      const double more = margin * (high - low) + slack;
+      const double more = margin * (range.high - range.low) + slack;
       const double middle = bounds.HeightOf(smooth, k);
-      bounds.low[k] = middle + low - more;
-      bounds.high[k] = middle + high + more;
+      bounds.low[k] = middle + range.low - more;
+      bounds.high[k] = middle + range.high + more;
       if (in_space || !support.has_gap) continue;
       const double least = all_low - beyond, most = all_high + beyond;
       bounds.low[k] = std::clamp(bounds.low[k], least, most);

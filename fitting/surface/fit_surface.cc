@@ -58,9 +58,6 @@ class SurfacePipeline {
     const SurfaceFitOptions options = WithDegreesOfSides(asked);
     const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
     FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
-    clock_.Enter(&StageSeconds::parameterize);
-    if (!given_ && fitted.doubted && TakeSmallerBase(prepared_, fitted.used, options, pool_))
-      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
     used_robust_weights_ = fitted.doubted;
     clock_.Enter(&StageSeconds::solve);
     if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);

@@ -32,7 +32,6 @@ constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
 constexpr double kMisses = 3;            // scale over noise; above: the shape is missed
 constexpr double kBeyondStructure = 2;   // spacings
-constexpr double kSpoilt = 5;            // times the plain misfit; above: loss rejected
 constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
 
 // Whether outliers that their neighbours tell are so many that a loss must bound them.
@@ -74,7 +73,7 @@ class InlierPasses {
         ChooseBases(settled && IsLarge(last) ? &last : nullptr);
       }
       if (pass == 1) RefuseTwoSheets();
-      if (found_.robust) ReweightWhereItHelps();
+      if (found_.robust) Reweight();
       PointMask& used = found_.used;
       if (pass == kOutlierPasses || (options_.keep_outliers && used.all())) break;
       if (options_.keep_outliers) {
@@ -84,8 +83,7 @@ class InlierPasses {
       }
       const PointMask now = WithoutIsolated(context_, found_.robust, InliersOfSurface());
       if (now.count() < kFewestPoints) break;
-      if (!found_.robust && !loss_rejected_ && !options_.loss && (now != used).any() &&
-          !now.all()) {
+      if (!found_.robust && !options_.loss && (now != used).any() && !now.all()) {
         found_.robust = true;  // outliers have bent the plain fit
         continue;
       }
@@ -154,30 +152,8 @@ class InlierPasses {
     Take(context_.WithCells(found_.problem, choice.cells_u, choice.cells_v));
   }
 
-  // Reweights with a loss the user did not ask for, unless that increases the misfit much: where a
-  // surface is nearly exact the scale is so small that a tip or a crease it follows less well is
-  // taken for outliers, loses weight, and then deviates even more.
-  void ReweightWhereItHelps() {
-    if (!options_.loss && !Acts(Rule::kReweighting)) return;
-    if (options_.loss || !Acts(Rule::kLossRejection)) return Reweight();
-    const FittingProblem plain = found_.problem;
-    const SurfaceResiduals before = Residuals();
-    const PointMask good = ResidualInliers(before.parameters,
-                                           before.residuals,
-                                           FarthestGood(RobustScale(before.residuals)),
-                                           context_.spacing(),
-                                           context_.pool());
-    Reweight();
-    const Eigen::VectorXd after = Residuals().residuals;
-    const double misfit_before = good.select(before.residuals.array(), 0).matrix().norm();
-    const double misfit_after = good.select(after.array(), 0).matrix().norm();
-    if (misfit_after <= kSpoilt * misfit_before) return;
-    Take(plain);
-    found_.robust = false;
-    loss_rejected_ = true;
-  }
-
   void Reweight() {
+    if (!options_.loss && !Acts(Rule::kReweighting)) return;
     Take(Reweighted(
         found_.problem,
         {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
@@ -202,7 +178,7 @@ class InlierPasses {
   double FarthestGood(double scale) const {
     // A surface that misses the shape can identify only outliers far beyond the structure between
     // points.
-    const bool misses = loss_rejected_ || scale > kMisses * context_.noise();
+    const bool misses = scale > kMisses * context_.noise();
     return std::max({kTukeyTuning * scale,
                      (misses ? kBeyondStructure : kLeastScale) * context_.spacing(),
                      options_.tolerance.value_or(0)});
@@ -244,7 +220,6 @@ class InlierPasses {
   ClassifiedPoints found_;
   std::optional<LinearSolution> solution_;  // of the problem, computed on demand
   Eigen::VectorXd distances_;               // of all points, at the last classification
-  bool loss_rejected_ = false;              // a loss was tried and rejected
 };
 
 }  // namespace

@@ -77,6 +77,9 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
       problem.data().parameters,
       problem,
       EndCode::kCrossValidated};
+  if (held.in_box)
+    solved.warnings.push_back(
+        "the points leave parts of the surface open: it was held near their box there");
   if (held.solution.regularised)
     solved.warnings.push_back(
         "the points do not determine every control point: fairness was raised");

@@ -16,6 +16,7 @@
 #include "fitting/core/fit_end.h"
 #include "fitting/core/rules.h"
 #include "fitting/least_squares/residual_structure.h"
+#include "fitting/surface/data_box.h"
 #include "fitting/surface/surface_overshoot.h"
 #include "geometry/numeric/number_text.h"
 
@@ -49,8 +50,9 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
     return false;
   }
   if (options.optimize) {
-    summary.why = "asked for";
-    return true;
+    summary.why = points < unknowns ? "asked for, but there are more control points than points"
+                                    : "asked for";
+    return points >= unknowns;
   }
   if (!Acts(Rule::kJointStage) || !(noise > 0) || rms <= kExcessToOptimise * noise) {
     summary.why = "residuals are at the noise";
@@ -290,6 +292,11 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why += "; what it found is farther from the points and was not taken";
     return;
   }
+  if (!StaysInBox(optimised, draft.used.points()) &&
+      StaysInBox(draft.surface, draft.used.points())) {
+    report.optimize.why += "; what it found leaves the box of the points and was not taken";
+    return;
+  }
   draft.surface = std::move(optimised);
   report.optimize.rms_after = rms_after;
 }
@@ -360,6 +367,7 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
     const CollapsedEdgeSet collapsed = CollapsedEdges(fit.surface);
     report.geometry.poles = {collapsed.v_lower, collapsed.v_upper};
   }
+  if (found.uncertified > 0) report.warnings.push_back(UncertifiedText(found.uncertified));
   if (options.tolerance && report.error_all.out_of_tolerance > report.error.out_of_tolerance) {
     report.warnings.push_back(
         std::to_string(report.error_all.out_of_tolerance - report.error.out_of_tolerance) +

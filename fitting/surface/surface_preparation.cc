@@ -75,8 +75,6 @@ void SortByPlace(PreparedCloud& prepared) {
 
 namespace {
 
-constexpr double kClearlySmaller = 0.98;  // of the area; below: the smaller base is taken
-
 // Makes the base's parameters symmetric.
 void MakeSymmetric(CloudSymmetry& symmetry,
                    const MergedCloud& merged,
@@ -120,41 +118,7 @@ void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadP
   statistics.outlier_count = statistics.outliers.count();
 }
 
-// The rectangle of the parameters under a mask, periodic directions in full.
-double AreaReached(const Parameterization& base, const PointMask& mask) {
-  double low[2] = {base.length_u, base.length_v}, high[2] = {0, 0};
-  for (Eigen::Index k = 0; k < mask.size(); ++k) {
-    for (int d = 0; mask[k] && d < 2; ++d) {
-      low[d] = std::min(low[d], base.parameters(d, k));
-      high[d] = std::max(high[d], base.parameters(d, k));
-    }
-  }
-  return (base.periodic_u ? base.length_u : high[0] - low[0]) *
-         (base.periodic_v ? base.length_v : high[1] - low[1]);
-}
-
 }  // namespace
-
-bool TakeSmallerBase(PreparedCloud& prepared,
-                     const PointMask& used,
-                     const SurfaceFitOptions& options,
-                     ThreadPool& pool) {
-  if (!Acts(Rule::kSmallerBase)) return false;
-  if (AreaReached(prepared.base, used) >=
-      kClearlySmaller * AreaReached(prepared.base, prepared.used)) {
-    return false;
-  }
-  PreparedCloud again = prepared;
-  again.statistics.outliers = again.statistics.outliers || (prepared.used && !used);
-  again.statistics.outlier_count = again.statistics.outliers.count();
-  try {
-    TakeBase(again, NeighbourIndex(again.merged.cloud.points(), pool), options, pool);
-  } catch (const std::invalid_argument&) {
-    return false;  // the remaining points alone carry no base
-  }
-  prepared = std::move(again);
-  return true;
-}
 
 PreparedCloud PrepareCloud(const PointCloud& cloud,
                            const SurfaceFitOptions& options,

@@ -56,13 +56,4 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
 // them cell by cell.
 void SortByPlace(PreparedCloud& prepared);
 
-// Chooses the base anew where outliers of a fit (prepared points not in `used`) had clearly
-// enlarged its rectangle; outliers beyond an edge can be told from the shape only by a fitted
-// surface. Returns whether the base changed; it stays where the inliers alone carry no base. Throws
-// Cancelled when progress asks to stop.
-bool TakeSmallerBase(PreparedCloud& prepared,
-                     const PointMask& used,
-                     const SurfaceFitOptions& options,
-                     ThreadPool& pool);
-
 }  // namespace batten::internal

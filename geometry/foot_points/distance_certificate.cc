@@ -17,7 +17,6 @@ constexpr double kRounding = 8 * kEpsilon;
 // share of its square: more than the rounding above for points ten sizes away.
 constexpr double kFarRounding = 4 * kRounding;
 constexpr int kDeepest = 100;
-constexpr int kMostCells = 200000;  // for one point, before the bound is given as it stands
 
 }  // namespace
 
@@ -26,11 +25,19 @@ double AcceptableFootMiss(const FootTable& table, double squared) {
   return epsilon * (2 * std::sqrt(squared) + epsilon) + kFarRounding * squared;
 }
 
+bool IsCertified(const FootTable& table, const FoundFoot& found) {
+  constexpr double kWithTrimsAndRounding = 4;
+  const double squared = found.distance * found.distance;
+  return found.lower_bound * found.lower_bound >=
+         squared - kWithTrimsAndRounding * AcceptableFootMiss(table, squared);
+}
+
 DistanceCertificate::DistanceCertificate(const FootTable& table,
                                          const Eigen::Vector3d& q,
                                          const FoundFoot& start,
                                          std::vector<double>& arena,
-                                         const TrimRegion* region)
+                                         const TrimRegion* region,
+                                         int most_work)
     : table_(table),
       q_(q),
       arena_(arena),
@@ -40,7 +47,8 @@ DistanceCertificate::DistanceCertificate(const FootTable& table,
       best_y_(start.y),
       squared_(start.distance * start.distance),
       epsilon_(kMiss * table.size),
-      proved_(std::numeric_limits<double>::infinity()) {}
+      proved_(std::numeric_limits<double>::infinity()),
+      most_work_(most_work) {}
 
 FoundFoot DistanceCertificate::result() const {
   const double d = std::sqrt(squared_);
@@ -319,7 +327,8 @@ DistanceCertificate::PointClass DistanceCertificate::CheckHalves(const Cell& cel
 DistanceCertificate::PointClass DistanceCertificate::CheckCell(const Cell& cell,
                                                                int depth,
                                                                size_t used) {
-  if (++cells_ > kMostCells || depth > kDeepest) return PointClass::kUndecided;
+  work_ += cell.values();
+  if (work_ > most_work_ || depth > kDeepest) return PointClass::kUndecided;
   const PointClass corner = Corner(cell);
   if (corner != PointClass::kNothingNearer) return corner;
   const PolynomialBounds bounds = BoundsOf(cell.f, 2 * cell.p, 2 * cell.q);

@@ -17,6 +17,9 @@ namespace batten::internal {
 // What the square of a least distance may be missed by, with rounding.
 double AcceptableFootMiss(const FootTable& table, double squared);
 
+// Whether nothing is proved to be nearer by more than that, or, with trims, twice as much.
+bool IsCertified(const FootTable& table, const FoundFoot& found);
+
 // With a region, only places in it count, and on its loops nothing may be nearer than the start. A
 // nearer place of the region is then still found: where |S − q| falls towards one side of a cell,
 // whoever follows it from a place inside comes to that side or to a loop first; and the nearer
@@ -28,7 +31,12 @@ class DistanceCertificate {
                       const Eigen::Vector3d& q,
                       const FoundFoot& start,
                       std::vector<double>& arena,
-                      const TrimRegion* region = nullptr);
+                      const TrimRegion* region = nullptr,
+                      int most_work = kMostWork);
+
+  // Coefficients looked at for one point before the bound is given as it stands: a second
+  // at most, of places that are equally near all over a shape.
+  static constexpr int kMostWork = 5000000;
 
   // After this nothing on the piece, whose box has that squared distance, is nearer than the lower
   // bound of the result. `cut`: a loop passes through the piece, which otherwise counts wholly.
@@ -81,7 +89,8 @@ class DistanceCertificate {
   double tolerance_ = 0, margin_ = 0;
   double wanted_ = 0;  // an acceptable miss of the squared distance
   double proved_;      // no squared distance looked at so far is below this
-  int cells_ = 0;      // looked at for this point
+  const int most_work_;
+  int work_ = 0;  // coefficients looked at for this point
 
   int piece_ = 0;
   Eigen::Vector3d local_q_;

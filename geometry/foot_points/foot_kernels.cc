@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/numeric/run_time_dispatch.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/run_time_dispatch.h"
 
 namespace batten::internal {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/foot_points/distance_certificate.h"
 #include "geometry/foot_points/foot_search.h"
 #include "geometry/foot_points/trimmed_foot_search.h"
 
@@ -40,6 +41,7 @@ void Place(const FootTable& table,
   foot.point = centre + position;
   foot.distance = (foot.point - q).norm();
   foot.lower_bound = std::min(found.lower_bound, foot.distance);
+  foot.certified = IsCertified(table, found);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/foot_points/distance_certificate.h"
+#include "geometry/foot_points/hull_search.h"
 
 namespace batten::internal {
 namespace {
@@ -18,6 +19,9 @@ double SampleAt(int k) { return 2.0 * (k - 1) / 3; }
 // A query farther than this many half diagonals from the middle is pulled onto the sphere of that
 // radius to look up its start.
 constexpr double kLookupRadius = 1.5;
+
+// Coefficients of squared distances looked at before hulls are: some two milliseconds.
+constexpr int kFirstWork = 8000;
 
 }  // namespace
 
@@ -146,7 +150,25 @@ FoundFoot FootSearch::Prove(const Eigen::Vector3d& q,
     found.lower_bound = bound;
     return found;
   }
-  DistanceCertificate proof(table_, q, start, workspace.arena);
+  FoundFoot found = ProveBySquares(q, start, kFirstWork, workspace);
+  if (IsCertified(table_, found)) return found;
+  HullSearch hulls(table_, q, found);
+  workspace.near.clear();
+  boxes_.Within(q.data(), found.distance * found.distance, workspace.near);
+  for (const BoundingVolumeTree::Near& near : workspace.near) hulls.Add(near.box);
+  const FoundFoot nearer = hulls.Run();
+  if (IsCertified(table_, nearer)) return nearer;
+  // Places that are equally near along a curve need many hulls, and few squares.
+  found = ProveBySquares(q, nearer, DistanceCertificate::kMostWork, workspace);
+  found.lower_bound = std::max(found.lower_bound, std::min(nearer.lower_bound, found.distance));
+  return found;
+}
+
+FoundFoot FootSearch::ProveBySquares(const Eigen::Vector3d& q,
+                                     const FoundFoot& start,
+                                     int most_work,
+                                     FootWorkspace& workspace) const {
+  DistanceCertificate proof(table_, q, start, workspace.arena, nullptr, most_work);
   workspace.near.clear();
   boxes_.Within(q.data(), proof.squared(), workspace.near);
   for (const BoundingVolumeTree::Near& near : workspace.near) {

@@ -28,7 +28,8 @@ struct FootWorkspace {
 // negative, or it is convex and its least value is not, nothing is nearer; where it is monotone
 // only a side can be; otherwise it is halved. τ = ε(2d + ε) + rounding with ε = 1e-11 of the
 // shape's size; where rounding would weigh more than that, the polynomial is made anew from control
-// points about q, which loses no digits.
+// points about q, which loses no digits. Where that takes long, as it does on shapes much longer
+// than wide, the search goes on by distances from convex hulls (HullSearch).
 class FootSearch {
  public:
   explicit FootSearch(FootTable table);
@@ -57,6 +58,11 @@ class FootSearch {
  private:
   FootPiece Piece(int piece) const;
   FoundFoot Prove(const Eigen::Vector3d& q, const FoundFoot& start, FootWorkspace& workspace) const;
+  // By DistanceCertificate, looking at so many coefficients.
+  FoundFoot ProveBySquares(const Eigen::Vector3d& q,
+                           const FoundFoot& start,
+                           int most_work,
+                           FootWorkspace& workspace) const;
   // The lower bound by the reach of a place, zero where that says nothing.
   double BoundByReach(const FoundFoot& found) const;
   // The gradient that counts at a place of a piece.

@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "geometry/foot_points/foot_table.h"
-#include "geometry/editing/monotone_arcs.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "geometry/editing/monotone_arcs.h"
+#include "geometry/foot_points/foot_table.h"
 
 namespace batten::internal {
 

@@ -15,6 +15,7 @@
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/trim_region.h"
+#include "geometry/measure/narrow_spans.h"
 #include "geometry/mesh/mesh_domain.h"
 #include "geometry/mesh/triangle_error.h"
 #include "geometry/mesh/triangle_proof.h"
@@ -495,6 +496,7 @@ TriangleMesh Tessellate(const NurbsSurface& surface, const TessellateOptions& op
   if (!(tolerance > 0)) {
     throw std::invalid_argument("Tessellate: surface: all of it is one point");
   }
+  RefuseNarrowSpans("Tessellate", surface, tolerance);
   return Tessellation(surface, box.center(), tolerance, options).Run();
 }
 

@@ -33,8 +33,12 @@ TriangleError ErrorOf(const SurfaceTriangle& triangle,
   std::array<double, 3> lengths, bends{};
   for (int e = 0; e < 3; ++e) lengths[e] = (q[Last(e)] - q[Next(e)]).norm();
   const double longest = *std::max_element(lengths.begin(), lengths.end());
-  const Eigen::Vector3d plane = Unit((q[1] - q[0]).cross(q[2] - q[0]), longest * longest);
+  const Eigen::Vector3d cross = (q[1] - q[0]).cross(q[2] - q[0]);
+  const Eigen::Vector3d plane = Unit(cross, longest * longest);
   const bool flat = !plane.isZero();
+  // A sliver is where it should be, whichever side it shows.
+  constexpr double kSliver = 0.01;  // height over the tolerance
+  const bool sliver = cross.norm() <= kSliver * tolerance * longest;
   double distance = 0;
   bool turned = false;
 
@@ -83,7 +87,7 @@ TriangleError ErrorOf(const SurfaceTriangle& triangle,
     }
     distance = std::max(distance, bends[e]);
   }
-  turned = turned && longest > tolerance;
+  turned = turned && longest > tolerance && !sliver;
   if (turned) distance = std::max(distance, longest);
 
   TriangleError error{distance, {0, 1, 2}};

@@ -14,6 +14,7 @@
 #include "batten/geometry/reverse.h"
 #include "geometry/bezier/bernstein.h"
 #include "geometry/bezier/spline_pieces.h"
+#include "geometry/measure/narrow_spans.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/section/section_fit.h"
 #include "geometry/section/section_trace.h"
@@ -107,6 +108,7 @@ PlaneSection Section(const NurbsSurface& surface,
   PlaneSection section;
   // A single point has no section.
   if (!(size > 0)) return section;
+  RefuseNarrowSpans("Section", near, tolerance);
   const SectionTrace trace = TraceSection(near, unit.normal, offset, tolerance);
   FittedChains fitted = SectionFitter(near, unit.normal, offset, tolerance).Fit(trace);
   for (FittedChain& chain : fitted.curves) {

@@ -11,7 +11,9 @@
 #include <filesystem>
 #include <mutex>
 #include <set>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "batten/io/read_error.h"
 
@@ -20,10 +22,17 @@ namespace {
 
 constexpr size_t kBufferBytes = size_t{1} << 20;
 
-// The temporary files that exist now.
+// A file that is whole and waits for its name.
+struct Waiting {
+  std::string temporary, replaced, target;
+};
+
+// The temporary files that exist now, and those of a batch.
 struct Register {
   std::mutex mutex;
   std::set<std::string> paths;
+  bool in_batch = false;
+  std::vector<Waiting> batch;
 };
 
 Register& OpenFiles() {
@@ -41,12 +50,28 @@ void Leave(const std::string& path) {
   OpenFiles().paths.erase(path);
 }
 
+// Whether a batch takes the file.
+bool TakenByBatch(const Waiting& file) {
+  const std::lock_guard lock(OpenFiles().mutex);
+  if (OpenFiles().in_batch) OpenFiles().batch.push_back(file);
+  return OpenFiles().in_batch;
+}
+
+WriteError Failed(const std::string& target, int reason) {
+  return WriteError(target, std::string("can't be written: ") + std::strerror(reason));
+}
+
+void Rename(const Waiting& file) {
+  if (::rename(file.temporary.c_str(), file.replaced.c_str()) != 0)
+    throw Failed(file.target, errno);
+}
+
 void WriteAll(int descriptor, std::string_view text, const std::string& target) {
   while (!text.empty()) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
     if (written < 0) {
       if (errno == EINTR) continue;
-      throw WriteError(target, std::string("can't be written: ") + std::strerror(errno));
+      throw Failed(target, errno);
     }
     text.remove_prefix(static_cast<size_t>(written));
   }
@@ -60,11 +85,12 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   const auto status = std::filesystem::status(target_, ignored);
   if (std::filesystem::is_directory(status))
     throw WriteError(target_, "is a directory, not a file to write");
-  if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0) throw Failure(errno);
+  if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0)
+    throw Failed(target_, errno);
   // Devices and pipes are written, not replaced.
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor_ < 0) throw Failure(errno);
+    if (descriptor_ < 0) throw Failed(target_, errno);
     return;
   }
   // A link stays, and what it points to is replaced.
@@ -80,7 +106,7 @@ AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
       ::mkostemps(temporary_.data(), static_cast<int>(path.extension().string().size()), O_CLOEXEC);
   if (descriptor_ < 0) {
     temporary_.clear();
-    throw Failure(errno);
+    throw Failed(target_, errno);
   }
   Enter(temporary_);
 }
@@ -95,10 +121,6 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::RemoveTemporaries() {
   const std::lock_guard lock(OpenFiles().mutex);
   for (const std::string& path : OpenFiles().paths) ::unlink(path.c_str());
-}
-
-WriteError AtomicFile::Failure(int reason) const {
-  return WriteError(target_, std::string("can't be written: ") + std::strerror(reason));
 }
 
 void AtomicFile::Flush() {
@@ -119,17 +141,46 @@ void AtomicFile::Commit() {
   }
   Flush();
   if (temporary_.empty()) {
-    if (::close(std::exchange(descriptor_, -1)) != 0) throw Failure(errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0) throw Failed(target_, errno);
     return;
   }
   // mkostemps makes files private; give the mode that an ordinary new file would have.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(descriptor_, 0666 & ~mask);
-  if (::close(std::exchange(descriptor_, -1)) != 0) throw Failure(errno);
-  if (::rename(temporary_.c_str(), replaced_.c_str()) != 0) throw Failure(errno);
-  Leave(temporary_);
+  if (::close(std::exchange(descriptor_, -1)) != 0) throw Failed(target_, errno);
+  const Waiting file{temporary_, replaced_, target_};
+  if (!TakenByBatch(file)) {
+    Rename(file);
+    Leave(temporary_);
+  }
   temporary_.clear();
+}
+
+OutputBatch::OutputBatch() {
+  const std::lock_guard lock(OpenFiles().mutex);
+  if (std::exchange(OpenFiles().in_batch, true))
+    throw std::logic_error("OutputBatch: there is one already");
+}
+
+OutputBatch::~OutputBatch() {
+  const std::lock_guard lock(OpenFiles().mutex);
+  for (const Waiting& file : OpenFiles().batch) {
+    ::unlink(file.temporary.c_str());
+    OpenFiles().paths.erase(file.temporary);
+  }
+  OpenFiles().batch.clear();
+  OpenFiles().in_batch = false;
+}
+
+void OutputBatch::Commit() {
+  const std::lock_guard lock(OpenFiles().mutex);
+  std::vector<Waiting>& batch = OpenFiles().batch;
+  while (!batch.empty()) {
+    Rename(batch.front());
+    OpenFiles().paths.erase(batch.front().temporary);
+    batch.erase(batch.begin());
+  }
 }
 
 }  // namespace batten

@@ -54,7 +54,8 @@ TEST_F(ProjectTest, GivesOneCertifiedFootForEachPointInOrder) {
   const NurbsSurface sphere = Sphere(1);
   for (size_t k = 0; k < 4; ++k) {
     const Json& one = results[k];
-    EXPECT_EQ(one.size(), 5u) << one;
+    EXPECT_EQ(one.size(), 6u) << one;
+    EXPECT_TRUE(one["certified"]);
     EXPECT_NEAR(one["distance"].get<double>(), expected[k], kIterated);
     EXPECT_LE(one["lower_bound"], one["distance"]);
     EXPECT_NEAR(one["lower_bound"].get<double>(), expected[k], kIterated);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/nurbs_curve.h"
@@ -14,7 +15,13 @@ namespace batten {
 struct PointDistances {
   Eigen::VectorXd distances;   // signed along the surface normal; not negative for curves
   Eigen::MatrixXd parameters;  // of the foot points: 2 × m (u, v) or 1 × m (u)
+  // Points of DistancesTo for which a nearer place may have been missed (SurfaceFoot::certified):
+  // their distances are upper bounds.
+  Eigen::Index uncertified = 0;
 };
+
+// A sentence on uncertified distances, for reports.
+std::string UncertifiedText(Eigen::Index count);
 
 // Distances from each point's nearest point on the whole surface or, where it is trimmed, on the
 // part inside its loops. Where that point lies on the border, of the surface or of the part, the
@@ -47,6 +54,7 @@ PointDistances DistancesTo(const NurbsCurve<Dim>& curve,
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
     result.distances[k] = feet[k].distance;
     result.parameters(0, k) = feet[k].u;
+    if (!feet[k].certified) ++result.uncertified;
   }
   return result;
 }

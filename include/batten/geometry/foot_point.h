@@ -19,6 +19,7 @@ struct SurfaceFoot {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   double distance = 0;
   double lower_bound = 0;  // no point of the surface, or of its part that counts, is nearer
+  bool certified = false;  // the bound is the distance, but for what a search may miss
 };
 
 // The nearest point found on a curve.
@@ -27,6 +28,7 @@ struct CurveFoot {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   double distance = 0;
   double lower_bound = 0;  // no point of the curve is nearer than this
+  bool certified = false;  // the bound is the distance, but for what a search may miss
 };
 
 // The local minimum of |S(u,v) − q| reached from (u,v) by Newton steps that never leave the box and

@@ -27,6 +27,7 @@ class AtomicFile {
   // Appends to the file; buffered.
   void Write(std::string_view text);
 
+  // Gives the file its name; while an OutputBatch lives, that waits for the batch.
   void Commit();
 
   // Unlinks the temporary files of every AtomicFile that is open, from any thread: for a process
@@ -35,10 +36,25 @@ class AtomicFile {
 
  private:
   void Flush();
-  WriteError Failure(int reason) const;
   std::string target_, temporary_, buffer_;
   std::string replaced_;  // what the temporary file is renamed to: the target or what it links to
   int descriptor_ = -1;
+};
+
+// All outputs of a piece of work, or none: while one lives, files that any thread of the process
+// commits are written whole and keep their temporary names until the batch is committed. One at a
+// time: throws std::logic_error for a second.
+class OutputBatch {
+ public:
+  OutputBatch();
+  // Removes what has not been committed.
+  ~OutputBatch();
+  OutputBatch(const OutputBatch&) = delete;
+  OutputBatch& operator=(const OutputBatch&) = delete;
+
+  // Gives the files of the batch that lives their names, in the order in which they were committed.
+  // Throws WriteError naming the first that can't be; those before it stay.
+  static void Commit();
 };
 
 }  // namespace batten

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "batten/fitting/fit_curve.h"
 #include "dense_samples.h"
 #include "fitting/curve/curve_cut.h"
 #include "random_splines.h"
@@ -91,6 +92,44 @@ TEST(CutToDataTest, GivesUpWhereASpanWouldBeLost) {
   const auto whole = CutToData(curve, On(curve, Eigen::VectorXd::LinSpaced(9, 0, 1)).data());
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->curve, curve);
+}
+
+// Points in clumps are many and yet at few places: no curve flies off between them.
+TEST(FitCurveTest, StaysNearTheBoxOfClumpedPoints) {
+  int fitted = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int places = random.Integer(2, 6), each = random.Integer(3, 8);
+    const double noise = std::pow(10.0, random.Integer(-6, -3));
+    Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, Eigen::Index{places} * each);
+    for (int k = 0; k < places * each; ++k) {
+      const double t = double(k / each) / places;
+      points.col(k) = Eigen::Vector3d(t, seed % 2 ? t * t : std::sin(9 * t), 0);
+      points.col(k) += random.Vector(noise);
+    }
+    const PointCloud cloud = PointCloud::FromWorld(points);
+    CurveFitOptions options;
+    options.threads = 1;
+    options.degree = random.Integer(1, 9);
+    if (random.Coin()) options.optimize = FreeVariables{true, random.Coin(), random.Coin()};
+    if (random.Coin()) options.tolerance = noise;
+    try {
+      const CurveFit<3> fit = FitCurve<3>(cloud, options);
+      ++fitted;
+      const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
+      double beyond = 0;
+      for (int k = 0; k <= 2000; ++k) {
+        const SplineBasis& basis = fit.curve.basis();
+        const Eigen::Vector3d place =
+            fit.curve.At(basis.Clamp(basis.lower() + (basis.upper() - basis.lower()) * k / 2000.0));
+        beyond = std::max(beyond, (low - place).cwiseMax(place - high).maxCoeff());
+      }
+      EXPECT_LE(beyond, 0.5 * (high - low).norm());
+    } catch (const std::invalid_argument&) {  // refused
+    }
+  }
+  EXPECT_GT(fitted, 20);
 }
 
 }  // namespace batten::internal::overshoot_test

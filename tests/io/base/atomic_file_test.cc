@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include "batten/io/read_error.h"
@@ -86,6 +87,42 @@ TEST(AtomicFileTest, RefusesAFolderThatCanNotBeWritten) {
   const TemporaryFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read);
   EXPECT_THROW(AtomicFile(folder.File("a.txt")), WriteError);
+}
+
+TEST(OutputBatchTest, FilesAppearTogether) {
+  const TemporaryFolder folder;
+  {
+    OutputBatch batch;
+    for (const char* const name : {"a.txt", "b.txt"}) {
+      AtomicFile file(folder.File(name));
+      file.Write(name);
+      file.Commit();
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.File("a.txt")));
+    OutputBatch::Commit();
+    EXPECT_EQ(folder.Text("a.txt"), "a.txt");
+    EXPECT_EQ(folder.Text("b.txt"), "b.txt");
+  }
+  EXPECT_EQ(folder.Entries(), 2);
+}
+
+TEST(OutputBatchTest, LeavesNothingWithoutCommit) {
+  const TemporaryFolder folder;
+  folder.With("b.txt", "old");
+  {
+    const OutputBatch batch;
+    for (const char* const name : {"a.txt", "b.txt"}) {
+      AtomicFile file(folder.File(name));
+      file.Write(name);
+      file.Commit();
+    }
+    EXPECT_THROW(OutputBatch(), std::logic_error);
+  }
+  EXPECT_EQ(folder.Text("b.txt"), "old");
+  EXPECT_EQ(folder.Entries(), 1);
+  AtomicFile after(folder.File("a.txt"));
+  after.Commit();
+  EXPECT_EQ(folder.Entries(), 2);
 }
 
 }  // namespace batten::internal::atomic_file_test

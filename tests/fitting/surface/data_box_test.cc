@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Few and badly placed points: no surface goes far beyond them, whatever was asked for.
+#include "fitting/surface/data_box.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "batten/fitting/fit_surface.h"
+#include "random_splines.h"
+
+namespace batten::internal::data_box_test {
+
+constexpr int kClouds = 60;
+constexpr double kLaw = 0.5;  // of the diagonal of the points' box
+
+// On a piece of a random shape, in stripes, in clumps or anywhere.
+PointCloud FewPoints(unsigned seed, RandomSplines& random) {
+  const int count = random.Integer(6, 120);
+  const double noise = std::pow(10.0, random.Integer(-6, -1));
+  Eigen::Matrix3Xd points(3, count);
+  for (int k = 0; k < count; ++k) {
+    double u = random.Real(0, 1), v = random.Real(0, 1);
+    if (seed % 4 == 1) u = std::round(5 * u) / 5;
+    if (seed % 4 == 2) v = u + 0.1 * v;
+    const double height = seed % 3 == 0   ? double(u > 0.5)
+                          : seed % 3 == 1 ? std::max(u, v)
+                                          : 0.3 * std::sin(7 * u) * std::cos(5 * v);
+    points.col(k) = Eigen::Vector3d(u, v, height) + random.Vector(noise);
+    if (seed % 4 == 3) points.col(k) = random.Vector(1);
+  }
+  const Eigen::AngleAxisd turn(random.Real(0, 3), random.Vector(1).normalized());
+  return PointCloud::FromWorld(turn * points);
+}
+
+SurfaceFitOptions OptionsOf(unsigned seed, RandomSplines& random) {
+  SurfaceFitOptions options;
+  options.trim = Trimming::kNone;
+  options.threads = 1;
+  options.base = seed % 2 ? BaseShape::kPlane : BaseShape::kAuto;
+  options.degree_u = options.degree_v = seed % 5 == 0 ? random.Integer(4, 9) : 3;
+  if (random.Integer(0, 3) == 0) options.smoothing = 0;
+  if (random.Integer(0, 3) == 0) options.tolerance = std::pow(10.0, random.Integer(-5, 0));
+  if (random.Integer(0, 4) == 0) options.optimize = FreeVariables{true, true, false};
+  return options;
+}
+
+TEST(DataBoxTest, UntrimmedSurfacesStayNearTheBoxOfFewPoints) {
+  int fitted = 0;
+  for (unsigned seed = 0; seed < kClouds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const PointCloud cloud = FewPoints(seed, random);
+    const SurfaceFitOptions options = OptionsOf(seed, random);
+    try {
+      const SurfaceFit fit = FitSurface(cloud, options);
+      ++fitted;
+      Eigen::AlignedBox3d box;
+      for (Eigen::Index k = 0; k < cloud.size(); ++k)
+        if (!fit.outliers[k]) box.extend(cloud.World(k));
+      const SplineBasis &u = fit.surface.basis_u(), &v = fit.surface.basis_v();
+      double beyond = 0;
+      constexpr int kAcross = 60;
+      for (int i = 0; i <= kAcross; ++i) {
+        for (int j = 0; j <= kAcross; ++j) {
+          const Eigen::Vector3d place =
+              fit.surface.At(u.Clamp(u.lower() + (u.upper() - u.lower()) * i / kAcross),
+                             v.Clamp(v.lower() + (v.upper() - v.lower()) * j / kAcross));
+          beyond = std::max(beyond, (box.min() - place).cwiseMax(place - box.max()).maxCoeff());
+        }
+      }
+      EXPECT_LE(beyond, kLaw * box.diagonal().norm());
+    } catch (const std::invalid_argument&) {  // refused
+    }
+  }
+  EXPECT_GT(fitted, kClouds / 3);
+}
+
+}  // namespace batten::internal::data_box_test
