@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cli/arguments/fit_arguments.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <memory>
 
@@ -123,6 +125,14 @@ void AddEveryFitsArguments(CLI::App& command,
           "Distance every point must keep, in the data's unit; free shapes refine where it is "
           "missed [none]")
       ->type_name("T");
+  command
+      .add_option_function<std::string>(
+          "--time-limit",
+          [&a](const std::string& text) {
+            a.time_limit = ParseNumber("--time-limit", text, Sign::kPositive);
+          },
+          "Seconds for the fit; then the best so far is written, and the exit code is 3 [none]")
+      ->type_name("S");
   Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
         {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
   Suggest(AddText(command,
@@ -211,9 +221,10 @@ std::string FlagsThatHelp(Remedy remedy) {
     case Remedy::kNone:
       return "";
     case Remedy::kFitPart:
-      return " (--box, --where)";
+      return " (--part, --box, --where)";
     case Remedy::kFlatten:
-      return " (--base sheet lays a bent sheet out flat, --box takes a part of the cloud)";
+      return " (--base sheet lays a bent sheet out flat, --part or --box takes a part of the "
+             "cloud)";
     case Remedy::kClosingByData:
       return " (--closed auto)";
   }
@@ -231,13 +242,35 @@ double FitFiles::Seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+bool FitFiles::TimeIsUp() const {
+  if (Interrupted() || !PastTimeLimit()) return false;
+  EndTimeLimit();
+  return true;
+}
+
+void FitFiles::NoteTimeLimit(FitReport& report) const {
+  report.end.code = EndCode::kTimeLimit;
+  report.end.words = fmt::format("the {:g} s allowed were used up: this is the best that was found",
+                                 *a_.time_limit);
+  report.termination = Termination::kMaxIterations;
+  report.warnings.push_back(report.end.words);
+}
+
+void FitFiles::Keep(const std::vector<Eigen::Index>& points) {
+  file_.cloud = file_.cloud.Picked(points);
+}
+
 int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
                     const Eigen::MatrixXd& parameters,
                     const Eigen::Array<bool, Eigen::Dynamic, 1>& outliers,
                     FitReport& report,
                     std::vector<int> owners) const {
-  if (report.termination == Termination::kCancelled) throw Cancelled();
+  if (report.termination == Termination::kCancelled) {
+    if (Interrupted() || !a_.time_limit) throw Cancelled();
+    NoteTimeLimit(report);
+  }
+  EndTimeLimit();
   report.input.files = a_.clouds;
   report.input.points = file_.points_in_file - file_.filtered;
   report.input.non_finite = file_.non_finite;
@@ -266,6 +299,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   report.seconds.total = read_seconds_ + fitted + report.seconds.write;
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
+  if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
   return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
 }
 

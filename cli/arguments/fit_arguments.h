@@ -18,6 +18,7 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/terminal/cli11_forward.h"
 #include "cli/terminal/common_flags.h"
+#include "cli/terminal/interrupt.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
 
@@ -30,7 +31,7 @@ struct FitArguments {
   OutputArguments output;
   CommonFlags flags;
   WorkFlags work;
-  std::optional<double> tolerance;
+  std::optional<double> tolerance, time_limit;
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
               loss_scale = "auto", optimize = "auto", origin = "keep", parameterization;
 };
@@ -66,11 +67,14 @@ std::optional<Eigen::Vector3d> ToShift(const std::string& origin);
 
 // A fit's options with the flags for seed, threads and progress. What breaks a rule of theirs is a
 // usage error.
+//
+// The limit of time begins here.
 template <class Options>
 Options WithWork(Options options, const FitArguments& a) {
   options.seed = a.work.seed;
   options.threads = a.work.threads;
   options.progress = MakeProgress(a.flags.quiet);
+  if (a.time_limit) BeginTimeLimit(*a.time_limit);
   try {
     Check(options);
   } catch (const std::invalid_argument& error) {
@@ -108,6 +112,28 @@ class FitFiles {
       Refuse(error.what());
     }
   }
+  // The same; where time is up before there is any result, `quick` makes one.
+  template <class Function, class Quick>
+  auto ExplainedInTime(const Function& fit, const Quick& quick) const {
+    return Explained([&] {
+      try {
+        return fit();
+      } catch (const Cancelled&) {
+        if (!TimeIsUp()) throw;
+        auto made = quick();
+        NoteTimeLimit(made.report);
+        return made;
+      }
+    });
+  }
+
+  // Whether time was up, and not the user's patience; the limit ends then, and a report is told.
+  bool TimeIsUp() const;
+  void NoteTimeLimit(FitReport& report) const;
+
+  // Goes on with these points of the cloud alone.
+  void Keep(const std::vector<Eigen::Index>& points);
+
   [[noreturn]] void Refuse(const std::string& reason) const;
 
   Eigen::Vector3d shift() const;

@@ -178,17 +178,35 @@ CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
   return WithWork(std::move(options), a);
 }
 
+// A fit in little time, for where time is up before there is any.
+CurveFitOptions QuickCurveOptions(CurveFitOptions options) {
+  constexpr int kEnough = 100;
+  options.optimize = FreeVariables();
+  options.max_control_points = std::min(options.max_control_points, kEnough);
+  return options;
+}
+
 template <int Dim>
 int Fit(const FitFiles& files,
         const PointCloud& cloud,
         const CurveFitOptions& options,
         const Component& component) {
-  std::vector<CurveFit<Dim>> fits = files.Explained([&] {
+  const auto fit = [&](const CurveFitOptions& options) {
     if (component.all) return FitCurves<Dim>(cloud, options);
     std::vector<CurveFit<Dim>> one;
     one.push_back(component.number ? FitComponent<Dim>(cloud, *component.number, options)
                                    : FitCurve<Dim>(cloud, options));
     return one;
+  };
+  std::vector<CurveFit<Dim>> fits = files.Explained([&] {
+    try {
+      return fit(options);
+    } catch (const Cancelled&) {
+      if (!files.TimeIsUp()) throw;
+      std::vector<CurveFit<Dim>> quick = fit(QuickCurveOptions(options));
+      for (CurveFit<Dim>& one : quick) files.NoteTimeLimit(one.report);
+      return quick;
+    }
   });
   auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;

@@ -11,6 +11,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
+#include "cli/arguments/fit_parts.h"
 #include "cli/arguments/surface_conditions.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -31,6 +32,7 @@ struct FitSurfaceArguments : FitArguments {
   ConditionArguments conditions;
   std::string grid, grid_method = "auto";
   std::optional<double> thin;
+  std::string part = "whole";
 };
 
 // Flags that do not go together.
@@ -48,6 +50,8 @@ void CheckFitSurface(const FitSurfaceArguments& a) {
   }
   if (a.grid.empty() && a.grid_method != "auto")
     throw UsageError("--grid-method " + a.grid_method + ": needs --grid N,M");
+  if (!a.grid.empty() && a.part != "whole")
+    throw UsageError("--grid: its rows and columns are one part (--part " + a.part + ")");
   if (!a.grid.empty() &&
       (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
        a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.thin)) {
@@ -138,7 +142,11 @@ int RunFitSurface(const FitSurfaceArguments& a) {
         "them)");
   }
   options.shift = files.shift();
-  SurfaceFit fit = files.Explained([&] { return FitSurface(cloud, options); });
+  const PartChoice part = ToPartChoice(a.part);
+  if (part.asked()) return RunPartsFit(files, cloud, options, part);
+  SurfaceFit fit =
+      files.ExplainedInTime([&] { return FitSurface(cloud, options); },
+                            [&] { return FitSurface(cloud, QuickOptions(options, cloud)); });
   return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
@@ -198,6 +206,13 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
           "Fit one point in each cube of side D, the one nearest to the middle of its points; all "
           "are measured")
       ->type_name("D");
+  Suggest(
+      *add("--part",
+           a->part,
+           "Which connected part of the cloud: whole (all points, one surface), a number, 1 the "
+           "one of most points, or all (a surface each, one OUT for them all)",
+           "K"),
+      {"whole", "all"});
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
   command.add_flag(
       "--snap",
@@ -215,6 +230,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "off.csv\n"
       "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
       "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
+      "  batten fit surface table.pcd -o objects.step --part all --time-limit 60\n"
       "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
       "  batten fit surface half.xyz -o hull.step --symmetric y\n"
       "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "

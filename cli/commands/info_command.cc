@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/io/file_format.h"
@@ -60,7 +61,24 @@ Json CloudInfo(const InfoArguments& a) {
   info["spacing"] = statistics.spacing;
   info["noise"] = statistics.noise;
   info["outliers"] = statistics.outlier_count;
+  const CloudParts found = FindCloudParts(cloud, pool);
+  info["parts"] = Json::array();
+  for (const CloudPart& part : found.parts) {
+    info["parts"].push_back({{"points", part.points.size()},
+                             {"box", Json::array({ToJson(part.box.min()), ToJson(part.box.max())})},
+                             {"share", part.share}});
+  }
+  info["stray"] = found.stray;
   return info;
+}
+
+// "3, of 4000, 1200, 60 points", the first few.
+std::string PartsText(const Json& parts) {
+  constexpr size_t kFew = 8;
+  std::string text = std::to_string(parts.size());
+  for (size_t k = 0; k < std::min(kFew, parts.size()); ++k)
+    text += (k == 0 ? ", of " : ", ") + std::to_string(parts[k]["points"].get<std::int64_t>());
+  return text + (parts.size() > kFew ? ", … points" : parts.empty() ? "" : " points");
 }
 
 int RunInfo(const InfoArguments& a) {
@@ -79,6 +97,7 @@ int RunInfo(const InfoArguments& a) {
   if (a.flags.json) {
     fmt::print("{}\n", JsonText(info, 2));
   } else if (!a.flags.quiet) {
+    if (info.contains("parts")) info["parts"] = PartsText(info["parts"]);
     PrintAligned(info);
   }
   return kDone;

@@ -258,6 +258,10 @@ int RunProgram(int argc, char** argv) {
     PrintError(error.what());
     return kBadUsage;
   } catch (const Cancelled&) {
+    if (PastTimeLimit() && !Interrupted()) {
+      PrintError("--time-limit: there was no result yet when time was up; nothing was written");
+      return kBadInput;
+    }
     PrintError("interrupted; nothing was written");
     return kInterrupted;
   } catch (const std::bad_alloc&) {

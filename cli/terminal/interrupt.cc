@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "cli/terminal/interrupt.h"
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 
 namespace batten::internal {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
+
+using Clock = std::chrono::steady_clock;
+std::atomic<Clock::time_point> deadline{Clock::time_point::max()};
 
 extern "C" void NoteInterrupt(int) { interrupted = 1; }
 
@@ -26,5 +32,15 @@ void CatchSignals() {
 }
 
 bool Interrupted() { return interrupted != 0; }
+
+void BeginTimeLimit(double seconds) {
+  constexpr double kLongest = 1e9;  // thirty years
+  deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(std::min(seconds, kLongest)));
+}
+
+void EndTimeLimit() { deadline = Clock::time_point::max(); }
+
+bool PastTimeLimit() { return Clock::now() >= deadline.load(); }
 
 }  // namespace batten::internal

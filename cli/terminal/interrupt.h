@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ctrl-C and SIGTERM as a wish that work looks at.
+// Ctrl-C, SIGTERM and a limit of time as wishes that work looks at.
 #pragma once
 
 namespace batten::internal {
@@ -8,5 +8,10 @@ namespace batten::internal {
 // where it was. Writing past a limit on the size of files fails with EFBIG.
 void CatchSignals();
 bool Interrupted();
+
+// From so many seconds from now on PastTimeLimit() is true, until the limit ends.
+void BeginTimeLimit(double seconds);
+void EndTimeLimit();
+bool PastTimeLimit();
 
 }  // namespace batten::internal

@@ -23,6 +23,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kQuietTime = std::chrono::seconds(1);
 constexpr auto kRedraw = std::chrono::milliseconds(100);
+constexpr auto kTold = std::chrono::seconds(10);
+constexpr int kNoRoomForABar = 36;  // columns
 constexpr auto kPatience = std::chrono::milliseconds(100);
 
 int Columns() {
@@ -50,7 +52,7 @@ class Bar {
   void Note(const char* stage, double fraction) {
     {
       const std::lock_guard lock(mutex_);
-      if (!started_) std::thread([this] { Draw(); }).detach();
+      if (!started_) std::thread([this] { BarPossible() ? Draw() : Tell(); }).detach();
       started_ = true;
       meter_.Note(stage, fraction, Now());
       if (shown_) return;
@@ -86,6 +88,18 @@ class Bar {
       if (drawn_ > line.size()) text += std::string(drawn_ - line.size(), ' ') + '\r' + line;
       WriteToErrors(text);
       drawn_ = line.size();
+    }
+  }
+
+  // A line now and then, where none can be taken back.
+  void Tell() {
+    for (;;) {
+      std::this_thread::sleep_for(kTold);
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return shown_; });
+      if (Interrupted()) continue;
+      WriteToErrors("batten: " + ProgressLine(meter_.At(Now()), kNoRoomForABar) + ", " +
+                    std::to_string(static_cast<int>(Now())) + " s so far\n");
     }
   }
 

@@ -11,7 +11,8 @@ namespace batten::internal {
 bool BarPossible();
 
 // Tells the bar how far the work is. It is drawn from a second after the first note on, ten times a
-// second at most, while the program is in the foreground.
+// second at most, while the program is in the foreground; where no bar is possible a line is
+// written every ten seconds.
 void NoteProgress(const char* stage, double fraction);
 
 // Tells it what a whole stage amounts to, so that it shows a rate (progress_meter.h).

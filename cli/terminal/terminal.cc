@@ -16,12 +16,6 @@
 #include "cli/terminal/streams.h"
 
 namespace batten::internal {
-namespace {
-
-bool Draws(bool quiet) { return !quiet && BarPossible(); }
-
-}  // namespace
-
 void WatchForInterrupt() {
   CatchSignals();
   // Work looks at the flag where it can; this thread makes sure of the promised second.
@@ -37,15 +31,15 @@ void WatchForInterrupt() {
 }
 
 Progress MakeProgress(bool quiet) {
-  return [draw = Draws(quiet)](const char* stage, double fraction) {
-    if (Interrupted()) return false;
+  return [draw = !quiet](const char* stage, double fraction) {
+    if (Interrupted() || PastTimeLimit()) return false;
     if (draw) NoteProgress(stage, fraction);
     return true;
   };
 }
 
 void BeginReading(const std::vector<std::string>& paths, bool quiet) {
-  if (!Draws(quiet)) return;
+  if (quiet) return;
   double bytes = 0;
   for (const std::string& path : paths) {
     std::error_code unknown;  // of a pipe, or of no file at all: reading says what is wrong
@@ -57,7 +51,7 @@ void BeginReading(const std::vector<std::string>& paths, bool quiet) {
 }
 
 void TellAmount(const char* stage, double total, const char* unit, bool quiet) {
-  if (Draws(quiet)) SetProgressAmount(stage, total, unit);
+  if (!quiet) SetProgressAmount(stage, total, unit);
 }
 
 void ClearProgress() { HideBar(); }

@@ -14,7 +14,8 @@ namespace batten::internal {
 void WatchForInterrupt();
 
 // A progress callback that draws a bar on standard error once work has taken a second, if that is a
-// terminal and `quiet` is not set, and that stops work after Ctrl-C.
+// terminal and `quiet` is not set (else it writes a line every ten seconds), and that stops work
+// after Ctrl-C or when the limit of time is past (interrupt.h).
 Progress MakeProgress(bool quiet);
 
 // That files are being read from now on: the bar says how fast. Nothing where it is not drawn.

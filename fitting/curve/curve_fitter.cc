@@ -48,6 +48,7 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
   const bool refined = !task.by_feet() && !ordered.closed && options.tolerance;
   clock.Enter(refined ? &StageSeconds::refine : &StageSeconds::solve);
   SolvedCurve solved = Solve(task, sequence_outliers);
+  PullIn(task, solved);
   ImproveJointly<Dim>(task, solved, clock, report.optimize);
   report.iterations = std::move(solved.rounds);
   report.warnings = std::move(solved.warnings);

@@ -22,7 +22,7 @@ namespace batten::internal {
 namespace {
 
 constexpr int kBasisPasses = 2;  // weights choose spans, spans choose weights
-constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e3, kRegularizationStep = 10;
+constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e6, kRegularizationStep = 10;
 constexpr double kManyOutliers = 0.003;  // share of the points: above it some were missed
 constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kFootPointSteps = 2;
@@ -96,22 +96,6 @@ std::vector<SpanLayout> SpreadLayouts(const CurveTask& task, const SpanLayout& e
   return layouts;
 }
 
-// The problem's solution, with more fairness where the curve overshoots between its data.
-void TakeRegularized(const CurveTask& task, LinearSolution solution, SolvedCurve& solved) {
-  const std::string told =
-      "the points leave parts of the curve open: fairness was raised there and everywhere";
-  for (double smoothing = kFirstRegularization;
-       smoothing <= kLastRegularization && Acts(Rule::kOvershoot);
-       smoothing *= kRegularizationStep) {
-    if (!HasOvershoot(solved.problem, solution.coefficients, {}, task.noise)) break;
-    if (smoothing <= solved.problem.smoothing()) continue;
-    solved.problem = solved.problem.WithSmoothing(smoothing);
-    solution = SolveLinear(solved.problem, task.pool);
-    if (solved.warnings.empty() || solved.warnings.back() != told) solved.warnings.push_back(told);
-  }
-  Take(solution, solved);
-}
-
 // Makes the last fits on all data.
 void Settle(const CurveTask& task,
             FittingProblem problem,
@@ -138,10 +122,26 @@ void Settle(const CurveTask& task,
     solved.rounds.push_back(round);
   }
   solved.problem = std::move(fit.problem);
-  TakeRegularized(task, std::move(fit.solution), solved);
+  Take(fit.solution, solved);
 }
 
 }  // namespace
+
+void PullIn(const CurveTask& task, SolvedCurve& solved) {
+  const std::string told =
+      "the points leave parts of the curve open: fairness was raised there and everywhere";
+  for (double smoothing = kFirstRegularization;
+       smoothing <= kLastRegularization && Acts(Rule::kOvershoot);
+       smoothing *= kRegularizationStep) {
+    if (!HasOvershoot(solved.problem, solved.control_points, {}, task.noise)) break;
+    if (smoothing <= solved.problem.smoothing()) continue;
+    solved.problem = solved.problem.WithSmoothing(smoothing);
+    if (solved.warnings.empty() || solved.warnings.back() != told) solved.warnings.push_back(told);
+    const LinearSolution solution = SolveLinear(solved.problem, task.pool);
+    solved.squares = solution.residual_squares;
+    solved.control_points = solution.coefficients;
+  }
+}
 
 SolvedCurve SolveAtParameters(const CurveTask& task) {
   const CurveFitOptions& options = task.options;

@@ -35,4 +35,7 @@ SolvedCurve SolveWithControlPoints(const CurveTask& task);
 // the noise of the task where it is unknown, and clears its corners where a smooth curve serves.
 SolvedCurve SolveAdaptively(CurveTask& task, Eigen::Index outliers, Eigen::Index points);
 
+// Raises the fairness of a solution that overshoots between its data until it does not.
+void PullIn(const CurveTask& task, SolvedCurve& solved);
+
 }  // namespace batten::internal

@@ -34,6 +34,8 @@ Eigen::Matrix2Xd StartsFrom(const NurbsSurface& surface, const Eigen::Matrix2Xd&
 }  // namespace
 
 std::string UncertifiedText(Eigen::Index count) {
+  if (count == 1)
+    return "of one point it is not proved that no place is nearer: its distance is an upper bound";
   return "of " + std::to_string(count) +
          " points it is not proved that no place is nearer: their distances are upper bounds";
 }

@@ -18,7 +18,6 @@ namespace {
 constexpr double kOfNoise = 3;      // slack of the bounds in standard deviations …
 constexpr double kOfSpacing = 1;    // … and in spacings: points may as well lie so far apart
 constexpr double kRounding = 1e-9;  // of an interval
-constexpr int kMostRounds = 3;      // a choice: a set may cycle, and the last move keeps the bounds
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those
@@ -151,6 +150,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       Eigen::Index measured,
                       double spacing,
                       ThreadPool& pool,
+                      int most_rounds,
                       BoundedSolution& bounded) {
   if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
   LinearSolution& solution = bounded.solution;
@@ -167,8 +167,8 @@ void HoldCoefficients(const FittingProblem& problem,
   ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
   set.HoldWhatLeaves();
   bool changed = true;
-  for (int round = 1; changed && round <= kMostRounds && set.Solve(); ++round) {
-    changed = round < kMostRounds && set.Release();
+  for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
+    changed = round < most_rounds && set.Release();
     changed = set.HoldWhatLeaves() || changed;
   }
   solution.coefficients = set.net();
@@ -181,13 +181,14 @@ void HoldCoefficients(const FittingProblem& problem,
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   Eigen::Index measured,
                                   double spacing,
-                                  ThreadPool& pool) {
+                                  ThreadPool& pool,
+                                  int most_rounds) {
   const PenalisedSystem system(problem, pool);
   const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
-  HoldCoefficients(problem, system, measured, spacing, pool, bounded);
+  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, bounded);
   if (auto inside = HeldInBox(problem, bounded.solution, measured, pool)) {
     bounded.solution = std::move(*inside);
     bounded.in_box = true;

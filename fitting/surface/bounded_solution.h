@@ -17,16 +17,17 @@ struct BoundedSolution {
 // Minimises the problem's sum while every coefficient keeps the bounds of BoundsFromData: least
 // squares alone leave the points where these do not determine a coefficient, under cliffs, in holes
 // and at borders. An active-set method: coefficients outside their bounds are held at them, those
-// whose gradient points inwards are released, in at most three rounds; what is outside then is
-// moved to its bound. [Björck 1996, §5.2] Points in space are bounded along the normal of a smooth
-// shape, and held as a whole. A solution within its bounds is returned bit for bit as SolveLinear
-// returns it; one with poles has no bounds. Where the surface would leave the box of its data all
-// the same, it is held in that (data_box.h). The first `measured` data count for bounds, which are
-// slack by their spacing and noise. Values: heights or points in space. O(m (p+1)(q+1)), and a
-// factorization for each round.
+// whose gradient points inwards are released, in so many rounds at most (a set may cycle); what is
+// outside then is moved to its bound. [Björck 1996, §5.2] Points in space are bounded along the
+// normal of a smooth shape, and held as a whole. A solution within its bounds is returned bit for
+// bit as SolveLinear returns it; one with poles has no bounds. Where the surface would leave the
+// box of its data all the same, it is held in that (data_box.h). The first `measured` data count
+// for bounds, which are slack by their spacing and noise. Values: heights or points in space. O(m
+// (p+1)(q+1)), and a factorization for each round.
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   Eigen::Index measured,
                                   double spacing,
-                                  ThreadPool& pool);
+                                  ThreadPool& pool,
+                                  int most_rounds = 3);
 
 }  // namespace batten::internal

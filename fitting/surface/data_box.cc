@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/data_box.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -12,58 +14,77 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kGrown = 0.25;       // of the diagonal: the law for points …
-constexpr double kGrownUp = 0.15;     // … and for heights, whose rectangle may be turned in space
-constexpr double kWanted = 0.1;       // of the diagonal: what is held is brought so near
+constexpr double kGrown = 0.2;        // of the diagonal: the law for points …
+constexpr double kGrownUp = 0.1;      // … and for heights, whose rectangle may be turned in space
+constexpr double kWanted = 0.05;      // of the diagonal: what is held is brought so near
 constexpr int kRoundsOfData = 6;      // each ten times the weight of the one before
 constexpr double kFirstShare = 0.01;  // weight of all held places of the first, of that of the data
 constexpr double kFirstFairness = 1e-3, kLastFairness = 1e5, kFairnessStep = 100;
 
-// The box of data, and their diagonal in space.
+// The box of data along their principal axes, so that it turns with them, and their diagonal in
+// space.
 struct Box {
+  Eigen::MatrixXd axes;  // columns
   Eigen::VectorXd low, high;
   double diagonal = 0;
   double grown = kGrown;
 
-  bool Holds(const Eigen::VectorXd& value) const {
-    const double by = grown * diagonal;
-    return (value.array() >= low.array() - by).all() && (value.array() <= high.array() + by).all();
+  // How far a value is outside along an axis.
+  double Beyond(const Eigen::VectorXd& value) const {
+    const Eigen::VectorXd at = axes.transpose() * value;
+    return std::max(0.0, (low - at).cwiseMax(at - high).maxCoeff());
   }
+  bool Holds(const Eigen::VectorXd& value) const { return Beyond(value) <= grown * diagonal; }
   Eigen::VectorXd Nearest(const Eigen::VectorXd& value) const {
     const Eigen::VectorXd by = Eigen::VectorXd::Constant(low.size(), kWanted * diagonal);
-    return value.cwiseMax(low - by).cwiseMin(high + by);
+    const Eigen::VectorXd at = axes.transpose() * value;
+    return axes * at.cwiseMax(low - by).cwiseMin(high + by);
   }
 };
+
+// Of some columns; of none: a point.
+Box BoxOf(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& kept) {
+  const Eigen::Index d = values.rows();
+  Box box{Eigen::MatrixXd::Identity(d, d), Eigen::VectorXd::Zero(d), Eigen::VectorXd::Zero(d)};
+  if (kept.empty()) return box;
+  const Eigen::MatrixXd used = values(Eigen::all, kept);
+  const Eigen::VectorXd mean = used.rowwise().mean();
+  const Eigen::MatrixXd off = used.colwise() - mean;
+  if (d > 1)
+    box.axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(off * off.transpose()).eigenvectors();
+  const Eigen::MatrixXd along = box.axes.transpose() * used;
+  box.low = along.rowwise().minCoeff();
+  box.high = along.rowwise().maxCoeff();
+  box.diagonal = (box.high - box.low).norm();
+  return box;
+}
 
 bool Counts(const FittingData& data, Eigen::Index k) {
   return data.weights.size() == 0 || data.weights[k] > 0;
 }
 
 Box BoxOf(const FittingData& data, Eigen::Index measured) {
-  const Eigen::Index d = data.values.rows();
-  Box box{Eigen::VectorXd::Constant(d, HUGE_VAL), Eigen::VectorXd::Constant(d, -HUGE_VAL)};
-  Eigen::Vector2d first = Eigen::Vector2d::Constant(HUGE_VAL), last = -first;
-  for (Eigen::Index k = 0; k < measured; ++k) {
-    if (!Counts(data, k)) continue;
-    box.low = box.low.cwiseMin(data.values.col(k));
-    box.high = box.high.cwiseMax(data.values.col(k));
-    first = first.cwiseMin(data.parameters.col(k));
-    last = last.cwiseMax(data.parameters.col(k));
-  }
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < measured; ++k)
+    if (Counts(data, k)) kept.push_back(k);
+  Box box = BoxOf(data.values, kept);
+  if (data.values.rows() > 1 || kept.empty()) return box;
   // Parameters of heights are lengths.
-  const double across = d == 1 ? (last - first).norm() : 0;
-  if (d == 1) box.grown = kGrownUp;
-  box.diagonal = std::hypot((box.high - box.low).norm(), across);
+  const Eigen::Matrix2Xd places = data.parameters(Eigen::all, kept);
+  box.grown = kGrownUp;
+  box.diagonal =
+      std::hypot(box.diagonal, (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm());
   return box;
 }
 
-// Ends, and places between, of the spans of one direction, as many as its degree.
+// Ends, and places between, of the spans of one direction, twice as many as its degree.
 std::vector<double> PlacesAlong(const SplineBasis& basis) {
   std::vector<double> places;
   for (const int span : basis.Spans()) {
     const double a = basis.knots()[static_cast<size_t>(span)],
                  b = basis.knots()[static_cast<size_t>(span) + 1];
-    for (int k = 0; k <= basis.degree(); ++k) places.push_back(a + (b - a) * k / basis.degree());
+    const int parts = 2 * basis.degree();
+    for (int k = 0; k <= parts; ++k) places.push_back(a + (b - a) * k / parts);
   }
   for (double& place : places) place = basis.Clamp(place);
   places.erase(std::unique(places.begin(), places.end()), places.end());
@@ -166,17 +187,17 @@ std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
   return inside;
 }
 
-bool StaysInBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points) {
-  const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
-  const Box box{low, high, (high - low).norm()};
-  if (NetStays(surface.control_points(), box)) return true;
+double BeyondBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points) {
+  std::vector<Eigen::Index> all(static_cast<size_t>(points.cols()));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  const Box box = BoxOf(Eigen::MatrixXd(points), all);
+  if (NetStays(surface.control_points(), box)) return 0;
   const SurfaceEvaluator evaluator(surface);
-  const std::vector<double> us = PlacesAlong(surface.basis_u()),
-                            vs = PlacesAlong(surface.basis_v());
-  return std::all_of(us.begin(), us.end(), [&](double u) {
-    return std::all_of(
-        vs.begin(), vs.end(), [&](double v) { return box.Holds(evaluator.At(u, v)); });
-  });
+  double beyond = 0;
+  for (const double u : PlacesAlong(surface.basis_u()))
+    for (const double v : PlacesAlong(surface.basis_v()))
+      beyond = std::max(beyond, box.Beyond(evaluator.At(u, v)));
+  return beyond <= kGrown * box.diagonal ? 0 : beyond / box.diagonal;
 }
 
 }  // namespace batten::internal

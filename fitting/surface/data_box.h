@@ -12,18 +12,20 @@
 
 namespace batten::internal {
 
-// Holds a surface that leaves the box of its data, grown by a quarter of the data's diagonal
-// (heights: by 15 %), in corners and gaps where the data do not determine it: places outside are
-// data from then on, at the nearest point of the box grown by a tenth, with weights that grow from
-// round to round; what is left after six rounds fairness pulls in. Returns nothing where the solution stays in the box,
-// which its coefficients tell at once in most fits. The first `measured` data make the box: heights
-// or points. O(coefficients), and a solve for each round.
+// Holds a surface that leaves the box of its data (along their principal axes), grown by a fifth
+// of the data's diagonal (heights: by a tenth), in corners and gaps where the data do not determine
+// it: places outside are data from then on, at the nearest point of the box grown by a twentieth,
+// with weights that grow from round to round; what is left after six rounds fairness pulls in.
+// Returns nothing where the solution stays in the box, which its coefficients tell at once in most
+// fits. The first `measured` data make the box: heights or points. O(coefficients), and a solve for
+// each round.
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,
                                         Eigen::Index measured,
                                         ThreadPool& pool);
 
-// Whether a surface in space stays in the box of points grown by a quarter of their diagonal.
-bool StaysInBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points);
+// How far a surface in space leaves the box of points (along their principal axes), over its
+// diagonal; zero up to a fifth. O(control points).
+double BeyondBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points);
 
 }  // namespace batten::internal

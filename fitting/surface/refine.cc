@@ -87,7 +87,8 @@ class Refinement {
 
  private:
   LinearSolution Solve() const {
-    return SolveWithinBounds(problem_, points_.cols(), options_.spacing, pool_).solution;
+    constexpr int kOnce = 1;  // one of many solves
+    return SolveWithinBounds(problem_, points_.cols(), options_.spacing, pool_, kOnce).solution;
   }
 
   NurbsSurface SurfaceOf(const FittingProblem& problem, const Eigen::MatrixXd& net) const {

@@ -292,8 +292,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why += "; what it found is farther from the points and was not taken";
     return;
   }
-  if (!StaysInBox(optimised, draft.used.points()) &&
-      StaysInBox(draft.surface, draft.used.points())) {
+  if (BeyondBox(optimised, draft.used.points()) > BeyondBox(draft.surface, draft.used.points())) {
     report.optimize.why += "; what it found leaves the box of the points and was not taken";
     return;
   }

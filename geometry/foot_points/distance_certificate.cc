@@ -26,7 +26,7 @@ double AcceptableFootMiss(const FootTable& table, double squared) {
 }
 
 bool IsCertified(const FootTable& table, const FoundFoot& found) {
-  constexpr double kWithTrimsAndRounding = 4;
+  constexpr double kWithTrimsAndRounding = 8;
   const double squared = found.distance * found.distance;
   return found.lower_bound * found.lower_bound >=
          squared - kWithTrimsAndRounding * AcceptableFootMiss(table, squared);
@@ -56,11 +56,11 @@ FoundFoot DistanceCertificate::result() const {
   return {best_piece_, best_x_, best_y_, d, bound};
 }
 
-// Twice as much with a region: nothing on its loops, which are certified to once as much, may look
-// nearer.
+// Four times as much with a region: nothing on its loops, which are certified to twice as much and
+// deviate by as much again, may look nearer.
 double DistanceCertificate::AcceptableMiss() const {
   const double miss = AcceptableFootMiss(table_, squared_);
-  return region_ == nullptr ? miss : 2 * miss;
+  return region_ == nullptr ? miss : 4 * miss;
 }
 
 bool DistanceCertificate::InRegion(double x, double y) const {

@@ -17,7 +17,7 @@ namespace batten::internal {
 // What the square of a least distance may be missed by, with rounding.
 double AcceptableFootMiss(const FootTable& table, double squared);
 
-// Whether nothing is proved to be nearer by more than that, or, with trims, twice as much.
+// Whether nothing is proved to be nearer by more than that, or, with trims, a few times as much.
 bool IsCertified(const FootTable& table, const FoundFoot& found);
 
 // With a region, only places in it count, and on its loops nothing may be nearer than the start. A

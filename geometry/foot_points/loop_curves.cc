@@ -14,6 +14,7 @@ constexpr double kDeviation = 1e-12;  // of the size
 // rounding, and elsewhere after eight.
 constexpr double kRoundingLevel = 2e-11;
 constexpr int kInVain = 2, kMostInVain = 8;
+constexpr double kClose = 2e-11;  // of the size: what deviates more is looked at by itself
 constexpr int kMostHalvings = 40;
 constexpr double kLeastPart = 1e-13;  // of an arc
 
@@ -154,12 +155,23 @@ class LoopCurves::Builder {
         history.halvings >= kMostHalvings) {
       result_.parts_.push_back(part);
       result_.curves_.push_back(points);
-      result_.deviation_ = std::max(result_.deviation_, deviation);
+      if (deviation <= kClose * size_) {
+        result_.deviation_ = std::max(result_.deviation_, deviation);
+      } else {
+        AddLoose(points, deviation);
+      }
       return;
     }
     history = {deviation, history.halvings + 1, history.in_vain};
     Add(along, {part.arc, part.t0, t}, from, middle, history);
     Add(along, {part.arc, t, part.t1}, middle, to, history);
+  }
+
+  void AddLoose(const Eigen::Matrix3Xd& points, double deviation) {
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index k = 0; k < points.cols(); ++k) box.extend(Eigen::Vector3d(points.col(k)));
+    const Eigen::Vector3d more = Eigen::Vector3d::Constant(deviation);
+    result_.loose_.emplace_back(box.min() - more, box.max() + more);
   }
 
   LoopCurves& result_;
@@ -172,6 +184,13 @@ LoopCurves::LoopCurves(const NurbsSurface& surface, const Eigen::Vector3d& middl
     : domain_(surface), middle_(middle), arcs_(MonotoneArcs(surface.trims(), domain_)) {
   Builder builder(*this, surface, size);
   for (int k = 0; k < static_cast<int>(arcs_.size()); ++k) builder.AddArc(k);
+}
+
+double LoopCurves::LowerBound(const Eigen::Vector3d& q, double from_curves) const {
+  double bound = from_curves - deviation_;
+  for (const Eigen::AlignedBox3d& box : loose_)
+    bound = std::min(bound, box.exteriorDistance(Eigen::Vector3d(q - middle_)));
+  return std::max(0.0, bound);
 }
 
 Eigen::Vector2d LoopCurves::At(int part, double x) const {

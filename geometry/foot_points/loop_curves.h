@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "batten/geometry/nurbs_surface.h"
@@ -25,8 +26,10 @@ class LoopCurves {
   // One quintic a part.
   FootTable Table() const { return FootTable(curves_, middle_); }
 
-  // How far the quintics are from the loops at most.
-  double deviation() const { return deviation_; }
+  // The distance that a point of a loop has at least, for one that is so far from the curves at
+  // least, by their deviations; of parts that are not followed closely, by the boxes that hold
+  // them.
+  double LowerBound(const Eigen::Vector3d& q, double from_curves) const;
 
   // The surface's parameters at local x in [−1, 1] of a part.
   Eigen::Vector2d At(int part, double x) const;
@@ -43,7 +46,8 @@ class LoopCurves {
   std::vector<MonotoneArc> arcs_;
   std::vector<Part> parts_;
   std::vector<Eigen::Matrix3Xd> curves_;
-  double deviation_ = 0;
+  double deviation_ = 0;  // of all parts but those that halving does not bring to follow their loop
+  std::vector<Eigen::AlignedBox3d> loose_;  // these, grown by their deviations
 };
 
 }  // namespace batten::internal

@@ -64,7 +64,7 @@ FoundFoot TrimmedFootSearch::OnLoops(const Eigen::Vector3d& q, FootWorkspace& wo
   const double v = std::clamp(uv[1], table.v.lower(), table.v.upper());
   const int i = table.u.Find(u), j = table.v.Find(v);
   FoundFoot foot = At(q, i * table.v.cells() + j, table.u.Local(i, u), table.v.Local(j, v));
-  foot.lower_bound = std::max(0.0, found.lower_bound - loops_.deviation());
+  foot.lower_bound = loops_.LowerBound(q, found.lower_bound);
   return foot;
 }
 

@@ -224,6 +224,14 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
     entry.update(Error(part.error, "orthogonal"));
     json["parts"].push_back(std::move(entry));
   }
+  for (const CloudPartSummary& part : report.cloud_parts) {
+    Json entry{{"points", part.points},
+               {"box", Json::array({Vector(part.box_min), Vector(part.box_max)})},
+               {"share", Number(part.share)},
+               {"used", part.used}};
+    if (!part.refused.empty()) entry["refused"] = part.refused;
+    json["parts"].push_back(std::move(entry));
+  }
   // File names need not be UTF-8; what is not becomes the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

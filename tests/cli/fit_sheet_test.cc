@@ -145,7 +145,7 @@ TEST_F(FitSheetCommandTest, OneSidedAndSeveralSheetsAndNoneAreRefusedWithWhatToD
     const char* advice;
   } cases[] = {{"band.xyz", band, "one-sided", "fit a part of the cloud"},
                {"parts.xyz", parts, "apart", "fit one part of the cloud at a time"},
-               {"twins.xyz", twins, "two sheets", "fit one of them (--box, --where)"}};
+               {"twins.xyz", twins, "two sheets", "fit one of them (--part, --box, --where)"}};
   for (const auto& [name, rows, word, advice] : cases) {
     SCOPED_TRACE(name);
     const std::string reason = Refusal({folder_.With(name, ToText(rows))});

@@ -174,6 +174,15 @@ struct PartError {
   ErrorSummary error;
 };
 
+// A connected part of the cloud.
+struct CloudPartSummary {
+  Eigen::Index points = 0;
+  double share = 0;  // of the cloud's points
+  Eigen::Vector3d box_min, box_max;
+  bool used = false;    // it has a surface
+  std::string refused;  // why not, where one was asked for
+};
+
 // How far a surface leaves its points between them (inside its trims).
 struct OvershootSummary {
   double max = 0;          // height beyond that of all points near the place, in the data's units
@@ -195,6 +204,7 @@ struct FitReport {
   std::optional<ErrorSummary> parameter_error;
   std::optional<OvershootSummary> overshoot;  // of surfaces
   std::vector<PartError> parts;       // where there are several geometries, in their order
+  std::vector<CloudPartSummary> cloud_parts;  // where parts of the cloud were asked for
   bool judged_at_parameters = false;  // the tolerance applies to parameter_error
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;

@@ -16,7 +16,9 @@
 namespace batten::internal::data_box_test {
 
 constexpr int kClouds = 60;
-constexpr double kLaw = 0.5;  // of the diagonal of the points' box
+// Of the diagonal of the points' box: corners of a rectangle that is turned in it reach half as
+// far.
+constexpr double kLaw = 0.6;
 
 // On a piece of a random shape, in stripes, in clumps or anywhere.
 PointCloud FewPoints(unsigned seed, RandomSplines& random) {
@@ -33,7 +35,8 @@ PointCloud FewPoints(unsigned seed, RandomSplines& random) {
     points.col(k) = Eigen::Vector3d(u, v, height) + random.Vector(noise);
     if (seed % 4 == 3) points.col(k) = random.Vector(1);
   }
-  const Eigen::AngleAxisd turn(random.Real(0, 3), random.Vector(1).normalized());
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(random.Real(0, 3), random.Vector(1).normalized()).toRotationMatrix();
   return PointCloud::FromWorld(turn * points);
 }
 

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Parts of a cloud, and limits of time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "test_clouds.h"
+
+namespace batten::internal::fit_parts_test {
+
+using ::testing::HasSubstr;
+
+class FitPartsTest : public ::testing::Test {
+ protected:
+  FitPartsTest() {
+    std::vector<Row> rows = WavySheet(3000);
+    for (Row row : WavySheet(1000, 2)) {
+      row[0] += 30;
+      rows.push_back(row);
+    }
+    for (int k = 0; k < 40; ++k) rows.push_back({-50 + 0.01 * k, 0, 0});  // on a line
+    cloud_ = folder_.With("c.xyz", ToText(rows));
+  }
+
+  Json Report() const { return Json::parse(folder_.Text("r.json")); }
+  ProgramRun Fit(std::vector<std::string> flags) const {
+    flags.insert(flags.begin(),
+                 {"fit", "surface", cloud_, "-o", out_, "--report", folder_.File("r.json")});
+    return Batten(flags);
+  }
+
+  TemporaryFolder folder_;
+  std::string cloud_, out_ = folder_.File("o.json");
+};
+
+TEST_F(FitPartsTest, InfoListsThem) {
+  const Json info = Json::parse(Batten({"info", cloud_, "--json"}).out);
+  ASSERT_EQ(info["parts"].size(), 3u);
+  EXPECT_EQ(info["parts"][0]["points"], 3000);
+  EXPECT_EQ(info["parts"][1]["points"], 1000);
+  EXPECT_NEAR(info["parts"][1]["box"][0][0].get<double>(), 30, 0.1);
+  EXPECT_EQ(info["stray"], 0);
+}
+
+TEST_F(FitPartsTest, OneOrAllAreFitted) {
+  ProgramRun run = Fit({"--part", "2"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  Json report = Report();
+  EXPECT_EQ(report["error_all"]["points"], 1000);
+  EXPECT_GT(report["input"]["bounding_box"][0][0], 29);
+  ASSERT_EQ(report["parts"].size(), 3u);
+  EXPECT_FALSE(report["parts"][0]["used"]);
+  EXPECT_TRUE(report["parts"][1]["used"]);
+
+  run = Fit({"--part", "all", "--residuals", folder_.File("e.csv")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  report = Report();
+  EXPECT_EQ(Json::parse(folder_.Text("o.json"))["shape"]["data"].size(), 2u);
+  EXPECT_EQ(report["error_all"]["points"], 4000);
+  EXPECT_LT(report["error"]["rms"], 0.006);
+  EXPECT_TRUE(report["parts"][0]["used"]);
+  EXPECT_THAT(report["parts"][2]["refused"].get<std::string>(), HasSubstr("line"));
+  const std::string residuals = folder_.Text("e.csv");
+  EXPECT_EQ(std::count(residuals.begin(), residuals.end(), '\n'), 4001);
+}
+
+TEST_F(FitPartsTest, APartThatIsNotThereIsRefused) {
+  const ProgramRun run = Fit({"--part", "4"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("falls into 3 parts: there is no part 4"));
+  EXPECT_EQ(Fit({"--part", "0"}).code, 2);
+  EXPECT_EQ(Fit({"--part", "1", "--grid", "2,2"}).code, 2);
+}
+
+TEST_F(FitPartsTest, ALimitOfTimeLeavesTheBestSoFar) {
+  const ProgramRun run = Fit({"--part", "1", "--time-limit", "1e-6"});
+  EXPECT_EQ(run.code, 3) << run.err;
+  const Json report = Report();
+  EXPECT_EQ(report["end"]["code"], "time_limit");
+  EXPECT_LT(report["error"]["rms"], 0.1);
+  EXPECT_EQ(Fit({"--part", "1", "--time-limit", "1000"}).code, 0);
+  EXPECT_EQ(Fit({"--time-limit", "-1"}).code, 2);
+}
+
+TEST(TimeLimitTest, HoldsForCurvesToo) {
+  const TemporaryFolder folder;
+  std::vector<Row> rows;
+  for (int k = 0; k < 500; ++k) rows.push_back({0.01 * k, std::sin(0.02 * k), 0});
+  const ProgramRun run = Batten({"fit",
+                                 "curve",
+                                 folder.With("c.xyz", ToText(rows)),
+                                 "-o",
+                                 folder.File("o.json"),
+                                 "--time-limit",
+                                 "1e-6"});
+  EXPECT_EQ(run.code, 3) << run.err;
+}
+
+}  // namespace batten::internal::fit_parts_test
