@@ -13,7 +13,7 @@ namespace {
 constexpr int kSamples = 16;  // samples of a span
 constexpr Eigen::Index kEnoughToCount = 20000;
 constexpr double kNoise = 10, kOfSize = 0.01;
-constexpr double kOutside = 0.4;  // of the data's size: no place is so far outside their box
+constexpr double kOutside = 0.25;  // of the data's size: no place is so far outside their box
 
 template <int Dim>
 bool Stays(const FittingProblem& problem,

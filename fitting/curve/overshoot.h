@@ -11,7 +11,7 @@ namespace batten::internal {
 // Whether the curve overshoots between its data, which no residual shows: between two data with
 // weight that follow one another along the curve, some place of it lies farther from their chord
 // than that is long, ten standard deviations of the noise and a hundredth of the data's size added;
-// or lies outside of their box by two fifths of its diagonal. 16 samples a span; weights of the
+// or lies outside of their box by a quarter of its diagonal. 16 samples a span; weights of the
 // curve may be empty. O(m + samples).
 bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::MatrixXd& control_points,

@@ -22,7 +22,7 @@ namespace batten::internal {
 namespace {
 
 constexpr int kBasisPasses = 2;  // weights choose spans, spans choose weights
-constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e6, kRegularizationStep = 10;
+constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e9, kRegularizationStep = 10;
 constexpr double kManyOutliers = 0.003;  // share of the points: above it some were missed
 constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kFootPointSteps = 2;

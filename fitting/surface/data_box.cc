@@ -2,6 +2,7 @@
 #include "fitting/surface/data_box.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -15,20 +16,22 @@ namespace batten::internal {
 namespace {
 
 constexpr double kGrown = 0.2;        // of the diagonal: the law for points …
-constexpr double kGrownUp = 0.1;      // … and for heights, whose rectangle may be turned in space
+constexpr double kGrownUp = 0.07;     // … and for heights, whose rectangle may be turned in space
 constexpr double kWanted = 0.05;      // of the diagonal: what is held is brought so near
 constexpr int kRoundsOfData = 6;      // each ten times the weight of the one before
 constexpr double kFirstShare = 0.01;  // weight of all held places of the first, of that of the data
 constexpr double kFirstFairness = 1e-3, kLastFairness = 1e5, kFairnessStep = 100;
 
 // The box of data along their principal axes, so that it turns with them, and their diagonal in
-// space.
+// space. Heights are above the plane through them, which goes on beyond them.
 struct Box {
   Eigen::MatrixXd axes;  // columns
   Eigen::VectorXd low, high;
   double diagonal = 0;
   double grown = kGrown;
+  Eigen::Vector3d plane = Eigen::Vector3d::Zero();  // height at (0, 0) and slopes in u and v
 
+  double PlaneAt(double u, double v) const { return plane[0] + plane[1] * u + plane[2] * v; }
   // How far a value is outside along an axis.
   double Beyond(const Eigen::VectorXd& value) const {
     const Eigen::VectorXd at = axes.transpose() * value;
@@ -63,17 +66,36 @@ bool Counts(const FittingData& data, Eigen::Index k) {
   return data.weights.size() == 0 || data.weights[k] > 0;
 }
 
+// The plane of least squares through heights; level across places that lie on a line.
+Eigen::Vector3d PlaneThrough(const Eigen::Matrix2Xd& places, const Eigen::VectorXd& heights) {
+  constexpr double kOnALine = 0.01;  // breadth over length
+  const Eigen::Vector2d middle = places.rowwise().mean();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rows;
+  rows.setThreshold(kOnALine);
+  rows.compute((places.colwise() - middle).transpose());
+  const double mean = heights.mean();
+  const Eigen::Vector2d slopes = rows.solve((heights.array() - mean).matrix());
+  return {mean - slopes.dot(middle), slopes[0], slopes[1]};
+}
+
 Box BoxOf(const FittingData& data, Eigen::Index measured) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < measured; ++k)
     if (Counts(data, k)) kept.push_back(k);
-  Box box = BoxOf(data.values, kept);
-  if (data.values.rows() > 1 || kept.empty()) return box;
-  // Parameters of heights are lengths.
+  if (data.values.rows() > 1 || kept.empty()) return BoxOf(data.values, kept);
   const Eigen::Matrix2Xd places = data.parameters(Eigen::all, kept);
+  const Eigen::VectorXd heights = data.values.row(0)(kept);
+  const Eigen::Vector3d plane = PlaneThrough(places, heights);
+  const Eigen::MatrixXd above =
+      heights.transpose().array() - plane[0] - (plane.tail<2>().transpose() * places).array();
+  std::vector<Eigen::Index> all(kept.size());
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  Box box = BoxOf(above, all);
+  box.plane = plane;
   box.grown = kGrownUp;
-  box.diagonal =
-      std::hypot(box.diagonal, (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm());
+  // Parameters of heights are lengths.
+  const Eigen::Vector2d across = places.rowwise().maxCoeff() - places.rowwise().minCoeff();
+  box.diagonal = std::hypot(heights.maxCoeff() - heights.minCoeff(), across.norm());
   return box;
 }
 
@@ -103,12 +125,22 @@ bool NetStays(const Eigen::MatrixXd& net, const Box& box) {
   return true;
 }
 
+// The net above the plane of heights: that of a plane is its heights at Greville's places.
+Eigen::MatrixXd AbovePlane(const FittingProblem& problem, Eigen::MatrixXd net, const Box& box) {
+  if (net.rows() > 1) return net;
+  const SplineBasis &u = problem.basis_u(), &v = problem.basis_v();
+  for (int i = 0; i < u.size(); ++i)
+    for (int j = 0; j < v.size(); ++j)
+      net(0, Eigen::Index{i} * v.size() + j) -= box.PlaneAt(u.Greville(i), v.Greville(j));
+  return net;
+}
+
 Leaving LeavingPlaces(const FittingProblem& problem,
                       const Eigen::MatrixXd& net,
                       const Box& box,
                       ThreadPool& pool) {
   Leaving leaving;
-  if (NetStays(net, box)) return leaving;
+  if (NetStays(AbovePlane(problem, net, box), box)) return leaving;
   const std::vector<double> us = PlacesAlong(problem.basis_u()),
                             vs = PlacesAlong(problem.basis_v());
   auto places = std::make_shared<FittingData>();
@@ -121,9 +153,13 @@ Leaving LeavingPlaces(const FittingProblem& problem,
   const Eigen::MatrixXd values =
       EvaluateAt(FittingProblem(problem.basis_u(), problem.basis_v(), places, 0), net, pool);
   for (Eigen::Index k = 0; k < count; ++k) {
-    if (box.Holds(values.col(k))) continue;
-    leaving.at.push_back(places->parameters.col(k));
-    leaving.wanted.push_back(box.Nearest(values.col(k)));
+    const Eigen::Vector2d at = places->parameters.col(k);
+    const Eigen::VectorXd plane =
+        Eigen::VectorXd::Constant(net.rows(), net.rows() > 1 ? 0 : box.PlaneAt(at[0], at[1]));
+    const Eigen::VectorXd above = values.col(k) - plane;
+    if (box.Holds(above)) continue;
+    leaving.at.push_back(at);
+    leaving.wanted.push_back(box.Nearest(above) + plane);
   }
   return leaving;
 }

@@ -112,7 +112,7 @@ TEST(FitCurveTest, StaysNearTheBoxOfClumpedPoints) {
     CurveFitOptions options;
     options.threads = 1;
     options.degree = random.Integer(1, 9);
-    if (random.Coin()) options.optimize = FreeVariables{true, random.Coin(), random.Coin()};
+    if (random.Coin()) options.optimize = FreeVariables{true, random.Coin(), false};
     if (random.Coin()) options.tolerance = noise;
     try {
       const CurveFit<3> fit = FitCurve<3>(cloud, options);
