@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kOfNoise = 3;      // slack of the bounds in standard deviations …
 constexpr double kOfSpacing = 1;    // … and in spacings: points may as well lie so far apart
+constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;  // of an interval
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
@@ -182,14 +183,20 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   Eigen::Index measured,
                                   double spacing,
                                   ThreadPool& pool,
-                                  int most_rounds) {
+                                  int most_rounds,
+                                  double held_rms) {
   const PenalisedSystem system(problem, pool);
   const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
   HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, bounded);
-  if (auto inside = HeldInBox(problem, bounded.solution, measured, pool)) {
+  auto inside = HeldInBox(problem, bounded.solution, measured, pool);
+  const Eigen::VectorXd& weights = problem.data().weights;
+  const double all = weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+  if (inside &&
+      inside->residual_squares <=
+          std::max(kCostOfHolding * bounded.solution.residual_squares, held_rms * held_rms * all)) {
     bounded.solution = std::move(*inside);
     bounded.in_box = true;
   }

@@ -2,6 +2,8 @@
 // Linear solve of a surface whose coefficients stay with the data.
 #pragma once
 
+#include <cmath>
+
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/thread_pool.h"
@@ -21,13 +23,15 @@ struct BoundedSolution {
 // outside then is moved to its bound. [Björck 1996, §5.2] Points in space are bounded along the
 // normal of a smooth shape, and held as a whole. A solution within its bounds is returned bit for
 // bit as SolveLinear returns it; one with poles has no bounds. Where the surface would leave the
-// box of its data all the same, it is held in that (data_box.h). The first `measured` data count
-// for bounds, which are slack by their spacing and noise. Values: heights or points in space. O(m
-// (p+1)(q+1)), and a factorization for each round.
+// box of its data all the same, it is held in that (data_box.h). That is taken where the rms error
+// grows by a fifth at most, or is at most `held_rms`: what is trimmed away need not be held at the
+// points' cost. The first `measured` data count for bounds, which are slack by their spacing and
+// noise. Values: heights or points in space. O(m (p+1)(q+1)), and a factorization for each round.
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   Eigen::Index measured,
                                   double spacing,
                                   ThreadPool& pool,
-                                  int most_rounds = 3);
+                                  int most_rounds = 3,
+                                  double held_rms = HUGE_VAL);
 
 }  // namespace batten::internal

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kGrown = 0.2;        // of the diagonal: the law for points …
 constexpr double kGrownUp = 0.07;     // … and for heights, whose rectangle may be turned in space
-constexpr double kWanted = 0.05;      // of the diagonal: what is held is brought so near
+constexpr double kWanted = 0.9;       // of that: what is held is brought so near
 constexpr int kRoundsOfData = 6;      // each ten times the weight of the one before
 constexpr double kFirstShare = 0.01;  // weight of all held places of the first, of that of the data
 constexpr double kFirstFairness = 1e-3, kLastFairness = 1e5, kFairnessStep = 100;
@@ -39,7 +39,7 @@ struct Box {
   }
   bool Holds(const Eigen::VectorXd& value) const { return Beyond(value) <= grown * diagonal; }
   Eigen::VectorXd Nearest(const Eigen::VectorXd& value) const {
-    const Eigen::VectorXd by = Eigen::VectorXd::Constant(low.size(), kWanted * diagonal);
+    const Eigen::VectorXd by = Eigen::VectorXd::Constant(low.size(), kWanted * grown * diagonal);
     const Eigen::VectorXd at = axes.transpose() * value;
     return axes * at.cwiseMax(low - by).cwiseMin(high + by);
   }

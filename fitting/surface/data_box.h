@@ -15,9 +15,9 @@ namespace batten::internal {
 // Holds a surface that leaves the box of its data (along their principal axes), grown by a fifth
 // of the data's diagonal (heights above the plane through them: by 7 %), in corners and gaps
 // where the data do not determine it: places outside are data from then on, at the nearest point of
-// the box grown by a twentieth, with weights that grow from round to round; what is left after six
-// rounds fairness pulls in. Returns nothing where the solution stays in the box, which its
-// coefficients tell at once in most fits. The first `measured` data make the box: heights or
+// the box grown by nine tenths of that, with weights that grow from round to round; what is left
+// after six rounds fairness pulls in. Returns nothing where the solution stays in the box, which
+// its coefficients tell at once in most fits. The first `measured` data make the box: heights or
 // points. O(coefficients), and a solve for each round.
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,

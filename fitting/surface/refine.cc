@@ -88,7 +88,9 @@ class Refinement {
  private:
   LinearSolution Solve() const {
     constexpr int kOnce = 1;  // one of many solves
-    return SolveWithinBounds(problem_, points_.cols(), options_.spacing, pool_, kOnce).solution;
+    return SolveWithinBounds(
+               problem_, points_.cols(), options_.spacing, pool_, kOnce, options_.held_rms)
+        .solution;
   }
 
   NurbsSurface SurfaceOf(const FittingProblem& problem, const Eigen::MatrixXd& net) const {

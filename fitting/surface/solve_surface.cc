@@ -57,6 +57,15 @@ FittingProblem CoarsestWithin(const FitContext& context, const ClassifiedPoints&
   return points.problem;
 }
 
+constexpr int kRoundsOfBounds = 3;
+
+// The rms error that holding a surface in the box of its points may leave: any where it is not to
+// be trimmed to them.
+double HeldRms(const FitContext& context) {
+  constexpr double kOfNoise = 1.5;
+  return context.options().trim == Trimming::kNone ? HUGE_VAL : kOfNoise * context.noise();
+}
+
 }  // namespace
 
 SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& points) {
@@ -71,7 +80,8 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
   }
   if (options.smooth_by != SmoothBy::kWeight)
     problem = problem.WithSmoothing(Smoothing(context, problem));
-  BoundedSolution held = SolveWithinBounds(problem, points.cloud.size(), context.spacing(), pool);
+  BoundedSolution held = SolveWithinBounds(
+      problem, points.cloud.size(), context.spacing(), pool, kRoundsOfBounds, HeldRms(context));
   SolvedSurface solved{
       context.base().Surface(problem.basis_u(), problem.basis_v(), held.solution.coefficients),
       problem.data().parameters,
@@ -94,6 +104,7 @@ SolvedSurface RefineWithinTolerance(const FitContext& context, const ClassifiedP
   RefineOptions refine;
   refine.tolerance = *options.tolerance;
   refine.noise = context.noise();
+  refine.held_rms = HeldRms(context);
   refine.spacing = context.spacing();
   refine.max_control_points =
       options.control_points ? problem.unknowns() : options.max_control_points;

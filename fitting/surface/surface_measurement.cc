@@ -26,6 +26,7 @@ namespace {
 constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
 constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
+constexpr double kFairnessToHold = 0.1, kStepOfHolding = 100;
 constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint optimization pays
 constexpr double kFollowsNoise = 0.8;      // residuals over noise; below: a warning of overfitting
 constexpr double kSharedAtMost = 2.5;      // residuals over noise; above: they are shape
@@ -199,6 +200,10 @@ std::vector<int> PolePoints(const SurfaceState& draft) {
   return held;
 }
 
+NurbsSurface SurfaceOf(const OptimizeResult& found) {
+  return {found.problem.basis_u(), found.problem.basis_v(), found.control_points, found.weights};
+}
+
 OvershootSummary OvershootOf(const NurbsSurface& surface,
                              const MergedCloud& merged,
                              const PointMask& used,
@@ -263,8 +268,21 @@ void OptimiseWhereItPays(SurfaceState& draft,
       draft.surface.basis_v(),
       std::move(data),
       options.smoothing.value_or(optimize.free.knots ? kSmoothingOfFreeKnots : kMeasuredSmoothing));
-  OptimizeResult result =
-      Optimize(problem, draft.surface.control_points(), draft.surface.weights(), optimize, pool);
+  const auto optimise = [&] {
+    return Optimize(
+        problem, draft.surface.control_points(), draft.surface.weights(), optimize, pool);
+  };
+  const double beyond_before = BeyondBox(draft.surface, draft.used.points());
+  const auto leaves_box = [&](const OptimizeResult& found) {
+    return BeyondBox(SurfaceOf(found), draft.used.points()) > beyond_before;
+  };
+  OptimizeResult result = optimise();
+  // What few data do not determine fairness holds, where it is free.
+  while (leaves_box(result) && !result.cancelled && !options.smoothing &&
+         optimize.fairness < kFairnessToHold) {
+    optimize.fairness *= kStepOfHolding;
+    result = optimise();
+  }
   report.optimize.ran = result.ran;
   report.optimize.iterations = result.iterations;
   if (!result.note.empty()) {
@@ -272,12 +290,9 @@ void OptimiseWhereItPays(SurfaceState& draft,
   }
   report.iterations.insert(report.iterations.end(), result.rounds.begin(), result.rounds.end());
   if (result.cancelled) report.end.code = EndCode::kCancelled;
-  NurbsSurface optimised(result.problem.basis_u(),
-                         result.problem.basis_v(),
-                         std::move(result.control_points),
-                         std::move(result.weights));
-  const PointDistances after =
-      DistancesFrom(optimised, draft.used.points(), result.problem.data().parameters, pool);
+  NurbsSurface optimised = SurfaceOf(result);
+  const Eigen::Matrix2Xd& places = result.problem.data().parameters;
+  const PointDistances after = DistancesFrom(optimised, draft.used.points(), places, pool);
   const auto keeps_tolerance = [&](const PointDistances& found) {
     return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
   };
@@ -292,7 +307,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why += "; what it found is farther from the points and was not taken";
     return;
   }
-  if (BeyondBox(optimised, draft.used.points()) > BeyondBox(draft.surface, draft.used.points())) {
+  if (leaves_box(result)) {
     report.optimize.why += "; what it found leaves the box of the points and was not taken";
     return;
   }

@@ -83,4 +83,39 @@ TEST(DataBoxTest, UntrimmedSurfacesStayNearTheBoxOfFewPoints) {
   EXPECT_GT(fitted, kClouds / 3);
 }
 
+// Few noisy points of a ball with creases, whose free parameters would let corners fly off.
+PointCloud NoisyCap(RandomSplines& random) {
+  constexpr int kPoints = 260;
+  constexpr double kNoise = 0.035;
+  Eigen::Matrix3Xd points(3, kPoints);
+  for (int k = 0; k < kPoints;) {
+    const Eigen::Vector3d at = random.Vector(1);
+    const Eigen::Vector3d on = at.normalized();
+    if (at.norm() > 1 || on[2] < 0.3 + 0.25 * std::sin(3 * std::atan2(on[1], on[0]))) continue;
+    const double radius = 1 + 0.12 * std::sin(4 * on[0] + 1) * std::cos(5 * on[1]) +
+                          0.25 * std::abs(std::sin(3 * on[0])) - 0.2 * std::abs(on[1]);
+    points.col(k++) =
+        (radius * on).cwiseProduct(Eigen::Vector3d(1, 0.8, 0.7)) + random.Vector(kNoise);
+  }
+  return PointCloud::FromWorld(points);
+}
+
+TEST(DataBoxTest, JointStageHoldsWhatFewPointsDoNotDetermine) {
+  constexpr int kCaps = 8, kTakenAtLeast = 6;
+  int taken = 0;
+  for (unsigned seed = 0; seed < kCaps; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const PointCloud cloud = NoisyCap(random);
+    SurfaceFitOptions options;
+    options.base = BaseShape::kSheet;
+    options.control_points = {9, 9};
+    options.optimize = FreeVariables{true, false, false};
+    const SurfaceFit fit = FitSurface(cloud, options);
+    EXPECT_LE(BeyondBox(fit.surface, cloud.points()), 0.5);
+    taken += fit.report.optimize.rms_after < 0.97 * fit.report.optimize.rms_before;
+  }
+  EXPECT_GE(taken, kTakenAtLeast);
+}
+
 }  // namespace batten::internal::data_box_test
