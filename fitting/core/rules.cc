@@ -13,6 +13,7 @@ std::bitset<64> switched_off;
 std::vector<NamedRule> AllRules() {
   return {{Rule::kLocalOutliers, "local-outliers"},
           {Rule::kIsolatedPoints, "isolated-points"},
+          {Rule::kClutter, "clutter"},
           {Rule::kCertainBase, "certain-base"},
           {Rule::kHopelessBases, "hopeless-bases"},
           {Rule::kSmoothedParameters, "smoothed-parameters"},

@@ -11,6 +11,7 @@ enum class Rule {
   // preparation
   kLocalOutliers,   // points off the quadrics of their neighbours are no inliers
   kIsolatedPoints,  // nor are isolated points, where there are outliers
+  kClutter,         // nor small parts beside a large one, until a base is chosen without them
   // parameterization
   kCertainBase,         // a base that hardly changes lengths ends the search
   kHopelessBases,       // a base that a few grids show to be worse is not scored

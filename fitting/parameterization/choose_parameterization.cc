@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/cloud/connected_points.h"
 #include "fitting/core/rules.h"
 #include "fitting/parameterization/base_attempt.h"
 #include "fitting/parameterization/base_score.h"
@@ -25,7 +26,8 @@ namespace batten::internal {
 namespace {
 
 constexpr double kAtNoise = 1.5;            // times the noise
-constexpr double kApartToRefuse = 0.1;      // share of the points
+constexpr double kApartToRefuse = 0.1;      // share of the points …
+constexpr double kFarApart = 4;             // … in parts whose sizes the cloud's exceeds so often
 constexpr double kHopeless = 1.13;          // ratio of scores by a few grids
 constexpr double kManyMore = 3;             // ratio of control points
 constexpr double kAsGood = 1.01;            // score ratio, with clearly fewer control points
@@ -84,7 +86,11 @@ class BaseContest {
       row.refused = "predicts left-out points worse, by a few grids";
       return;
     }
-    if (!made.complete) made = candidate.make(std::nullopt);
+    if (!made.complete) made = Made(candidate, std::nullopt);
+    if (!made.ok()) {  // all of the points refuse what a sample did not
+      row.refused = made.failure_reason;
+      return;
+    }
     Scored scored{std::move(made), candidate.name, std::nullopt};
     if (candidate.smooth && Acts(Rule::kSmoothedParameters)) Smooth(scored);
     if (best_ && !BeatsBest(scored)) {
@@ -109,10 +115,12 @@ class BaseContest {
       taken.base.poles = PolesByData(
           taken.base, input_.cloud, score().sample() && taken.reached, value, input_.pool);
     }
+    const bool fits_noise = taken.certain || IsAtNoise(ScoreOf(*best_));
     return {std::move(taken.base),
             std::move(taken.reached),
             std::move(taken.warnings),
-            std::move(rows_)};
+            std::move(rows_),
+            fits_noise};
   }
 
  private:
@@ -144,6 +152,10 @@ class BaseContest {
       for (Eigen::Index k = 0; k < inliers; ++k)
         if (score().sample()[input_.places()[static_cast<size_t>(k)]]) sample->push_back(k);
     }
+    return Made(candidate, sample);
+  }
+
+  static BaseAttempt Made(const BaseMethod& candidate, const InlierSubset& sample) {
     try {
       return candidate.make(sample);
     } catch (const std::invalid_argument& refusal) {
@@ -247,10 +259,23 @@ class BaseContest {
   bool one_sided_ = false;           // the surface, by its flattening
 };
 
+// Refuses parts that lie much farther from one another than they are wide: a surface of both is
+// empty nearly everywhere. Nearer ones get an outline each.
 void RefuseParts(const BaseInput& input, const PlaneBase& plane) {
-  const Eigen::Matrix2Xd plan = plane.ToFrame(input.inliers()).topRows<2>();
-  const double apart = DetachedFraction(plan, input.options.seed);
+  const Eigen::Matrix3Xd points = input.inliers();
+  const double apart = DetachedFraction(plane.ToFrame(points).topRows<2>(), input.options.seed);
   if (apart <= kApartToRefuse) return;
+  std::vector<Eigen::AlignedBox3d> parts(static_cast<size_t>(points.cols()));
+  Eigen::AlignedBox3d whole;
+  const std::vector<Eigen::Index> roots = ConnectedPoints(points, input.index(), input.pool);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    whole.extend(points.col(k));
+    parts[static_cast<size_t>(roots[static_cast<size_t>(k)])].extend(points.col(k));
+  }
+  double squares = 0;
+  for (const Eigen::AlignedBox3d& part : parts)
+    if (!part.isEmpty()) squares += part.diagonal().squaredNorm();
+  if (whole.diagonal().squaredNorm() <= kFarApart * kFarApart * squares) return;
   throw RefusedData(Percent(apart) +
                         " of the points lie far apart from the others: a surface is one piece; "
                         "fit one part of the cloud at a time",

@@ -19,6 +19,7 @@ struct ParameterizationChoice {
   PointMask reached;  // points the base has a place for
   std::vector<std::string> warnings;
   std::vector<BaseCandidate> candidates = {};  // all that were considered
+  bool fits_noise = true;  // it predicts left-out points within their noise, or fits at once
 };
 
 // Chooses the base of a cloud: a plane if the points are a height field that is nowhere steep.

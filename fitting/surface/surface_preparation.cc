@@ -14,6 +14,7 @@
 #include "batten/fitting/refused_data.h"
 #include "fitting/cloud/local_outlier_factor.h"
 #include "fitting/core/rules.h"
+#include "fitting/surface/base_beside_clutter.h"
 
 namespace batten::internal {
 
@@ -95,7 +96,12 @@ void TakeBase(PreparedCloud& prepared,
               const SurfaceFitOptions& options,
               ThreadPool& pool) {
   auto [choice, conditions] =
-      ChooseConditionedBase(prepared.merged.cloud, index, prepared.statistics, options, pool);
+      ChooseBesideClutter(prepared.merged.cloud,
+                          index,
+                          options,
+                          options.keep_outliers || prepared.symmetry.has_value(),
+                          pool,
+                          prepared.statistics);
   prepared.conditions = std::move(conditions);
   if (prepared.symmetry) MakeSymmetric(*prepared.symmetry, prepared.merged, choice);
   prepared.base = std::move(choice.base);

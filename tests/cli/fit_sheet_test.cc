@@ -133,7 +133,7 @@ TEST_F(FitSheetCommandTest, OneSidedAndSeveralSheetsAndNoneAreRefusedWithWhatToD
     for (double& x : row) x /= length;
     ball.push_back(row);
   }
-  for (std::size_t k = 0; k < parts.size(); k += 3) parts[k][0] += 5;
+  for (std::size_t k = 0; k < parts.size(); k += 3) parts[k][0] += 40;
   const double apart = 2 * std::sqrt(200 * std::numbers::pi / 180 * 1.5 / 3000);
   for (std::size_t k = 0; k < twins.size(); k += 2) {
     for (int d = 0; d < 2; ++d) twins[k][d] *= 1 + apart;

@@ -23,7 +23,7 @@ struct CloudParts {
 };
 
 // Finds them. Points are connected where they lie in one cube of two spacings or in cubes that
-// touch, and where one is among the 16 nearest of the other and nearer than five times the spacing
+// touch, and where each is among the 16 nearest of the other and nearer than five times the spacing
 // around both, which may be wider than elsewhere. Pieces of fewer than 30 points, or a thousandth
 // of the cloud, are stray. O(m log m). The result does not depend on the number of threads. Throws
 // std::invalid_argument for a cloud without points.

@@ -89,4 +89,35 @@ TEST(FindCloudPartsTest, TakesDuplicatesAndDegenerateClouds) {
   EXPECT_EQ(FindCloudParts(few, pool).stray, 7);
 }
 
+// A sheet and a small ball beside it amid points scattered all around, which are no bridge: those
+// near the sheet are among the nearest of no point of it.
+TEST(FindCloudPartsTest, ScatteredPointsAreNoBridge) {
+  constexpr int kSheet = 20000, kBall = 1000, kScattered = 700;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    Eigen::Matrix3Xd points(3, kSheet + kBall + kScattered);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double u = random.Real(0, 1), v = random.Real(0, 1);
+      if (k < kSheet) {
+        points.col(k) << u, v, 0.1 * std::sin(5 * u);
+      } else if (k < kSheet + kBall) {
+        points.col(k) = Eigen::Vector3d(0.5, 0.5, 0.45) + 0.12 * random.Vector(1).normalized();
+      } else {
+        points.col(k) = Eigen::Vector3d(0.5, 0.5, 0.2) + random.Vector(0.7);
+      }
+    }
+    ThreadPool pool(2);
+    const CloudParts found = FindCloudParts(PointCloud::FromWorld(points), pool);
+    ASSERT_GE(found.parts.size(), 2U);
+    const auto holds = [&](const CloudPart& part, Eigen::Index first, Eigen::Index count) {
+      return std::ranges::count_if(part.points,
+                                   [&](auto k) { return k >= first && k < first + count; });
+    };
+    EXPECT_EQ(holds(found.parts[0], 0, kSheet), kSheet);
+    EXPECT_EQ(holds(found.parts[0], kSheet, kBall), 0);
+    EXPECT_EQ(holds(found.parts[1], kSheet, kBall), kBall);
+  }
+}
+
 }  // namespace batten::internal::cloud_parts_test

@@ -131,12 +131,13 @@ TEST(ChooseBaseTest, RefusesWhatNoBaseServes) {
   }
 }
 
-TEST(ChooseBaseTest, RefusesPartsApartWhateverTheBase) {
+TEST(ChooseBaseTest, RefusesPartsFarApartWhateverTheBase) {
   Eigen::Matrix3Xd points = NoisyPoints(FlatSheet(1, 1)).points;
   for (const double share : {0.3, 0.05}) {
     SCOPED_TRACE("share " + std::to_string(share));
     Eigen::Matrix3Xd parts = points;
-    parts.leftCols(static_cast<Eigen::Index>(share * 2500)).colwise() += Eigen::Vector3d(4, 1, 0.1);
+    parts.leftCols(static_cast<Eigen::Index>(share * 2500)).colwise() +=
+        Eigen::Vector3d(30, 9, 0.1);
     for (const BaseShape shape : {BaseShape::kAuto, BaseShape::kPlane, BaseShape::kSheet}) {
       if (share > 0.1) {
         EXPECT_THAT(RefusalOf(parts, shape), HasSubstr("30 % of the points lie far apart"));
