@@ -22,11 +22,15 @@ namespace {
 // above the third, descents run one after another on all threads instead of side by side.
 constexpr double kFullSearch = 4e3, kCheap = 2e4, kSideBySide = 1e5;
 
+// Free knots from random places: above that many, starts are fewer, since descents get longer.
+constexpr double kFullyStarted = 16;
+
 // Work of factoring the matrix of k free knots and of its eigenvalues, in units of k³.
 constexpr double kKnotsCubed = 0.05;
 
-// Budget of insertion and of exchanging knots: iterations times the work of one.
-constexpr double kWork = 2e7;
+// Budget of insertion, of exchanging knots and of closing gaps, each: iterations times the work of
+// one.
+constexpr double kWork = 1e7;
 
 // Iterations of one descent to the precision that insertion needs.
 constexpr double kIterationsOfOne = 15;
@@ -130,14 +134,15 @@ std::vector<Descent> Search(const VariableProjection& data,
     const int tried = static_cast<int>(
         std::clamp(kWork / (kIterationsOfOne * work * std::min(16, given.free())), 2.0, 6.0));
     if (!add(search.Insert(given, tried > 3 ? 2 : 1, tried), 0.4)) return;
-    const int starts =
-        static_cast<int>(std::lround(options.starts * std::min(1.0, kFullSearch / work)));
+    const int starts = static_cast<int>(std::lround(
+        options.starts * std::min({1.0, kFullSearch / work, kFullyStarted / given.free()})));
     if (!add(search.DescendAll(search.RandomStarts(given, starts, options.seed), rough), 0.6))
       return;
     if (all.empty()) return;
-    add({search.Improve(all[0], static_cast<int>(kWork / work))}, 0.7);
+    const int budget = static_cast<int>(kWork / work);
+    add({search.Improve(all[0], budget)}, 0.7);
     // Here and not on all data where that would be dear.
-    if (work > kFullSearch) all.insert(all.begin(), search.CloseGaps(all[0], kNarrow));
+    if (work > kFullSearch) all.insert(all.begin(), search.CloseGaps(all[0], kNarrow, budget));
   };
   run();
   result.iterations += search.iterations();
@@ -203,7 +208,8 @@ FreeKnotResult OptimizeScaledKnots(const FittingProblem& problem,
       chosen.push_back(d.knots);
     polished = Sorted(search.DescendAll(chosen, descent));
     if (!polished.empty() && work <= kCheap)
-      polished.insert(polished.begin(), search.CloseGaps(polished[0], kNarrow));
+      polished.insert(polished.begin(),
+                      search.CloseGaps(polished[0], kNarrow, static_cast<int>(kWork / work)));
   }
   result.iterations += search.iterations();
   result.starts += search.starts();

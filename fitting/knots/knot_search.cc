@@ -330,9 +330,16 @@ Descent KnotSearch::Improve(Descent best, int most_iterations) {
   return best;
 }
 
-Descent KnotSearch::CloseGaps(Descent best, double share) {
+Descent KnotSearch::CloseGaps(Descent best, double share, int most_iterations) {
+  constexpr int kLeastIterations = 5;  // of a descent
+  const int end = iterations() + most_iterations;
   while (!(options_.stop && options_.stop())) {
-    const std::vector<Descent> results = DescendAll(Merges(best.knots, share), options_);
+    const std::vector<MovingKnots> merges = Merges(best.knots, share);
+    const int each = (end - iterations()) / std::max(1, static_cast<int>(std::ssize(merges)));
+    if (merges.empty() || each < kLeastIterations) break;
+    DescentOptions bounded = options_;
+    bounded.max_iterations = std::min(options_.max_iterations, each);
+    const std::vector<Descent> results = DescendAll(merges, bounded);
     const Descent* least = Least(results);
     if (!least || !(least->cost <= best.cost * (1 + kLower))) break;
     best = *least;

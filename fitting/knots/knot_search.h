@@ -47,8 +47,8 @@ class KnotSearch {
   Descent Improve(Descent best, int most_iterations);
 
   // Closes gaps that are narrower than `share` of the domain where that raises Φ by no more than a
-  // ten-thousandth after descending.
-  Descent CloseGaps(Descent best, double share);
+  // ten-thousandth after descending, and until `most_iterations` of descents.
+  Descent CloseGaps(Descent best, double share, int most_iterations);
 
   int iterations() const { return iterations_; }
   int starts() const { return starts_; }

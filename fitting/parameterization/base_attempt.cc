@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/parameterization/base_attempt.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace batten::internal {
@@ -19,7 +20,13 @@ BaseInput::BaseInput(const PointCloud& cloud,
   own_.emplace(Own{std::move(points), std::move(own)});
 }
 
-double BaseInput::margin() const { return statistics.spacing / 2 + 2 * statistics.noise; }
+double BaseInput::margin() const {
+  constexpr double kWidest =
+      0.1;  // of the diagonal: of a handful of points both are about as large
+  const Eigen::Matrix3Xd& points = inliers();
+  const double diagonal = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  return std::min(statistics.spacing / 2 + 2 * statistics.noise, kWidest * diagonal);
+}
 
 BaseAttempt Attempt(const BaseInput& input,
                     const InlierSubset& some,

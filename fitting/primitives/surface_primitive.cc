@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/geometry/surface_evaluator.h"
 #include "fitting/core/distributions.h"
 #include "fitting/primitives/shape_estimate.h"
 #include "fitting/primitives/surface_patch.h"
@@ -173,28 +174,41 @@ void RefuseFlat(SurfaceKind kind, const StartData& data, double rounding) {
   }
 }
 
-// The patch through points that are beyond its edges is nearest at an edge.
-void MeasureBeyond(const NurbsSurface& surface,
-                   const Eigen::Matrix3Xd& points,
-                   const Eigen::Vector3d& move,
-                   Eigen::Matrix2Xd& feet,
-                   Eigen::VectorXd& distances,
-                   ThreadPool& pool) {
-  std::vector<Eigen::Index> beyond;
-  for (Eigen::Index k = 0; k < feet.cols(); ++k) {
-    const Eigen::Vector2d foot = feet.col(k);
-    if (foot.minCoeff() <= 0 || foot.maxCoeff() >= 1) beyond.push_back(k);
-  }
-  if (beyond.empty()) return;
+// Measures on the patch as it is written where the exact shape does not tell: points beyond its
+// edges are nearest at an edge, and of a shape far larger than the cloud, which the points do not
+// determine, control points keep too few digits.
+void MeasureOnPatch(const NurbsSurface& surface,
+                    const Eigen::Matrix3Xd& points,
+                    const Eigen::Vector3d& move,
+                    bool beyond_edges,
+                    Eigen::Matrix2Xd& feet,
+                    Eigen::VectorXd& distances,
+                    ThreadPool& pool) {
+  constexpr double kRounding = 1e-12, kOfDistance = 1e-3;  // of the cloud's size, and of itself
   const NurbsSurface local(surface.basis_u(),
                            surface.basis_v(),
                            surface.control_points().colwise() - move,
                            surface.weights());
-  const PointDistances found = DistancesTo(local, points(Eigen::all, beyond), pool);
-  for (size_t i = 0; i < beyond.size(); ++i) {
+  const double rounding =
+      kRounding * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  Eigen::Matrix3Xd places;
+  SurfaceEvaluator(local).Points(feet, places, pool);
+  const Eigen::VectorXd at_feet = (points - places).colwise().norm();
+  std::vector<Eigen::Index> told;
+  for (Eigen::Index k = 0; k < feet.cols(); ++k) {
+    const Eigen::Vector2d foot = feet.col(k);
+    const bool at_edge = foot.minCoeff() <= 0 || foot.maxCoeff() >= 1;
+    if ((beyond_edges && at_edge) || std::abs(at_feet[k] - std::abs(distances[k])) >
+                                         rounding + kOfDistance * std::abs(distances[k])) {
+      told.push_back(k);
+    }
+  }
+  if (told.empty()) return;
+  const PointDistances found = DistancesTo(local, points(Eigen::all, told), pool);
+  for (size_t i = 0; i < told.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    distances[beyond[i]] = std::copysign(std::abs(found.distances[at]), distances[beyond[i]]);
-    feet.col(beyond[i]) = found.parameters.col(at);
+    distances[told[i]] = std::copysign(std::abs(found.distances[at]), distances[told[i]]);
+    feet.col(told[i]) = found.parameters.col(at);
   }
 }
 
@@ -266,9 +280,8 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
   Eigen::Matrix2Xd feet = FootPointsOn(local, points, input.pool);
   Eigen::VectorXd distances = fit.distances;
   if (!LooksAlike(fit.local, described.patch)) distances = -distances;
-  if (fit.outliers.any()) {
-    MeasureBeyond(described.surface, points, input.move, feet, distances, input.pool);
-  }
+  MeasureOnPatch(
+      described.surface, points, input.move, fit.outliers.any(), feet, distances, input.pool);
   report.warnings.insert(
       report.warnings.end(), described.warnings.begin(), described.warnings.end());
   report.input.spacing = std::sqrt(AreaOf(described.patch) / static_cast<double>(fit.used));

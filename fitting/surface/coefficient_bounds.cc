@@ -2,6 +2,7 @@
 #include "fitting/surface/coefficient_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -117,6 +118,14 @@ class Cells {
           2 * u.IsUpperHalf(data.parameters(0, k)) + v.IsUpperHalf(data.parameters(1, k));
       filled_[cell[static_cast<size_t>(k)]] |= static_cast<char>(1 << quarter);
     }
+    const auto across = static_cast<size_t>(v.size());
+    below_.assign((static_cast<size_t>(u.size()) + 1) * (across + 1), 0);
+    for (size_t c = 0; c + 1 < first_.size(); ++c) {
+      if (first_[c + 1] > 0) holding_.push_back(c);
+      const size_t at = (c / across + 1) * (across + 1) + c % across + 1;
+      below_[at] =
+          first_[c + 1] + below_[at - 1] + below_[at - across - 1] - below_[at - across - 2];
+    }
     for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
     data_.resize(first_.back());
     std::vector<size_t> next(first_.begin(), first_.end() - 1);
@@ -140,18 +149,33 @@ class Cells {
     return std::span(data_).subspan(first_[cell], first_[cell + 1] - first_[cell]);
   }
 
-  // The cells of function (i, j), or those around them too where they hold too few data.
+  // The cells with data of function (i, j), or those around it too where it holds too few.
   Support Of(int i, int j) const {
-    std::vector<int> us = u_.spans[static_cast<size_t>(i)], vs = v_.spans[static_cast<size_t>(j)];
-    Support support = In(us, vs);
-    const bool has_gap = support.has_gap;
-    while (support.data < kLeastData &&
-           (std::ssize(us) < u_.size() || std::ssize(vs) < v_.size())) {
+    Run us = RunOf(u_, i), vs = RunOf(v_, j);
+    Support support;
+    for (int a = 0; a < us.count && !support.has_gap; ++a) {
+      for (int b = 0; b < vs.count && !support.has_gap; ++b) {
+        const char filled = filled_[At((us.first + a) % u_.size(), (vs.first + b) % v_.size())];
+        support.has_gap = in_space_ ? filled == 0 : filled != kAllQuarters;
+      }
+    }
+    while (DataIn(us, vs) < kLeastData && (us.count < u_.size() || vs.count < v_.size())) {
       Grow(u_, us);
       Grow(v_, vs);
-      support = In(us, vs);
     }
-    support.has_gap = has_gap;
+    support.data = DataIn(us, vs);
+    if (std::ssize(holding_) < std::ptrdiff_t{us.count} * vs.count) {
+      for (const size_t cell : holding_) {
+        const auto across = static_cast<size_t>(v_.size());
+        if (Holds(u_, us, static_cast<int>(cell / across)) &&
+            Holds(v_, vs, static_cast<int>(cell % across)))
+          support.cells.push_back(cell);
+      }
+      return support;
+    }
+    for (int a = 0; a < us.count; ++a)
+      for (int b = 0; b < vs.count; ++b)
+        support.cells.push_back(At((us.first + a) % u_.size(), (vs.first + b) % v_.size()));
     return support;
   }
 
@@ -160,29 +184,52 @@ class Cells {
     return static_cast<size_t>(a) * static_cast<size_t>(v_.size()) + static_cast<size_t>(b);
   }
 
-  Support In(const std::vector<int>& us, const std::vector<int>& vs) const {
-    Support support;
-    for (const int a : us) {
-      for (const int b : vs) {
-        const size_t cell = At(a, b);
-        support.has_gap =
-            support.has_gap || (in_space_ ? filled_[cell] == 0 : filled_[cell] != kAllQuarters);
-        support.data += first_[cell + 1] - first_[cell];
-        support.cells.push_back(cell);
-      }
-    }
-    return support;
+  // Spans that follow one another, on a periodic axis past its end.
+  struct Run {
+    int first = 0, count = 0;
+  };
+
+  static Run RunOf(const Axis& axis, int function) {
+    const std::vector<int>& spans = axis.spans[static_cast<size_t>(function)];
+    return {spans.front(), std::min(axis.size(), static_cast<int>(std::ssize(spans)))};
+  }
+
+  static bool Holds(const Axis& axis, const Run& run, int span) {
+    return (span - run.first + axis.size()) % axis.size() < run.count;
   }
 
   // Adds a span at each end.
-  static void Grow(const Axis& axis, std::vector<int>& spans) {
+  static void Grow(const Axis& axis, Run& run) {
     const int all = axis.size();
-    for (const int side : {-1, 1}) {
-      int next = (side < 0 ? spans.front() : spans.back()) + side;
-      if (axis.periodic) next = (next + all) % all;
-      if (next < 0 || next >= all || std::ssize(spans) >= all) continue;
-      spans.insert(side < 0 ? spans.begin() : spans.end(), next);
+    if (axis.periodic) {
+      run.first = (run.first + all - 1) % all;
+      run.count = std::min(all, run.count + 2);
+      return;
     }
+    const int end = std::min(all, run.first + run.count + 1);
+    run.first = std::max(0, run.first - 1);
+    run.count = end - run.first;
+  }
+
+  size_t DataIn(const Run& us, const Run& vs) const {
+    // A run past the end of its axis is two.
+    const auto parts = [](const Run& run, int all) {
+      const int end = run.first + run.count;
+      return std::array{std::pair(run.first, std::min(end, all)), std::pair(0, end - all)};
+    };
+    size_t data = 0;
+    for (const auto& [a, b] : parts(us, u_.size())) {
+      for (const auto& [c, d] : parts(vs, v_.size())) {
+        if (b > a && d > c) data += Below(b, d) - Below(a, d) - Below(b, c) + Below(a, c);
+      }
+    }
+    return data;
+  }
+
+  // The number of data in cells of lesser indices [Crow 1984].
+  size_t Below(int a, int b) const {
+    return below_[static_cast<size_t>(a) * (static_cast<size_t>(v_.size()) + 1) +
+                  static_cast<size_t>(b)];
   }
 
   const Axis &u_, &v_;
@@ -190,6 +237,8 @@ class Cells {
   bool in_space_ = false;
   std::vector<char> filled_;        // which quarters of each cell hold data, a bit for each
   std::vector<Eigen::Index> data_;  // by cells
+  std::vector<size_t> below_;       // summed-area table of their numbers
+  std::vector<size_t> holding_;     // cells that hold data
 };
 
 struct HeightRange {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/fit_over_base.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -43,6 +44,18 @@ void RequireRoomToClose(const SurfaceFitOptions& options, const Parameterization
   require(options.control_points->second, options.degree_v, least_v);
 }
 
+// So many control points are fairness and nothing else, and take long.
+void RequireDataFor(const SurfaceFitOptions& options, Eigen::Index points) {
+  constexpr Eigen::Index kAlways = 10000, kForEach = 10;
+  if (!options.control_points) return;
+  const auto& [u, v] = *options.control_points;
+  const Eigen::Index most = std::max(kAlways, kForEach * points);
+  if (Eigen::Index{u} * v <= most) return;
+  throw std::invalid_argument("control_points: " + std::to_string(u) + " x " + std::to_string(v) +
+                              " are far more than " + std::to_string(points) +
+                              " points determine: at most " + std::to_string(most) + " for them");
+}
+
 // The surface before the joint stage, and what the stages so far say.
 FittedState Solved(const PreparedCloud& prepared,
                    const SurfaceFitOptions& options,
@@ -50,6 +63,7 @@ FittedState Solved(const PreparedCloud& prepared,
                    ThreadPool& pool,
                    StageClock& clock) {
   RequireRoomToClose(options, prepared.base);
+  RequireDataFor(options, prepared.used.count());
   FitContext context(prepared, options, pool);
   clock.Enter(&StageSeconds::solve);
   ClassifiedPoints points = ClassifyInliers(context);

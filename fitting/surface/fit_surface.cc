@@ -11,8 +11,9 @@
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/cloud/voxel_downsample.h"
 #include "fitting/core/stage_clock.h"
-#include "fitting/surface/given_parameters.h"
+#include "fitting/surface/data_box.h"
 #include "fitting/surface/fit_over_base.h"
+#include "fitting/surface/given_parameters.h"
 #include "fitting/surface/surface_measurement.h"
 #include "fitting/surface/surface_postprocess.h"
 #include "fitting/surface/surface_preparation.h"
@@ -57,13 +58,14 @@ class SurfacePipeline {
   SurfaceFit Fit(const SurfaceFitOptions& asked) {
     const SurfaceFitOptions options = WithDegreesOfSides(asked);
     const PreparedCloud& prepared = given_ ? given_->prepared : prepared_;
-    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+    FittedState fitted = Trimmed(prepared, options);
+    if (options.trim != Trimming::kNone && !fitted.draft.surface.trimmed() &&
+        BeyondBox(fitted.draft.surface, fitted.draft.used.points()) > 0) {
+      SurfaceFitOptions untrimmed = options;  // its corners stay
+      untrimmed.trim = Trimming::kNone;
+      fitted = Trimmed(prepared, untrimmed);
+    }
     used_robust_weights_ = fitted.doubted;
-    clock_.Enter(&StageSeconds::solve);
-    if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
-    if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
-    clock_.Enter(&StageSeconds::trim);
-    TrimToUsed(fitted, prepared, options, pool_);
     if (options.domain) TakeParametersOf(*options.domain, fitted.draft);
     if (options.side_of_normals) TakeSideOfNormals(fitted.draft);
     clock_.Enter(&StageSeconds::project);
@@ -94,6 +96,16 @@ class SurfacePipeline {
   }
 
  private:
+  FittedState Trimmed(const PreparedCloud& prepared, const SurfaceFitOptions& options) {
+    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+    clock_.Enter(&StageSeconds::solve);
+    if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
+    if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
+    clock_.Enter(&StageSeconds::trim);
+    TrimToUsed(fitted, prepared, options, pool_);
+    return fitted;
+  }
+
   // Degrees high enough for the given boundary curves.
   SurfaceFitOptions WithDegreesOfSides(SurfaceFitOptions options) const {
     for (const PlacedBoundary& laid : prepared_.conditions.sides) {

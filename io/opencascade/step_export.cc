@@ -30,6 +30,7 @@
 
 #include "batten/geometry/exact_shape.h"
 #include "batten/io/read_error.h"
+#include "geometry/numeric/number_text.h"
 #include "io/base/time_stamp.h"
 #include "io/exchange/closed_form.h"
 #include "io/exchange/geometry_names.h"
@@ -79,8 +80,14 @@ TopoDS_Shape ToShape(const NurbsCurve<Dim>& curve) {
 // millionth of its size, at which it is valid: with large coordinates or high degrees rounding
 // exceeds 1e-7.
 TopoDS_Shape ValidShape(const Geometry& geometry) {
-  const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
   const double size = std::visit([](const auto& one) { return SizeOf(one); }, geometry);
+  if (!(size > 10 * Precision::Confusion())) {
+    throw Standard_Failure(
+        ("it measures " + NumberText(size) +
+         ", and readers of STEP take points within 1e-7 for one: use a smaller unit, or JSON")
+            .c_str());
+  }
+  const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
   for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(shape).IsValid();) {
     tolerance *= 10;
     if (!(tolerance <= 1e-6 * size)) {

@@ -87,6 +87,7 @@ void WriteSurface(Writer& json, const ReportSurface& surface) {
   json.Key("uv").Floats(surface.mesh.parameters);
   json.Key("triangles").Indices(surface.mesh.triangles);
   json.Key("deviation").Floats(surface.deviation);
+  json.Key("gap").Floats(surface.gap);
   json.Key("gaussian").Floats(surface.gaussian);
   json.Key("mean").Floats(surface.mean);
   json.Key("trims").Lines(surface.trims);

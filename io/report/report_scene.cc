@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "batten/fitting/deviation_map.h"
+#include "batten/fitting/neighbours.h"
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/curve_evaluator.h"
 #include "batten/geometry/surface_evaluator.h"
@@ -227,6 +228,29 @@ void AddDeviations(ReportScene& scene,
   }
 }
 
+// The other way: how far each vertex is from the nearest of the points that count.
+void AddGaps(ReportScene& scene, const Measurement& measured, ThreadPool& pool) {
+  Eigen::Matrix3Xd points(3, measured.size());
+  Eigen::Index counted = 0;
+  for (Eigen::Index k = 0; k < measured.size(); ++k)
+    if (measured.counts(k)) points.col(counted++) = measured.Point(k);
+  if (counted == 0 || scene.surfaces.empty()) return;
+  points.conservativeResize(3, counted);
+  const NeighbourIndex index(points, pool);
+  constexpr std::ptrdiff_t kBlock = 4096;
+  for (ReportSurface& surface : scene.surfaces) {
+    const Eigen::Matrix3Xd& vertices = surface.mesh.vertices;
+    surface.gap.resize(vertices.cols());
+    pool.For(vertices.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      const std::vector<int> nearest = index.Nearest(vertices.middleCols(begin, end - begin), 1);
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        const int point = nearest[static_cast<std::size_t>(k - begin)];
+        surface.gap[k] = (vertices.col(k) - points.col(point)).norm();
+      }
+    });
+  }
+}
+
 std::string NameOf(const ReportSceneOptions& options, std::size_t g, const char* kind, int place) {
   if (!options.names.empty() && !options.names[g].empty()) return options.names[g];
   return std::string(kind) + " " + std::to_string(place + 1);
@@ -294,6 +318,7 @@ ReportScene MakeReportScene(const std::vector<Geometry>& geometry,
   const Measurement measured(points, shapes, scene.center);
   const Eigen::VectorXd deviations = measured.Signed(pool);
   AddDeviations(scene, measured, shapes, deviations, points.spacing, pool);
+  AddGaps(scene, measured, pool);
   scene.histogram =
       HistogramOf(deviations, points.outliers, options.tolerance, scene.signed_values);
   scene.cloud = measured.Cloud(deviations, options.max_points);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together. window.battenReport lets scripts do what hands do:
 //   modes, layers      the names that setMode and setLayer know
-//   setMode(name)      "deviation", "shaded", "mean", "gaussian", "zebra"; false where there is none
+//   setMode(name)      "deviation", "gap", "shaded", "mean", "gaussian", "zebra"; false where there is none
 //   setLayer(name, on) "surface", "cloud", "outliers", "net", "trims", "knots", "curve", "comb", "whiskers"
 //   setView(name)      "x", "-x", "y", "-y", "z", "-z", "all"
 //   setLimit(value)    half the range of colours

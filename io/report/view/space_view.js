@@ -3,6 +3,7 @@
 
 const kSurfaceModes = [
   { name: "deviation", label: "Deviation" },
+  { name: "gap", label: "From points" },
   { name: "shaded", label: "Shaded" },
   { name: "mean", label: "Mean curvature" },
   { name: "gaussian", label: "Gaussian curvature" },
@@ -44,8 +45,9 @@ class SpaceView {
     this.modes = this.availableModes();
     this.combScale = combScale(data);
     this.ranges = {
-      mean: curvatureRange(data, "mean", 1e-3 / data.size),
-      gaussian: curvatureRange(data, "gaussian", 1e-6 / (data.size * data.size)),
+      gap: valueRange(data, "gap", 1e-6 * data.size),
+      mean: valueRange(data, "mean", 1e-3 / data.size),
+      gaussian: valueRange(data, "gaussian", 1e-6 / (data.size * data.size)),
     };
     this.overlay = new SpaceOverlay(stage, data);
     this.resize();
@@ -97,12 +99,12 @@ class SpaceView {
   setMode(name) {
     if (this.modes.length > 0 && !this.modes.some((m) => m.name === name)) return false;
     this.mode = name;
-    const byValue = ["deviation", "mean", "gaussian"].includes(name);
+    const byValue = ["deviation", "gap", "mean", "gaussian"].includes(name);
     for (const object of this.objects("surface")) {
       const u = object.material.uniforms;
       u.mode.value = byValue ? 1 : name === "zebra" ? 2 : 0;
       if (byValue) object.userData.setValue(name);
-      u.table.value = name === "deviation" ? this.tables.deviation : this.tables.curvature;
+      u.table.value = name === "deviation" || name === "gap" ? this.tables.deviation : this.tables.curvature;
       u.limit.value = name === "deviation" ? this.limit : (this.ranges[name] || 1);
     }
     this.draw();
@@ -131,7 +133,7 @@ class SpaceView {
 
   // Half the range of colours: of deviations, or of the curvature that is shown.
   setLimit(limit) {
-    if (this.mode === "mean" || this.mode === "gaussian") {
+    if (this.mode in this.ranges) {
       this.ranges[this.mode] = limit;
     } else {
       this.limit = limit;
@@ -141,7 +143,7 @@ class SpaceView {
   }
 
   range() {
-    return this.mode === "mean" || this.mode === "gaussian" ? this.ranges[this.mode] : this.limit;
+    return this.mode in this.ranges ? this.ranges[this.mode] : this.limit;
   }
 
   setStripes(n) {
@@ -153,6 +155,9 @@ class SpaceView {
   legend() {
     const d = this.data;
     const unit = d.unit;
+    if (this.mode === "gap") {
+      return { map: kDeviationMap, limit: this.ranges.gap, unit, title: "from points", tolerance: null, signed: false, unknown: false };
+    }
     if (this.mode === "mean" || this.mode === "gaussian") {
       const power = this.mode === "gaussian" ? "\u00b2" : "";
       return { map: kCurvatureMap, limit: this.ranges[this.mode], unit: unit ? "1/" + unit + power : "",
@@ -373,7 +378,7 @@ class SpaceView {
 
 // Symmetric about zero, without the wildest two percent on either side; not below `least`, so that the
 // rounding of a flat surface stays uncoloured.
-function curvatureRange(data, field, least) {
+function valueRange(data, field, least) {
   let range = least;
   for (const s of data.surfaces) {
     const [low, high] = quantiles(s[field], [0.02, 0.98]);

@@ -40,6 +40,7 @@ function surfaceOf(s, i) {
     uv: numbersOf(s.uv),
     triangles: numbersOf(s.triangles),
     deviation: numbersOf(s.deviation),
+    gap: numbersOf(s.gap),
     gaussian: numbersOf(s.gaussian),
     mean: numbersOf(s.mean),
     trims: (s.trims || []).map(numbersOf),

@@ -522,4 +522,25 @@ TEST(LongFreeKnotsTest, TheTableHoldsForAnySeed) {
   }
 }
 
+// The search does not grow without bound with the knots: a spiral of 300 places and 90 knots took
+// 9000 descents' iterations, most of them to close gaps.
+TEST(FreeKnotsTest, ManyKnotsOnFewDataEndSoon) {
+  RandomSplines random(4);
+  auto data = std::make_shared<FittingData>();
+  constexpr int kPlaces = 300, kKnots = 90, kMostIterations = 4000;
+  data->parameters = Eigen::Matrix2Xd::Zero(2, kPlaces);
+  data->values.resize(2, kPlaces);
+  for (int k = 0; k < kPlaces; ++k) {
+    const double t = static_cast<double>(k) / (kPlaces - 1);
+    data->parameters(0, k) = t;
+    data->values.col(k) << t * std::cos(30 * t) + random.Real(-3e-4, 3e-4),
+        t * std::sin(30 * t) + random.Real(-3e-4, 3e-4);
+  }
+  ThreadPool pool(2);
+  const FittingProblem problem = UniformCurve(data, kKnots);
+  const FreeKnotResult result = OptimizeKnots(problem, {}, pool);
+  ExpectSound(problem, result);
+  EXPECT_LE(result.iterations, kMostIterations);
+}
+
 }  // namespace batten::internal::free_knots_test

@@ -10,6 +10,7 @@
 #include <string>
 #include <variant>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_primitive.h"
 #include "batten/geometry/exact_shape.h"
 #include "geometry/numeric/constants.h"
@@ -298,6 +299,35 @@ TEST(PrimitiveSurfacesTest, RefusesALossThatLeavesTooFewPoints) {
       EXPECT_THAT(error.what(), HasSubstr("scale is too small"));
     }
   }
+}
+
+// Nearly flat clouds leave radii open up to infinity; of control points so far away few digits are
+// left for the piece through the points, and what is reported is what is written.
+TEST(PrimitiveSurfacesTest, DistancesOfUndeterminedShapesAreThoseOfThePatch) {
+  int fitted = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const double flat = std::pow(10.0, -random.Integer(2, 12));
+    Eigen::Matrix3Xd points(3, 40);
+    for (Eigen::Index k = 0; k < points.cols(); ++k)
+      points.col(k) = random.Vector(1).cwiseProduct(Eigen::Vector3d(1, 0.6, flat));
+    try {
+      const PrimitiveFit fit =
+          FitPrimitive(PointCloud::FromWorld(points), Options(KindOf(kSurfaceKinds[seed % 5])));
+      ++fitted;
+      ThreadPool pool(1);
+      const NurbsSurface& surface = std::get<NurbsSurface>(fit.geometry);
+      const Eigen::VectorXd written = DistancesTo(surface, points, pool).distances;
+      for (Eigen::Index k = 0; k < points.cols(); ++k) {
+        if (fit.outliers[k]) continue;
+        const double told = std::abs(fit.residuals[k]);
+        ASSERT_NEAR(told, std::abs(written[k]), 1e-11 + 0.01 * told) << k;
+      }
+    } catch (const std::invalid_argument&) {  // refused
+    }
+  }
+  EXPECT_GT(fitted, 30);
 }
 
 }  // namespace batten::internal::primitive_surfaces_test

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -52,6 +53,22 @@ SurfaceFitOptions OptionsOf(unsigned seed, RandomSplines& random) {
   return options;
 }
 
+// No place is farther outside of the box than the law allows.
+void ExpectWithin(const Eigen::AlignedBox3d& box, const NurbsSurface& surface) {
+  const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+  double beyond = 0;
+  constexpr int kAcross = 60;
+  for (int i = 0; i <= kAcross; ++i) {
+    for (int j = 0; j <= kAcross; ++j) {
+      const Eigen::Vector3d place =
+          surface.At(u.Clamp(u.lower() + (u.upper() - u.lower()) * i / kAcross),
+                     v.Clamp(v.lower() + (v.upper() - v.lower()) * j / kAcross));
+      beyond = std::max(beyond, (box.min() - place).cwiseMax(place - box.max()).maxCoeff());
+    }
+  }
+  EXPECT_LE(beyond, kLaw * box.diagonal().norm());
+}
+
 TEST(DataBoxTest, UntrimmedSurfacesStayNearTheBoxOfFewPoints) {
   int fitted = 0;
   for (unsigned seed = 0; seed < kClouds; ++seed) {
@@ -65,18 +82,7 @@ TEST(DataBoxTest, UntrimmedSurfacesStayNearTheBoxOfFewPoints) {
       Eigen::AlignedBox3d box;
       for (Eigen::Index k = 0; k < cloud.size(); ++k)
         if (!fit.outliers[k]) box.extend(cloud.World(k));
-      const SplineBasis &u = fit.surface.basis_u(), &v = fit.surface.basis_v();
-      double beyond = 0;
-      constexpr int kAcross = 60;
-      for (int i = 0; i <= kAcross; ++i) {
-        for (int j = 0; j <= kAcross; ++j) {
-          const Eigen::Vector3d place =
-              fit.surface.At(u.Clamp(u.lower() + (u.upper() - u.lower()) * i / kAcross),
-                             v.Clamp(v.lower() + (v.upper() - v.lower()) * j / kAcross));
-          beyond = std::max(beyond, (box.min() - place).cwiseMax(place - box.max()).maxCoeff());
-        }
-      }
-      EXPECT_LE(beyond, kLaw * box.diagonal().norm());
+      ExpectWithin(box, fit.surface);
     } catch (const std::invalid_argument&) {  // refused
     }
   }
@@ -116,6 +122,58 @@ TEST(DataBoxTest, JointStageHoldsWhatFewPointsDoNotDetermine) {
     taken += fit.report.optimize.rms_after < 0.97 * fit.report.optimize.rms_before;
   }
   EXPECT_GE(taken, kTakenAtLeast);
+}
+
+// A handful of points, with nothing given: too few to trim to.
+TEST(DataBoxTest, SurfacesOfAHandfulOfPointsStayNearThem) {
+  constexpr int kHandfuls = 120;
+  int fitted = 0;
+  for (unsigned seed = 0; seed < kHandfuls; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    Eigen::Matrix3Xd points(3, random.Integer(4, 8));
+    const double flat = std::pow(10.0, -random.Integer(0, 3));
+    for (auto point : points.colwise())
+      point = random.Vector(1).cwiseProduct(Eigen::Vector3d(1, random.Real(0.3, 1), flat));
+    SurfaceFitOptions options;
+    options.threads = 1;
+    if (seed % 3 == 0) options.degree_u = options.degree_v = random.Integer(1, 5);
+    if (seed % 4 == 0) options.tolerance = std::pow(10.0, random.Integer(-6, -1));
+    try {
+      const SurfaceFit fit = FitSurface(PointCloud::FromWorld(points), options);
+      ++fitted;
+      if (fit.surface.trimmed()) continue;
+      const Eigen::AlignedBox3d box(points.rowwise().minCoeff(), points.rowwise().maxCoeff());
+      ExpectWithin(box, fit.surface);
+    } catch (const std::invalid_argument&) {  // refused
+    }
+  }
+  EXPECT_GT(fitted, kHandfuls / 3);
+}
+
+TEST(DataBoxTest, FarMoreControlPointsThanPointsAreRefused) {
+  RandomSplines random(1);
+  const PointCloud cloud = FewPoints(0, random);
+  SurfaceFitOptions options;
+  options.control_points = {200, 200};
+  EXPECT_THROW(FitSurface(cloud, options), std::invalid_argument);
+}
+
+// Supports that hold no data look for them farther away: of 69 points and 10,000 control points
+// that took as long as 40,000 squared.
+TEST(DataBoxTest, ManyControlPointsOnFewPointsTakeSeconds) {
+  RandomSplines random(5);
+  Eigen::Matrix3Xd points(3, 30);
+  for (auto point : points.colwise()) point = random.Vector(1);
+  points.row(2) *= 0.1;
+  SurfaceFitOptions options;
+  options.control_points = {100, 100};
+  options.base = BaseShape::kPlane;
+  options.tolerance = 1e-6;
+  const auto begin = std::chrono::steady_clock::now();
+  const SurfaceFit fit = FitSurface(PointCloud::FromWorld(points), options);
+  EXPECT_EQ(fit.surface.size_u(), 100);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
 }  // namespace batten::internal::data_box_test

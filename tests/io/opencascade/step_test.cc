@@ -526,4 +526,20 @@ TEST(StepTest, WritesPeriodicSurfacesClosedAndValid) {
   }
 }
 
+// Readers take points within 1e-7 for one: such a file came back empty or as another shape.
+TEST(StepTest, ShapesBelowThePrecisionOfReadersAreRefused) {
+  TemporaryFolder folder;
+  for (const double size : {1e-300, 1e-160, 1e-9}) {
+    Eigen::Matrix3Xd net(3, 4);
+    net << 0, 0, size, size, 0, size, 0, size, 0, 0, 0, size;
+    const SplineBasis line = SplineBasis::Uniform(1, 2, 0, 1);
+    try {
+      WriteStep({NurbsSurface(line, line, net)}, folder.File("a.step"));
+      ADD_FAILURE() << "written";
+    } catch (const WriteError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("smaller unit"));
+    }
+  }
+}
+
 }  // namespace batten::internal::step_test

@@ -85,6 +85,7 @@ void ExpectWhole(const ReportScene& scene) {
     EXPECT_EQ(surface.mesh.normals.cols(), count);
     EXPECT_EQ(surface.mesh.parameters.cols(), count);
     EXPECT_EQ(surface.deviation.size(), count);
+    EXPECT_TRUE(surface.gap.size() == count || surface.gap.size() == 0);
     EXPECT_EQ(surface.gaussian.size(), count);
     EXPECT_EQ(surface.mean.size(), count);
     EXPECT_LT(surface.mesh.triangles.maxCoeff(), count);
@@ -130,6 +131,27 @@ TEST(ReportSceneTest, MeshAndLinesLieOnTheSurfaceFarFromTheOrigin) {
   // As single precision they still are where they are.
   const Eigen::Matrix3Xd rounded = drawn.mesh.vertices.cast<float>().cast<double>();
   EXPECT_LT((rounded - drawn.mesh.vertices).cwiseAbs().maxCoeff(), 1e-7 * scene.size);
+}
+
+// Where the surface goes on without points, the distance of its vertices from them tells.
+TEST(ReportSceneTest, GapsAreDistancesOfVerticesFromTheNearestPoint) {
+  const NurbsSurface surface = Waves({500000, 5400000, 300});
+  const Measured measured =
+      Measure(surface, Beside(surface, 300, [](double u, double) { return u > 0.5 ? 0.0 : 0.4; }));
+  MeasuredPoints points = measured.points();
+  PointMask outliers = PointMask::Constant(points.cloud.size(), false);
+  outliers.head(100).setConstant(true);
+  points.outliers = outliers;
+  const ReportScene scene = SceneOf({surface}, points);
+  ExpectWhole(scene);
+  const ReportSurface& drawn = scene.surfaces[0];
+  for (Eigen::Index v = 0; v < drawn.mesh.vertices.cols(); v += 7) {
+    const Eigen::Vector3d place = drawn.mesh.vertices.col(v) + scene.center;
+    double nearest = HUGE_VAL;
+    for (Eigen::Index k = 0; k < points.cloud.size(); ++k)
+      if (!outliers[k]) nearest = std::min(nearest, (points.cloud.World(k) - place).norm());
+    ASSERT_NEAR(drawn.gap[v], nearest, 1e-6 * scene.size);
+  }
 }
 
 TEST(ReportSceneTest, ConstantDeviationIsFoundAtEveryVertexWithItsSign) {
