@@ -24,6 +24,13 @@ void RequireEnough(const OrderedPoints& ordered, const CurveFitOptions& options)
                                 std::to_string(options.degree) + ": lower the degree to " +
                                 std::to_string(std::max<Eigen::Index>(1, points - 1)));
   }
+  constexpr Eigen::Index kAlways = 1000, kForEach = 3;  // more is fairness and takes long
+  const Eigen::Index most = std::max(kAlways, kForEach * points);
+  if (options.control_points && *options.control_points > most) {
+    throw std::invalid_argument("control_points: " + std::to_string(*options.control_points) +
+                                " are far more than " + std::to_string(points) +
+                                " points determine: at most " + std::to_string(most) + " for them");
+  }
   if (ordered.closed && points < 3) {
     throw std::invalid_argument("a closed curve needs at least 3 different points");
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/geometry/surface_evaluator.h"
 #include "geometry/editing/monotone_arcs.h"
 #include "geometry/measure/untrimmed_area.h"
 #include "geometry/numeric/adaptive_sum.h"
@@ -80,7 +81,7 @@ class SweepQuadrature {
     return sum * (sweep.t1 - sweep.t0) * (sweep.f1 - sweep.f0) * domain_.length.prod();
   }
 
-  const NurbsSurface& surface_;
+  SurfaceEvaluator surface_;
   const UnitDomain& domain_;
   GaussRule fine_ = GaussLegendre(12), coarse_ = GaussLegendre(8);
 };

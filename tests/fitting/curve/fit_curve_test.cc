@@ -524,4 +524,14 @@ TEST(FitCurveTest, ClosesPointsOfALattice) {
   }
 }
 
+TEST(FitCurveTest, FarMoreControlPointsThanPointsAreRefused) {
+  Eigen::Matrix3Xd points(3, 143);
+  for (int k = 0; k < 143; ++k) points.col(k) << std::cos(0.03 * k), std::sin(0.05 * k), 0.01 * k;
+  CurveFitOptions options;
+  options.control_points = 2000;
+  EXPECT_THROW(FitCurve<3>(PointCloud::FromWorld(points), options), std::invalid_argument);
+  options.control_points = 300;
+  EXPECT_EQ(FitCurve<3>(PointCloud::FromWorld(points), options).curve.basis().size(), 300);
+}
+
 }  // namespace batten::internal::fit_curve_test
