@@ -69,8 +69,6 @@ class PartFits {
     report.geometry.trims += other.geometry.trims;
     report.input.box_min = report.input.box_min.cwiseMin(other.input.box_min);
     report.input.box_max = report.input.box_max.cwiseMax(other.input.box_max);
-    if (other.overshoot && (!report.overshoot || other.overshoot->max > report.overshoot->max))
-      report.overshoot = other.overshoot;
   }
 
   std::optional<double> tolerance_;

@@ -39,6 +39,11 @@ EndCode CodeOf(const EndEvidence& evidence, const FitReport& report) {
 
 std::string WordsOf(EndCode code, const FitReport& report) {
   if (report.leaves_points() && code == EndCode::kStructuredResiduals) {
+    if (report.overshoot->of_box) {
+      return "the curve leaves the box of its points by " + RoundedText(report.overshoot->max) +
+             ", " + RoundedText(*report.overshoot->of_box) +
+             " of its diagonal, where they do not determine it";
+    }
     return "the surface leaves its points by " + RoundedText(report.overshoot->max) + ", " +
            RoundedText(report.overshoot->in_spacings) +
            " times their spacing, where they do not determine it";

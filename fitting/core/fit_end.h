@@ -24,9 +24,9 @@ struct EndEvidence {
 
 // Decides by the measured errors of the report, which are against its tolerance if there is one:
 //  · cancelled as the search was;
-//  · structured_residuals if the surface leaves its points, with the place where it does most;
-//  · tolerance_reached if no point is out;
-//  · noise_reached if the rms is at most twice the noise or rounding, or the search found what is
+//  · structured_residuals if the surface or curve leaves its points, with the place where it does
+//  most; · tolerance_reached if no point is out; · noise_reached if the rms is at most twice the
+//  noise or rounding, or the search found what is
 //    out to be noise, unless control points ran out first;
 //  · max_control_points if the limit, or the number asked for, stopped the search;
 //  · structured_residuals if neighbours share what is left: the shape goes on beyond the fit;

@@ -168,7 +168,9 @@ std::optional<bool> FitReport::tolerance_reached() const {
 }
 
 bool FitReport::leaves_points() const {
-  constexpr double kLeaves = 3;  // spacings
+  constexpr double kLeaves = 3;            // spacings
+  constexpr double kCurveLeavesBox = 0.5;  // diagonals
+  if (overshoot && overshoot->of_box) return *overshoot->of_box > kCurveLeavesBox;
   return overshoot && !overshoot->asked_for && overshoot->in_spacings > kLeaves &&
          overshoot->max > std::max(error.max, error.tolerance.value_or(0));
 }
@@ -202,6 +204,8 @@ void FitReport::Join(const FitReport& other) {
   input.duplicates += other.input.duplicates;
   input.spacing = std::max(input.spacing, other.input.spacing);
   input.noise = std::max(input.noise, other.input.noise);
+  if (other.overshoot && (!overshoot || other.overshoot->max > overshoot->max))
+    overshoot = other.overshoot;
   seconds += other.seconds;
   optimize.ran = optimize.ran || other.optimize.ran;
   optimize.iterations += other.optimize.iterations;

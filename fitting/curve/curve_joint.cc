@@ -90,13 +90,16 @@ std::optional<OptimizeResult> FewRationalSpans(const CurveTask& task, const Solv
   if (!options.optimize || !options.optimize->weights || options.control_points) return {};
   RationalSpansOptions rational;
   rational.optimize.free = *options.optimize;
-  SetUp(task,
-        solved.problem,
-        task.DistancesOf(solved.problem, solved.control_points),
-        rational.optimize);
+  rational.optimize.free.knots = false;  // a search of its own for each number of spans
+  const Eigen::VectorXd distances = task.DistancesOf(solved.problem, solved.control_points);
+  SetUp(task, solved.problem, distances, rational.optimize);
   rational.goal = std::max(task.near_exact ? 0 : task.noise, Rounding(task));
   rational.tolerance = options.tolerance;
-  rational.most_control_points = solved.problem.unknowns();
+  // Where the spans at hand do already, rational ones pay with half as many.
+  const double rms = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
+  const int unknowns = solved.problem.unknowns();
+  const bool at_goal = rms <= std::max(kExcessToOptimise * NoiseLeft(task), Rounding(task));
+  rational.most_control_points = at_goal ? options.degree + unknowns / 2 : unknowns;
   const SplineBasis& basis = solved.problem.basis_u();
   const SpanLayout start = SpanLayout::Equal(options.degree,
                                              1 + static_cast<int>(task.corners.size()),

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/fitting/curve_parameterization.h"
+#include "fitting/core/curve_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/foot_points/curve_distances.h"
 
@@ -147,7 +148,12 @@ CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
   }
+  Eigen::AlignedBox<double, Dim> box;
+  for (Eigen::Index k = 0; k < used.size(); ++k)
+    if (used[k]) box.extend(grounds.cloud.points().col(k).template head<Dim>());
+  EnterExcursion<Dim>(measured, box, grounds.cloud.origin(), report);
   Judge(grounds, fit, measured, used, report);
+  WarnOfExcursion(report);
   fit.report = std::move(report);
   return fit;
 }

@@ -67,8 +67,9 @@ bool Stays(const FittingProblem& problem,
   return true;
 }
 
-// Whether every span has data at enough different places to determine a polynomial curve: of so many
-// equal parts of it, half hold data.
+// Whether every span has data at enough different places to determine a polynomial curve: of so
+// many equal parts of it, half hold data, and few in a row are empty, beyond which it would
+// extrapolate.
 bool WellHeld(const FittingProblem& problem) {
   const SplineBasis& basis = problem.basis_u();
   const int enough = basis.degree() + 1, parts = 2 * enough;
@@ -86,7 +87,8 @@ bool WellHeld(const FittingProblem& problem) {
   const std::vector<int> spans = basis.Spans();
   return std::all_of(spans.begin(), spans.end(), [&](int span) {
     const auto first = holds.begin() + static_cast<std::ptrdiff_t>(span) * parts;
-    return std::count(first, first + parts, 1) >= enough;
+    if (std::count(first, first + parts, 1) < enough) return false;
+    return std::search_n(first, first + parts, enough / 2 + 1, char{0}) == first + parts;
   });
 }
 

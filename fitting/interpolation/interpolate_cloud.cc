@@ -9,6 +9,7 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/fitting/ordered_points.h"
+#include "fitting/core/curve_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/stage_clock.h"
 #include "geometry/numeric/number_text.h"
@@ -167,7 +168,12 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
   report.geometry.control_points = {fit.curve.basis().size()};
   report.geometry.closed = {options.closed};
   report.optimize.why = "interpolation leaves nothing free";
+  EnterExcursion<Dim>(local.curve,
+                      {row.points.rowwise().minCoeff(), row.points.rowwise().maxCoeff()},
+                      cloud.origin(),
+                      report);
   JudgeEnd({.rounding = kRounding * (report.input.box_max - report.input.box_min).norm()}, report);
+  WarnOfExcursion(report);
   report.seconds = clock.Seconds();
   fit.report = std::move(report);
   return fit;

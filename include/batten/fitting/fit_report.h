@@ -183,15 +183,18 @@ struct CloudPartSummary {
   std::string refused;  // why not, where one was asked for
 };
 
-// How far a surface leaves its points between them (inside its trims).
+// How far a surface leaves its points between them (inside its trims), or a curve their box.
 struct OvershootSummary {
-  double max = 0;          // height beyond that of all points near the place, in the data's units
+  // Surfaces: height beyond that of all points near the place; curves: distance from the box of
+  // the points used; in the data's units.
+  double max = 0;
   double in_spacings = 0;  // the same
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
   double area_without_points = 0;                // farther than three spacings from all points
   double share_without_points = 0;               // of the area
   double largest_gap = 0;  // there: greatest distance along the surface from a foot point
   bool asked_for = false;  // the surface beyond its points: trims were declined
+  std::optional<double> of_box = std::nullopt;  // curves: max over the diagonal of the box
 };
 
 struct FitReport {
@@ -202,7 +205,7 @@ struct FitReport {
   ErrorSummary error_all;  // over all finite points
   // Distances from the geometry at every point's own parameters, for fits at given parameters.
   std::optional<ErrorSummary> parameter_error;
-  std::optional<OvershootSummary> overshoot;  // of surfaces
+  std::optional<OvershootSummary> overshoot;  // of surfaces, and of curves that leave their points
   std::vector<PartError> parts;       // where there are several geometries, in their order
   std::vector<CloudPartSummary> cloud_parts;  // where parts of the cloud were asked for
   bool judged_at_parameters = false;  // the tolerance applies to parameter_error
@@ -221,7 +224,8 @@ struct FitReport {
   std::optional<bool> tolerance_reached() const;
 
   // Whether a surface overshoots by more than three spacings, its errors at the points and the
-  // tolerance, though it was to be trimmed to its points.
+  // tolerance, though it was to be trimmed to its points; a curve leaves the box of its points by
+  // more than half its diagonal.
   bool leaves_points() const;
 
   // Joins the report of another curve of the same cloud. Errors are not joined; the worse

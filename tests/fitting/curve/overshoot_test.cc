@@ -44,6 +44,24 @@ TEST(HasOvershootTest, TellsABulgeThatNoDatumHolds) {
   EXPECT_FALSE(overshoots(50, Eigen::VectorXd::LinSpaced(400, 0, 1)));  // where data follow it
 }
 
+// Many data at either end of a span each: the rest of both is extrapolation.
+TEST(HasOvershootTest, TellsAKneeBetweenDataAtBothEnds) {
+  for (int degree = 1; degree <= 5; ++degree) {
+    SCOPED_TRACE(degree);
+    const SplineBasis basis = SplineBasis::Uniform(degree, 2 + degree, 0, 1);  // two spans
+    Eigen::Matrix2Xd net = Eigen::Matrix2Xd::Zero(2, basis.size());
+    for (int i = 0; i < basis.size(); ++i) net.col(i) << basis.Greville(i), 0;
+    Eigen::VectorXd u(80);
+    u << Eigen::VectorXd::LinSpaced(40, 0, 0.24), Eigen::VectorXd::LinSpaced(40, 0.76, 1);
+    const NurbsCurve<2> straight(basis, net);
+    EXPECT_FALSE(HasOvershoot(On(straight, u), straight.control_points(), {}, 0));
+    net.rightCols(net.cols() - 1).leftCols(net.cols() - 2).row(1).setConstant(30);
+    const NurbsCurve<2> knee(basis, net);
+    const FittingProblem few = On(straight, u);
+    EXPECT_TRUE(HasOvershoot(few, knee.control_points(), {}, 0));
+  }
+}
+
 TEST(HasOvershootTest, TellsAnEndBeyondTheData) {
   const NurbsCurve<2> curve = Bulge(0);
   EXPECT_FALSE(

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -26,6 +27,50 @@ Eigen::Matrix3Xd Ellipse(int count) {
     points.col(k) << 3 * std::cos(a), std::sin(a), 0;
   }
   return points;
+}
+
+// The farthest of many places of the curve from the box of the points, over its diagonal.
+double OutOfBox(const NurbsCurve<3>& curve, const Eigen::Matrix3Xd& points) {
+  const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
+  double most = 0;
+  for (int s = 0; s <= 20000; ++s) {
+    const SplineBasis& basis = curve.basis();
+    const Eigen::Vector3d place =
+        curve.At(basis.lower() + (basis.upper() - basis.lower()) * s / 20000);
+    most = std::max(most, (low - place).cwiseMax(place - high).cwiseMax(0).norm());
+  }
+  return most / (high - low).norm();
+}
+
+TEST(InterpolateCloudTest, WhatLeavesTheBoxOfItsPointsIsSaid) {
+  int said = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    Eigen::Matrix3Xd points(3, random.Integer(6, 12));
+    for (double& x : points.reshaped()) x = random.Real(-1, 1);
+    Eigen::Matrix2Xd u = Eigen::Matrix2Xd::Zero(2, points.cols());
+    for (Eigen::Index k = 1; k < points.cols(); ++k)  // some far closer to one another than others
+      u(0, k) = u(0, k - 1) + std::pow(10, random.Real(-1.5, 0));
+    PointCloud cloud = PointCloud::FromWorld(points);
+    cloud.set_parameters(u);
+    CloudInterpolationOptions options;
+    options.degree = random.Integer(2, 5);
+    options.parameterization = CurveParameterization::kGiven;
+    options.tolerance = 1e-6;
+    const CurveFit<3> fit = InterpolateCloud<3>(cloud, options);
+    const double out = OutOfBox(fit.curve, points);
+    if (std::abs(out - 0.5) < 0.02) continue;
+    EXPECT_EQ(fit.report.leaves_points(), out > 0.5) << out;
+    EXPECT_EQ(fit.report.tolerance_reached(), out <= 0.5);
+    EXPECT_EQ(fit.report.warnings.size(), out > 0.5 ? 1 : 0);
+    if (!fit.report.leaves_points()) continue;
+    ++said;
+    EXPECT_NEAR(*fit.report.overshoot->of_box, out, 0.05 * out);
+    EXPECT_EQ(fit.report.end.code, EndCode::kStructuredResiduals);
+    EXPECT_THAT(fit.report.warnings.back(), HasSubstr("leaves the box of its points"));
+  }
+  EXPECT_GT(said, 3);
 }
 
 TEST(InterpolateCloudTest, MeetsEveryPointFarFromZeroAndSaysSo) {
@@ -52,7 +97,8 @@ TEST(InterpolateCloudTest, MeetsEveryPointFarFromZeroAndSaysSo) {
     EXPECT_EQ(fit.parameters[2], fit.parameters[3]);
     EXPECT_EQ(fit.report.input.duplicates, 1);
     EXPECT_EQ(fit.report.input.points, points.cols());
-    EXPECT_EQ(fit.report.termination, Termination::kToleranceReached);
+    EXPECT_EQ(fit.report.termination,
+              fit.report.leaves_points() ? Termination::kStalled : Termination::kToleranceReached);
     EXPECT_THAT(fit.report.geometry.closed, ElementsAre(options.closed));
     EXPECT_THAT(fit.report.geometry.control_points, ElementsAre(fit.curve.basis().size()));
     EXPECT_EQ(fit.curve.basis().size(), points.cols() - 1 + (options.closed ? options.degree : 0));
