@@ -23,6 +23,7 @@ std::vector<NamedRule> AllRules() {
           {Rule::kNeighbourVotes, "neighbour-votes"},
           {Rule::kKnotLines, "knot-lines"},
           {Rule::kBounds, "bounds"},
+          {Rule::kHeldBetween, "held-between"},
           {Rule::kJointStage, "joint-stage"},
           {Rule::kStructuredGate, "structured-gate"},
           {Rule::kCorners, "corners"},

@@ -23,6 +23,7 @@ enum class Rule {
   kNeighbourVotes,   // points off the surface count with neighbours that are off as far
   kKnotLines,        // knot lines are added and removed one by one after the grid is chosen
   kBounds,           // coefficients stay within what the data nearby allow
+  kHeldBetween,      // what overshoots between the points all the same is brought back
   // the joint stage
   kJointStage,
   kStructuredGate,  // which runs only where residuals have a shape

@@ -38,7 +38,10 @@ BaseAttempt OverPlane(const BaseInput& input, const PlaneBase& plane) {
   Parameterization& base = made.base;
   base.name = "plane";
   base.why = asked ? "asked for"
-                   : "the points are a height field, inclined " + Steepness(plane) + " or less";
+             : plane.lattice
+                 ? "the points are heights over a regular lattice, inclined " + Steepness(plane) +
+                       " or less"
+                 : "the points are a height field, inclined " + Steepness(plane) + " or less";
   base.shape = "a smooth height field";
   base.length_u = plane.length_u;
   base.length_v = plane.length_v;
@@ -49,7 +52,7 @@ BaseAttempt OverPlane(const BaseInput& input, const PlaneBase& plane) {
   const bool layers = plane.overlap > kOverlapToWarn;
   if (layers)
     made.warnings.push_back(InLayers(plane) + ": a height field goes between the layers there");
-  made.distorted = layers || plane.steepness > kGentle;
+  made.distorted = layers || (!plane.lattice && plane.steepness > kGentle);
   made.certain = !made.distorted && Acts(Rule::kCertainBase);
   return made;
 }

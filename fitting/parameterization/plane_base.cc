@@ -16,6 +16,7 @@
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/neighbours/normals.h"
+#include "fitting/parameterization/lattice.h"
 #include "fitting/parameterization/normal_cone.h"
 #include "fitting/parameterization/projection_overlap.h"
 #include "geometry/numeric/smallest_rectangle.h"
@@ -309,6 +310,14 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   Eigen::Matrix3Xd normals = NormalsAt(places, points, index, points.cols() < 200 ? 12 : 30, pool);
   if (points.cols() < 12) {
     normals = pca.eigenvectors().col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
+  }
+
+  if (const std::optional<int> lattice = AxisOfLatticeHeights(points)) {
+    const Eigen::Vector3d up = Eigen::Vector3d::Unit(*lattice);
+    PlaneBase base = BaseAlong(up, Openness(normals, up), points, mean, spacing, margin);
+    base.lattice = true;
+    base.overlap = 0;
+    return base;
   }
 
   constexpr int kStarts = 3, kRounds = 61;

@@ -18,6 +18,7 @@ struct PlaneBase {
   double length_u = 1, length_v = 1;
   double steepness = 0;  // angle (radians) to the plane that 95 % of the sheet stay below
   double overlap = 0;    // share of places with several layers: the sheet is no height field there
+  bool lattice = false;  // the points are heights over a regular lattice: a plane of their own
 
   // Coordinates (u, v, height) of points.
   Eigen::Matrix3Xd ToFrame(const Eigen::Matrix3Xd& points) const {
@@ -30,7 +31,8 @@ struct PlaneBaseOptions {
   std::uint64_t seed = 1;  // of their random choice
 };
 
-// Finds the plane to which the sheet is least steep. Its normal is the axis of the smallest cone
+// Finds the plane to which the sheet is least steep, or that of the lattice over which the points
+// are heights (AxisOfLatticeHeights). Its normal is the axis of the smallest cone
 // that holds (all but a few of) the sheet's normals; a coordinate axis is preferred where it serves
 // nearly as well, z before y before x, so that terrain stays a height field over the plan. Where
 // the sheet would fold over that plane (2 % of it or more face away from it, as behind a vertical

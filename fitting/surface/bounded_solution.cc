@@ -15,10 +15,10 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kOfNoise = 3;      // slack of the bounds in standard deviations …
-constexpr double kOfSpacing = 1;    // … and in spacings: points may as well lie so far apart
+constexpr double kOfNoise = 3;           // slack of the bounds in standard deviations …
+constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
-constexpr double kRounding = 1e-9;  // of an interval
+constexpr double kRounding = 1e-9;       // of an interval
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those

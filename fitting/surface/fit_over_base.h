@@ -10,8 +10,8 @@
 namespace batten::internal {
 
 struct FittedState {
-  SurfaceState draft;              // in the cloud's local coordinates, over the base's parameters
-  PointMask used;                  // mask of the prepared points: inliers of the fit
+  SurfaceState draft;    // in the cloud's local coordinates, over the base's parameters
+  PointMask used;        // mask of the prepared points: inliers of the fit
   bool doubted = false;  // outliers were set aside, or a loss the fitter chose bounds them
   FitReport report;      // the given one and all stages; no final measurements
 };

@@ -14,7 +14,9 @@
 #include "fitting/surface/data_box.h"
 #include "fitting/surface/fit_over_base.h"
 #include "fitting/surface/given_parameters.h"
+#include "fitting/surface/hold_between_points.h"
 #include "fitting/surface/surface_measurement.h"
+#include "fitting/surface/surface_overshoot.h"
 #include "fitting/surface/surface_postprocess.h"
 #include "fitting/surface/surface_preparation.h"
 
@@ -103,6 +105,16 @@ class SurfacePipeline {
     if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);
     clock_.Enter(&StageSeconds::trim);
     TrimToUsed(fitted, prepared, options, pool_);
+    const FitReport& report = fitted.report;
+    const bool free =
+        !prepared.conditions.any() && !prepared_.symmetry && !report.geometry.primitive;
+    if (free && options.trim != Trimming::kNone) {
+      HoldBetweenPoints(fitted.draft,
+                        prepared.statistics.spacing,
+                        DirectionOfHeights(report),
+                        options.tolerance,
+                        pool_);
+    }
     return fitted;
   }
 

@@ -2,8 +2,8 @@
 // A parameterization taken from the (u, v) given with the points.
 #pragma once
 
-#include "fitting/surface/surface_preparation.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "fitting/surface/surface_preparation.h"
 
 namespace batten::internal {
 

@@ -16,10 +16,10 @@
 namespace batten::internal {
 
 struct RefineOptions {
-  double tolerance = 0;  // orthogonal distance, the data's units
-  double noise = 0;      // standard deviation; errors it explains are not refined
+  double tolerance = 0;        // orthogonal distance, the data's units
+  double noise = 0;            // standard deviation; errors it explains are not refined
   double held_rms = HUGE_VAL;  // of SolveWithinBounds
-  double spacing = 0;    // of the points: no cell gets narrower than two thirds of it
+  double spacing = 0;          // of the points: no cell gets narrower than two thirds of it
   int max_control_points = 20000;
 };
 

@@ -10,10 +10,10 @@
 namespace batten::internal {
 
 struct SolvedSurface {
-  NurbsSurface surface;            // in the cloud's local coordinates
-  Eigen::Matrix2Xd parameters;     // of the points used
-  FittingProblem problem;          // the one last solved over, with the weights of the points
-  EndCode end;                     // how the search for degrees of freedom ended
+  NurbsSurface surface;         // in the cloud's local coordinates
+  Eigen::Matrix2Xd parameters;  // of the points used
+  FittingProblem problem;       // the one last solved over, with the weights of the points
+  EndCode end;                  // how the search for degrees of freedom ended
   std::vector<RoundSummary> rounds = {};
   std::vector<std::string> warnings = {};
 };

@@ -215,10 +215,8 @@ OvershootSummary OvershootOf(const NurbsSurface& surface,
     if (used[k]) kept.push_back(k);
   const Eigen::Matrix3Xd points = merged.cloud.points()(Eigen::all, kept);
   const Eigen::Matrix2Xd feet = parameters(Eigen::all, kept);
-  OvershootInput input{surface, points, feet, report.input.spacing};
-  if (report.geometry.base == "plane" && report.geometry.base_axes)
-    input.up = report.geometry.base_axes->col(2);
-  return MeasureOvershoot(input, pool);
+  return MeasureOvershoot({surface, points, feet, report.input.spacing, DirectionOfHeights(report)},
+                          pool);
 }
 
 }  // namespace

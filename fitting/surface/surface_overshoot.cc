@@ -135,18 +135,18 @@ Eigen::Vector3d UpNear(const OvershootInput& input,
   return sum.isZero(0) ? sum : sum.normalized();
 }
 
-// By how much a place is beyond the heights of points.
-double Beyond(const Eigen::Vector3d& place,
-              const Eigen::Vector3d& up,
-              const Eigen::Matrix3Xd& points,
-              const std::vector<Eigen::Index>& which) {
+// How high a place must move to be among the heights of points.
+double RiseInto(const Eigen::Vector3d& place,
+                const Eigen::Vector3d& up,
+                const Eigen::Matrix3Xd& points,
+                const std::vector<Eigen::Index>& which) {
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const Eigen::Index k : which) {
     const double height = up.dot(points.col(k) - place);
     low = std::min(low, height);
     high = std::max(high, height);
   }
-  return std::max({0.0, low, -high});
+  return low > 0 ? low : std::min(high, 0.0);
 }
 
 // Places inside the trims, with the area in the domain that each stands for.
@@ -195,7 +195,46 @@ Places MeasuredPlaces(const OvershootInput& input,
   return places;
 }
 
+// A place far from all points.
+struct Alone {
+  Eigen::Index place;
+  double gap;            // along the surface to the nearest foot point
+  Eigen::Vector3d back;  // the way to the nearest height of the points around
+};
+
+std::vector<Alone> HeightsOf(const OvershootInput& input,
+                             const SurfaceEvaluator& surface,
+                             const Eigen::Vector2d& stretch,
+                             const Places& places) {
+  const FootMap feet(input, stretch);
+  std::vector<Alone> all;
+  for (const Eigen::Index k : places.alone) {
+    const FootMap::Neighbourhood around =
+        feet.Around(places.uv.col(k), kWithPoints * input.spacing);
+    const Eigen::Vector3d up = UpNear(input, surface, around.points);
+    const double rise = RiseInto(places.points.col(k), up, input.points, around.points);
+    all.push_back({k, around.gap, rise * up});
+  }
+  return all;
+}
+
 }  // namespace
+
+std::optional<Eigen::Vector3d> DirectionOfHeights(const FitReport& report) {
+  if (report.geometry.base != "plane" || !report.geometry.base_axes) return {};
+  return report.geometry.base_axes->col(2);
+}
+
+std::vector<Excursion> FindExcursions(const OvershootInput& input, double least, ThreadPool& pool) {
+  const SurfaceEvaluator surface(input.surface);
+  const Eigen::Vector2d stretch = StretchOf(surface, input.feet);
+  const Places places = MeasuredPlaces(input, surface, stretch, pool);
+  std::vector<Excursion> found;
+  if (places.alone.empty()) return found;
+  for (const Alone& one : HeightsOf(input, surface, stretch, places))
+    if (one.back.norm() > least) found.push_back({places.uv.col(one.place), one.back});
+  return found;
+}
 
 OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool) {
   const SurfaceEvaluator surface(input.surface);
@@ -218,17 +257,12 @@ OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool)
     whole += area(k);
     if (distance < kWithPoints * input.spacing) found.area_without_points += area(k);
   }
-  const FootMap feet(input, stretch);
-  for (const Eigen::Index k : places.alone) {
-    const FootMap::Neighbourhood around =
-        feet.Around(places.uv.col(k), kWithPoints * input.spacing);
-    found.largest_gap = std::max(found.largest_gap, around.gap);
-    const double beyond = Beyond(
-        places.points.col(k), UpNear(input, surface, around.points), input.points, around.points);
-    if (beyond > found.max) {
-      found.max = beyond;
-      found.at = places.points.col(k);
-    }
+  for (const Alone& one : HeightsOf(input, surface, stretch, places)) {
+    found.largest_gap = std::max(found.largest_gap, one.gap);
+    const double beyond = one.back.norm();
+    if (!(beyond > found.max)) continue;
+    found.max = beyond;
+    found.at = places.points.col(one.place);
   }
   if (whole > 0) found.share_without_points = found.area_without_points / whole;
   found.in_spacings = input.spacing > 0 ? found.max / input.spacing : 0;

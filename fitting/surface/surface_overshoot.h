@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "batten/fitting/fit_report.h"
 #include "batten/geometry/nurbs_surface.h"
@@ -21,6 +22,9 @@ struct OvershootInput {
   std::optional<Eigen::Vector3d> up = std::nullopt;
 };
 
+// The direction of heights of a fit over a plane; none of others.
+std::optional<Eigen::Vector3d> DirectionOfHeights(const FitReport& report);
+
 // Measures the surface against its points, inside its trims, at places at most two spacings apart,
 // or more where that would be some 100 000. A place within three spacings of a point is with its
 // points. Elsewhere the gap g is the distance along the surface to the nearest foot point, and the
@@ -28,5 +32,14 @@ struct OvershootInput {
 // is overshoot. The area without points is that within three spacings of such places: the union of
 // balls that hold no point. O(m log m).
 OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool);
+
+// A place where the surface overshoots.
+struct Excursion {
+  Eigen::Vector2d uv;
+  Eigen::Vector3d back;  // the way to the nearest height allowed there
+};
+
+// The places measured that overshoot by more than so much. O(m log m).
+std::vector<Excursion> FindExcursions(const OvershootInput& input, double least, ThreadPool& pool);
 
 }  // namespace batten::internal

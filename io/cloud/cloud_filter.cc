@@ -52,7 +52,7 @@ void ResizePoints(Matrix& matrix, Eigen::Index points) {
 // What `member` names of all parts as one matrix. Frees the pieces on the way; a single piece is
 // passed on without a copy.
 template <class Matrix>
-Matrix JoinMember(std::vector<CloudPart>& parts, Eigen::Index total, Matrix CloudChunk::*member) {
+Matrix JoinMember(std::vector<FileCloud>& parts, Eigen::Index total, Matrix CloudChunk::*member) {
   Matrix all;
   if (parts.size() == 1 && parts[0].chunks.size() == 1) {
     all = std::move(parts[0].chunks[0].*member);
@@ -62,7 +62,7 @@ Matrix JoinMember(std::vector<CloudPart>& parts, Eigen::Index total, Matrix Clou
   ResizePoints(all, total);
   const Eigen::Index rows = total > 0 ? all.size() / total : 0;
   Eigen::Index done = 0;
-  for (CloudPart& part : parts) {
+  for (FileCloud& part : parts) {
     for (CloudChunk& chunk : part.chunks) {
       Matrix& piece = chunk.*member;
       std::copy_n(piece.data(), chunk.size * rows, all.data() + done * rows);
@@ -114,8 +114,8 @@ void ClearUnusual(Eigen::Matrix3Xd& normals, Eigen::Index first, Eigen::Index co
   }
 }
 
-bool AllHave(const std::vector<CloudPart>& parts, bool CloudPart::*what) {
-  return std::all_of(parts.begin(), parts.end(), [&](const CloudPart& part) { return part.*what; });
+bool AllHave(const std::vector<FileCloud>& parts, bool FileCloud::*what) {
+  return std::all_of(parts.begin(), parts.end(), [&](const FileCloud& part) { return part.*what; });
 }
 
 }  // namespace
@@ -353,32 +353,32 @@ void CloudFilter::CopyColours(const RowBatch& batch,
   }
 }
 
-CloudPart CloudFilter::Finish() && {
+FileCloud CloudFilter::Finish() && {
   if (columns_.wide_if_whole && whole_colours_ && std::isfinite(columns_.colour_limit)) {
     WidenColours();
   }
   return std::move(part_);
 }
 
-PointCloud JoinParts(std::vector<CloudPart> parts) {
+PointCloud JoinParts(std::vector<FileCloud> parts) {
   Eigen::Index total = 0;
   int dimension = 2;
-  for (const CloudPart& part : parts) {
+  for (const FileCloud& part : parts) {
     total += part.kept();
     dimension = std::max(dimension, part.dimension);
   }
   PointCloud cloud =
       PointCloud::FromWorld(JoinMember(parts, total, &CloudChunk::points), dimension);
-  if (AllHave(parts, &CloudPart::has_normals)) {
+  if (AllHave(parts, &FileCloud::has_normals)) {
     cloud.set_normals(JoinMember(parts, total, &CloudChunk::normals));
   }
-  if (AllHave(parts, &CloudPart::has_parameters)) {
+  if (AllHave(parts, &FileCloud::has_parameters)) {
     cloud.set_parameters(JoinMember(parts, total, &CloudChunk::parameters));
   }
-  if (AllHave(parts, &CloudPart::has_weights)) {
+  if (AllHave(parts, &FileCloud::has_weights)) {
     cloud.set_weights(JoinMember(parts, total, &CloudChunk::weights));
   }
-  if (AllHave(parts, &CloudPart::has_colours)) {
+  if (AllHave(parts, &FileCloud::has_colours)) {
     cloud.set_colours(JoinMember(parts, total, &CloudChunk::colours));
   }
   return cloud;

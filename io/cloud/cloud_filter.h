@@ -33,7 +33,7 @@ struct CloudChunk {
 };
 
 // What one file gave.
-struct CloudPart {
+struct FileCloud {
   std::vector<std::string> fields;
   int dimension = 3;
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
@@ -73,7 +73,7 @@ class CloudFilter {
   Eigen::Index rows() const { return part_.rows; }
 
   // What was collected; ends the filter's life.
-  CloudPart Finish() &&;
+  FileCloud Finish() &&;
 
  private:
   void NoteMissing(const std::vector<char>& matched);
@@ -98,10 +98,10 @@ class CloudFilter {
   std::vector<int> finite_;          // columns with a role that must be finite; no normals
   std::vector<unsigned char> keep_;  // one a row of the batch
   bool whole_colours_ = true;        // until now, while there is a colour_limit
-  CloudPart part_;
+  FileCloud part_;
 };
 
 // The points of all parts as one cloud; attributes that all parts have are kept.
-PointCloud JoinParts(std::vector<CloudPart> parts);
+PointCloud JoinParts(std::vector<FileCloud> parts);
 
 }  // namespace batten::internal

@@ -197,7 +197,7 @@ class LasFields {
 
 }  // namespace
 
-CloudPart ReadLas(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadLas(ByteSource& source, const CloudReadOptions& options) {
   const LasHeader header = ReadHeader(source);
   const auto remaining = source.remaining();
   const std::int64_t bytes = header.points * static_cast<std::int64_t>(header.stride);
@@ -230,7 +230,7 @@ CloudPart ReadLas(ByteSource& source, const CloudReadOptions& options) {
               columns,
               std::endian::native == std::endian::big,
               filter);
-  CloudPart part = std::move(filter).Finish();
+  FileCloud part = std::move(filter).Finish();
   part.scale = {header.scale[0], header.scale[1], header.scale[2]};
   return part;
 }

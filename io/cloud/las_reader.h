@@ -16,6 +16,6 @@ namespace batten::internal {
 // The header's counts are held against the size of the file before any memory is taken. Throws
 // ReadError naming the byte, UsageError for a field that is not there.
 // [ASPRS, LAS specification 1.4 – R15]
-CloudPart ReadLas(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadLas(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

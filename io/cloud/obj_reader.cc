@@ -28,7 +28,7 @@ class ObjReader {
   ObjReader(ByteSource& source, const CloudReadOptions& options)
       : lines_(source), file_(source.name()), options_(options) {}
 
-  CloudPart Read() {
+  FileCloud Read() {
     std::string_view line;
     while (lines_.Next(line)) {
       place_ = lines_.number();
@@ -112,7 +112,7 @@ class ObjReader {
     Refuse("expected a line of an OBJ file, found " + Quoted(line));
   }
 
-  CloudPart Finish() {
+  FileCloud Finish() {
     std::vector<CloudField> fields;
     for (const char* name : kPointNames) fields.push_back({.name = name});
     std::vector<VertexRows> groups;
@@ -147,7 +147,7 @@ class ObjReader {
 
 }  // namespace
 
-CloudPart ReadObj(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadObj(ByteSource& source, const CloudReadOptions& options) {
   return ObjReader(source, options).Read();
 }
 

@@ -13,6 +13,6 @@ namespace batten::internal {
 // out. Faces and all else are passed over. A backslash at its end continues a line. The fields are
 // x y z, red green blue, nx ny nz as the file has them. Throws ReadError naming the line,
 // UsageError for a field that is not there.
-CloudPart ReadObj(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadObj(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

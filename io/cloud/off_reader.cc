@@ -24,7 +24,7 @@ class OffReader {
   OffReader(ByteSource& source, const CloudReadOptions& options)
       : lines_(source), source_(source), options_(options) {}
 
-  CloudPart Read() {
+  FileCloud Read() {
     const OffHeader header = ReadHeader();
     RequireBytes(header);
     std::string_view line;
@@ -147,7 +147,7 @@ class OffReader {
 
 }  // namespace
 
-CloudPart ReadOff(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadOff(ByteSource& source, const CloudReadOptions& options) {
   return OffReader(source, options).Read();
 }
 

@@ -13,6 +13,6 @@ namespace batten::internal {
 // nx ny nz, red green blue, alpha, s t as the file has them. The header's count is held against
 // the size of the file before any memory is taken. Throws ReadError naming the line, also for
 // binary files and those of other dimensions; UsageError for a field that is not there.
-CloudPart ReadOff(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadOff(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

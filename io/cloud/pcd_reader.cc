@@ -333,7 +333,7 @@ class PcdBodyReader {
   PcdBodyReader(LineReader& lines, PcdHeader header, const CloudReadOptions& options)
       : lines_(lines), source_(lines.source()), header_(std::move(header)), options_(options) {}
 
-  CloudPart Read() {
+  FileCloud Read() {
     switch (header_.body) {
       case PcdBody::kAscii:
         return ReadAscii();
@@ -357,7 +357,7 @@ class PcdBodyReader {
   }
 
   // PCL reads ASCII at 70 MB/s, this at more than twice that.
-  CloudPart ReadAscii() {
+  FileCloud ReadAscii() {
     const std::vector<PcdElement> elements = Elements(header_, true);
     std::int64_t numbers = 0;
     for (const PcdField& field : header_.fields) numbers += static_cast<std::int64_t>(field.count);
@@ -375,7 +375,7 @@ class PcdBodyReader {
 
   // pcl::PCDReader keeps the map of the file and a copy of all its fields: four times the points
   // when they come with normals and colours. It also needs a path, and can't be cancelled.
-  CloudPart ReadBinary() {
+  FileCloud ReadBinary() {
     const std::vector<PcdElement> elements = Elements(header_, true);
     const std::size_t stride = header_.stride();
     RequireBytes(source_, header_.points, header_.points * static_cast<std::int64_t>(stride));
@@ -386,7 +386,7 @@ class PcdBodyReader {
     return std::move(filter).Finish();
   }
 
-  CloudPart ReadCompressed() {
+  FileCloud ReadCompressed() {
     const std::int64_t start = source_.position();
     bool padding_stored = false;
     const std::unique_ptr<char[]> body = Decompress(source_, header_, padding_stored);
@@ -425,7 +425,7 @@ class PcdBodyReader {
 
 }  // namespace
 
-CloudPart ReadPcd(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadPcd(ByteSource& source, const CloudReadOptions& options) {
   LineReader lines(source);
   PcdHeader header = PcdHeaderReader(lines).Read();
   return PcdBodyReader(lines, std::move(header), options).Read();

@@ -12,6 +12,6 @@ namespace batten::internal {
 // first; "name[1]", … the others) and padding ("_", which is no field). The viewpoint is ignored.
 // The header's counts are held against the size of the file before any memory is taken. Throws
 // ReadError naming line or byte, UsageError for a field that is not there.
-CloudPart ReadPcd(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadPcd(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

@@ -168,7 +168,7 @@ class PlyBodyReader {
         swapped_((header_.body == PlyBody::kBigEndian) !=
                  (std::endian::native == std::endian::big)) {}
 
-  CloudPart Read() {
+  FileCloud Read() {
     for (const PlyElement& element : header_.elements) {
       RequireBytes(element);
       if (element.name == "vertex") return ReadVertices(element);
@@ -197,7 +197,7 @@ class PlyBodyReader {
     }
   }
 
-  CloudPart ReadVertices(const PlyElement& vertex) {
+  FileCloud ReadVertices(const PlyElement& vertex) {
     std::vector<CloudField> fields;
     std::vector<BinaryColumn> places;
     std::size_t offset = 0;
@@ -362,7 +362,7 @@ class PlyBodyReader {
 
 }  // namespace
 
-CloudPart ReadPly(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadPly(ByteSource& source, const CloudReadOptions& options) {
   LineReader lines(source);
   PlyHeader header = PlyHeaderReader(lines).Read();
   return PlyBodyReader(lines, std::move(header), options).Read();

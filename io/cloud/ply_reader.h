@@ -14,6 +14,6 @@ namespace batten::internal {
 // MB/s (binary) and allocates whatever a header promises. The header's counts are held against the
 // size of the file before any memory is taken. Throws ReadError naming line or byte, UsageError for
 // a property that is not there.
-CloudPart ReadPly(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadPly(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

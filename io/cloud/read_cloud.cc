@@ -21,7 +21,7 @@ namespace batten {
 using namespace internal;
 namespace {
 
-CloudPart ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions& options) {
+FileCloud ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions& options) {
   switch (format) {
     case FileFormat::kPcd:
       return ReadPcd(source, options);
@@ -40,13 +40,13 @@ CloudPart ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions
   }
 }
 
-CloudPart ReadPart(const std::string& path,
+FileCloud ReadPart(const std::string& path,
                    FileFormat format,
                    const CloudReadOptions& options,
                    std::function<void(double)> progress) {
   ByteSource source(path, std::move(progress));
   if (source.Peek(1).empty()) throw ReadError(source.name(), "is empty");
-  CloudPart part = ReadBody(source, format, options);
+  FileCloud part = ReadBody(source, format, options);
   if (part.rows == 0) throw ReadError(source.name(), "holds no usable point: it has no rows");
   return part;
 }
@@ -75,7 +75,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
   const std::vector<FileFormat> formats = CloudFormats(paths, options);
   CloudFile file;
   Eigen::Index matched = 0;
-  std::vector<CloudPart> parts;
+  std::vector<FileCloud> parts;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     std::function<void(double)> progress;
     if (options.progress) {

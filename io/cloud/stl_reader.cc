@@ -20,7 +20,7 @@ constexpr std::size_t kHeaderBytes = 84;  // a comment of 80, then the count of 
 constexpr std::size_t kFacetBytes = 50;
 
 template <class T>
-CloudPart PartOf(DistinctPoints<T> points,
+FileCloud PartOf(DistinctPoints<T> points,
                  const std::string& file,
                  const CloudReadOptions& options) {
   points.Close();
@@ -57,7 +57,7 @@ void RequireRoom(const DistinctPoints<T>& points, const std::string& file) {
   }
 }
 
-CloudPart ReadBinary(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadBinary(ByteSource& source, const CloudReadOptions& options) {
   const std::string_view header = source.Peek(kHeaderBytes);
   if (header.size() < kHeaderBytes) {
     throw ReadError::AtByte(source.name(),
@@ -113,7 +113,7 @@ class AsciiStl {
         options_(options),
         points_(source.remaining().value_or(0) / kTextBytesPerVertex) {}
 
-  CloudPart Read() {
+  FileCloud Read() {
     std::string_view line;
     while (lines_.Next(line)) {
       const std::size_t first = line.find_first_not_of(" \t\r");
@@ -205,7 +205,7 @@ bool IsAscii(ByteSource& source) {
 
 }  // namespace
 
-CloudPart ReadStl(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadStl(ByteSource& source, const CloudReadOptions& options) {
   return IsAscii(source) ? AsciiStl(source, options).Read() : ReadBinary(source, options);
 }
 

@@ -13,6 +13,6 @@ namespace batten::internal {
 // Normals of facets are passed over, for they are none of the points. The fields are x y z. The
 // header's count is held against the size of the file before any memory is taken. Throws
 // ReadError naming line or byte, also where the file ends early.
-CloudPart ReadStl(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadStl(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

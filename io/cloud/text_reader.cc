@@ -145,7 +145,7 @@ bool ReadPreamble(LineReader& lines, std::string_view& line, Preamble& preamble)
 
 }  // namespace
 
-CloudPart ReadText(ByteSource& source, const CloudReadOptions& options) {
+FileCloud ReadText(ByteSource& source, const CloudReadOptions& options) {
   const std::string& file = source.name();
   LineReader lines(source);
   Preamble preamble;
@@ -157,7 +157,7 @@ CloudPart ReadText(ByteSource& source, const CloudReadOptions& options) {
     row = std::exchange(header, {});
     if (has_rows) lines.Repeat();
   } else if (!has_rows) {
-    CloudPart empty;
+    FileCloud empty;
     empty.fields = HeaderNames(header.line);
     return empty;
   } else {

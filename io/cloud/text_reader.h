@@ -15,6 +15,6 @@ namespace batten::internal {
 // makes a plane cloud, and then every row has two. Rows whose commas may be decimal are refused.
 // Colours count to 1 where none is above and one is not whole, else to 255. A UTF-8 byte order mark
 // is passed over. Throws ReadError naming the line, UsageError for a column that is not there.
-CloudPart ReadText(ByteSource& source, const CloudReadOptions& options);
+FileCloud ReadText(ByteSource& source, const CloudReadOptions& options);
 
 }  // namespace batten::internal

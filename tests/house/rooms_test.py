@@ -5,7 +5,8 @@
  3. Units form no cycle.
  4. A public header (include/batten) includes public headers, Eigen and the standard library only.
  5. Everything that is not public stands in namespace batten::internal.
- 6. No object file is tracked.
+ 6. No type is defined in two headers: one name, one thing.
+ 7. No object file is tracked.
 Usage: rooms_test.py ROOT"""
 import collections
 import os
@@ -85,6 +86,7 @@ def main():
     known = set(files)
     edges = collections.defaultdict(set)
     units = collections.defaultdict(set)
+    types = collections.defaultdict(set)
     for path in files:
         text = open(os.path.join(root, path), encoding="utf-8").read()
         unit = unit_of(path)
@@ -94,6 +96,9 @@ def main():
         public = path.startswith("include/")
         if room not in place and not room.endswith("/public") and path not in ("cli/main.cc",):
             broken.append(f"{path}: {room} is not a room of docs/architecture.md")
+        if path.endswith(".h"):
+            for name in re.findall(r"^(?:struct|class) (\w+)(?: final)?(?: :[^;{]*)? \{", text, re.M):
+                types[name].add(path)
         own = re.findall(r"^namespace (batten[\w:]*)", text, re.M)
         if not public and path.endswith(".h") and own and not any(n.startswith("batten::internal") for n in own):
             broken.append(f"{path}: {own} where batten::internal is asked for")
@@ -114,6 +119,7 @@ def main():
             there = os.path.dirname(other)
             if room in place and there in place and place[there] > place[room]:
                 broken.append(f"{unit} includes {other}, of a room behind its own")
+    broken += [f"{name} is defined in {' and in '.join(sorted(t))}" for name, t in sorted(types.items()) if len(t) > 1]
     for group in strong_components(edges):
         broken.append("units that include one another: " + ", ".join(group))
     for room, members in sorted(units.items()):

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/surface/hold_between_points.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "batten/fitting/fit_surface.h"
+#include "batten/geometry/knot_vectors.h"
+#include "fitting/surface/surface_overshoot.h"
+
+namespace batten::internal::hold_between_points_test {
+
+constexpr double kSpacing = 0.02;
+
+// A bent sheet over the unit square, with a hole of a radius about its middle, to which points were
+// taken; the surface has a hump in the hole.
+SurfaceState SheetWithHump(double radius, double hump, bool trimmed = false) {
+  const SplineBasis basis = SplineBasis::Uniform(3, 23, 0, 1);
+  Eigen::Matrix3Xd net(3, 23 * 23);
+  for (int i = 0; i < 23; ++i)
+    for (int j = 0; j < 23; ++j)
+      net.col(i * 23 + j) << basis.Greville(i), basis.Greville(j),
+          0.3 * std::pow(basis.Greville(i) - 0.5, 2);
+  const NurbsSurface plain(basis, basis, net);
+  std::mt19937_64 engine(3);
+  std::uniform_real_distribution<double> uniform;
+  Eigen::Matrix2Xd places(2, 2500);
+  Eigen::Matrix3Xd points(3, 2500);
+  for (Eigen::Index k = 0; k < places.cols();) {
+    const Eigen::Vector2d place(uniform(engine), uniform(engine));
+    if ((place - Eigen::Vector2d(0.5, 0.5)).norm() < radius) continue;
+    points.col(k) = plain.At(place[0], place[1]);
+    places.col(k++) = place;
+  }
+  net(2, 11 * 23 + 11) += hump * 9 / 4;  // a function of both is 4/9 at its middle
+  NurbsSurface surface(basis, basis, net);
+  if (trimmed) {  // the hump is cut off
+    Eigen::Matrix2Xd corners(2, 5);
+    corners << 0, 0.3, 0.3, 0, 0, 0, 0, 1, 1, 0;
+    surface = surface.WithTrims({NurbsCurve<2>(SplineBasis(1, {0, 0, 1, 2, 3, 4, 4}), corners)});
+  }
+  return {std::move(surface), PointCloud::FromWorld(points), std::move(places), {}, {}};
+}
+
+OvershootSummary OvershootOf(const SurfaceState& state, ThreadPool& pool) {
+  return MeasureOvershoot({state.surface, state.used.points(), state.parameters, kSpacing}, pool);
+}
+
+SurfaceState InLocalCoordinates(SurfaceState state) {
+  state.surface = state.surface.Translated(-state.used.origin());
+  return state;
+}
+
+TEST(HoldBetweenPointsTest, BringsAHumpInAHoleBackAndLeavesThePoints) {
+  ThreadPool pool(2);
+  for (const double hump : {-0.5, 0.2, 3.0}) {
+    SCOPED_TRACE(hump);
+    SurfaceState state = InLocalCoordinates(SheetWithHump(0.2, hump));
+    const NurbsSurface before = state.surface;
+    ASSERT_GT(OvershootOf(state, pool).in_spacings, 3);
+    EXPECT_TRUE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, pool));
+    EXPECT_LE(OvershootOf(state, pool).in_spacings, 2);
+    for (Eigen::Index k = 0; k < state.parameters.cols(); ++k) {
+      const auto at = state.parameters.col(k);
+      ASSERT_LT((state.surface.At(at[0], at[1]) - state.used.points().col(k)).norm(),
+                0.1 * kSpacing);
+    }
+    // The change fades away from the hump.
+    EXPECT_LT((state.surface.At(0.05, 0.05) - before.At(0.05, 0.05)).norm(), 1e-3 * std::abs(hump));
+  }
+}
+
+TEST(HoldBetweenPointsTest, LeavesWhatDoesNotOvershootInsideTheTrims) {
+  ThreadPool pool(2);
+  for (SurfaceState state :
+       {SheetWithHump(0.2, 0), SheetWithHump(0, 0), SheetWithHump(0.2, 1, true)}) {
+    state = InLocalCoordinates(std::move(state));
+    const Eigen::Matrix3Xd net = state.surface.control_points();
+    EXPECT_FALSE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, pool));
+    EXPECT_EQ(state.surface.control_points(), net);
+  }
+}
+
+// Steps without points on their walls, with a hole across them: least squares shoot out beside
+// them.
+PointCloud Step(unsigned seed, double height) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> uniform;
+  std::normal_distribution<double> noise(0, 1e-3);
+  const double turn = uniform(engine), bend = uniform(engine) - 0.5;
+  const Eigen::Vector2d hole(0.3 + 0.4 * uniform(engine), 0.3 + 0.4 * uniform(engine));
+  Eigen::Matrix3Xd points(3, 4000);
+  for (Eigen::Index k = 0; k < points.cols();) {
+    const double x = uniform(engine), y = uniform(engine);
+    if ((Eigen::Vector2d(x, y) - hole).norm() < 0.12) continue;
+    const double across =
+        (x - 0.5) * std::cos(turn) + (y - 0.5) * std::sin(turn) + bend * x * y / 2;
+    points.col(k++) << x, y, (across > 0 ? height : 0) + 0.05 * std::sin(4 * x) + noise(engine);
+  }
+  return PointCloud::FromWorld(points);
+}
+
+TEST(HoldBetweenPointsTest, FitsOfStepsStayWithinThreeSpacingsOfTheirHeights) {
+  int left = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const SurfaceFit fit = FitSurface(Step(seed, 0.1 * (1 + seed % 4)), {});
+    ASSERT_TRUE(fit.report.overshoot);
+    if (fit.report.overshoot->in_spacings > 3) ++left;
+  }
+  EXPECT_LE(left, 1);
+}
+
+}  // namespace batten::internal::hold_between_points_test
