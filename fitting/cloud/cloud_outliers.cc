@@ -157,6 +157,25 @@ Usual UsualOf(const NeighbourStatistics& standings, const PointMask& sampled, do
   return {WeightedMedian(std::move(scales)), WeightedMedian(std::move(reaches))};
 }
 
+// Points relative to a place.
+Eigen::Matrix3Xd Around(const Eigen::Matrix3Xd& points,
+                        const Eigen::Vector3d& place,
+                        const std::vector<int>& chosen) {
+  Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(chosen.size()));
+  for (Eigen::Index j = 0; j < local.cols(); ++j) local.col(j) = points.col(chosen[j]) - place;
+  return local;
+}
+
+// The points nearest to a place, one less than `count` without one of them.
+std::vector<int> NearestOthers(const NeighbourIndex& index,
+                               const Eigen::Vector3d& place,
+                               int without,
+                               int count) {
+  std::vector<int> near = index.Nearest(place, count);
+  near.erase(std::remove(near.begin(), near.end(), without), near.end());
+  return near;
+}
+
 // Classifies candidate points by the inliers near them.
 class OutlierClassifier {
  public:
@@ -254,24 +273,16 @@ class OutlierClassifier {
     const int point = PointOf(place);
     const Eigen::Vector3d p = points_.col(point);
     const PointStatistics& standing = statistics_[place];
-    std::vector<int> near = index_.Nearest(p, kPlaneNeighbours + 1);
-    near.erase(std::remove(near.begin(), near.end(), point), near.end());
+    const std::vector<int> near = NearestOthers(index_, p, point, kPlaneNeighbours + 1);
     std::copy_n(near.begin(), kReachNeighbour, nearest);
     const double reach = standing.nearest_reach;
     if (standing.reach > kSparser * reach) return false;
-    const LocalQuadric quadric = LocalQuadric::MostAgreeOn(Around(p, near));
+    const LocalQuadric quadric = LocalQuadric::MostAgreeOn(Around(points_, p, near));
     const double scale = quadric.scale_of_most();
     if (scale > std::max(usual_scale_, kFlat * reach)) return false;
     return std::abs(quadric.Offset(Eigen::Vector3d::Zero())) <=
            kAgrees * std::max({noise_, kFlat / 2 * reach, scale}) *
                std::sqrt(1 + quadric.Leverage(Eigen::Vector3d::Zero()));
-  }
-
-  // Points relative to a place.
-  Eigen::Matrix3Xd Around(const Eigen::Vector3d& place, const std::vector<int>& chosen) const {
-    Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(chosen.size()));
-    for (Eigen::Index j = 0; j < local.cols(); ++j) local.col(j) = points_.col(chosen[j]) - place;
-    return local;
   }
 
   // Classifies every candidate. Nearly all have enough inliers among the points around them; for
@@ -331,8 +342,10 @@ class OutlierClassifier {
     // Beside an edge it belongs to the neighbourhood of some point farther away.
     bool judged = false;
     for (const int other : kOthers) {
-      const LocalQuadric quadric =
-          LocalQuadric::MostAgreeOn(Around(p, NearestOthers(points_.col(near[other]), point)));
+      const LocalQuadric quadric = LocalQuadric::MostAgreeOn(
+          Around(points_,
+                 p,
+                 NearestOthers(index_, points_.col(near[other]), point, kQuadricNeighbours + 1)));
       const double leverage = quadric.Leverage(Eigen::Vector3d::Zero());
       if (leverage > kMostNeighbourLeverage) continue;
       judged = true;
@@ -343,13 +356,6 @@ class OutlierClassifier {
       }
     }
     return judged ? kOffSurface : kGood;
-  }
-
-  // The points nearest to a place, without one of them.
-  std::vector<int> NearestOthers(const Eigen::Vector3d& place, int without) const {
-    std::vector<int> near = index_.Nearest(place, kQuadricNeighbours + 1);
-    near.erase(std::remove(near.begin(), near.end(), static_cast<int>(without)), near.end());
-    return near;
   }
 
   // Whether most of the points nearest to a point that is off are off too, and form something

@@ -2,10 +2,7 @@
 #include "fitting/constraints/boundary_curves.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 #include <variant>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/constraints/conditioned_base.h"
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>

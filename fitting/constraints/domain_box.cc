@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/constraints/domain_box.h"
 
-#include <stdexcept>
 #include <string>
 
 #include "batten/fitting/refused_data.h"

@@ -3,9 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "fitting/constraints/edge_products.h"

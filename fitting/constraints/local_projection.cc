@@ -2,7 +2,6 @@
 #include "fitting/constraints/local_projection.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

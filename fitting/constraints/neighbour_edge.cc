@@ -3,7 +3,6 @@
 
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/iso_curve.h"

@@ -2,13 +2,12 @@
 #include "fitting/constraints/polynomial_curve.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "geometry/numeric/number_text.h"
 #include "batten/geometry/remove_knots.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {

@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "geometry/numeric/number_text.h"

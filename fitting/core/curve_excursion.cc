@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/core/curve_excursion.h"
 
-#include <string>
-
 #include "batten/geometry/curve_evaluator.h"
 #include "geometry/numeric/number_text.h"
 

@@ -2,7 +2,6 @@
 #include "batten/fitting/curve_options.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "batten/geometry/spline_basis.h"

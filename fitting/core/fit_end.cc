@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/core/fit_end.h"
 
-#include <algorithm>
-
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {

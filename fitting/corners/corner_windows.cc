@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/corners/corner_windows.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -48,14 +47,67 @@ Moments operator-(const Moments& a, const Moments& b) {
 // Slope of the line through a window's points, not scaled.
 Vector3d Slope(const Moments& m) { return m.n * m.up - m.u * m.p; }
 
+struct Detour {
+  double at, length;
+};
+
+// The points with running sums; a closed curve goes on for half its length at either end.
+struct UnrolledPoints {
+  std::vector<double> u;  // lengths
+  std::vector<Moments> sums{Moments()};
+
+  UnrolledPoints(const CornerData& data, bool closed) {
+    const Index m = data.points.cols();
+    const auto append = [&](Index k, double shift) {
+      const double at = data.lengths[k] + shift;
+      const Vector3d p = data.points.col(k);
+      const Moments& before = sums.back();
+      u.push_back(at);
+      sums.push_back(
+          {before.n + 1, before.u + at, before.uu + at * at, before.p + p, before.up + at * p});
+    };
+    const double half = 0.5 * data.length;
+    for (Index k = 0; closed && k < m; ++k) {
+      if (data.lengths[k] >= half) append(k, -data.length);
+    }
+    for (Index k = 0; k < m; ++k) append(k, 0);
+    for (Index k = 0; closed && k < m; ++k) {
+      if (data.lengths[k] < half) append(k, data.length);
+    }
+  }
+
+  double MedianStep() const {
+    std::vector<double> steps;
+    for (size_t k = 1; k < u.size(); ++k) steps.push_back(u[k] - u[k - 1]);
+    return Median(std::move(steps));
+  }
+
+  // The points from parameter low to high as means of equally many in a row.
+  KinkWindow Means(double low, double high, const Detour& detour) const {
+    const auto a = static_cast<size_t>(std::lower_bound(u.begin(), u.end(), low) - u.begin()),
+               c = static_cast<size_t>(std::upper_bound(u.begin(), u.end(), high) - u.begin());
+    const size_t count = std::min(c - a, kMostMeans);
+    KinkWindow window;
+    for (size_t i = 0; i < count; ++i) {
+      const size_t begin = a + i * (c - a) / count, end = a + (i + 1) * (c - a) / count;
+      const Moments m = sums[end] - sums[begin];
+      const double at = m.u / m.n;
+      window.u.push_back(at < detour.at ? at : at + detour.length);
+      window.p.push_back(m.p / m.n);
+      window.n.push_back(m.n);
+    }
+    return window;
+  }
+};
+
 class WindowSearch {
  public:
   WindowSearch(const CornerData& data, const CornerOptions& options)
-      : data_(data), options_(options) {
-    Unroll();
-    step_ = MedianStep();
-    SumUp();
-  }
+      : data_(data),
+        options_(options),
+        all_(data, options.closed),
+        u_(all_.u),
+        step_(all_.MedianStep()) {}
 
   std::vector<CurveCorner> Run() {
     for (double side = NarrowestSide(); side <= kLongestSide * Length(); side *= kWider) Scan(side);
@@ -75,10 +127,6 @@ class WindowSearch {
     double at, cosine;
   };
 
-  struct Detour {
-    double at, length;
-  };
-
   double First() const { return u_.front(); }
   double Last() const { return u_.back(); }
   double Length() const { return data_.length; }
@@ -86,41 +134,6 @@ class WindowSearch {
   double Wrapped(double u) const {
     if (!options_.closed) return u;
     return u < 0 ? u + data_.length : u >= data_.length ? u - data_.length : u;
-  }
-
-  // A closed curve goes on for half its length at either end.
-  void Unroll() {
-    const Index m = data_.points.cols();
-    const auto append = [&](Index k, double shift) {
-      u_.push_back(data_.lengths[k] + shift);
-      p_.push_back(data_.points.col(k));
-    };
-    const double half = 0.5 * data_.length;
-    for (Index k = 0; options_.closed && k < m; ++k) {
-      if (data_.lengths[k] >= half) append(k, -data_.length);
-    }
-    for (Index k = 0; k < m; ++k) append(k, 0);
-    for (Index k = 0; options_.closed && k < m; ++k) {
-      if (data_.lengths[k] < half) append(k, data_.length);
-    }
-  }
-
-  double MedianStep() const {
-    std::vector<double> steps;
-    for (size_t k = 1; k < u_.size(); ++k) steps.push_back(u_[k] - u_[k - 1]);
-    return Median(std::move(steps));
-  }
-
-  void SumUp() {
-    sums_.resize(u_.size() + 1);
-    for (size_t k = 0; k < u_.size(); ++k) {
-      const Moments& before = sums_[k];
-      sums_[k + 1] = {before.n + 1,
-                      before.u + u_[k],
-                      before.uu + u_[k] * u_[k],
-                      before.p + p_[k],
-                      before.up + u_[k] * p_[k]};
-    }
   }
 
   // A line through n = w/h points over w has a slope of standard deviation √12 σ / (w √n). Noise
@@ -150,7 +163,8 @@ class WindowSearch {
       while (b < u_.size() && u_[b] < s) ++b;
       while (c < u_.size() && u_[c] <= s + side) ++c;
       if (b - a < kFewestPoints || c - b < kFewestPoints) continue;
-      const Vector3d left = Slope(sums_[b] - sums_[a]), right = Slope(sums_[c] - sums_[b]);
+      const Vector3d left = Slope(all_.sums[b] - all_.sums[a]),
+                     right = Slope(all_.sums[c] - all_.sums[b]);
       const double cosine = left.dot(right) / std::sqrt(left.squaredNorm() * right.squaredNorm());
       if (cosine <= least) turns.push_back({s, cosine});
     }
@@ -236,7 +250,7 @@ class WindowSearch {
   }
 
   PointClass JudgeWith(const Detour& detour, double at, double low, double high) const {
-    const KinkWindow window = Means(low, high, detour);
+    const KinkWindow window = all_.Means(low, high, detour);
     if (window.u.size() < 2 * kFewestPoints) return {};
     PointClass verdict = KinkOf(
         window, at, options_.noise, options_.least_angle, std::log(2 * Length() / (high - low)));
@@ -270,35 +284,17 @@ class WindowSearch {
     for (;;) {
       low = kink.parameter + (low - kink.parameter) / kNarrower;
       high = kink.parameter + (high - kink.parameter) / kNarrower;
-      const KinkWindow window = Means(low, high, detour);
+      const KinkWindow window = all_.Means(low, high, detour);
       if (window.u.size() < 2 * kFewestPoints) return true;
       if (IsSmoother(window, kink.parameter, options_.noise)) return false;
     }
   }
 
-  // The points from parameter low to high as means of equally many in a row.
-  KinkWindow Means(double low, double high, const Detour& detour) const {
-    const auto a = static_cast<size_t>(std::lower_bound(u_.begin(), u_.end(), low) - u_.begin()),
-               c = static_cast<size_t>(std::upper_bound(u_.begin(), u_.end(), high) - u_.begin());
-    const size_t count = std::min(c - a, kMostMeans);
-    KinkWindow window;
-    for (size_t i = 0; i < count; ++i) {
-      const size_t begin = a + i * (c - a) / count, end = a + (i + 1) * (c - a) / count;
-      const Moments m = sums_[end] - sums_[begin];
-      const double u = m.u / m.n;
-      window.u.push_back(u < detour.at ? u : u + detour.length);
-      window.p.push_back(m.p / m.n);
-      window.n.push_back(m.n);
-    }
-    return window;
-  }
-
   const CornerData& data_;
   const CornerOptions& options_;
-  double step_ = 0;
-  std::vector<double> u_;  // lengths
-  std::vector<Vector3d> p_;
-  std::vector<Moments> sums_;
+  const UnrolledPoints all_;
+  const std::vector<double>& u_;
+  double step_;
   std::vector<Kink> kinks_;
 };
 

@@ -2,14 +2,13 @@
 #include "fitting/corners/curve_corners.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
+#include "batten/fitting/statistics.h"
 #include "fitting/corners/corner_noise.h"
 #include "fitting/corners/corner_screen.h"
 #include "fitting/corners/corner_turns.h"
 #include "fitting/corners/corner_windows.h"
-#include "batten/fitting/statistics.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten::internal {

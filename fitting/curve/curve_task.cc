@@ -9,7 +9,7 @@
 
 #include "fitting/core/rules.h"
 #include "fitting/curve/fit_corners.h"
-#include "fitting/foot_points/curve_distances.h"
+#include "fitting/curve/parameter_correction.h"
 
 namespace batten::internal {
 namespace {

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "batten/geometry/curve_evaluator.h"
-#include "fitting/foot_points/warm_start_foot_points.h"
+#include "fitting/foot_points/curve_pieces.h"
 #include "fitting/least_squares/fairness.h"
 #include "fitting/least_squares/normal_equations.h"
 #include "fitting/linear/net_system.h"
@@ -37,6 +36,65 @@ void Check(const FittingProblem& problem,
     Reject("MinimiseDistance", "damping is not in (0, 1]");
 }
 
+// The curve at the local foot points of the data.
+template <int Dim>
+struct FootPointTerms {
+  using Columns = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
+
+  Eigen::VectorXd parameters;
+  Columns differences;  // C(u) − q
+  Columns tangents;     // of length one, or zero where the curve stands still
+  Eigen::VectorXd bend;  // (C − q)·C″ / |C′|²: distance over radius of curvature, negative for
+                         // points on the side of its centre
+  // At an end or a kink of the curve with a difference that is not perpendicular to the tangent.
+  Eigen::Array<bool, Eigen::Dynamic, 1> held;
+};
+
+template <int Dim>
+FootPointTerms<Dim> TermsAtFootPoints(const NurbsCurve<Dim>& curve,
+                                      const Eigen::MatrixXd& points,
+                                      const Eigen::VectorXd& start,
+                                      ThreadPool& pool) {
+  using Columns = typename FootPointTerms<Dim>::Columns;
+  const Eigen::Index count = points.cols();
+  FootPointTerms<Dim> feet{LocalFootPointsKernel<Dim>(curve, points, start, pool),
+                           Columns(Dim, count),
+                           Columns(Dim, count),
+                           Eigen::VectorXd(count),
+                           Eigen::Array<bool, Eigen::Dynamic, 1>(count)};
+  typename CurveEvaluator<Dim>::PointColumns jets;
+  CurveEvaluator<Dim>(curve).Derivatives(
+      {feet.parameters.data(), static_cast<size_t>(count)}, 2, jets, pool);
+  constexpr double kCosine = 1e-4;
+  const SplineBasis& basis = curve.basis();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto first = jets.col(3 * k + 1);
+    const double speed = first.squaredNorm();
+    feet.differences.col(k) = jets.col(3 * k) - points.col(k);
+    feet.tangents.col(k).setZero();
+    if (speed > 0) feet.tangents.col(k) = first / std::sqrt(speed);
+    const auto difference = feet.differences.col(k);
+    feet.bend[k] = speed > 0 ? difference.dot(jets.col(3 * k + 2)) / speed : 0;
+    const double u = feet.parameters[k];
+    const bool end = !basis.periodic() && (u <= basis.lower() || u >= basis.upper());
+    feet.held[k] = std::abs(difference.dot(feet.tangents.col(k))) > kCosine * difference.norm() &&
+                   (end || basis.Multiplicity(u) >= basis.degree());
+  }
+  return feet;
+}
+
+// Σ w Σ N², the trace of a problem's point-distance matrix.
+double PointTrace(const SplineBasis& basis,
+                  const Eigen::VectorXd& parameters,
+                  const Eigen::VectorXd& weights) {
+  double values[kMaxDegree + 1], trace = 0;
+  for (Eigen::Index k = 0; k < parameters.size(); ++k) {
+    basis.Values(basis.Span(parameters[k]), parameters[k], values);
+    for (int r = 0; r <= basis.degree(); ++r) trace += weights[k] * values[r] * values[r];
+  }
+  return trace;
+}
+
 // One run; the members are the problem and what does not change.
 template <int Dim>
 class Minimiser {
@@ -59,7 +117,7 @@ class Minimiser {
         parameters_(problem.data().parameters.row(0).transpose()) {
     const double trace = fairness_.col(0).sum();
     if (problem.smoothing() > 0 && trace > 0) {
-      lambda_ = problem.smoothing() * PointTrace() / trace;
+      lambda_ = problem.smoothing() * PointTrace(basis_, parameters_, weights_) / trace;
     }
   }
 
@@ -98,15 +156,15 @@ class Minimiser {
  private:
   struct State {
     Columns net;
-    WarmStartFootPoints<Dim> feet;
+    FootPointTerms<Dim> feet;
     double squares, sum;  // Σ w |r|², and with fairness
   };
 
   State At(Columns net, const Eigen::VectorXd& start) const {
     State state{std::move(net), {}, 0, 0};
-    const CurveEvaluator<Dim> curve(NurbsCurve<Dim>(basis_, state.net));
-    state.feet = FootPointsFrom<Dim>(curve, points_, start, pool_);
-    state.squares = state.feet.Squares(weights_);
+    const NurbsCurve<Dim> curve(basis_, state.net);
+    state.feet = TermsAtFootPoints<Dim>(curve, points_, start, pool_);
+    state.squares = weights_.dot(state.feet.differences.colwise().squaredNorm());
     state.sum = state.squares + lambda_ * Energy(state.net);
     return state;
   }
@@ -128,16 +186,6 @@ class Minimiser {
     return std::clamp(damping * factor, kLeast, 1.0);
   }
 
-  // Σ w Σ N², the trace of the point-distance matrix at the problem's parameters.
-  double PointTrace() const {
-    double values[kMaxDegree + 1], trace = 0;
-    for (Eigen::Index k = 0; k < parameters_.size(); ++k) {
-      basis_.Values(basis_.Span(parameters_[k]), parameters_[k], values);
-      for (int r = 0; r <= basis_.degree(); ++r) trace += weights_[k] * values[r] * values[r];
-    }
-    return trace;
-  }
-
   // ∫ |C″|²
   double Energy(const Columns& net) const {
     double energy = 0;
@@ -157,7 +205,7 @@ class Minimiser {
     return product;
   }
 
-  double TangentWeight(const WarmStartFootPoints<Dim>& feet, Eigen::Index k, double damping) const {
+  double TangentWeight(const FootPointTerms<Dim>& feet, Eigen::Index k, double damping) const {
     if (feet.held[k]) return 1;
     double weight = 0;
     if (options_.model == DistanceModel::kSquared && feet.bend[k] > 0) {
@@ -201,7 +249,7 @@ class Minimiser {
     Eigen::Matrix<double, Dim, Eigen::Dynamic> right;
   };
 
-  void Gather(const WarmStartFootPoints<Dim>& feet,
+  void Gather(const FootPointTerms<Dim>& feet,
               const CellOrder& order,
               const CellOrder::Cell& cell,
               double damping,
@@ -239,7 +287,7 @@ class Minimiser {
   const DistanceMinimisationOptions& options_;
   ThreadPool& pool_;
   const SplineBasis& basis_;
-  const Columns points_;
+  const Eigen::MatrixXd& points_;
   const Eigen::VectorXd weights_;
   const Eigen::MatrixXd fairness_;  // row i, column a: that of the functions i and i + a
   const Eigen::VectorXd parameters_;

@@ -13,7 +13,6 @@
 #include "fitting/curve/knot_relocation.h"
 #include "fitting/curve/overshoot.h"
 #include "fitting/curve/parameter_correction.h"
-#include "fitting/foot_points/curve_distances.h"
 #include "fitting/least_squares/choose_smoothing.h"
 #include "fitting/least_squares/reweighting.h"
 #include "fitting/ordering/row_means.h"

@@ -53,6 +53,93 @@ double SquaresAcross(const FittingProblem& problem,
   return weights.size() > 0 ? (weights.array() * squares).sum() : squares.sum();
 }
 
+double WeightOf(const FittingProblem& problem, Eigen::Index k) {
+  return problem.data().weights.size() > 0 ? problem.data().weights[k] : 1.0;
+}
+
+// A fit over one layout, with its distances from the data.
+struct MeasuredFit {
+  SpanLayout layout;
+  FittingProblem problem;
+  LinearSolution solution = {};
+  bool at_foot_points = false;
+  CurveSamples samples = {};  // tangents to measure across; zero unless at foot points
+  Eigen::VectorXd distances = {};
+
+  void Measure(ThreadPool& pool) {
+    samples = CurveAt(problem, solution.coefficients, pool);
+    if (!at_foot_points) samples.tangents.setZero();
+    distances = Across(problem.data().values - samples.points, samples.tangents)
+                    .colwise()
+                    .norm()
+                    .transpose();
+    for (Eigen::Index k = 0; k < distances.size(); ++k) {
+      if (WeightOf(problem, k) == 0) distances[k] = 0;
+    }
+  }
+};
+
+// Half the mean squared difference of neighbouring residuals, all directions together.
+double Variance(const FittingProblem& problem,
+                const Eigen::MatrixXd& residuals,
+                int control_points,
+                double expected) {
+  std::vector<Eigen::Index> order(static_cast<size_t>(residuals.cols()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  const auto u = problem.data().parameters.row(0);
+  if (!std::is_sorted(u.begin(), u.end())) {
+    std::stable_sort(
+        order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return u[a] < u[b]; });
+  }
+  double sum = 0, weights = 0;
+  for (size_t k = 1; k < order.size(); ++k) {
+    const double weight = std::min(WeightOf(problem, order[k - 1]), WeightOf(problem, order[k]));
+    sum += weight * (residuals.col(order[k]) - residuals.col(order[k - 1])).squaredNorm();
+    weights += weight;
+  }
+  const double used = static_cast<double>(control_points) / static_cast<double>(order.size());
+  // So few points do not determine the noise.
+  if (expected == 0 && order.size() < kFewestForNoise) return 0;
+  return weights > 0 ? 0.5 * sum / weights / std::max(kLeastShare, 1 - used) : 0;
+}
+
+// The knots that may go, cheapest first: (cost, break).
+std::vector<std::pair<double, int>> Costs(const MeasuredFit& fit, ThreadPool& pool) {
+  std::vector<int> inner;
+  std::vector<double> knots;
+  for (int k = 1; k < fit.layout.spans(); ++k) {
+    if (fit.layout.IsCorner(k)) continue;
+    inner.push_back(k);
+    knots.push_back(fit.layout.breaks()[static_cast<size_t>(k)]);
+  }
+  const std::vector<double> costs =
+      RemovalCosts(fit.problem, fit.solution.coefficients, knots, pool);
+  std::vector<std::pair<double, int>> sorted;
+  for (size_t k = 0; k < knots.size(); ++k) sorted.emplace_back(costs[k], inner[k]);
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+// The layout without `most` of these knots at most, first ones first, none near another.
+SpanLayout Thinned(const SpanLayout& layout,
+                   const std::vector<std::pair<double, int>>& cheap,
+                   size_t most) {
+  std::vector<int> gone;
+  for (const auto& [cost, k] : cheap) {
+    if (gone.size() == most ||
+        layout.spans() - static_cast<int>(gone.size()) <= FewestSpans(layout))
+      break;
+    const bool apart = std::all_of(gone.begin(), gone.end(), [&, at = k](int other) {
+      return std::abs(at - other) > layout.degree();
+    });
+    if (apart) gone.push_back(k);
+  }
+  std::sort(gone.rbegin(), gone.rend());
+  SpanLayout thinner = layout;
+  for (const int k : gone) thinner = thinner.Without(k);
+  return thinner;
+}
+
 class Adapter {
  public:
   Adapter(const FittingProblem& problem,
@@ -61,128 +148,112 @@ class Adapter {
           ThreadPool& pool)
       : options_(options),
         pool_(pool),
-        layout_(start),
-        problem_(problem),
         first_(problem),
+        fit_{start, problem},
         rank_(PointRank(problem.data().values)),
         exact_(options.tolerance && options.noise < kExactAgainst * *options.tolerance) {}
 
   SpanAdaptation Run() {
-    Fit();
+    Fit(fit_.layout);
     for (int round = 0; round < kMostAdaptationRounds; ++round) {
       Report(options_.progress, "solve", 0.9 * round / kMostAdaptationRounds);
-      if (!Halve()) break;
-      Fit();
+      const SpanLayout halved = Halved();
+      if (halved.spans() == fit_.layout.spans()) break;
+      Fit(halved);
     }
     if (options_.tolerance) {
       PruneWithinTolerance();
     } else {
       Prune();
     }
-    return {layout_, problem_, solution_, std::sqrt(variance_ / Directions()), full_, rounds_};
+    const double noise = std::sqrt(variance_ / Directions());
+    return {fit_.layout, fit_.problem, fit_.solution, noise, full_, rounds_};
   }
 
  private:
-  double Directions() const { return std::max(1, rank_ - (at_foot_points_ ? 1 : 0)); }
+  double Directions() const { return std::max(1, rank_ - (fit_.at_foot_points ? 1 : 0)); }
 
-  double Weight(Eigen::Index k) const {
-    return problem_.data().weights.size() > 0 ? problem_.data().weights[k] : 1.0;
+  CorrectedFit Corrected(const SpanLayout& layout) const {
+    return FitWithCorrection(first_.WithBasis(layout.Basis()),
+                             FootPointSteps(first_, options_),
+                             pool_,
+                             options_.anchored);
   }
 
-  void Fit() {
+  void Fit(const SpanLayout& layout) {
     Stopwatch watch;
-    CorrectedFit fit = FitWithCorrection(first_.WithBasis(layout_.Basis()),
-                                         FootPointSteps(problem_, options_),
-                                         pool_,
-                                         options_.anchored);
-    problem_ = std::move(fit.problem);
-    solution_ = std::move(fit.solution);
-    at_foot_points_ = fit.steps > 0;
-    Measure();
+    CorrectedFit fit = Corrected(layout);
+    fit_ = {layout, std::move(fit.problem), std::move(fit.solution), fit.steps > 0};
+    fit_.Measure(pool_);
     RoundSummary round;
     round.stage = options_.tolerance ? "refine" : "adapt";
-    round.control_points_u = layout_.control_points();
+    round.control_points_u = fit_.layout.control_points();
     round.control_points_v = 1;
-    round.rms = std::sqrt(distances_.squaredNorm() / static_cast<double>(problem_.size()));
-    round.max = distances_.maxCoeff();
+    round.rms = std::sqrt(fit_.distances.squaredNorm() / static_cast<double>(fit_.problem.size()));
+    round.max = fit_.distances.maxCoeff();
     round.score = std::sqrt(variance_ / Directions());
     round.seconds = watch.Lap();
     rounds_.push_back(round);
   }
 
-  // Distances at the present solution, and tangents to measure across.
-  void Measure() {
-    samples_ = CurveAt(problem_, solution_.coefficients, pool_);
-    if (!at_foot_points_) samples_.tangents.setZero();
-    distances_ = Across(problem_.data().values - samples_.points, samples_.tangents)
-                     .colwise()
-                     .norm()
-                     .transpose();
-    for (Eigen::Index k = 0; k < distances_.size(); ++k) {
-      if (Weight(k) == 0) distances_[k] = 0;
-    }
-  }
-
-  // Halves the spans that ask for it; false where none does.
-  bool Halve() {
+  // The layout with the spans halved that ask for it.
+  SpanLayout Halved() {
     const std::vector<bool> can = Divisible();
-    if (std::find(can.begin(), can.end(), true) == can.end()) return false;
-    const SpanLayout finer = layout_.Halved(can);
-    const CorrectedFit fine = FitWithCorrection(first_.WithBasis(finer.Basis()),
-                                                FootPointSteps(problem_, options_),
-                                                pool_,
-                                                options_.anchored);
+    if (std::find(can.begin(), can.end(), true) == can.end()) return fit_.layout;
+    const SpanLayout finer = fit_.layout.Halved(can);
+    const CorrectedFit fine = Corrected(finer);
     const Eigen::MatrixXd points = EvaluateAt(fine.problem, fine.solution.coefficients, pool_);
-    variance_ = Variance(Across(problem_.data().values - points, samples_.tangents),
-                         finer.control_points());
-    const Eigen::MatrixXd change = Across(points - samples_.points, samples_.tangents);
-    std::vector<double> gains(can.size(), 0.0);
+    variance_ = Variance(fit_.problem,
+                         Across(fit_.problem.data().values - points, fit_.samples.tangents),
+                         finer.control_points(),
+                         options_.noise);
+    const Eigen::MatrixXd change = Across(points - fit_.samples.points, fit_.samples.tangents);
+    std::vector<double> gains(can.size(), 0.0), held(gains);
     std::vector<bool> missed(can.size(), !options_.tolerance);
     for (Eigen::Index k = 0; k < change.cols(); ++k) {
-      const auto span = static_cast<size_t>(layout_.SpanOf(problem_.data().parameters(0, k)));
-      gains[span] += Weight(k) * change.col(k).squaredNorm();
-      if (options_.tolerance && distances_[k] > *options_.tolerance) missed[span] = true;
+      const auto span =
+          static_cast<size_t>(fit_.layout.SpanOf(fit_.problem.data().parameters(0, k)));
+      const double weight = WeightOf(fit_.problem, k);
+      held[span] += weight;
+      gains[span] += weight * change.col(k).squaredNorm();
+      if (options_.tolerance && fit_.distances[k] > *options_.tolerance) missed[span] = true;
     }
     const double least = kGainInVariances * variance_, alike = options_.exact * options_.exact;
-    std::vector<double> held(can.size(), 0.0);
-    for (Eigen::Index k = 0; k < change.cols(); ++k)
-      held[static_cast<size_t>(layout_.SpanOf(problem_.data().parameters(0, k)))] += Weight(k);
     std::vector<std::pair<double, size_t>> chosen;
     for (size_t span = 0; span < can.size(); ++span) {
       if (can[span] && missed[span] && gains[span] > std::max(least, held[span] * alike))
         chosen.emplace_back(-gains[span], span);
     }
-    const auto room = static_cast<size_t>(std::max(0, Limit() - layout_.control_points()));
+    const auto room = static_cast<size_t>(std::max(0, Limit() - fit_.layout.control_points()));
     if (chosen.size() > room) {
       full_ = Limit() == options_.max_control_points;
       std::sort(chosen.begin(), chosen.end());
       chosen.resize(room);
     }
-    if (chosen.empty()) return false;
     std::vector<bool> where(can.size(), false);
     for (const auto& [gain, span] : chosen) where[span] = true;
-    layout_ = layout_.Halved(where);
-    return true;
+    return chosen.empty() ? fit_.layout : fit_.layout.Halved(where);
   }
 
   // The most control points: as many as there are data.
   int Limit() const {
-    const Eigen::VectorXd& weights = problem_.data().weights;
-    const Eigen::Index data = weights.size() > 0 ? (weights.array() > 0).count() : problem_.size();
+    const Eigen::VectorXd& weights = fit_.problem.data().weights;
+    const Eigen::Index data =
+        weights.size() > 0 ? (weights.array() > 0).count() : fit_.problem.size();
     return static_cast<int>(std::min<Eigen::Index>(options_.max_control_points, data));
   }
 
   // The spans both halves of which hold data enough.
   std::vector<bool> Divisible() const {
-    const std::vector<double>& breaks = layout_.breaks();
+    const std::vector<double>& breaks = fit_.layout.breaks();
     std::vector<int> left(breaks.size() - 1, 0), right(left);
     std::vector<double> squares(left.size(), 0.0), worst(squares);
-    for (Eigen::Index k = 0; k < problem_.size(); ++k) {
-      if (Weight(k) == 0) continue;
-      const double u = problem_.data().parameters(0, k);
-      const auto span = static_cast<size_t>(layout_.SpanOf(u));
-      squares[span] += distances_[k] * distances_[k];
-      worst[span] = std::max(worst[span], distances_[k]);
+    for (Eigen::Index k = 0; k < fit_.problem.size(); ++k) {
+      if (WeightOf(fit_.problem, k) == 0) continue;
+      const double u = fit_.problem.data().parameters(0, k);
+      const auto span = static_cast<size_t>(fit_.layout.SpanOf(u));
+      squares[span] += fit_.distances[k] * fit_.distances[k];
+      worst[span] = std::max(worst[span], fit_.distances[k]);
       ++(u < breaks[span] + (breaks[span + 1] - breaks[span]) / 2 ? left : right)[span];
     }
     // With few points apparent noise may be distance from the coarse curve: use the finer curve.
@@ -204,120 +275,50 @@ class Adapter {
     return can;
   }
 
-  // Half the mean squared difference of neighbouring residuals, all directions together.
-  double Variance(const Eigen::MatrixXd& residuals, int control_points) const {
-    std::vector<Eigen::Index> order(static_cast<size_t>(residuals.cols()));
-    std::iota(order.begin(), order.end(), Eigen::Index{0});
-    const auto u = problem_.data().parameters.row(0);
-    if (!std::is_sorted(u.begin(), u.end())) {
-      std::stable_sort(
-          order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return u[a] < u[b]; });
-    }
-    double sum = 0, weights = 0;
-    for (size_t k = 1; k < order.size(); ++k) {
-      const double weight = std::min(Weight(order[k - 1]), Weight(order[k]));
-      sum += weight * (residuals.col(order[k]) - residuals.col(order[k - 1])).squaredNorm();
-      weights += weight;
-    }
-    const double used = static_cast<double>(control_points) / static_cast<double>(order.size());
-    // So few points do not determine the noise.
-    if (options_.noise == 0 && order.size() < kFewestForNoise) return 0;
-    return weights > 0 ? 0.5 * sum / weights / std::max(kLeastShare, 1 - used) : 0;
-  }
-
-  // The knots that may go, cheapest first: (cost, break).
-  std::vector<std::pair<double, int>> Costs() const {
-    std::vector<int> inner;
-    std::vector<double> knots;
-    for (int k = 1; k < layout_.spans(); ++k) {
-      if (layout_.IsCorner(k)) continue;
-      inner.push_back(k);
-      knots.push_back(layout_.breaks()[static_cast<size_t>(k)]);
-    }
-    const std::vector<double> costs = RemovalCosts(problem_, solution_.coefficients, knots, pool_);
-    std::vector<std::pair<double, int>> sorted;
-    for (size_t k = 0; k < knots.size(); ++k) sorted.emplace_back(costs[k], inner[k]);
-    std::sort(sorted.begin(), sorted.end());
-    return sorted;
-  }
-
-  // The layout without `most` of these knots at most, first ones first, none near another.
-  SpanLayout Thinned(const std::vector<std::pair<double, int>>& cheap, size_t most) const {
-    std::vector<int> gone;
-    for (const auto& [cost, k] : cheap) {
-      if (gone.size() == most ||
-          layout_.spans() - static_cast<int>(gone.size()) <= FewestSpans(layout_))
-        break;
-      const bool apart = std::all_of(gone.begin(), gone.end(), [&, at = k](int other) {
-        return std::abs(at - other) > layout_.degree();
-      });
-      if (apart) gone.push_back(k);
-    }
-    std::sort(gone.rbegin(), gone.rend());
-    SpanLayout thinner = layout_;
-    for (const int k : gone) thinner = thinner.Without(k);
-    return thinner;
-  }
-
   // Removes the knots that cost less than noise would.
   void Prune() {
     for (int round = 0; round < kMostAdaptationRounds; ++round) {
       Report(options_.progress, "solve", 0.9 + 0.1 * round / kMostAdaptationRounds);
-      std::vector<std::pair<double, int>> cheap = Costs();
-      const double held = static_cast<double>(problem_.size()) / layout_.spans();
+      std::vector<std::pair<double, int>> cheap = Costs(fit_, pool_);
+      const double held = static_cast<double>(fit_.problem.size()) / fit_.layout.spans();
       const double least =
           std::max(kCostInVariances * variance_, held * options_.exact * options_.exact);
       cheap.erase(std::partition_point(
                       cheap.begin(), cheap.end(), [&](const auto& c) { return c.first < least; }),
                   cheap.end());
-      const SpanLayout thinner = Thinned(cheap, cheap.size());
-      if (thinner.spans() == layout_.spans()) return;
-      layout_ = thinner;
-      Fit();
+      const SpanLayout thinner = Thinned(fit_.layout, cheap, cheap.size());
+      if (thinner.spans() == fit_.layout.spans()) return;
+      Fit(thinner);
     }
   }
 
   // Removes knots, cheapest first, as long as the tolerance is kept; where a batch is too many,
   // half of it.
   void PruneWithinTolerance() {
-    if (distances_.maxCoeff() > *options_.tolerance) return;
-    const double limit = std::max(kMargin * *options_.tolerance, distances_.maxCoeff());
-    size_t most = layout_.breaks().size();
+    if (fit_.distances.maxCoeff() > *options_.tolerance) return;
+    const double limit = std::max(kMargin * *options_.tolerance, fit_.distances.maxCoeff());
+    size_t most = fit_.layout.breaks().size();
     for (int round = 0; round < kMostAdaptationRounds && most > 0; ++round) {
       Report(options_.progress, "refine", 0.9 + 0.1 * round / kMostAdaptationRounds);
-      const SpanLayout thinner = Thinned(Costs(), most);
-      const auto fewer = static_cast<size_t>(layout_.spans() - thinner.spans());
+      const SpanLayout thinner = Thinned(fit_.layout, Costs(fit_, pool_), most);
+      const auto fewer = static_cast<size_t>(fit_.layout.spans() - thinner.spans());
       if (fewer == 0) return;
-      Adapter before = *this;
-      layout_ = thinner;
-      Fit();
-      if (distances_.maxCoeff() <= limit) continue;
-      Restore(std::move(before));
+      MeasuredFit before = fit_;
+      Fit(thinner);
+      if (fit_.distances.maxCoeff() <= limit) continue;
+      fit_ = std::move(before);
       most = fewer / 2;
     }
   }
 
-  void Restore(Adapter&& other) {
-    layout_ = std::move(other.layout_);
-    problem_ = std::move(other.problem_);
-    solution_ = std::move(other.solution_);
-    samples_ = std::move(other.samples_);
-    distances_ = std::move(other.distances_);
-    at_foot_points_ = other.at_foot_points_;
-  }
-
   const SpanAdaptOptions& options_;
   ThreadPool& pool_;
-  SpanLayout layout_;
-  FittingProblem problem_;
   FittingProblem first_;  // at the parameters given
-  int rank_;              // of the data: noise is in so many directions
-  bool exact_;            // against the tolerance
-  LinearSolution solution_;
-  CurveSamples samples_;
-  Eigen::VectorXd distances_;
+  MeasuredFit fit_;
+  int rank_;    // of the data: noise is in so many directions
+  bool exact_;  // against the tolerance
   double variance_ = 0;
-  bool full_ = false, at_foot_points_ = false;
+  bool full_ = false;
   std::vector<RoundSummary> rounds_;
 };
 

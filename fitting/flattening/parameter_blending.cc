@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/flattening/parameter_blending.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <complex>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/flattening/poisson_disk_samples.h"
-#include "batten/fitting/statistics.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -9,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <numbers>
 #include <numeric>
 #include <span>

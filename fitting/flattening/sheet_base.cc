@@ -3,17 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/fitting/statistics.h"
-#include "fitting/flattening/arap_flattening.h"
 #include "fitting/flattening/parameter_blending.h"
-#include "fitting/flattening/poisson_disk_samples.h"
-#include "fitting/flattening/sheet_graph.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/smallest_rectangle.h"
 
@@ -21,60 +16,16 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kLeastNodes = 12;
-constexpr double kNear = 1;        // reaches in the plane between nodes that lie on each other …
-constexpr double kFarApart = 3.5;  // … and more than so many in space
-constexpr double kTornApart = 4;   // reaches in the plane between ends of a contradicting edge …
-constexpr int kLeastTorn = 5;      // … of which a few are slips
-constexpr double kThin = 0.05;     // breadth over length; below, neighbourhoods are on a line
+constexpr double kTornApart = 4;  // reaches in the plane between ends of a contradicting edge …
+constexpr int kLeastTorn = 5;     // … of which a few are slips
+constexpr double kThin = 0.05;    // breadth over length; below, neighbourhoods are on a line
 
-// Settings of one attempt.
-struct Look {
-  PoissonDiskOptions nodes;
-  SheetGraphOptions graph;
-};
-
-std::vector<Look> Looks(Eigen::Index nodes) {
-  Look first;
-  first.nodes.most = nodes;
-  Look strict;
-  strict.nodes.most = 4 * nodes;
-  strict.nodes.most_neighbours = 24;
-  strict.nodes.own_neighbours = true;
-  strict.graph.longest = 2.2;
-  strict.graph.steepest = 0.35;
-  strict.graph.least_cosine = 0.7;
-  Look close = strict;
-  close.nodes.most = 16 * nodes;
-  close.nodes.most_neighbours = 16;
-  close.graph.steepest = 0.25;
-  return {first, strict, close};
-}
-
-struct Flattened {
-  SheetGraph graph;
-  Flattening unfolding;
-};
-
-// Share of the nodes on which others lie that are far away in space.
-double OverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
-  const Eigen::Index n = graph.nodes.size();
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, n);
+// The nodes' places in the plane, as points of space.
+Eigen::Matrix3Xd PlanOf(const Flattening& unfolding) {
+  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, unfolding.places.size());
   plan.row(0) = unfolding.places.real();
   plan.row(1) = unfolding.places.imag();
-  constexpr int kLookedAt = 9;
-  const std::vector<int> near = NeighbourIndex(plan).Nearest(plan, kLookedAt);
-  const auto each = static_cast<Eigen::Index>(near.size()) / n;
-  Eigen::Index covered = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool lies_on_another =
-        std::any_of(near.begin() + i * each, near.begin() + (i + 1) * each, [&](int j) {
-          return (plan.col(j) - plan.col(i)).norm() < kNear * graph.nodes.reach[i] &&
-                 (graph.nodes.places.col(j) - graph.nodes.places.col(i)).norm() >
-                     kFarApart * graph.nodes.reach[i];
-        });
-    if (lies_on_another) ++covered;
-  }
-  return static_cast<double>(covered) / static_cast<double>(n);
+  return plan;
 }
 
 // Whether the sheet is one-sided: edges whose ends disagree about the upper side join parts that
@@ -88,12 +39,9 @@ bool IsOneSided(const SheetGraph& graph, const Flattening& unfolding) {
          kLeastTorn;
 }
 
-std::string RefusalOf(const SheetBase& base, const SheetBaseOptions& options) {
+std::string RefusalOf(const FlattenedBase& base, const FlatteningOptions& options) {
   constexpr const char* kTakePart = "; fit a part of the cloud that is an open sheet";
-  if (base.share < options.least_share) {
-    return "the points hang together in several sheets, or in none: the largest part holds " +
-           Percent(base.share) + " of them; fit one part of the cloud at a time";
-  }
+  if (base.share < options.least_share) return SeveralSheets(base.share);
   if (!base.orientation_consistent) {
     return std::string("the sheet is one-sided, as a Moebius band") + kTakePart;
   }
@@ -114,7 +62,7 @@ std::string RefusalOf(const SheetBase& base, const SheetBaseOptions& options) {
 }
 
 // Badness of an attempt that does not serve.
-double Badness(const SheetBase& base, const SheetBaseOptions& options) {
+double Badness(const FlattenedBase& base, const FlatteningOptions& options) {
   return base.distortion / options.most_distortion + base.folded / options.most_folded +
          base.overlap / options.most_overlap + (1 - base.share) / (1 - options.least_share) +
          (base.orientation_consistent ? 0 : 1);
@@ -175,7 +123,7 @@ void PutIntoRectangle(const SpreadPlaces& spread,
                       const Eigen::Matrix3Xd& points,
                       double margin,
                       ThreadPool& pool,
-                      SheetBase& base) {
+                      FlattenedBase& base) {
   TurnedRectangle rectangle = SmallestRectangleAround(HullOf(spread, pool));
   ChooseAxes(rectangle, spread, points);
   const Eigen::Vector2d sides = rectangle.high - rectangle.low;
@@ -188,34 +136,6 @@ void PutIntoRectangle(const SpreadPlaces& spread,
     base.parameters(1, k) = std::clamp(q[1] + margin, 0.0, base.length_v);
   }
   base.reached = spread.reached;
-}
-
-// Fallback parameters of a sheet that was not flattened.
-void PutAnywhere(Eigen::Index count, double spacing, double margin, SheetBase& base) {
-  base.length_u = base.length_v = spacing + 2 * margin;
-  base.parameters.setConstant(2, count, base.length_u / 2);
-  base.reached = PointMask::Constant(count, false);
-}
-
-void Check(const Eigen::Matrix3Xd& points,
-           const NeighbourIndex& index,
-           double spacing,
-           double noise,
-           double margin) {
-  if (points.cols() == 0) throw std::invalid_argument("FlattenSheet: no points");
-  if (index.size() != points.cols()) {
-    throw std::invalid_argument("FlattenSheet: index must hold the points; it holds " +
-                                std::to_string(index.size()) + " of " +
-                                std::to_string(points.cols()));
-  }
-  const auto rule = [](const char* name, double value, bool holds) {
-    if (holds && std::isfinite(value)) return;
-    throw std::invalid_argument(std::string("FlattenSheet: ") + name +
-                                " must not be negative; it is " + std::to_string(value));
-  };
-  rule("spacing", spacing, spacing >= 0);
-  rule("noise", noise, noise >= 0);
-  rule("margin", margin, margin >= 0);
 }
 
 // Reason why the nodes cannot represent a sheet (too few, or on lines); empty if they may.
@@ -233,11 +153,11 @@ std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
 }
 
 // Connects and flattens the nodes; fills in the base's measures of the result.
-Flattened LayOut(const PoissonDiskSamples& nodes,
-                 const SheetGraphOptions& graph_options,
-                 const SheetBaseOptions& options,
-                 SheetBase& base) {
-  Flattened flattened;
+FlattenedNodes LayOut(const PoissonDiskSamples& nodes,
+                      const SheetGraphOptions& graph_options,
+                      const FlatteningOptions& options,
+                      FlattenedBase& base) {
+  FlattenedNodes flattened;
   flattened.graph = ConnectSheet(nodes, graph_options);
   base.share = flattened.graph.share;
   base.nodes = flattened.graph.nodes.size();
@@ -247,7 +167,7 @@ Flattened LayOut(const PoissonDiskSamples& nodes,
     flattened.unfolding = FlattenArap(flattened.graph);
     base.distortion = flattened.unfolding.distortion;
     base.folded = flattened.unfolding.folded;
-    base.overlap = OverlapOf(flattened.graph, flattened.unfolding);
+    base.overlap = OverlapOf(flattened.graph, PlanOf(flattened.unfolding));
     base.orientation_consistent = !IsOneSided(flattened.graph, flattened.unfolding);
   }
   base.failure_reason = RefusalOf(base, options);
@@ -261,7 +181,7 @@ SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
                          double spacing,
                          double noise,
                          double margin,
-                         const SheetBaseOptions& options,
+                         const FlatteningOptions& options,
                          ThreadPool& pool,
                          const Progress& progress)
     : points_(points),
@@ -272,7 +192,7 @@ SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
       options_(options),
       pool_(pool),
       progress_(progress) {
-  Check(points, index, spacing, noise, margin);
+  CheckBaseInput("SheetLayout", points, index, spacing, noise, margin);
   Attempt();
 }
 
@@ -281,8 +201,8 @@ void SheetLayout::LookCloser() {
 }
 
 void SheetLayout::Attempt() {
-  const std::vector<Look> looks = Looks(options_.nodes);
-  const Look& look = looks[static_cast<size_t>(attempts_)];
+  const std::vector<FlatteningAttempt> looks = FlatteningAttempts(options_.nodes);
+  const FlatteningAttempt& look = looks[static_cast<size_t>(attempts_)];
   Report(progress_, "parameterize", 0.1);
   PoissonDiskSamples nodes = SamplePoissonDisk(points_, index_, noise_, look.nodes, pool_);
   const bool first = attempts_ == 0;
@@ -292,8 +212,8 @@ void SheetLayout::Attempt() {
     given_up_ = true;
   } else {
     Report(progress_, "parameterize", 0.3);
-    SheetBase base;
-    Flattened flattened = LayOut(nodes, look.graph, options_, base);
+    FlattenedBase base;
+    FlattenedNodes flattened = LayOut(nodes, look.graph, options_, base);
     if (first || base.ok() || Badness(base, options_) < Badness(best_, options_)) {
       best_ = std::move(base);
       graph_ = std::move(flattened.graph);
@@ -303,9 +223,9 @@ void SheetLayout::Attempt() {
   if (first) nodes_ = std::move(nodes);
 }
 
-SheetBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
+FlattenedBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
   Report(progress_, "parameterize", 0.6);
-  SheetBase base = best_;
+  FlattenedBase base = best_;
   if (graph_.edges.empty()) {
     PutAnywhere(some.cols(), spacing_, margin_, base);
   } else {
@@ -314,19 +234,6 @@ SheetBase SheetLayout::Over(const Eigen::Matrix3Xd& some) const {
   }
   Report(progress_, "parameterize", 1);
   return base;
-}
-
-SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
-                       const NeighbourIndex& index,
-                       double spacing,
-                       double noise,
-                       double margin,
-                       const SheetBaseOptions& options,
-                       ThreadPool& pool,
-                       const Progress& progress) {
-  SheetLayout layout(points, index, spacing, noise, margin, options, pool, progress);
-  layout.LookCloser();
-  return layout.Over(points);
 }
 
 }  // namespace batten::internal

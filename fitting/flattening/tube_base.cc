@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,9 +12,6 @@
 #include "fitting/flattening/cohomology_basis.h"
 #include "fitting/flattening/parameter_blending.h"
 #include "fitting/flattening/planar_edges.h"
-#include "fitting/flattening/poisson_disk_samples.h"
-#include "fitting/flattening/sheet_graph.h"
-#include "fitting/flattening/tube_arap_flattening.h"
 #include "fitting/flattening/tube_ends.h"
 #include "fitting/flattening/tube_parameter_smoothing.h"
 #include "geometry/numeric/number_text.h"
@@ -31,39 +26,9 @@ constexpr double kHole = 0.5;            // times the longest loop: shorter ones
 constexpr double kSpacingOfNodes = 1.3;  // in reaches
 constexpr double kLeastRound = 16;       // nodes
 constexpr double kOpenAngle = 2.1;       // radians between neighbours of a node at an edge
-constexpr double kTubeNear = 1;  // reaches in the plane between nodes that lie on each other …
-constexpr double kTubeFarApart = 3.5;  // … and more than so many in space
-constexpr int kTubeTornApart = 7;      // edges between ends of a contradicting edge …
-constexpr int kLeastTubeTorn = 5;      // … of which a few are slips
+constexpr int kTubeTornApart = 7;        // edges between ends of a contradicting edge …
+constexpr int kLeastTubeTorn = 5;        // … of which a few are slips
 constexpr double kLeastLeft = 0.3;  // of a tube's length where its ends come nearest to each other
-
-// Settings of one attempt.
-struct Attempt {
-  PoissonDiskOptions nodes;
-  SheetGraphOptions graph;
-};
-
-std::vector<Attempt> Attempts(Eigen::Index nodes) {
-  Attempt first;
-  first.nodes.most = nodes;
-  Attempt strict;
-  strict.nodes.most = 4 * nodes;
-  strict.nodes.most_neighbours = 24;
-  strict.nodes.own_neighbours = true;
-  strict.graph.longest = 2.2;
-  strict.graph.steepest = 0.35;
-  strict.graph.least_cosine = 0.7;
-  Attempt close = strict;
-  close.nodes.most = 16 * nodes;
-  close.nodes.most_neighbours = 16;
-  close.graph.steepest = 0.25;
-  return {first, strict, close};
-}
-
-struct RolledOff {
-  SheetGraph graph;
-  Flattening unfolding;
-};
 
 // Places of the plane on a cylinder as long round as the period: neighbours across the seam are
 // neighbours there.
@@ -75,26 +40,6 @@ Eigen::Matrix3Xd OnCylinder(const Eigen::VectorXcd& places, double period) {
     round.col(i) << radius * std::cos(angle), radius * std::sin(angle), places[i].imag();
   }
   return round;
-}
-
-// Share of the nodes on which others lie that are far away in space.
-double TubeOverlapOf(const SheetGraph& graph, const Flattening& unfolding) {
-  const Eigen::Index n = graph.nodes.size();
-  const Eigen::Matrix3Xd plan = OnCylinder(unfolding.places, unfolding.period);
-  constexpr int kLookedAt = 9;
-  const std::vector<int> near = NeighbourIndex(plan).Nearest(plan, kLookedAt);
-  const auto each = static_cast<Eigen::Index>(near.size()) / n;
-  Eigen::Index covered = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool lies_on_another =
-        std::any_of(near.begin() + i * each, near.begin() + (i + 1) * each, [&](int j) {
-          return (plan.col(j) - plan.col(i)).norm() < kTubeNear * graph.nodes.reach[i] &&
-                 (graph.nodes.places.col(j) - graph.nodes.places.col(i)).norm() >
-                     kTubeFarApart * graph.nodes.reach[i];
-        });
-    if (lies_on_another) ++covered;
-  }
-  return static_cast<double>(covered) / static_cast<double>(n);
 }
 
 // Whether the sheet is one-sided: edges whose ends disagree about the upper side join parts that
@@ -188,7 +133,7 @@ std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
   return {};
 }
 
-std::string RefusalOfRoll(const TubeBase& base, const TubeBaseOptions& options) {
+std::string RefusalOfRoll(const TubeBase& base, const FlatteningOptions& options) {
   constexpr const char* kTakePart = "; fit a part of the cloud";
   if (base.overlap > options.most_overlap) {
     return Percent(base.overlap) +
@@ -207,7 +152,7 @@ std::string RefusalOfRoll(const TubeBase& base, const TubeBaseOptions& options) 
 }
 
 // Turns the result over, so that normals point the other way.
-void Mirror(RolledOff& rolled) {
+void Mirror(FlattenedNodes& rolled) {
   Flattening& u = rolled.unfolding;
   for (Eigen::Index i = 0; i < rolled.graph.nodes.size(); ++i) rolled.graph.nodes.Flip(i);
   u.places = u.places.conjugate().eval();
@@ -218,7 +163,7 @@ void Mirror(RolledOff& rolled) {
 }
 
 // Whether normals point away from the opposite side of the tube.
-bool LooksOutwards(const RolledOff& rolled) {
+bool LooksOutwards(const FlattenedNodes& rolled) {
   const Eigen::VectorXcd& places = rolled.unfolding.places;
   const double period = rolled.unfolding.period;
   const PoissonDiskSamples& nodes = rolled.graph.nodes;
@@ -236,7 +181,7 @@ bool LooksOutwards(const RolledOff& rolled) {
 
 // Orients the axes: v grows with the coordinate it correlates with most, and normals point
 // outwards.
-void ChooseAxes(RolledOff& rolled) {
+void ChooseAxes(FlattenedNodes& rolled) {
   if (!LooksOutwards(rolled)) Mirror(rolled);
   Flattening& u = rolled.unfolding;
   const Eigen::Matrix3Xd& places = rolled.graph.nodes.places;
@@ -273,7 +218,7 @@ void Straighten(double spacing, TubeBase& base) {
   }
 }
 
-void PutIntoStrip(const RolledOff& rolled,
+void PutIntoStrip(const FlattenedNodes& rolled,
                   const Eigen::Matrix3Xd& points,
                   double spacing,
                   double noise,
@@ -316,48 +261,18 @@ void Settle(const Eigen::Matrix3Xd& points,
   base.distortion = settled.distortion;
 }
 
-// Fallback parameters of a tube that was not flattened.
-void PutAnywhere(Eigen::Index count, double spacing, double margin, TubeBase& base) {
-  base.length_u = base.length_v = spacing + 2 * margin;
-  base.parameters.setConstant(2, count, base.length_u / 2);
-  base.reached = PointMask::Constant(count, false);
-}
-
-void CheckTubeInput(const Eigen::Matrix3Xd& points,
-                    const NeighbourIndex& index,
-                    double spacing,
-                    double noise,
-                    double margin) {
-  if (points.cols() == 0) throw std::invalid_argument("FlattenTube: no points");
-  if (index.size() != points.cols()) {
-    throw std::invalid_argument("FlattenTube: index must hold the points; it holds " +
-                                std::to_string(index.size()) + " of " +
-                                std::to_string(points.cols()));
-  }
-  const auto rule = [](const char* name, double value, bool holds) {
-    if (holds && std::isfinite(value)) return;
-    throw std::invalid_argument(std::string("FlattenTube: ") + name +
-                                " must not be negative; it is " + std::to_string(value));
-  };
-  rule("spacing", spacing, spacing >= 0);
-  rule("noise", noise, noise >= 0);
-  rule("margin", margin, margin >= 0);
-}
-
 // Connects and flattens the nodes; fills in the base's measures of the result.
-RolledOff RollOff(const PoissonDiskSamples& nodes,
-                  const SheetGraphOptions& graph_options,
-                  const TubeBaseOptions& options,
-                  TubeBase& base) {
-  RolledOff rolled;
+FlattenedNodes RollOff(const PoissonDiskSamples& nodes,
+                       const SheetGraphOptions& graph_options,
+                       const FlatteningOptions& options,
+                       TubeBase& base) {
+  FlattenedNodes rolled;
   rolled.graph = ConnectSheet(nodes, graph_options);
   base.share = rolled.graph.share;
   base.nodes = rolled.graph.nodes.size();
   base.distortion = 1;
   if (base.share < options.least_share) {
-    base.failure_reason =
-        "the points hang together in several sheets, or in none: the largest part holds " +
-        Percent(base.share) + " of them; fit one part of the cloud at a time";
+    base.failure_reason = SeveralSheets(base.share);
     return rolled;
   }
   base.orientation_consistent = !IsOneSided(rolled.graph);
@@ -374,7 +289,8 @@ RolledOff RollOff(const PoissonDiskSamples& nodes,
   rolled.unfolding = FlattenTubeArap(rolled.graph, edges, loops.front().crossings);
   base.distortion = rolled.unfolding.distortion;
   base.folded = rolled.unfolding.folded;
-  base.overlap = TubeOverlapOf(rolled.graph, rolled.unfolding);
+  base.overlap =
+      OverlapOf(rolled.graph, OnCylinder(rolled.unfolding.places, rolled.unfolding.period));
   base.failure_reason = RefusalOfRoll(base, options);
   if (base.ok()) ChooseAxes(rolled);
   return rolled;
@@ -387,13 +303,13 @@ TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
                      double spacing,
                      double noise,
                      double margin,
-                     const TubeBaseOptions& options,
+                     const FlatteningOptions& options,
                      ThreadPool& pool,
                      const Progress& progress) {
-  CheckTubeInput(points, index, spacing, noise, margin);
+  CheckBaseInput("FlattenTube", points, index, spacing, noise, margin);
   TubeBase base;
-  RolledOff rolled;
-  for (Attempt attempt : Attempts(options.nodes)) {
+  FlattenedNodes rolled;
+  for (FlatteningAttempt attempt : FlatteningAttempts(options.nodes)) {
     Report(progress, "parameterize", 0.1);
     PoissonDiskSamples nodes = SamplePoissonDisk(points, index, noise, attempt.nodes, pool);
     base = {};

@@ -13,7 +13,6 @@
 #include "batten/fitting/solve_linear.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/flattening/tube_chart.h"
-#include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
 #include "batten/geometry/curve_evaluator.h"
 #include "batten/geometry/foot_point.h"

@@ -3,7 +3,6 @@
 
 #include <Eigen/SparseCholesky>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 

@@ -2,9 +2,7 @@
 #include "fitting/grid/grid_input.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 namespace batten::internal {
 namespace {

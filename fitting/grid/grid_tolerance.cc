@@ -2,11 +2,8 @@
 // ApproximateGrid.
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <optional>
 #include <set>
-#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>

@@ -27,7 +27,6 @@ class LineLeastSquares {
 
   Eigen::Index size() const { return size_; }  // control points, repeated ones included
   bool regular() const { return regular_; }    // otherwise solutions are meaningless
-  Eigen::Index data_size() const { return data_size_; }
 
   // Turns m lines of `width` numbers into n lines of control points. O(m·p·width).
   void SolveLines(const double* data, Eigen::Index width, double* control, ThreadPool& pool) const;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/interpolation/cubic_spline.h"
 
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "fitting/interpolation/collocation.h"
 #include "batten/fitting/interpolate_curve.h"
+#include "fitting/interpolation/collocation.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten::internal {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include "fitting/least_squares/fairness.h"
 #include "fitting/least_squares/normal_equations.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sums over the points of each knot cell where only control points are free.
 #include <algorithm>
-#include <cmath>
 
 #include "fitting/joint/eliminated_problem.h"
 #include "fitting/joint/joint_kernels.h"

@@ -2,7 +2,6 @@
 #include "fitting/joint/gauss_newton_system.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "fitting/joint/joint_kernels.h"

@@ -49,7 +49,6 @@ class GaussNewtonSystem {
   const EliminatedProblem& cells_;
   ThreadPool& pool_;
   std::vector<bool> fixed_;
-  int outer_degree_;
   bool u_outside_;
   std::vector<int> row_of_, place_of_;  // of every control point
   BlockBandedMatrix matrix_;

@@ -2,7 +2,6 @@
 #include "fitting/joint/term_cost.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <stdexcept>
 #include <thread>
 
 #include "fitting/core/unit_of.h"

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -260,7 +259,6 @@ GridChoice ChooseGrid(const FittingProblem& problem,
   }
   GridChoice choice;
   std::tie(choice.cells_u, choice.cells_v) = grid;
-  std::tie(choice.scored_cells_u, choice.scored_cells_v) = scored;
   choice.blocks_disagree = grid != scored;
   choice.score = search.Score(grid.first, grid.second);
   choice.rounds = std::move(search.rounds);

@@ -26,9 +26,8 @@ struct GridChoice {
   double score =
       0;  // generalised cross-validation: an estimate of the mean squared error at new points
   // Whether this grid predicts left-out blocks clearly better than the finer one of the least
-  // score, so that correlated noise is not followed. That finer grid:
+  // score, so that correlated noise is not followed.
   bool blocks_disagree = false;
-  int scored_cells_u = 1, scored_cells_v = 1;
   std::vector<TriedGrid> tried;      // in the order in which they were
   std::vector<RoundSummary> rounds;  // "cross-validation" and "block validation"
 };

@@ -85,6 +85,95 @@ KnotGaps RandomKnots(const KnotGaps& gaps, std::mt19937_64& generator) {
   }
 }
 
+// The data, and how much is done at a time: side by side, each on a thread of its own, or one after
+// another on the whole pool.
+struct Measures {
+  const VariableProjection& projection;
+  bool side_by_side;
+  ThreadPool& pool;
+
+  // Calls task(i, pool) for every i.
+  void ForEach(size_t count, std::ptrdiff_t block, const auto& task) const {
+    if (!side_by_side) {
+      for (size_t i = 0; i < count; ++i) task(i, pool);
+      return;
+    }
+    pool.For(
+        static_cast<std::ptrdiff_t>(count), block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+          ThreadPool own(1);
+          for (std::ptrdiff_t i = begin; i < end; ++i) task(static_cast<size_t>(i), own);
+        });
+  }
+};
+
+// A knot put into span number `span` of a state's u or v.
+struct Trial {
+  size_t state;
+  bool in_u;
+  int span;
+  double knot;
+  MovingKnots knots;  // the state with the knot
+};
+
+std::vector<double> CostOf(const Measures& on, const std::vector<Trial>& trials) {
+  std::vector<double> costs(trials.size(), std::numeric_limits<double>::infinity());
+  on.ForEach(costs.size(), 4, [&](size_t i, ThreadPool& pool) {
+    const auto value = on.projection.Evaluate(trials[i].knots, pool);
+    if (value) costs[i] = value->cost;
+  });
+  return costs;
+}
+
+// Adds a knot in each of the `count` worst spans of the directions named.
+void AddTrials(const Measures& on,
+               const MovingKnots& knots,
+               size_t state,
+               bool in_u,
+               bool in_v,
+               size_t count,
+               std::vector<Trial>& trials) {
+  const auto errors = on.projection.Errors(knots, on.pool);
+  if (!errors) return;
+  const auto add = [&](const std::vector<VariableProjection::SpanError>& spans, bool u) {
+    const double room = kRoom * (u ? knots.u : *knots.v).length();
+    std::vector<double> order;
+    for (const auto& span : spans) order.push_back(-span.squares);
+    std::vector<size_t> worst = Cheapest(order, count);
+    std::sort(worst.begin(), worst.end());
+    for (const size_t s : worst) {
+      const double middle = (spans[s].lower + spans[s].upper) / 2;
+      for (const double t : {spans[s].centroid, middle}) {
+        if (!(t - spans[s].lower > room) || !(spans[s].upper - t > room)) continue;
+        trials.push_back({state, u, static_cast<int>(s), t, knots});
+        KnotGaps& gaps = u ? trials.back().knots.u : *trials.back().knots.v;
+        gaps = WithKnot(gaps, t);
+      }
+    }
+  };
+  if (in_u) add(errors->u, true);
+  if (in_v) add(errors->v, false);
+}
+
+// The least needed knots, each moved to its best place.
+std::vector<MovingKnots> Exchanges(const Measures& on, const MovingKnots& knots, bool in_u) {
+  const KnotGaps& gaps = in_u ? knots.u : *knots.v;
+  const std::vector<double> interior = InteriorKnots(gaps.basis());
+  std::vector<MovingKnots> exchanges;
+  std::vector<Trial> without;
+  for (size_t i = 0; i < interior.size(); ++i) {
+    if (i > 0 && interior[i] == interior[i - 1]) continue;
+    without.push_back({0, in_u, 0, interior[i], knots});
+    KnotGaps& fewer = in_u ? without.back().knots.u : *without.back().knots.v;
+    fewer = WithoutKnot(gaps, i);
+  }
+  for (const size_t i : Cheapest(CostOf(on, without), kExchanged)) {
+    std::vector<Trial> trials;
+    AddTrials(on, without[i].knots, 0, in_u, !in_u, kTriedSpans, trials);
+    for (const size_t t : Cheapest(CostOf(on, trials), 1)) exchanges.push_back(trials[t].knots);
+  }
+  return exchanges;
+}
+
 }  // namespace
 
 std::vector<double> InteriorKnots(const SplineBasis& basis) {
@@ -118,69 +207,18 @@ std::vector<Descent> KnotSearch::DescendAll(const std::vector<MovingKnots>& star
   std::vector<Descent> results;
   for (const MovingKnots& start : starts)
     results.push_back({start, std::numeric_limits<double>::infinity(), 0});
-  if (parallel_starts_) {
-    pool_.For(static_cast<std::ptrdiff_t>(starts.size()), 1, [&](std::ptrdiff_t i, std::ptrdiff_t) {
-      ThreadPool own(1);
-      results[i] = Descend(projection_, starts[i], options, own);
-    });
-  } else {
-    for (size_t i = 0; i < starts.size(); ++i)
-      results[i] = Descend(projection_, starts[i], options, pool_);
-  }
+  Measures{projection_, parallel_starts_, pool_}.ForEach(
+      starts.size(), 1, [&](size_t i, ThreadPool& pool) {
+        results[i] = Descend(projection_, starts[i], options, pool);
+      });
   for (const Descent& result : results) iterations_ += result.iterations;
   starts_ += static_cast<int>(starts.size());
   return results;
 }
 
-std::vector<double> KnotSearch::CostOf(const std::vector<Trial>& trials) {
-  std::vector<double> costs(trials.size(), std::numeric_limits<double>::infinity());
-  const auto cost = [&](size_t i, ThreadPool& pool) {
-    const auto value = projection_.Evaluate(trials[i].knots, pool);
-    if (value) costs[i] = value->cost;
-  };
-  if (parallel_starts_) {
-    pool_.For(static_cast<std::ptrdiff_t>(costs.size()),
-              4,
-              [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-                ThreadPool own(1);
-                for (std::ptrdiff_t i = begin; i < end; ++i) cost(static_cast<size_t>(i), own);
-              });
-  } else {
-    for (size_t i = 0; i < costs.size(); ++i) cost(i, pool_);
-  }
-  return costs;
-}
-
-void KnotSearch::AddTrials(const MovingKnots& knots,
-                           size_t state,
-                           bool in_u,
-                           bool in_v,
-                           size_t count,
-                           std::vector<Trial>& trials) {
-  const auto errors = projection_.Errors(knots, pool_);
-  if (!errors) return;
-  const auto add = [&](const std::vector<VariableProjection::SpanError>& spans, bool u) {
-    const double room = kRoom * (u ? knots.u : *knots.v).length();
-    std::vector<double> order;
-    for (const auto& span : spans) order.push_back(-span.squares);
-    std::vector<size_t> worst = Cheapest(order, count);
-    std::sort(worst.begin(), worst.end());
-    for (const size_t s : worst) {
-      const double middle = (spans[s].lower + spans[s].upper) / 2;
-      for (const double t : {spans[s].centroid, middle}) {
-        if (!(t - spans[s].lower > room) || !(spans[s].upper - t > room)) continue;
-        trials.push_back({state, u, static_cast<int>(s), t, knots});
-        KnotGaps& gaps = u ? trials.back().knots.u : *trials.back().knots.v;
-        gaps = WithKnot(gaps, t);
-      }
-    }
-  };
-  if (in_u) add(errors->u, true);
-  if (in_v) add(errors->v, false);
-}
-
 std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int tried) {
   constexpr size_t kLevels = 16;
+  const Measures on{projection_, parallel_starts_, pool_};
   MovingKnots none = wanted;
   if (wanted.move_u) none.u = KnotGaps(WithInteriorKnots(wanted.u.basis(), {}));
   if (wanted.v && wanted.move_v) none.v = KnotGaps(WithInteriorKnots(wanted.v->basis(), {}));
@@ -189,14 +227,15 @@ std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int
   for (;;) {
     std::vector<Trial> trials;
     for (size_t s = 0; s < states.size(); ++s) {
-      AddTrials(states[s],
+      AddTrials(on,
+                states[s],
                 s,
                 MissingIn(states[s], wanted, true) > 0,
                 MissingIn(states[s], wanted, false) > 0,
                 std::max(kTriedSpans, 2 * a_level),
                 trials);
     }
-    const std::vector<size_t> ranking = Cheapest(CostOf(trials), trials.size());
+    const std::vector<size_t> ranking = Cheapest(CostOf(on, trials), trials.size());
     if (ranking.empty()) return {};
     std::vector<MovingKnots> chosen;
     for (size_t c = 0; c < std::min(ranking.size(), static_cast<size_t>(tried)); ++c) {
@@ -250,25 +289,6 @@ std::vector<MovingKnots> KnotSearch::RandomStarts(const MovingKnots& wanted,
   return starts;
 }
 
-std::vector<MovingKnots> KnotSearch::Exchanges(const MovingKnots& knots, bool in_u) {
-  const KnotGaps& gaps = in_u ? knots.u : *knots.v;
-  const std::vector<double> interior = InteriorKnots(gaps.basis());
-  std::vector<MovingKnots> exchanges;
-  std::vector<Trial> without;
-  for (size_t i = 0; i < interior.size(); ++i) {
-    if (i > 0 && interior[i] == interior[i - 1]) continue;
-    without.push_back({0, in_u, 0, interior[i], knots});
-    KnotGaps& fewer = in_u ? without.back().knots.u : *without.back().knots.v;
-    fewer = WithoutKnot(gaps, i);
-  }
-  for (const size_t i : Cheapest(CostOf(without), kExchanged)) {
-    std::vector<Trial> trials;
-    AddTrials(without[i].knots, 0, in_u, !in_u, kTriedSpans, trials);
-    for (const size_t t : Cheapest(CostOf(trials), 1)) exchanges.push_back(trials[t].knots);
-  }
-  return exchanges;
-}
-
 namespace {
 
 // The knots with one pair of neighbours merged, for the narrowest pairs, all nearer than `share` of
@@ -311,6 +331,7 @@ constexpr double kLower = 1e-4;
 }  // namespace
 
 Descent KnotSearch::Improve(Descent best, int most_iterations) {
+  const Measures on{projection_, parallel_starts_, pool_};
   DescentOptions coarse = options_;
   coarse.tolerance = 1e-6;
   const int end = iterations_ + most_iterations;
@@ -318,7 +339,7 @@ Descent KnotSearch::Improve(Descent best, int most_iterations) {
     std::vector<MovingKnots> starts = Merges(best.knots, 1);
     for (const bool in_u : {true, false}) {
       if ((in_u ? best.knots.free_u() : best.knots.free_v()) == 0) continue;
-      for (auto& exchange : Exchanges(best.knots, in_u)) starts.push_back(std::move(exchange));
+      for (auto& exchange : Exchanges(on, best.knots, in_u)) starts.push_back(std::move(exchange));
     }
     const int each = most_iterations / std::max(1, static_cast<int>(starts.size()));
     coarse.max_iterations = std::min(options_.max_iterations, std::max(kFewIterations, each));

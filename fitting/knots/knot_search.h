@@ -54,26 +54,6 @@ class KnotSearch {
   int starts() const { return starts_; }
 
  private:
-  // A knot put into span number `span` of a state's u or v.
-  struct Trial {
-    size_t state;
-    bool in_u;
-    int span;
-    double knot;
-    MovingKnots knots;  // the state with the knot
-  };
-
-  std::vector<double> CostOf(const std::vector<Trial>& trials);
-  // Adds a knot in each of the `count` worst spans of the directions named.
-  void AddTrials(const MovingKnots& knots,
-                 size_t state,
-                 bool in_u,
-                 bool in_v,
-                 size_t count,
-                 std::vector<Trial>& trials);
-  // The least needed knots, each moved to its best place.
-  std::vector<MovingKnots> Exchanges(const MovingKnots& knots, bool in_u);
-
   const VariableProjection& projection_;
   DescentOptions options_;
   bool parallel_starts_;

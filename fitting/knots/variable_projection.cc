@@ -35,10 +35,6 @@ void ColumnsOnSpan(
 
 }  // namespace
 
-bool MovingKnots::SameAs(const MovingKnots& other) const {
-  return u.basis() == other.u.basis() && (!v || v->basis() == other.v->basis());
-}
-
 VariableProjection::VariableProjection(const FittingProblem& problem)
     : u_(problem.data().parameters.row(0)),
       v_(problem.data().parameters.row(1)),

@@ -22,7 +22,6 @@ struct MovingKnots {
   int free_v() const { return move_v && v ? v->groups() : 0; }
   int free() const { return free_u() + free_v(); }
   int unknowns() const { return u.basis().size() * (v ? v->basis().size() : 1); }
-  bool SameAs(const MovingKnots& other) const;
 };
 
 // Φ(t) = min over c of Σ w |S_t(c) − z|² + λ cᵀPc at knots t.

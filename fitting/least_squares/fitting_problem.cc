@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/fitting_problem.h"
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "fitting/linear/coefficient_order.h"
 #include "fitting/least_squares/net_values.h"
+#include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {

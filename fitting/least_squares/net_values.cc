@@ -2,7 +2,6 @@
 #include "fitting/least_squares/net_values.h"
 
 #include <optional>
-#include <utility>
 
 #include "fitting/least_squares/net_kernel.h"
 #include "geometry/evaluation/evaluation_table.h"

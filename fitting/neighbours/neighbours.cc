@@ -2,9 +2,7 @@
 #include "batten/fitting/neighbours.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <stdexcept>
 

@@ -2,7 +2,6 @@
 #include "batten/fitting/curve_components.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>

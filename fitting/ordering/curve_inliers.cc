@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/curve_inliers.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -28,27 +26,11 @@ constexpr std::ptrdiff_t kBlock = 512;
 
 // Whether the point is in a row with its neighbours.
 bool InRow(const Eigen::Matrix3Xd& neighbours, const Eigen::Vector3d& point, double room) {
-  const Eigen::Vector3d middle = neighbours.rowwise().mean();
-  const Eigen::Matrix3Xd local = neighbours.colwise() - middle;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(local * local.transpose());
-  const double along = axes.eigenvalues()[2];
-  if (!(along > 0)) return false;
-  const Eigen::Matrix3d frame = axes.eigenvectors();
-  const Eigen::VectorXd x = local.transpose() * frame.col(2);
-  Eigen::MatrixX3d powers(x.size(), 3);
-  powers << Eigen::VectorXd::Ones(x.size()), x / room, x.cwiseAbs2() / (room * room);
-  const Eigen::MatrixX2d across = local.transpose() * frame.leftCols<2>();
-  const Eigen::Matrix3d gram = powers.transpose() * powers;
-  const Eigen::Matrix<double, 3, 2> parabola = gram.ldlt().solve(powers.transpose() * across);
-  const double rest = (across - powers * parabola).squaredNorm();
-  if (rest > kThin * along) return false;
-  const Eigen::Vector3d own = point - middle;
-  const double at = std::clamp(frame.col(2).dot(own), x.minCoeff(), x.maxCoeff()) / room;
-  const Eigen::RowVector2d off =
-      own.transpose() * frame.leftCols<2>() - Eigen::RowVector3d(1, at, at * at) * parabola;
-  const double noise = std::sqrt(rest / static_cast<double>(x.size() - 3));
-  return off.norm() <= std::max(kOffInNoise * noise, kOffInRoom * room);
+  const LocalParabola local(neighbours);
+  const double rest = local.rest.squaredNorm();
+  if (!(local.along > 0) || rest > kThin * local.along) return false;
+  const double noise = std::sqrt(rest / static_cast<double>(local.x.size() - 3));
+  return local.Off(point) <= std::max(kOffInNoise * noise, kOffInRoom * room);
 }
 
 // Tests points for linearity of their neighbourhoods in a sample.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
-#include "fitting/neighbours/point_grid.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/neighbours/point_grid.h"
 
 namespace batten::internal {
 namespace {
@@ -29,28 +29,6 @@ constexpr double kOffRidge = 0.35;
 constexpr double kLonelyBelow = 0.04;  // of the median number of points around
 constexpr double kCrowd = 12;          // that median must be at least this
 
-struct Thickness {
-  double ratio = 1;  // squared, against the length
-  double noise = 0;
-};
-
-// The residual of a parabola across the main direction of these points.
-Thickness ThicknessOf(const Eigen::Matrix3Xd& around) {
-  const Eigen::Vector3d middle = around.rowwise().mean();
-  const Eigen::Matrix3Xd local = around.colwise() - middle;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(local * local.transpose());
-  const double along = axes.eigenvalues()[2];
-  if (!(along > 0)) return {};
-  const Eigen::VectorXd x = local.transpose() * axes.eigenvectors().col(2) / std::sqrt(along);
-  Eigen::MatrixXd powers(x.size(), 3);
-  powers << Eigen::VectorXd::Ones(x.size()), x, x.cwiseAbs2();
-  const Eigen::Matrix3d gram = powers.transpose() * powers;
-  const Eigen::MatrixX2d across = local.transpose() * axes.eigenvectors().leftCols<2>();
-  const Eigen::MatrixX2d rest = across - powers * gram.ldlt().solve(powers.transpose() * across);
-  const auto freedom = static_cast<double>(x.size() - 3);
-  return {rest.squaredNorm() / along, std::sqrt(rest.col(1).squaredNorm() / freedom)};
-}
-
 struct RowNoise {
   double noise = 0;
   bool sure = false;
@@ -59,13 +37,14 @@ struct RowNoise {
 // The noise of the first of these neighbours that are longer than thick. Few points can look like a
 // row by chance; twice they hardly do.
 RowNoise NoiseAround(const Eigen::Matrix3Xd& sample, const int* nearest, int most) {
-  Thickness thickness;
+  double noise = 0;
   int thin = 0;
   for (int k = kFewestAround; k <= most && thin < 2; k += k / 4) {
-    thickness = ThicknessOf(sample(Eigen::all, std::vector<int>(nearest, nearest + k)));
-    thin = thickness.ratio <= kThinNodes ? thin + 1 : 0;
+    const LocalParabola local(sample(Eigen::all, std::vector<int>(nearest, nearest + k)));
+    thin = local.along > 0 && local.rest.squaredNorm() <= kThinNodes * local.along ? thin + 1 : 0;
+    noise = std::sqrt(local.rest.col(1).squaredNorm() / (k - 3));
   }
-  return {thin > 0 ? thickness.noise : 0, thin == 2};
+  return {thin > 0 ? noise : 0, thin == 2};
 }
 
 // The middle of the points in a ball and the direction in which they run.
@@ -124,6 +103,27 @@ Eigen::VectorXd OnRidge(const PointGrid& grid,
 }
 
 }  // namespace
+
+LocalParabola::LocalParabola(const Eigen::Matrix3Xd& points) : middle(points.rowwise().mean()) {
+  const Eigen::Matrix3Xd local = points.colwise() - middle;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(local * local.transpose());
+  frame = axes.eigenvectors();
+  along = axes.eigenvalues()[2];
+  const Eigen::MatrixX2d across = local.transpose() * frame.leftCols<2>();
+  x = local.transpose() * frame.col(2) / std::sqrt(along > 0 ? along : 1);
+  Eigen::MatrixX3d powers(x.size(), 3);
+  powers << Eigen::VectorXd::Ones(x.size()), x, x.cwiseAbs2();
+  const Eigen::Matrix3d gram = powers.transpose() * powers;
+  coefficients = gram.ldlt().solve(powers.transpose() * across);
+  rest = across - powers * coefficients;
+}
+
+double LocalParabola::Off(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d own = frame.transpose() * (point - middle);
+  const double at = std::clamp(own[2] / std::sqrt(along), x.minCoeff(), x.maxCoeff());
+  return (own.head<2>().transpose() - Eigen::RowVector3d(1, at, at * at) * coefficients).norm();
+}
 
 Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most) {
   const Eigen::Index count = std::min(points.cols(), most);

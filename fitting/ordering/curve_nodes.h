@@ -8,6 +8,21 @@
 
 namespace batten::internal {
 
+// The parabola fitted to neighbours across the direction in which they run.
+struct LocalParabola {
+  explicit LocalParabola(const Eigen::Matrix3Xd& points);
+
+  // The distance of a point from it, or beyond its ends from the end's height.
+  double Off(const Eigen::Vector3d& point) const;
+
+  Eigen::Vector3d middle;
+  Eigen::Matrix3d frame;  // the direction in the last column
+  double along;           // Σ of squares of the places along it
+  Eigen::VectorXd x;      // these over the root of that sum
+  Eigen::Matrix<double, 3, 2> coefficients;
+  Eigen::MatrixX2d rest;  // what it leaves across, the larger in the second column
+};
+
 // Returns at most `most` of the points, at even steps of their order.
 Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most);
 

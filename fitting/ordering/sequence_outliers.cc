@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/sequence_outliers.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/outline/empty_discs.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/outline/four_sides.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>

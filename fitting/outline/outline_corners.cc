@@ -37,6 +37,18 @@ struct Fitted {
   double rms() const { return std::sqrt(squares / static_cast<double>(count)); }
 };
 
+std::optional<Eigen::Vector2d> Meeting(const OutlineLine& a, const OutlineLine& b) {
+  const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
+  if (std::abs(sine) < 1e-3) return {};
+  const Eigen::Vector2d way = b.point - a.point;
+  return a.point + (way.x() * b.direction.y() - way.y() * b.direction.x()) / sine * a.direction;
+}
+
+double Turn(const OutlineLine& a, const OutlineLine& b) {
+  return std::atan2(a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x(),
+                    a.direction.dot(b.direction));
+}
+
 class CornerSearch {
  public:
   CornerSearch(const Eigen::Matrix2Xd& border, double step) : border_(border), step_(step) {}
@@ -110,18 +122,6 @@ class CornerSearch {
     double sum = 0;
     each([&](const Eigen::Vector2d& p) { sum += std::pow((p - centre).norm() - radius, 2); });
     return sum;
-  }
-
-  static std::optional<Eigen::Vector2d> Meeting(const OutlineLine& a, const OutlineLine& b) {
-    const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
-    if (std::abs(sine) < 1e-3) return {};
-    const Eigen::Vector2d way = b.point - a.point;
-    return a.point + (way.x() * b.direction.y() - way.y() * b.direction.x()) / sine * a.direction;
-  }
-
-  static double Turn(const OutlineLine& a, const OutlineLine& b) {
-    return std::atan2(a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x(),
-                      a.direction.dot(b.direction));
   }
 
   std::optional<OutlineCorner> Judged(Index i, const Fitted& before, const Fitted& after) const {

@@ -2,7 +2,6 @@
 #include "fitting/outline/outline_edges.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -37,8 +36,8 @@ double DeepestWindow(
   return deepest;
 }
 
-// Whether the border runs along an edge as the rectangle's own does, the covered region on its left:
-// the inner side of a thin strip beside the edge runs the other way.
+// Whether the border runs along an edge as the rectangle's own does, the covered region on its
+// left: the inner side of a thin strip beside the edge runs the other way.
 bool RunsAlong(const Eigen::Vector2d& way, int edge) {
   const bool forwards = edge == 1 || edge == 2;  // right, lower
   return (way[1 - edge / 2] > 0) == forwards;
@@ -46,8 +45,8 @@ bool RunsAlong(const Eigen::Vector2d& way, int edge) {
 
 // The index of the edge along which samples first … last run, −1 if none.
 int EdgeOf(const OutlineLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
-  const Eigen::Vector2d way = loop[(first + count - 1) % loop.size()].measured -
-                              loop[first % loop.size()].measured;
+  const Eigen::Vector2d way =
+      loop[(first + count - 1) % loop.size()].measured - loop[first % loop.size()].measured;
   for (int edge = 0; edge < 4; ++edge) {
     if (!RunsAlong(way, edge)) continue;
     double deepest = 0, sum = 0;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/outline/outline_in_box.h"
 
-#include <algorithm>
-#include <functional>
 #include <utility>
 
 namespace batten::internal {

@@ -4,7 +4,6 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "batten/geometry/clamp.h"

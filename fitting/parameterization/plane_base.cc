@@ -5,11 +5,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <queue>
-#include <stdexcept>
 #include <vector>
 
 #include "batten/fitting/point_mask.h"

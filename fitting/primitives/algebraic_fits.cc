@@ -9,36 +9,6 @@
 namespace batten::internal {
 namespace {
 
-// The circle or sphere A(|x|² − mean) + b·x = 0 about the centroid of points with the least
-// Σ F² over Σ |∇F|². [Taubin 1991]
-template <int Dim>
-struct RoundFit {
-  Eigen::Matrix<double, Dim, 1> outward;  // at its point nearest to the centroid
-  double distance = 0;                    // of that point from the centroid, along −outward
-  double curvature = 0;
-
-  explicit RoundFit(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& x) {
-    using Row = Eigen::Matrix<double, Dim + 1, 1>;
-    using Moments = Eigen::Matrix<double, Dim + 1, Dim + 1>;
-    const double mean = std::max(x.colwise().squaredNorm().mean(), 1e-300);
-    const double root = std::sqrt(mean);
-    Moments moments = Moments::Zero();
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
-      Row row;
-      row << (x.col(k).squaredNorm() - mean) / (2 * root), x.col(k);
-      moments += row * row.transpose();
-    }
-    Row v = Eigen::SelfAdjointEigenSolver<Moments>(moments).eigenvectors().col(0);
-    if (v[0] < 0) v = -v;
-    const double a = v[0] / (2 * root), d = -a * mean;
-    const Eigen::Matrix<double, Dim, 1> b = v.template tail<Dim>();
-    const double slope = b.norm(), root_of_form = std::hypot(slope, 2 * a * root);
-    outward = slope > 0 ? (b / slope).eval() : Eigen::Matrix<double, Dim, 1>::UnitX().eval();
-    distance = 2 * d / (root_of_form + slope);
-    curvature = 2 * a / root_of_form;
-  }
-};
-
 // Distances from an axis and heights along it.
 Eigen::Matrix2Xd MeridianOf(const Eigen::Matrix3Xd& points, const Axis& axis) {
   Eigen::Matrix2Xd meridian(2, points.cols());
@@ -72,7 +42,7 @@ FittedSurface Turned(SurfaceKind kind,
 
 FittedSurface AlgebraicSphereFit(const Eigen::Matrix3Xd& points) {
   const Eigen::Vector3d centroid = points.rowwise().mean();
-  const RoundFit<3> round(points.colwise() - centroid);
+  const AlgebraicRound<3> round(points.colwise() - centroid);
   FittedSurface shape = PlaneAt(centroid - round.distance * round.outward, round.outward);
   shape.kind = SurfaceKind::kSphere;
   shape.curvature = round.curvature;
@@ -84,7 +54,7 @@ FittedSurface AlgebraicCylinderFit(const Eigen::Matrix3Xd& points, const Eigen::
   Eigen::Matrix<double, 3, 2> across;
   across.col(0) = axis.unitOrthogonal();
   across.col(1) = axis.cross(across.col(0));
-  const RoundFit<2> round(across.transpose() * (points.colwise() - centroid));
+  const AlgebraicRound<2> round(across.transpose() * (points.colwise() - centroid));
   FittedSurface shape;
   shape.kind = SurfaceKind::kCylinder;
   shape.normal = across * round.outward;
@@ -107,7 +77,7 @@ FittedSurface AlgebraicConeFit(const Eigen::Matrix3Xd& points, const Axis& axis)
 FittedSurface AlgebraicTorusFit(const Eigen::Matrix3Xd& points, const Axis& axis) {
   const Eigen::Matrix2Xd meridian = MeridianOf(points, axis);
   const Eigen::Vector2d mean = meridian.rowwise().mean();
-  const RoundFit<2> round(meridian.colwise() - mean);
+  const AlgebraicRound<2> round(meridian.colwise() - mean);
   FittedSurface shape = Turned(SurfaceKind::kTorus,
                                axis,
                                mean - round.distance * round.outward,

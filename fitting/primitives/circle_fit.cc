@@ -1,46 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/circle_fit.h"
-#include "geometry/numeric/constants.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
+
+#include "fitting/primitives/algebraic_fits.h"
+#include "fitting/primitives/shape_descent.h"
+#include "fitting/primitives/surface_distance.h"
 
 namespace batten::internal {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-// The distance within the circle's plane, positive outside, and how it changes. From the centre it
-// is s/κ, s = |(1 + κξ, κη)|, and less 1/κ it is q/(1 + s), q = 2ξ + κ(ξ² + η²): no difference of
-// large numbers where κ is small.
-struct RadialDistance {
-  double value, by_xi, by_eta, by_curvature;
-
-  RadialDistance(double xi, double eta, double kappa) {
-    const double square = xi * xi + eta * eta, q = 2 * xi + kappa * square;
-    const double s = std::hypot(1 + kappa * xi, kappa * eta);
-    constexpr double kAtCenter = 1e-8;
-    const double safe = std::max(s, kAtCenter);
-    value = q / (1 + s);
-    by_xi = (1 + kappa * xi) / safe;
-    by_eta = kappa * eta / safe;
-    by_curvature = square / (1 + s) - q * (q + kappa * square) / (2 * safe * (1 + s) * (1 + s));
-  }
-};
 
 // Σ w ρ(d) with its gradient and Gauss–Newton matrix by: shifts along outward and axis, turns about
 // outward, tangent and axis, and the curvature. A shift along the tangent is a turn about the
 // centre, which moves nothing.
-struct NormalForm {
-  Matrix6 matrix = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
-  double cost = 0;
-};
+using NormalForm = ShapeForm<6>;
 
 NormalForm FormOf(const FittedCircle& circle,
                   const ShapeData& data,
@@ -53,13 +30,13 @@ NormalForm FormOf(const FittedCircle& circle,
     const Eigen::Vector3d from = data.points.col(k) - circle.point;
     const double xi = from.dot(circle.outward), eta = from.dot(circle.tangent);
     const double zeta = data.plane ? 0 : from.dot(axis);
-    const RadialDistance radial(xi, eta, circle.curvature);
+    const CircleDistance radial(xi, eta, circle.curvature);
     const double distance = std::hypot(radial.value, zeta);
     const double weight = data.weights[k] * LossWeight(loss.loss, distance, loss.scale);
     form.cost += data.weights[k] * LossValue(loss.loss, distance, loss.scale);
     Vector6 row;
-    row << -radial.by_xi, 0, radial.by_eta * zeta, -radial.by_xi * zeta,
-        radial.by_xi * eta - radial.by_eta * xi, radial.by_curvature;
+    row << -radial.by_x, 0, radial.by_y * zeta, -radial.by_x * zeta,
+        radial.by_x * eta - radial.by_y * xi, radial.by_curvature;
     form.matrix.noalias() += weight * row * row.transpose();
     form.gradient += weight * radial.value * row;
     if (data.plane) continue;
@@ -71,24 +48,15 @@ NormalForm FormOf(const FittedCircle& circle,
   return form;
 }
 
-// Sums block by block, so that the result does not depend on the number of threads.
 NormalForm FormOf(const FittedCircle& circle,
                   const ShapeData& data,
                   const ShapeLoss& loss,
                   ThreadPool& pool) {
-  constexpr Eigen::Index kBlock = 4096;
-  const Eigen::Index count = data.points.cols();
-  std::vector<NormalForm> parts(static_cast<size_t>((count + kBlock - 1) / kBlock));
-  pool.For(count, kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    parts[static_cast<size_t>(begin / kBlock)] = FormOf(circle, data, loss, begin, end);
-  });
-  NormalForm form;
-  for (const NormalForm& part : parts) {
-    form.matrix += part.matrix;
-    form.gradient += part.gradient;
-    form.cost += part.cost;
-  }
-  return form;
+  constexpr Eigen::Index kCircleBlock = 4096;
+  return SumOfBlocks<kCircleBlock>(
+      data.points.cols(),
+      [&](Eigen::Index begin, Eigen::Index end) { return FormOf(circle, data, loss, begin, end); },
+      pool);
 }
 
 FittedCircle Moved(const FittedCircle& circle, const Vector6& step) {
@@ -107,59 +75,6 @@ FittedCircle Moved(const FittedCircle& circle, const Vector6& step) {
   return moved;
 }
 
-// The step −(A + λ·diag A)⁻¹ g in units in which the diagonal of A is one.
-Vector6 StepOf(const NormalForm& form, double damping) {
-  Vector6 unit = form.matrix.diagonal().cwiseSqrt();
-  for (double& value : unit) value = value > 0 ? 1 / value : 0;
-  Matrix6 scaled = unit.asDiagonal() * form.matrix * unit.asDiagonal();
-  constexpr double kSymmetry = 1e-14;  // keeps freedoms without effect solvable under rounding
-  scaled.diagonal().array() += damping + kSymmetry;
-  for (int i = 0; i < 6; ++i) {
-    if (unit[i] == 0) scaled(i, i) = 1;
-  }
-  const Vector6 right = -unit.cwiseProduct(form.gradient);
-  return unit.cwiseProduct(scaled.ldlt().solve(right));
-}
-
-// The gradient in the same units: a length, as distances are.
-double Slope(const NormalForm& form) {
-  double most = 0;
-  for (int i = 0; i < 6; ++i) {
-    if (form.matrix(i, i) > 0) {
-      most = std::max(most, std::abs(form.gradient[i]) / std::sqrt(form.matrix(i, i)));
-    }
-  }
-  return most;
-}
-
-// Taubin's circle of points given by two coordinates (2 × m) about their centroid: A(|x|² − z̄) +
-// b·x with the least Σ w F² over Σ w |∇F|², z̄ the mean of |x|².
-struct AlgebraicCircle {
-  Eigen::Vector2d outward;  // at the circle's point nearest to the centroid
-  double distance;          // of that point from the centroid, along −outward
-  double curvature;
-};
-
-AlgebraicCircle TaubinCircle(const Eigen::Matrix2Xd& x, const Eigen::VectorXd& weights) {
-  const double mean = x.colwise().squaredNorm().dot(weights) / weights.sum();
-  const double root = std::sqrt(mean);
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (Eigen::Index k = 0; k < x.cols(); ++k) {
-    const Eigen::Vector3d row((x.col(k).squaredNorm() - mean) / (2 * root), x(0, k), x(1, k));
-    moments += weights[k] * row * row.transpose();
-  }
-  Eigen::Vector3d v = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvectors().col(0);
-  if (v[0] < 0) v = -v;
-  const double a = v[0] / (2 * root), d = -a * mean;
-  const Eigen::Vector2d b = v.tail<2>();
-  const double slope = b.norm(), root_of_form = std::hypot(slope, 2 * a * root);
-  AlgebraicCircle circle;
-  circle.outward = slope > 0 ? (b / slope).eval() : Eigen::Vector2d::UnitX();
-  circle.distance = 2 * d / (root_of_form + slope);
-  circle.curvature = 2 * a / root_of_form;
-  return circle;
-}
-
 // Taubin's circle of the points seen along `normal`, in the plane through their centroid.
 FittedCircle StartInPlane(const ShapeData& data,
                           const Eigen::Vector3d& centroid,
@@ -169,7 +84,7 @@ FittedCircle StartInPlane(const ShapeData& data,
   Eigen::Matrix2Xd x(2, data.points.cols());
   x.row(0) = along.transpose() * (data.points.colwise() - centroid);
   x.row(1) = across.transpose() * (data.points.colwise() - centroid);
-  const AlgebraicCircle flat = TaubinCircle(x, data.weights);
+  const AlgebraicRound<2> flat(x, data.weights);
   FittedCircle circle;
   circle.outward = flat.outward[0] * along + flat.outward[1] * across;
   circle.tangent = normal.cross(circle.outward);
@@ -196,7 +111,7 @@ Eigen::Vector2d BendOf(const Eigen::Matrix3Xd& local, const Eigen::VectorXd& wei
 
 double FittedCircle::Distance(const Eigen::Vector3d& p) const {
   const Eigen::Vector3d from = p - point;
-  const RadialDistance radial(from.dot(outward), from.dot(tangent), curvature);
+  const CircleDistance radial(from.dot(outward), from.dot(tangent), curvature);
   return std::hypot(radial.value, from.dot(Axis()));
 }
 
@@ -252,40 +167,15 @@ FittedCircle FittedCircle::Minimised(const ShapeData& data,
                                      const ShapeLoss& loss,
                                      int most_steps,
                                      ThreadPool& pool) const {
-  constexpr int kPolishingSteps = 20;
-  constexpr double kFirstDamping = 1e-4, kRaise = 8, kLower = 0.2, kMostDamping = 1e12;
-  constexpr double kDone = 1e-3;  // of the rounding of distances about one
-  FittedCircle circle = *this;
-  NormalForm form = FormOf(circle, data, loss, pool);
-  double damping = 0;
-  for (int step = 0; step < most_steps && form.cost > 0;) {
-    if (Slope(form) <= kDone * kEpsilon) break;
-    const FittedCircle next = Moved(circle, StepOf(form, damping));
-    const NormalForm next_form = FormOf(next, data, loss, pool);
-    ++step;
-    if (next_form.cost < form.cost) {
-      const bool last = damping == 0 && next_form.cost > (1 - 1e-12) * form.cost;
-      circle = next;
-      form = next_form;
-      damping = damping * kLower < kFirstDamping * kLower ? 0 : damping * kLower;
-      if (last) break;
-    } else {
-      if (damping == 0 && next_form.cost <= (1 + 1e-14) * form.cost) break;
-      damping = std::max(kFirstDamping, damping * kRaise);
-      if (damping > kMostDamping) break;
-    }
-  }
-  // The sum is flat to rounding while its gradient still tells the place.
-  for (int step = 0; step < std::min(most_steps, kPolishingSteps); ++step) {
-    const FittedCircle next = Moved(circle, StepOf(form, 0));
-    const NormalForm next_form = FormOf(next, data, loss, pool);
-    const bool better =
-        Slope(next_form) < 0.5 * Slope(form) && next_form.cost <= (1 + 16 * kEpsilon) * form.cost;
-    if (!better) break;
-    circle = next;
-    form = next_form;
-  }
-  return circle;
+  return ShapeDescent<FittedCircle, 6>::Run(
+             *this,
+             [&](const FittedCircle& circle) { return FormOf(circle, data, loss, pool); },
+             [](const FittedCircle& circle, const Vector6& step) { return Moved(circle, step); },
+             6,
+             data.weights.sum(),
+             HUGE_VAL,
+             most_steps)
+      .shape;
 }
 
 }  // namespace batten::internal

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "fitting/primitives/shape_data.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/primitives/shape_data.h"
 
 namespace batten::internal {
 
@@ -42,8 +42,7 @@ struct FittedCircle {
   static FittedCircle Start(const ShapeData& data, ThreadPool& pool);
 
   // The local minimum of Σ w ρ(d) below this circle, over its point, attitude and curvature at
-  // once: Levenberg–Marquardt steps until the sum does not fall, then Gauss–Newton steps until its
-  // gradient does not. Never worse than this circle. O(m) a step.
+  // once (ShapeDescent). Never worse than this circle. O(m) a step.
   FittedCircle Minimised(const ShapeData& data,
                          const ShapeLoss& loss,
                          int most_steps,

@@ -7,14 +7,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "fitting/core/distributions.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/primitives/curve_primitive.h"
 #include "fitting/primitives/primitive_input.h"
 #include "fitting/primitives/surface_choice.h"
-#include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_primitive.h"
 
 namespace batten {

@@ -3,7 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <limits>
-#include <vector>
+
+#include "fitting/primitives/shape_descent.h"
 
 namespace batten::internal {
 namespace {
@@ -13,20 +14,23 @@ struct Moments {
   double sum = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+
+  void operator+=(const Moments& other) {
+    sum += other.sum;
+    first += other.first;
+    second += other.second;
+  }
 };
 
-// Weights are multiplied by the loss's at the distances from `line`. Block by block, so that sums
-// do not depend on the number of threads.
+// Weights are multiplied by the loss's at the distances from `line`.
 Moments MomentsOf(const FittedLine& line,
                   const ShapeData& data,
                   const ShapeLoss& loss,
                   ThreadPool& pool) {
-  constexpr Eigen::Index kBlock = 4096;
-  const Eigen::Index count = data.points.cols();
-  std::vector<Moments> parts(static_cast<size_t>((count + kBlock - 1) / kBlock));
-  pool.For(count, kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    Moments& part = parts[static_cast<size_t>(begin / kBlock)];
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
+  constexpr Eigen::Index kLineBlock = 4096;
+  const auto moments_of = [&](Eigen::Index begin, Eigen::Index end) {
+    Moments part;
+    for (Eigen::Index k = begin; k < end; ++k) {
       const Eigen::Vector3d from = data.points.col(k) - line.point;
       double weight = data.weights[k];
       if (loss.loss != Loss::kNone) {
@@ -36,14 +40,9 @@ Moments MomentsOf(const FittedLine& line,
       part.first += weight * from;
       part.second += weight * from * from.transpose();
     }
-  });
-  Moments moments;
-  for (const Moments& part : parts) {
-    moments.sum += part.sum;
-    moments.first += part.first;
-    moments.second += part.second;
-  }
-  return moments;
+    return part;
+  };
+  return SumOfBlocks<kLineBlock>(data.points.cols(), moments_of, pool);
 }
 
 // The axis of least inertia.

@@ -41,7 +41,7 @@ Eigen::Matrix3d AcrossNormals(const OrientedPoints& oriented) {
   return axes;
 }
 
-std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented) {
+std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented, double towards_centroid) {
   const Eigen::Index count = oriented.points.cols();
   const Eigen::Vector3d centroid = oriented.points.rowwise().mean();
   Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, count);
@@ -51,17 +51,16 @@ std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented) {
   }
   std::vector<Axis> axes;
   Reweight(count, [&](const Eigen::VectorXd& weights) -> Eigen::VectorXd {
-    constexpr double kRidge = 1e-9;
     const Eigen::Matrix<double, 6, 6> m = rows * weights.asDiagonal() * rows.transpose();
-    const Eigen::Matrix3d shifts =
-        m.bottomRightCorner<3, 3>() + kRidge * weights.sum() * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d shifts = m.bottomRightCorner<3, 3>() +
+                                   towards_centroid * weights.sum() * Eigen::Matrix3d::Identity();
     const Eigen::Matrix3d to_shift = -shifts.ldlt().solve(m.bottomLeftCorner<3, 3>());
     const Eigen::Matrix3d reduced = m.topLeftCorner<3, 3>() + m.topRightCorner<3, 3>() * to_shift;
     const Eigen::Matrix3d turns =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>((reduced + reduced.transpose()) / 2)
             .eigenvectors();
     axes.clear();
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d c = turns.col(i), shift = to_shift * c;
       axes.push_back({centroid + c.cross(shift), c});
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Axes and apexes estimated from the normals of a cloud. Used by the surface starts only.
+// Axes and apexes estimated from the normals of a cloud.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,13 @@ namespace batten::internal {
 // The directions most nearly perpendicular to all normals, the best in the first column.
 Eigen::Matrix3d AcrossNormals(const OrientedPoints& oriented);
 
-// The best and the second-best line that meets all normal lines: c·(p × n) + c̄·n is least over |c|
-// = 1. [Pottmann & Randrup 1998]
-std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented);
+// The lines that all normal lines may meet, the best first: those of the rotations c, c̄ at which
+// Σ w (c·(p × n) + c̄·n)² is stationary over |c| = 1. A line that the normals leave undetermined, as
+// those of a plane do, goes through the centroid, to which a share `towards_centroid` of the sum of
+// |c̄|² pulls: the more, the less noise of the normals shifts it. Points are of about unit size.
+// [Pottmann & Randrup 1998; Pottmann & Wallner 2001, §6.1] O(n).
+std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented,
+                                      double towards_centroid = 1e-9);
 
 // The cone whose apex lies on all tangent planes and whose axis makes the same angle with the
 // directions from the apex to all points.

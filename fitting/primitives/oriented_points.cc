@@ -3,10 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 
-#include "batten/fitting/point_mask.h"
 #include "batten/fitting/neighbours.h"
+#include "batten/fitting/point_mask.h"
 #include "batten/fitting/statistics.h"
 
 namespace batten::internal {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/make_curve.h"

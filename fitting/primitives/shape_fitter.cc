@@ -31,6 +31,54 @@ double ScaleAbout(const FittedSurface& shape,
   return ScaleOf(SurfaceDistances(shape, data.points, pool).cwiseAbs(), so_far);
 }
 
+// Keeps the best few distinct candidates by their sums of squares; in robust fits squares are
+// truncated at a common scale, that of the shape most points are closest to.
+std::vector<ShapeCandidate> Ranked(std::vector<ShapeCandidate> candidates,
+                                   const ShapeData& points,
+                                   bool robust,
+                                   bool last,
+                                   size_t most,
+                                   ThreadPool& pool) {
+  constexpr double kSame = 1e-5, kFar = 60;
+  double least = std::numeric_limits<double>::infinity();
+  for (const ShapeCandidate& candidate : candidates) least = std::min(least, candidate.scale);
+  for (ShapeCandidate& candidate : candidates) {
+    const double cost =
+        FormOf(candidate.shape, points, {robust ? Loss::kTruncated : Loss::kNone, least}, pool)
+            .cost;
+    candidate.cost = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.cost < b.cost;
+  });
+  std::vector<ShapeCandidate> best;
+  for (const ShapeCandidate& candidate : candidates) {
+    if (best.size() == most) break;
+    // Candidates so many squared standard deviations behind cannot win on more points.
+    const auto count = static_cast<double>(points.points.cols());
+    if (!best.empty() && candidate.cost > (1 + kFar / count) * best.front().cost && last) break;
+    const bool new_one = best.empty() || candidate.cost > (1 + kSame) * best.back().cost;
+    if (new_one && std::isfinite(candidate.cost)) best.push_back(candidate);
+  }
+  return best;
+}
+
+// The kinds that are limits of a kind.
+std::vector<SurfaceKind> SimplerKinds(SurfaceKind kind) {
+  switch (kind) {
+    case SurfaceKind::kPlane:
+      return {};
+    case SurfaceKind::kSphere:
+    case SurfaceKind::kCylinder:
+      return {SurfaceKind::kPlane};
+    case SurfaceKind::kCone:
+      return {SurfaceKind::kPlane, SurfaceKind::kCylinder};
+    case SurfaceKind::kTorus:
+      break;
+  }
+  return {SurfaceKind::kPlane, SurfaceKind::kSphere, SurfaceKind::kCylinder, SurfaceKind::kCone};
+}
+
 }  // namespace
 
 ShapeFitter::ShapeFitter(const Eigen::Matrix3Xd& points,
@@ -71,7 +119,7 @@ std::vector<FittedSurface> ShapeFitter::StartsOf(SurfaceKind kind) {
   };
   if (Robust(kind)) add(ConsensusStarts(kind, start_, options_.seed));
   if (kind == SurfaceKind::kCone || kind == SurfaceKind::kTorus) {
-    for (const Candidate& cylinder : MinimaOf(SurfaceKind::kCylinder)) {
+    for (const ShapeCandidate& cylinder : MinimaOf(SurfaceKind::kCylinder)) {
       add(StartsFromCylinder(kind, cylinder.shape, start_));
     }
   }
@@ -80,12 +128,12 @@ std::vector<FittedSurface> ShapeFitter::StartsOf(SurfaceKind kind) {
 
 // Minimises from `start`; in robust fits in rounds, with Tukey's loss at the scale of the points
 // about the current shape.
-ShapeFitter::Candidate ShapeFitter::Settled(
+ShapeCandidate ShapeFitter::Settled(
     const FittedSurface& start, const ShapeData& points, int rounds, int steps, bool robust) {
   constexpr double kSteady = 1e-2;  // relative change of the scale
   if (!robust) return {Minimised(start, points, {}, rounds * steps, pool_).shape};
   const double given = options_.scale ? *options_.scale / unit_ : 0;
-  Candidate settled{start, std::numeric_limits<double>::infinity()};
+  ShapeCandidate settled{start, std::numeric_limits<double>::infinity()};
   const auto scale = [&] {
     return std::max(options_.rounding,
                     given > 0 ? given : ScaleAbout(settled.shape, points, settled.scale, pool_));
@@ -100,34 +148,6 @@ ShapeFitter::Candidate ShapeFitter::Settled(
   return settled;
 }
 
-// Keeps the best few distinct candidates by their sums of squares; in robust fits squares are
-// truncated at a common scale, that of the shape most points are closest to.
-ShapeFitter::Minima ShapeFitter::Ranked(
-    Minima candidates, const ShapeData& points, bool robust, bool last, size_t most) {
-  constexpr double kSame = 1e-5, kFar = 60;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Candidate& candidate : candidates) least = std::min(least, candidate.scale);
-  for (Candidate& candidate : candidates) {
-    const double cost =
-        FormOf(candidate.shape, points, {robust ? Loss::kTruncated : Loss::kNone, least}, pool_)
-            .cost;
-    candidate.cost = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.cost < b.cost;
-  });
-  Minima best;
-  for (const Candidate& candidate : candidates) {
-    if (best.size() == most) break;
-    // Candidates so many squared standard deviations behind cannot win on more points.
-    const auto count = static_cast<double>(points.points.cols());
-    if (!best.empty() && candidate.cost > (1 + kFar / count) * best.front().cost && last) break;
-    const bool new_one = best.empty() || candidate.cost > (1 + kSame) * best.back().cost;
-    if (new_one && std::isfinite(candidate.cost)) best.push_back(candidate);
-  }
-  return best;
-}
-
 // Three rounds of selection: a few steps on some hundreds of points for each candidate; the best
 // until they converge; the best of those on the whole sample.
 const ShapeFitter::Minima& ShapeFitter::MinimaOf(SurfaceKind kind) {
@@ -138,11 +158,11 @@ const ShapeFitter::Minima& ShapeFitter::MinimaOf(SurfaceKind kind) {
   const bool robust = Robust(kind);
   const auto heat = [&](Minima from, const ShapeData& points, int rounds, int steps, size_t most) {
     const bool last = most == kThirdHeat;
-    for (Candidate& candidate : from) {
+    for (ShapeCandidate& candidate : from) {
       const FittedSurface start = candidate.shape.TouchingNear(start_.middle);
       candidate = Settled(start, points, rounds, steps, robust);
     }
-    return Ranked(std::move(from), points, robust, last, most);
+    return Ranked(std::move(from), points, robust, last, most, pool_);
   };
   for (const FittedSurface& start : StartsOf(kind)) minima.push_back({start});
   minima = heat(std::move(minima), start_.judges, kFewRounds, kFewSteps, kSecondHeat);
@@ -175,20 +195,6 @@ void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, Sh
 // points, is below kFarthest.
 void ShapeFitter::AddAlternatives(ShapeFit& fit) {
   constexpr double kFarthest = 16;  // four standard deviations
-  const auto limits = [&](SurfaceKind kind) -> std::vector<SurfaceKind> {
-    switch (kind) {
-      case SurfaceKind::kPlane:
-        return {};
-      case SurfaceKind::kSphere:
-      case SurfaceKind::kCylinder:
-        return {SurfaceKind::kPlane};
-      case SurfaceKind::kCone:
-        return {SurfaceKind::kPlane, SurfaceKind::kCylinder};
-      case SurfaceKind::kTorus:
-        break;
-    }
-    return {SurfaceKind::kPlane, SurfaceKind::kSphere, SurfaceKind::kCylinder, SurfaceKind::kCone};
-  };
   const double sigma = std::max(fit.sigma / unit_, options_.rounding);
   const double scale = FarthestOf(data_.points.cols()) / kTruncatedTuning * sigma;
   const auto points =
@@ -197,13 +203,13 @@ void ShapeFitter::AddAlternatives(ShapeFit& fit) {
     return FormOf(shape, start_.sample, {Loss::kTruncated, scale}, pool_).cost;
   };
   const double own = cost(fit.local);
-  const auto add = [&](const Candidate& other) {
+  const auto add = [&](const ShapeCandidate& other) {
     const double excess = 2 * points * (cost(other.shape) - own) / (sigma * sigma);
     if (excess < kFarthest) fit.alternatives.push_back({other.shape, std::max(0.0, excess)});
   };
   const Minima& minima = MinimaOf(fit.kind);
   for (size_t i = 1; i < minima.size(); ++i) add(minima[i]);
-  for (const SurfaceKind kind : limits(fit.kind)) {
+  for (const SurfaceKind kind : SimplerKinds(fit.kind)) {
     if (!MinimaOf(kind).empty()) add(MinimaOf(kind).front());
   }
 }
@@ -218,7 +224,7 @@ ShapeFit ShapeFitter::Fit(SurfaceKind kind) {
   const Minima& minima = MinimaOf(kind);
   if (minima.empty())
     throw std::invalid_argument(std::string("no ") + Name(kind) + " fits the points");
-  const Candidate found = minima.front();
+  const ShapeCandidate found = minima.front();
   ShapeFit fit;
   fit.kind = kind;
   fit.freedoms = freedoms;

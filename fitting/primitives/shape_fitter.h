@@ -50,6 +50,12 @@ struct ShapeFit {
   int steps = 0;  // over all points
 };
 
+struct ShapeCandidate {
+  FittedSurface shape;
+  double scale = 0;                                       // of the points about it
+  double cost = std::numeric_limits<double>::infinity();  // on the sample
+};
+
 // Fits shapes of several kinds to one cloud; the data they share are prepared once.
 class ShapeFitter {
  public:
@@ -74,19 +80,13 @@ class ShapeFitter {
   const StartData& starts() const { return start_; }
 
  private:
-  struct Candidate {
-    FittedSurface shape;
-    double scale = 0;                                       // of the points about it
-    double cost = std::numeric_limits<double>::infinity();  // on the sample
-  };
   // Minima on the sample, the lowest first.
-  using Minima = std::vector<Candidate>;
+  using Minima = std::vector<ShapeCandidate>;
 
   bool Robust(SurfaceKind kind) const;
   std::vector<FittedSurface> StartsOf(SurfaceKind kind);
-  Candidate Settled(
+  ShapeCandidate Settled(
       const FittedSurface& start, const ShapeData& points, int rounds, int steps, bool robust);
-  Minima Ranked(Minima candidates, const ShapeData& points, bool robust, bool last, size_t most);
   const Minima& MinimaOf(SurfaceKind kind);
   void AddAlternatives(ShapeFit& fit);
   ShapeLoss Rejecting(double scale, SurfaceKind kind) const;

@@ -2,7 +2,6 @@
 #include "fitting/primitives/snap.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>

@@ -33,14 +33,14 @@ std::optional<Eigen::Vector3d> Meeting(const Eigen::Vector3d& p,
   return (p + along_d * d + q + along_e * e) / 2;
 }
 
-std::optional<FittedSurface> AlgebraicSphereFit(const Sample& s) {
+std::optional<FittedSurface> SphereOfSample(const Sample& s) {
   const auto center = Meeting(s.points[0], s.normals[0], s.points[1], s.normals[1]);
   if (!center) return std::nullopt;
   return SphereNear(
       s.points[0], *center, ((s.points[0] - *center).norm() + (s.points[1] - *center).norm()) / 2);
 }
 
-std::optional<FittedSurface> AlgebraicCylinderFit(const Sample& s) {
+std::optional<FittedSurface> CylinderOfSample(const Sample& s) {
   const Eigen::Vector3d across = s.normals[0].cross(s.normals[1]);
   const double sine = across.norm();
   constexpr double kParallel = 1e-3;
@@ -53,7 +53,7 @@ std::optional<FittedSurface> AlgebraicCylinderFit(const Sample& s) {
       s.points[0], *center, axis, ((s.points[0] - *center).norm() + (q - *center).norm()) / 2);
 }
 
-std::optional<FittedSurface> AlgebraicConeFit(const Sample& s) {
+std::optional<FittedSurface> ConeOfSample(const Sample& s) {
   Eigen::Matrix3d planes, seen;
   Eigen::Vector3d heights;
   for (int i = 0; i < 3; ++i) {
@@ -78,11 +78,11 @@ std::optional<FittedSurface> Through(SurfaceKind kind, const Sample& sample) {
     case SurfaceKind::kPlane:
       return PlaneAt(sample.points[0], sample.normals[0]);
     case SurfaceKind::kSphere:
-      return AlgebraicSphereFit(sample);
+      return SphereOfSample(sample);
     case SurfaceKind::kCylinder:
-      return AlgebraicCylinderFit(sample);
+      return CylinderOfSample(sample);
     case SurfaceKind::kCone:
-      return AlgebraicConeFit(sample);
+      return ConeOfSample(sample);
     case SurfaceKind::kTorus:
       break;
   }

@@ -113,9 +113,8 @@ std::vector<FittedSurface> RevolvedStarts(SurfaceKind kind, const StartData& dat
   };
   std::vector<FittedSurface> starts;
   for (const OrientedPoints& oriented : data.oriented) {
-    for (const Axis& axis : LinesMeetingNormals(oriented)) {
-      starts.push_back(through(oriented.points, axis));
-    }
+    const std::vector<Axis> axes = LinesMeetingNormals(oriented);
+    for (int i = 0; i < 2; ++i) starts.push_back(through(oriented.points, axes[i]));
     if (kind != SurfaceKind::kCone) continue;
     if (const auto cone = ConeOfTangentPlanes(oriented, data.middle)) starts.push_back(*cone);
   }

@@ -1,39 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/revolution/revolution_axis.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 
-#include "batten/fitting/statistics.h"
+#include "fitting/primitives/normal_axes.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kTowardsCentre = 1e-4;  // pull to the centre, against effects of noisy normals
-constexpr int kRounds = 5;
-constexpr double kAxisCauchy = 3;
-
-// Stationary rotations: c in columns, that of the least value first, with c̄ for each.
-struct Rotations {
-  Eigen::Matrix3d directions, moments;
-};
-
-Rotations SolveRotations(const Eigen::Matrix3Xd& moments,
-                         const Eigen::Matrix3Xd& normals,
-                         const Eigen::VectorXd& weights) {
-  const Eigen::Matrix3Xd weighted = normals * weights.asDiagonal();
-  Eigen::Matrix3d nn = weighted * normals.transpose();
-  const Eigen::Matrix3d nm = weighted * moments.transpose();
-  const Eigen::Matrix3d mm = moments * weights.asDiagonal() * moments.transpose();
-  nn.diagonal().array() += kTowardsCentre * weights.sum();
-  const Eigen::Matrix3d out = nn.ldlt().solve(nm);
-  const Eigen::Matrix3d left = mm - nm.transpose() * out;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver((left + left.transpose()) / 2);
-  return {solver.eigenvectors(), -out * solver.eigenvectors()};
-}
+constexpr double kTowardsCentre = 1e-4;  // of Σ |c̄|²: less, and noisy normals shift the axis
 
 }  // namespace
 
@@ -72,27 +48,11 @@ std::vector<AxisFrame> AxesOfRotation(const Eigen::Matrix3Xd& places,
                                       const Eigen::Matrix3Xd& normals,
                                       const Eigen::Vector3d& centre,
                                       double size) {
-  const Eigen::Index n = places.cols();
   const double unit = size > 0 ? 1 / size : 1;
-  Eigen::Matrix3Xd moments(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d p = unit * (places.col(i) - centre);
-    moments.col(i) = p.cross(Eigen::Vector3d(normals.col(i)));
-  }
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(n);
-  Rotations rotations = SolveRotations(moments, normals, weights);
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::VectorXd off = moments.transpose() * rotations.directions.col(0) +
-                                normals.transpose() * rotations.moments.col(0);
-    const Eigen::VectorXd sizes = off.cwiseAbs();
-    const double scale = kMadToSigma * Median({sizes.begin(), sizes.end()}) + 1e-12;
-    weights = (1 + (off / (kAxisCauchy * scale)).array().square()).inverse();
-    rotations = SolveRotations(moments, normals, weights);
-  }
   std::vector<AxisFrame> frames;
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d c = rotations.directions.col(k), moment = rotations.moments.col(k);
-    frames.push_back(FrameAbout(centre + size * c.cross(moment), c));
+  for (const Axis& axis :
+       LinesMeetingNormals({unit * (places.colwise() - centre), normals}, kTowardsCentre)) {
+    frames.push_back(FrameAbout(centre + size * axis.point, axis.direction));
   }
   return frames;
 }

@@ -23,10 +23,8 @@ struct AxisFrame {
 // positive, and the first direction lies as near a coordinate axis as possible.
 AxisFrame FrameAbout(const Eigen::Vector3d& point, const Eigen::Vector3d& direction);
 
-// Estimates the axes that the normal lines may all meet, the best first: those of the rotations
-// c, c̄ at which Σ w (c·(p × n) + c̄·n)² is stationary over |c| = 1, p about the centre in units of
-// size. An axis that the lines leave undetermined, as those of a plane do, goes through the centre.
-// [Pottmann & Wallner 2001, §6.1] O(n).
+// Returns frames about the lines that the normal lines may all meet (LinesMeetingNormals), the best
+// first; `centre` is the mean of the places, `size` about their distance from it.
 std::vector<AxisFrame> AxesOfRotation(const Eigen::Matrix3Xd& places,
                                       const Eigen::Matrix3Xd& normals,
                                       const Eigen::Vector3d& centre,

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,29 +18,6 @@
 
 namespace batten::internal {
 namespace {
-
-void Check(const char* function,
-           const Eigen::Matrix3Xd& points,
-           const NeighbourIndex& index,
-           double spacing,
-           double noise,
-           double margin) {
-  const std::string name = function;
-  if (points.cols() == 0) throw std::invalid_argument(name + ": no points");
-  if (index.size() != points.cols()) {
-    throw std::invalid_argument(name + ": index must hold the points; it holds " +
-                                std::to_string(index.size()) + " of " +
-                                std::to_string(points.cols()));
-  }
-  const auto rule = [&](const char* field, double value) {
-    if (value >= 0 && std::isfinite(value)) return;
-    throw std::invalid_argument(name + ": " + field + " must not be negative; it is " +
-                                std::to_string(value));
-  };
-  rule("spacing", spacing);
-  rule("noise", noise);
-  rule("margin", margin);
-}
 
 // Fallback parameters of a base that was not found.
 void PutAnywhere(const RoundCloud& cloud, RevolutionParameterization& base) {
@@ -116,9 +92,9 @@ std::optional<double> PoleOf(const BaseProfile& profile, double from, double to)
 }
 
 // Best axis of a sphere, if the nodes are nearly on one.
-std::optional<AxisFrame> SphereAxis(const RevolutionSamples& round) {
+std::optional<AxisFrame> SphereAxis(const RevolutionSamples& round, ThreadPool& pool) {
   constexpr double kBallLike = 0.03;
-  const FittedSphere sphere = FitSphere(round);
+  const FittedSphere sphere = FitSphere(round, pool);
   if (!IsBall(round, sphere) || sphere.misfit > kBallLike) return std::nullopt;
   return AxisOfSphere(round, sphere);
 }
@@ -170,19 +146,6 @@ WayRound FindWayAlong(const RevolutionSamples& round,
   return FindWayRound(round, about, across, kTurn * ring.radius, least_closed);
 }
 
-RevolutionSamples NodesOf(const char* function,
-                          const Eigen::Matrix3Xd& points,
-                          const NeighbourIndex& index,
-                          double spacing,
-                          double noise,
-                          double margin,
-                          const RevolutionParameterizationOptions& options,
-                          ThreadPool& pool) {
-  Check(function, points, index, spacing, noise, margin);
-  return SampleRevolution(
-      points, index, noise, {.nodes = options.nodes, .least_share = options.least_share}, pool);
-}
-
 }  // namespace
 
 RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
@@ -190,7 +153,7 @@ RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
                                             ThreadPool& pool) {
   constexpr const char* kName = "revolution";
   if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
-  const std::optional<AxisFrame> preferred = SphereAxis(cloud.round);
+  const std::optional<AxisFrame> preferred = SphereAxis(cloud.round, pool);
   const RevolutionEstimate shape =
       cloud.shape ? WithPreferredAxis(*cloud.shape, cloud.round, preferred, pool)
                   : FindRevolution(cloud.round, preferred, pool);
@@ -217,7 +180,7 @@ RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
                                         ThreadPool& pool) {
   constexpr const char* kName = "sphere";
   if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
-  const FittedSphere sphere = FitSphere(cloud.round);
+  const FittedSphere sphere = FitSphere(cloud.round, pool);
   if (!IsBall(cloud.round, sphere) || sphere.misfit > options.most_misfit) {
     const double misfit = IsBall(cloud.round, sphere) ? std::min(sphere.misfit, 1.0) : 1;
     RevolutionParameterization base =
@@ -268,7 +231,7 @@ RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
   if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
     return refused("the points are off every surface of revolution", 1);
   }
-  const Ring ring = FitTorus(cloud.round, shape.frame);
+  const Ring ring = FitTorus(cloud.round, shape.frame, pool);
   if (!(ring.misfit <= options.most_misfit)) {
     return refused("the points are off every torus by " + Percent(std::min(ring.misfit, 1.0)) +
                        " of its radius",
@@ -306,51 +269,6 @@ RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
   AssignParameters(chart, cloud, pool, base);
   base.why = WhyOf(base, chart.way, "a torus");
   return base;
-}
-
-RevolutionParameterization FindRevolutionBase(const Eigen::Matrix3Xd& points,
-                                              const NeighbourIndex& index,
-                                              double spacing,
-                                              double noise,
-                                              double margin,
-                                              const RevolutionParameterizationOptions& options,
-                                              ThreadPool& pool,
-                                              const Progress& progress) {
-  Report(progress, "parameterize", 0.1);
-  const RevolutionSamples round =
-      NodesOf("FindRevolutionBase", points, index, spacing, noise, margin, options, pool);
-  Report(progress, "parameterize", 0.5);
-  return RevolutionBaseOf({points, round, spacing, noise, margin}, options, pool);
-}
-
-RevolutionParameterization FindSphereBase(const Eigen::Matrix3Xd& points,
-                                          const NeighbourIndex& index,
-                                          double spacing,
-                                          double noise,
-                                          double margin,
-                                          const RevolutionParameterizationOptions& options,
-                                          ThreadPool& pool,
-                                          const Progress& progress) {
-  Report(progress, "parameterize", 0.1);
-  const RevolutionSamples round =
-      NodesOf("FindSphereBase", points, index, spacing, noise, margin, options, pool);
-  Report(progress, "parameterize", 0.5);
-  return SphereBaseOf({points, round, spacing, noise, margin}, options, pool);
-}
-
-RevolutionParameterization FindTorusBase(const Eigen::Matrix3Xd& points,
-                                         const NeighbourIndex& index,
-                                         double spacing,
-                                         double noise,
-                                         double margin,
-                                         const RevolutionParameterizationOptions& options,
-                                         ThreadPool& pool,
-                                         const Progress& progress) {
-  Report(progress, "parameterize", 0.1);
-  const RevolutionSamples round =
-      NodesOf("FindTorusBase", points, index, spacing, noise, margin, options, pool);
-  Report(progress, "parameterize", 0.5);
-  return TorusBaseOf({points, round, spacing, noise, margin}, options, pool);
 }
 
 }  // namespace batten::internal

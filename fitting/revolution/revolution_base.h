@@ -13,8 +13,6 @@
 namespace batten::internal {
 
 struct RevolutionParameterizationOptions {
-  Eigen::Index nodes = 2000;  // about
-  double least_share = 0.9;   // share of the nodes in the largest component
   double most_misfit = 0.09;  // a ripple of amplitude 0.1 has 0.07, a cube 0.11
   double least_closed = 0.5;  // share of the profile closed round the axis that counts as closed
 };
@@ -23,46 +21,18 @@ struct RevolutionParameterizationOptions {
 // A direction is closed if paths along the neighbour graph of the nodes go round; a spiral has
 // none. An end of the profile within three spacings of the axis is a pole. Open directions cover
 // the points, widened by the margin. Points (3 × m) are distinct and almost rid of outliers;
-// `spacing` and `noise` are those of MeasureCloud. Parameters are finite and inside even if the
-// base is refused. Bit for bit the same for every number of threads. Throws std::invalid_argument
-// unless there are points and index, spacing, noise and margin fit them; Cancelled when progress
-// asks to stop. O(m log m).
-RevolutionParameterization FindRevolutionBase(const Eigen::Matrix3Xd& points,
-                                              const NeighbourIndex& index,
-                                              double spacing,
-                                              double noise,
-                                              double margin,
-                                              const RevolutionParameterizationOptions& options,
-                                              ThreadPool& pool,
-                                              const Progress& progress = {});
-
-// Fits a sphere; its poles lie where the data leave the most area open, else on a coordinate axis.
-RevolutionParameterization FindSphereBase(const Eigen::Matrix3Xd& points,
-                                          const NeighbourIndex& index,
-                                          double spacing,
-                                          double noise,
-                                          double margin,
-                                          const RevolutionParameterizationOptions& options,
-                                          ThreadPool& pool,
-                                          const Progress& progress = {});
-
-// Fits a torus whose axis does not meet its tube and whose tube is covered by more than half.
-RevolutionParameterization FindTorusBase(const Eigen::Matrix3Xd& points,
-                                         const NeighbourIndex& index,
-                                         double spacing,
-                                         double noise,
-                                         double margin,
-                                         const RevolutionParameterizationOptions& options,
-                                         ThreadPool& pool,
-                                         const Progress& progress = {});
-
-// Fit the same bases to a cloud whose nodes are shared by several fits.
+// spacing and noise are those of MeasureCloud. Parameters are finite and inside even if the base is
+// refused. Bit for bit the same for every number of threads. O(m log m).
 RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
                                             const RevolutionParameterizationOptions& options,
                                             ThreadPool& pool);
+
+// Fits a sphere; its poles lie where the data leave the most area open, else on a coordinate axis.
 RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
                                         const RevolutionParameterizationOptions& options,
                                         ThreadPool& pool);
+
+// Fits a torus whose axis does not meet its tube and whose tube is covered by more than half.
 RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
                                        const RevolutionParameterizationOptions& options,
                                        ThreadPool& pool);

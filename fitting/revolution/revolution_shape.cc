@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "batten/fitting/robust_loss.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/flattening/winding_number.h"
 
@@ -120,6 +121,33 @@ Lengths IntegrateProfile(const RevolutionSamples& round, const SamplesAboutAxis&
   return lengths;
 }
 
+struct Tangent {
+  Eigen::Vector2d place, direction;
+};
+
+// Returns the tangent of the parabola fitted to the places near an end of their parameters, no
+// farther than `width` from it.
+Tangent TangentAt(const Eigen::Matrix2Xd& places,
+                  const Eigen::VectorXd& parameters,
+                  const Eigen::VectorXd& weights,
+                  double end,
+                  double width) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  for (Eigen::Index k = 0; k < parameters.size(); ++k) {
+    const double x = (parameters[k] - end) / width;
+    if (std::abs(x) > 1) continue;
+    const Eigen::Vector3d row(1, x, x * x);
+    normal += weights[k] * row * row.transpose();
+    right += weights[k] * row * places.col(k).transpose();
+  }
+  const Eigen::Matrix<double, 3, 2> c = normal.ldlt().solve(right);
+  Tangent tangent{c.row(0).transpose(), c.row(1).transpose() / width};
+  const double speed = tangent.direction.norm();
+  if (speed > 0) tangent.direction /= speed;
+  return tangent;
+}
+
 // Iterative refinement of axis, profile and the nodes' foot points in turn.
 class RevolutionSearch {
  public:
@@ -222,7 +250,9 @@ class RevolutionSearch {
     weights.head(n) = weights_;
     const double weight = static_cast<double>(n) / range * kBeyond * shape_.seen.reach / kStraight;
     weights.tail(2 * kStraight).setConstant(weight);
-    const Tangent first = TangentAt(places, low), last = TangentAt(places, high);
+    const double width = std::min(kEnd * shape_.seen.reach, (high - low) / 2);
+    const Tangent first = TangentAt(places, parameters_, weights_, low, width),
+                  last = TangentAt(places, parameters_, weights_, high, width);
     for (int i = 0; i < kStraight; ++i) {
       const double part = (i + 0.5) / kStraight;
       const double before = low * (1 - part), behind = high + (range - high) * part;
@@ -232,30 +262,6 @@ class RevolutionSearch {
       all.col(n + kStraight + i) = last.place + (behind - high) * last.direction;
     }
     shape_.profile.emplace(all, at, weights, range, spans_, false, pool_);
-  }
-
-  struct Tangent {
-    Eigen::Vector2d place, direction;
-  };
-
-  // Returns the tangent of the parabola fitted to the nodes near an end of the parameters.
-  Tangent TangentAt(const Eigen::Matrix2Xd& places, double end) const {
-    const double length = parameters_.maxCoeff() - parameters_.minCoeff();
-    const double width = std::min(kEnd * shape_.seen.reach, length / 2);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
-    Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-    for (Eigen::Index k = 0; k < parameters_.size(); ++k) {
-      const double x = (parameters_[k] - end) / width;
-      if (std::abs(x) > 1) continue;
-      const Eigen::Vector3d row(1, x, x * x);
-      normal += weights_[k] * row * row.transpose();
-      right += weights_[k] * row * places.col(k).transpose();
-    }
-    const Eigen::Matrix<double, 3, 2> c = normal.ldlt().solve(right);
-    Tangent tangent{c.row(0).transpose(), c.row(1).transpose() / width};
-    const double speed = tangent.direction.norm();
-    if (speed > 0) tangent.direction /= speed;
-    return tangent;
   }
 
   // Updates the foot points, and the weights from the nodes' distances.
@@ -273,8 +279,7 @@ class RevolutionSearch {
         off_[k] = (place - jet.place).dot(normals_.col(k));
       }
     });
-    const Eigen::VectorXd sizes = off_.cwiseAbs();
-    const double scale = kMadToSigma * Median({sizes.begin(), sizes.end()});
+    const double scale = RobustScale(off_);
     rms_ = std::sqrt(off_.squaredNorm() / static_cast<double>(n));
     shape_.misfit = rms_ / std::max(shape_.seen.mean_radius, 1e-300);
     if (!(scale > 0)) return;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/revolution/sphere_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <variant>
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/primitives/algebraic_fits.h"
+#include "fitting/primitives/surface_minimum.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -57,6 +58,24 @@ double EmptinessOf(const Eigen::Matrix3Xd& directions,
   return swept / kTurn * (high - low) / 2 + (all_round ? kPoleOfData * poles : 0);
 }
 
+// Steps a direction to neighbours that are better, by ever smaller steps down to `finest`.
+template <typename Better>
+void Climb(Eigen::Vector3d& best, double first, double finest, const Better& better) {
+  for (double step = first; step > finest;) {
+    const AxisFrame frame = FrameAbout(Eigen::Vector3d::Zero(), best);
+    bool moved = false;
+    for (int way = 0; way < 8 && !moved; ++way) {
+      const double angle = kTurn * way / 8;
+      const Eigen::Vector3d tilt =
+          std::cos(angle) * frame.axes.col(0) + std::sin(angle) * frame.axes.col(1);
+      const Eigen::Vector3d next = (best + step * tilt).normalized();
+      moved = better(next);
+      if (moved) best = next;
+    }
+    if (!moved) step /= 2;
+  }
+}
+
 // Finds the direction farthest from all others.
 Eigen::Vector3d WidestGap(const Eigen::Matrix3Xd& directions) {
   constexpr Eigen::Index kPlaces = 2000;
@@ -78,23 +97,13 @@ Eigen::Vector3d WidestGap(const Eigen::Matrix3Xd& directions) {
     }
   }
   Eigen::Vector3d best = places.col(widest);
-  constexpr double kFinest = 1e-3;
-  for (double step = 0.04; step > kFinest;) {
-    const AxisFrame frame = FrameAbout(Eigen::Vector3d::Zero(), best);
-    bool moved = false;
-    for (int way = 0; way < 8 && !moved; ++way) {
-      const double angle = kTurn * way / 8;
-      const Eigen::Vector3d tilt =
-          std::cos(angle) * frame.axes.col(0) + std::sin(angle) * frame.axes.col(1);
-      const Eigen::Vector3d next = (best + step * tilt).normalized();
-      const double own = (directions.colwise() - next).colwise().squaredNorm().minCoeff();
-      if (own <= distance * (1 + 1e-6)) continue;
-      distance = own;
-      best = next;
-      moved = true;
-    }
-    if (!moved) step /= 2;
-  }
+  constexpr double kFirst = 0.04, kFinest = 1e-3;
+  Climb(best, kFirst, kFinest, [&](const Eigen::Vector3d& next) {
+    const double own = (directions.colwise() - next).colwise().squaredNorm().minCoeff();
+    if (own <= distance * (1 + 1e-6)) return false;
+    distance = own;
+    return true;
+  });
   return best;
 }
 
@@ -112,23 +121,13 @@ class AxisSearch {
     // The nearer to the poles angles count, the sharper the minimum and the harder to find.
     for (const double told : {kTold, 0.85, kToldAtLast}) {
       double least = Of(best, told);
-      constexpr double kFinest = 2e-3, kBetter = 1e-4;
-      for (double step = 0.1; step > kFinest;) {
-        const AxisFrame frame = FrameAbout(Eigen::Vector3d::Zero(), best);
-        bool moved = false;
-        for (int way = 0; way < 8 && !moved; ++way) {
-          const double angle = kTurn * way / 8;
-          const Eigen::Vector3d tilt =
-              std::cos(angle) * frame.axes.col(0) + std::sin(angle) * frame.axes.col(1);
-          const Eigen::Vector3d next = (best + step * tilt).normalized();
-          const double own = Of(next, told);
-          if (own >= least - kBetter) continue;
-          least = own;
-          best = next;
-          moved = true;
-        }
-        if (!moved) step /= 2;
-      }
+      constexpr double kFirst = 0.1, kFinest = 2e-3, kBetter = 1e-4;
+      Climb(best, kFirst, kFinest, [&](const Eigen::Vector3d& next) {
+        const double own = Of(next, told);
+        if (own >= least - kBetter) return false;
+        least = own;
+        return true;
+      });
     }
     return best;
   }
@@ -140,60 +139,25 @@ class AxisSearch {
 
 }  // namespace
 
-FittedSphere FitSphere(const RevolutionSamples& round) {
-  const Eigen::Index n = round.count();
+FittedSphere FitSphere(const RevolutionSamples& round, ThreadPool& pool) {
+  constexpr int kMostSteps = 20;
+  constexpr double kFarAway = 1e3;
+  constexpr double kGentle = 1.7;  // of what they leave: Cauchy's weight is a half at 4 deviations
   const double unit = round.size > 0 ? round.size : 1;
-  const Eigen::Matrix3Xd p = (round.nodes().places.colwise() - round.centre) / unit;
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(n), off(n);
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 0;
-  // |p|² = 2 p·c + (R² − |c|²) to start with.
-  {
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero(), row;
-    for (const auto q : p.colwise()) {
-      row << 2 * q, 1;
-      normal += row * row.transpose();
-      right += row * q.squaredNorm();
-    }
-    normal.diagonal().array() += 1e-12 * static_cast<double>(n);
-    const Eigen::Vector4d c = normal.ldlt().solve(right);
-    centre = c.head<3>();
-    radius = std::sqrt(std::max(0.0, c[3] + centre.squaredNorm()));
-  }
-  constexpr int kRounds = 12;
-  constexpr double kCauchy = 4, kFarAway = 1e3;
-  for (int step = 0; step < kRounds; ++step) {
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero(), row;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Vector3d out = p.col(i) - centre;
-      const double distance = out.norm();
-      off[i] = distance - radius;
-      if (distance > 0) {
-        row << out / distance, 1;
-      } else {
-        row << 0, 0, 0, 1;
-      }
-      normal += weights[i] * row * row.transpose();
-      right += weights[i] * off[i] * row;
-    }
-    normal.diagonal().array() += 1e-12 * weights.sum();
-    const Eigen::Vector4d move = normal.ldlt().solve(right);
-    if (!move.allFinite()) break;
-    centre += move.head<3>();
-    radius += move[3];
-    const Eigen::VectorXd sizes = off.cwiseAbs();
-    const double scale = kMadToSigma * Median({sizes.begin(), sizes.end()});
-    if (scale > 0) weights = (1 + (off / (kCauchy * scale)).array().square()).inverse();
-  }
+  const ShapeData data{(round.nodes().places.colwise() - round.centre) / unit,
+                       Eigen::VectorXd::Ones(round.count())};
+  FittedSurface shape =
+      Minimised(AlgebraicSphereFit(data.points), data, {}, kMostSteps, pool).shape;
+  const double scale = RobustScale(SurfaceDistances(shape, data.points, pool));
+  if (scale > 0)
+    shape = Minimised(shape, data, {Loss::kCauchy, kGentle * scale}, kMostSteps, pool).shape;
   FittedSphere sphere;
-  if (!centre.allFinite() || !(radius > 0) || radius > kFarAway) return sphere;
-  const Eigen::VectorXd final_off =
-      ((p.colwise() - centre).colwise().norm().array() - radius).matrix().transpose();
-  sphere.centre = round.centre + unit * centre;
-  sphere.radius = unit * radius;
-  sphere.misfit = std::sqrt(final_off.squaredNorm() / static_cast<double>(n)) / radius;
+  if (!(std::abs(shape.curvature) * kFarAway > 1)) return sphere;
+  const auto found = std::get<SphereShape>(shape.Shape(unit, round.centre));
+  sphere.centre = found.center;
+  sphere.radius = found.radius;
+  sphere.misfit = std::abs(shape.curvature) * SurfaceDistances(shape, data.points, pool).norm() /
+                  std::sqrt(static_cast<double>(round.count()));
   return sphere;
 }
 

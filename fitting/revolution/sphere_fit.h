@@ -15,8 +15,9 @@ struct FittedSphere {
   double misfit = 0;  // distance of the nodes, root mean square, over the radius
 };
 
-// Fits a sphere by robust orthogonal least squares. O(n).
-FittedSphere FitSphere(const RevolutionSamples& round);
+// Fits a sphere by orthogonal least squares, then with Cauchy's loss at the scale of what they
+// leave. O(n).
+FittedSphere FitSphere(const RevolutionSamples& round, ThreadPool& pool);
 
 // Finds the axis about which the smallest rectangle of angle and height holds the nodes: by
 // Archimedes, the one that leaves the least of the rectangle empty. Among nearly equal ones a

@@ -14,8 +14,8 @@ struct Ring {
   double misfit = 0;  // over the radius
 };
 
-// Fits a torus by orthogonal least squares: Gauss–Newton steps of axis and circle together, from an
-// approximate axis and the algebraic circle through the nodes' half plane. O(n).
-Ring FitTorus(const RevolutionSamples& round, const AxisFrame& start);
+// Fits a torus by orthogonal least squares, from an approximate axis and the algebraic circle
+// through the nodes' half plane; the misfit is infinite where none is found. O(n).
+Ring FitTorus(const RevolutionSamples& round, const AxisFrame& start, ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -32,11 +32,23 @@ Scale ScaleOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, Threa
   return {found.spacing, found.noise};
 }
 
+SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
+                       const NeighbourIndex& index,
+                       double spacing,
+                       double noise,
+                       double margin,
+                       ThreadPool& pool,
+                       const Progress& progress = {}) {
+  SheetLayout layout(points, index, spacing, noise, margin, {}, pool, progress);
+  layout.LookCloser();
+  return layout.Over(points);
+}
+
 SheetBase Flatten(const Eigen::Matrix3Xd& points, int threads = 2) {
   ThreadPool pool(threads);
   const NeighbourIndex index(points);
   const Scale scale = ScaleOf(points, index, pool);
-  return FlattenSheet(points, index, scale.spacing, scale.noise, scale.Margin(), {}, pool);
+  return FlattenSheet(points, index, scale.spacing, scale.noise, scale.Margin(), pool);
 }
 
 // The rigid motion of the plane, mirrors allowed, that brings `from` nearest to `to`, and the root
@@ -104,8 +116,7 @@ TEST(FlattenSheetTest, GivesARectangularCloudItsRectangle) {
     ThreadPool pool(2);
     const NeighbourIndex index(cloud.points);
     const Scale scale = ScaleOf(cloud.points, index, pool);
-    const SheetBase base =
-        FlattenSheet(cloud.points, index, scale.spacing, scale.noise, 0, {}, pool);
+    const SheetBase base = FlattenSheet(cloud.points, index, scale.spacing, scale.noise, 0, pool);
     // The last of many random points lies a small part of the spacing inside the edge.
     EXPECT_NEAR(base.length_u, 3, scale.spacing);
     EXPECT_NEAR(base.length_v, 1.2, scale.spacing);
@@ -328,7 +339,7 @@ TEST(FlattenSheetTest, DoesNotDependOnTheOrderOfThePoints) {
   std::shuffle(order.begin(), order.end(), std::mt19937_64(4));
   ThreadPool pool(2);
   const auto flatten = [&](const Eigen::Matrix3Xd& points) {
-    return FlattenSheet(points, NeighbourIndex(points), 0.04, 1e-3, 0.02, {}, pool);
+    return FlattenSheet(points, NeighbourIndex(points), 0.04, 1e-3, 0.02, pool);
   };
   const SheetBase base = flatten(cloud.points);
   const SheetBase shuffled = flatten(cloud.points(Eigen::all, order));
@@ -364,12 +375,12 @@ TEST(FlattenSheetTest, ChecksItsArguments) {
   ThreadPool pool(1);
   const Eigen::Matrix3Xd points = PointsOn(FlatSheet(), {.count = 100}).points;
   const NeighbourIndex index(points), other(points.leftCols(50).eval());
-  EXPECT_THROW(FlattenSheet(points, other, 0.1, 0, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FlattenSheet(points, index, -1, 0, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FlattenSheet(points, index, 0.1, -1, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FlattenSheet(points, index, 0.1, 0, std::nan(""), {}, pool), std::invalid_argument);
+  EXPECT_THROW(FlattenSheet(points, other, 0.1, 0, 0.1, pool), std::invalid_argument);
+  EXPECT_THROW(FlattenSheet(points, index, -1, 0, 0.1, pool), std::invalid_argument);
+  EXPECT_THROW(FlattenSheet(points, index, 0.1, -1, 0.1, pool), std::invalid_argument);
+  EXPECT_THROW(FlattenSheet(points, index, 0.1, 0, std::nan(""), pool), std::invalid_argument);
   EXPECT_THROW(
-      FlattenSheet(points, index, 0.1, 0, 0, {}, pool, [](const char*, double) { return false; }),
+      FlattenSheet(points, index, 0.1, 0, 0, pool, [](const char*, double) { return false; }),
       Cancelled);
 }
 

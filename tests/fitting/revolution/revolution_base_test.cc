@@ -29,14 +29,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-using FindBase = decltype(FindRevolutionBase);
+using BaseOf = decltype(RevolutionBaseOf);
 
-RevolutionParameterization Find(FindBase find, const Eigen::Matrix3Xd& points, int threads = 2) {
+RevolutionParameterization Find(BaseOf base_of, const Eigen::Matrix3Xd& points, int threads = 2) {
   ThreadPool pool(threads);
   const NeighbourIndex index(points);
   const CloudStatistics scale = MeasureCloud(points, index, {.find_outliers = false}, pool);
-  return find(
-      points, index, scale.spacing, scale.noise, scale.spacing / 2 + 2 * scale.noise, {}, pool, {});
+  const RevolutionSamples round = SampleRevolution(points, index, scale.noise, {}, pool);
+  const double margin = scale.spacing / 2 + 2 * scale.noise;
+  return base_of({points, round, scale.spacing, scale.noise, margin}, {}, pool);
 }
 
 void ExpectInside(const RevolutionParameterization& base) {
@@ -141,7 +142,7 @@ void ExpectTopologies(Eigen::Index count, const std::vector<double>& sigmas, uns
                      std::to_string(seed));
         const RoundPoints cloud =
             PointsOn(thing, {.count = count, .sigma = sigma, .far = 50, .seed = seed});
-        const RevolutionParameterization base = Find(FindRevolutionBase, cloud.points);
+        const RevolutionParameterization base = Find(RevolutionBaseOf, cloud.points);
         ExpectTopology(base, thing);
         // The ends are blurred by the noise and the margin.
         EXPECT_NEAR(base.turn, thing.turn, 0.3 + 20 * sigma) << base.why;
@@ -166,7 +167,7 @@ TEST(RevolutionBaseTest, GivesSmoothParameters) {
     for (const RoundThing& thing : {whole, whole.Part(270)}) {
       SCOPED_TRACE(thing.name);
       const RoundPoints cloud = PointsOn(thing, {.count = 8000, .seed = 5});
-      const RevolutionParameterization base = Find(FindRevolutionBase, cloud.points);
+      const RevolutionParameterization base = Find(RevolutionBaseOf, cloud.points);
       ASSERT_EQ(base.failure_reason, "");
       // The angle is swept by the range and a margin, which makes the spans some percent longer;
       // errors of cubics go with the fourth power.
@@ -180,7 +181,7 @@ TEST(RevolutionBaseTest, MeasuresLengths) {
   for (const RoundThing& thing : {Can(), Vase(0), Ball(), Egg(), Tyre()}) {
     SCOPED_TRACE(thing.name);
     const RoundPoints cloud = PointsOn(thing, {.count = 20000, .sigma = 1e-4, .seed = 2});
-    const RevolutionParameterization base = Find(FindRevolutionBase, cloud.points);
+    const RevolutionParameterization base = Find(RevolutionBaseOf, cloud.points);
     ASSERT_EQ(base.failure_reason, "");
     const double length = thing.LengthTo(1);
     EXPECT_NEAR(base.length_v, length, 0.02 * length);
@@ -193,7 +194,7 @@ TEST(RevolutionBaseTest, FollowsUnevenDensity) {
     SCOPED_TRACE(thing.name);
     const RoundPoints cloud =
         PointsOn(thing, {.count = 20000, .sigma = 1e-3, .density = 10, .seed = 4});
-    ExpectTopology(Find(FindRevolutionBase, cloud.points), thing);
+    ExpectTopology(Find(RevolutionBaseOf, cloud.points), thing);
   }
 }
 
@@ -208,7 +209,7 @@ TEST(RevolutionBaseTest, PassesOverStrays) {
     for (auto p : cloud.points.leftCols(10).colwise()) {
       for (int d = 0; d < 3; ++d) p[d] = low[d] + uniform(engine) * (high[d] - low[d]);
     }
-    const RevolutionParameterization base = Find(FindRevolutionBase, cloud.points);
+    const RevolutionParameterization base = Find(RevolutionBaseOf, cloud.points);
     ExpectTopology(base, thing);
     EXPECT_NEAR(base.length_v, thing.LengthTo(1), 0.1 * thing.LengthTo(1));
   }
@@ -222,7 +223,7 @@ TEST(RevolutionBaseTest, StaysClosedWithPatchesMissing) {
   };
   const RoundPoints cloud =
       PointsOn(can, {.count = 10000, .sigma = 1e-3, .seed = 6, .inside = inside});
-  ExpectTopology(Find(FindRevolutionBase, cloud.points), can);
+  ExpectTopology(Find(RevolutionBaseOf, cloud.points), can);
 }
 
 TEST(RevolutionBaseTest, TellsAHoleFromAPole) {
@@ -235,8 +236,8 @@ TEST(RevolutionBaseTest, TellsAHoleFromAPole) {
     };
     const RoundPoints cloud =
         PointsOn(Ball(), {.count = count, .sigma = 1e-3, .seed = 7, .inside = inside});
-    for (FindBase* find : {FindRevolutionBase, FindSphereBase}) {
-      const RevolutionParameterization base = Find(find, cloud.points);
+    for (BaseOf* base_of : {RevolutionBaseOf, SphereBaseOf}) {
+      const RevolutionParameterization base = Find(base_of, cloud.points);
       ASSERT_EQ(base.failure_reason, "");
       // A small hole is none; a larger one draws an axis to it and opens one end.
       EXPECT_EQ(int{base.pole_start} + int{base.pole_end}, spacings > 3 ? 1 : 2) << base.why;
@@ -250,7 +251,7 @@ TEST(RevolutionBaseTest, DoesNotCloseASpiral) {
   for (const double apart : {0.1, 0.15, 0.25}) {
     const BentSheet roll = Roll(1.5, apart, 0.6);
     const SheetPoints cloud = PointsOn(roll, {.count = 10000, .sigma = 1e-3, .isotropic = true});
-    const RevolutionParameterization base = Find(FindRevolutionBase, cloud.points);
+    const RevolutionParameterization base = Find(RevolutionBaseOf, cloud.points);
     EXPECT_FALSE(base.ok() && base.periodic_u) << base.why;
     ExpectInside(base);
   }
@@ -260,7 +261,7 @@ TEST(RevolutionBaseTest, RefusesWhatHasNoAxis) {
   for (const BentSheet& sheet : {FlatSheet(), TwistedBand(2)}) {
     SCOPED_TRACE(sheet.name);
     const RevolutionParameterization base =
-        Find(FindRevolutionBase, PointsOn(sheet, {.count = 6000, .sigma = 1e-3}).points);
+        Find(RevolutionBaseOf, PointsOn(sheet, {.count = 6000, .sigma = 1e-3}).points);
     EXPECT_NE(base.failure_reason, "");
     ExpectInside(base);
   }
@@ -271,10 +272,10 @@ TEST(RevolutionBaseTest, RefusesWhatHasNoAxis) {
     for (double& x : cube.col(k)) x = uniform(engine);
     cube(k % 3, k) = k % 2 == 0 ? 1 : -1;
   }
-  const RevolutionParameterization base = Find(FindRevolutionBase, cube);
+  const RevolutionParameterization base = Find(RevolutionBaseOf, cube);
   EXPECT_NE(base.failure_reason, "") << base.why << base.misfit;
-  EXPECT_NE(Find(FindSphereBase, cube).failure_reason, "");
-  EXPECT_NE(Find(FindTorusBase, cube).failure_reason, "");
+  EXPECT_NE(Find(SphereBaseOf, cube).failure_reason, "");
+  EXPECT_NE(Find(TorusBaseOf, cube).failure_reason, "");
 }
 
 // As flat as a sheet, but its normals lie along the plane it is near.
@@ -283,8 +284,8 @@ TEST(RevolutionBaseTest, FindsNarrowHoops) {
     const RoundThing hoop = Can(0.5, height);
     for (const RoundThing& thing : {hoop, hoop.Part(200)}) {
       SCOPED_TRACE(thing.name + ", height " + std::to_string(height));
-      ExpectTopology(
-          Find(FindRevolutionBase, PointsOn(thing, {.count = 6000, .sigma = 2e-4}).points), thing);
+      ExpectTopology(Find(RevolutionBaseOf, PointsOn(thing, {.count = 6000, .sigma = 2e-4}).points),
+                     thing);
     }
   }
 }
@@ -295,7 +296,7 @@ TEST(SphereBaseTest, FindsSpheresWholeAndInPart) {
       for (const double sigma : {0.0, 1e-2}) {
         SCOPED_TRACE(thing.name + ", sigma " + std::to_string(sigma));
         const RoundPoints cloud = PointsOn(thing, {.count = 5000, .sigma = sigma, .seed = 9});
-        const RevolutionParameterization base = Find(FindSphereBase, cloud.points);
+        const RevolutionParameterization base = Find(SphereBaseOf, cloud.points);
         ExpectTopology(base, thing);
         EXPECT_LE(base.misfit, sigma + 1e-4);
       }
@@ -310,7 +311,7 @@ TEST(TorusBaseTest, FindsToriWholeAndInPart) {
       for (const double sigma : {0.0, 1e-2}) {
         SCOPED_TRACE(thing.name + ", sigma " + std::to_string(sigma));
         const RoundPoints cloud = PointsOn(thing, {.count = 8000, .sigma = sigma, .seed = 9});
-        const RevolutionParameterization base = Find(FindTorusBase, cloud.points);
+        const RevolutionParameterization base = Find(TorusBaseOf, cloud.points);
         ExpectTopology(base, thing);
         // Quadrics around nodes are wrong to the fourth order of the reach.
         EXPECT_LE(base.misfit, sigma + 3e-4);
@@ -323,7 +324,7 @@ TEST(TorusBaseTest, RefusesOtherShapesOfRevolution) {
   for (const RoundThing& thing : {Can(), Cone(), Ball(), Cup()}) {
     SCOPED_TRACE(thing.name);
     EXPECT_NE(
-        Find(FindTorusBase, PointsOn(thing, {.count = 5000, .sigma = 1e-3}).points).failure_reason,
+        Find(TorusBaseOf, PointsOn(thing, {.count = 5000, .sigma = 1e-3}).points).failure_reason,
         "");
   }
 }
@@ -332,26 +333,27 @@ TEST(RevolutionParameterizationTest, ScalesWithTheUnitAndStandsFarAway) {
   for (const RoundThing& thing : {Can(), Ball(), Tyre()}) {
     SCOPED_TRACE(thing.name);
     const RevolutionParameterization base =
-        Find(FindRevolutionBase, PointsOn(thing, {.count = 5000, .sigma = 1e-3}).points);
+        Find(RevolutionBaseOf, PointsOn(thing, {.count = 5000, .sigma = 1e-3}).points);
     for (const double unit : {1e-6, 1e6}) {
       const RevolutionParameterization other = Find(
-          FindRevolutionBase, PointsOn(thing, {.count = 5000, .sigma = 1e-3, .unit = unit}).points);
+          RevolutionBaseOf, PointsOn(thing, {.count = 5000, .sigma = 1e-3, .unit = unit}).points);
       // Which points are nodes depends on the coordinates: the mean radius of 600 of them, which
       // vary by a third of it on a sphere, is right to 0.014.
       EXPECT_NEAR(other.length_u, unit * base.length_u, 0.04 * unit * base.length_u);
       EXPECT_NEAR(other.length_v, unit * base.length_v, 0.01 * unit * base.length_v);
     }
-    ExpectTopology(Find(FindRevolutionBase,
-                        PointsOn(thing, {.count = 5000, .sigma = 1e-3, .far = 5e6}).points),
-                   thing);
+    ExpectTopology(
+        Find(RevolutionBaseOf, PointsOn(thing, {.count = 5000, .sigma = 1e-3, .far = 5e6}).points),
+        thing);
   }
 }
 
 TEST(RevolutionParameterizationTest, GivesTheSameBitsForEveryNumberOfThreads) {
-  for (FindBase* find : {FindRevolutionBase, FindSphereBase, FindTorusBase}) {
+  for (BaseOf* base_of : {RevolutionBaseOf, SphereBaseOf, TorusBaseOf}) {
     for (const RoundThing& thing : {Ball(), Tyre(), Vase()}) {
       const Eigen::Matrix3Xd points = PointsOn(thing, {.count = 6000, .sigma = 1e-3}).points;
-      const RevolutionParameterization one = Find(find, points, 1), three = Find(find, points, 3);
+      const RevolutionParameterization one = Find(base_of, points, 1),
+                                       three = Find(base_of, points, 3);
       EXPECT_EQ(one.parameters, three.parameters);
       EXPECT_EQ(one.misfit, three.misfit);
       EXPECT_EQ(one.why, three.why);
@@ -369,25 +371,12 @@ TEST(RevolutionParameterizationTest, SurvivesAnyCloud) {
     if (round % 4 == 1) points.row(2) *= 1e-9;
     if (round % 4 == 2) points = (points * 4).array().round().matrix().eval();
     if (round % 4 == 3) points.bottomRows(2).setZero();
-    for (FindBase* find : {FindRevolutionBase, FindSphereBase, FindTorusBase}) {
-      const RevolutionParameterization base = Find(find, points);
+    for (BaseOf* base_of : {RevolutionBaseOf, SphereBaseOf, TorusBaseOf}) {
+      const RevolutionParameterization base = Find(base_of, points);
       EXPECT_EQ(base.parameters.cols(), points.cols());
       ExpectInside(base);
     }
   }
-}
-
-TEST(RevolutionParameterizationTest, ChecksItsArguments) {
-  ThreadPool pool(1);
-  const Eigen::Matrix3Xd points = PointsOn(Can(), {.count = 100}).points;
-  const NeighbourIndex index(points), other(points.leftCols(50).eval());
-  EXPECT_THROW(FindRevolutionBase(points, other, 0.1, 0, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FindSphereBase(points, index, -1, 0, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FindTorusBase(points, index, 0.1, NAN, 0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FindTorusBase(points, index, 0.1, 0, -0.1, {}, pool), std::invalid_argument);
-  EXPECT_THROW(FindTorusBase(
-                   points, index, 0.1, 0, 0.1, {}, pool, [](const char*, double) { return false; }),
-               Cancelled);
 }
 
 }  // namespace
