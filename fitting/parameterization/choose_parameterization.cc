@@ -50,6 +50,7 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
   if (asked == BaseShape::kAuto || asked == BaseShape::kSheet) {
     std::vector<BaseMethod> sheets = SheetCandidates(input, plane, flattening);
     open.push_back(std::move(sheets.front()));
+    open.push_back(RectangleCandidate(input));
     last.push_back(std::move(sheets.back()));
   }
   // A height field, but for few layers, is no tube.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fitting/core/rules.h"
+#include "fitting/flattening/rectangle_base.h"
 #include "fitting/parameterization/empty_area_fraction.h"
 #include "geometry/numeric/number_text.h"
 
@@ -84,6 +85,23 @@ BaseAttempt OverSheet(const BaseInput& input,
   return made;
 }
 
+BaseAttempt OverRectangle(const BaseInput& input,
+                          const RectangleLayout& layout,
+                          const InlierSubset& some) {
+  if (!layout.ok()) return Failure(layout.failure_reason());
+  RectangleParameters rectangle =
+      layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
+  Parameterization base;
+  base.name = "sheet";
+  base.shape = "a smooth sheet with four sides";
+  base.why = "the points are a sheet with four corners, mapped onto a rectangle without being laid "
+             "flat";
+  base.parameters = std::move(rectangle.parameters);
+  base.length_u = rectangle.length_u;
+  base.length_v = rectangle.length_v;
+  return Attempt(input, some, std::move(base), rectangle.reached);
+}
+
 }  // namespace
 
 BaseMethod PlaneCandidate(const BaseInput& input, const PlaneBase& plane) {
@@ -120,6 +138,24 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
   };
   closer.last_resort = true;
   return {std::move(first), std::move(closer)};
+}
+
+BaseMethod RectangleCandidate(const BaseInput& input) {
+  const auto layout = std::make_shared<std::optional<RectangleLayout>>();
+  return {.name = "rectangle",
+          .make =
+              [&input, layout](const InlierSubset& some) {
+                if (!*layout) {
+                  layout->emplace(input.inliers(),
+                                  input.index(),
+                                  input.statistics.noise,
+                                  input.margin(),
+                                  input.pool);
+                }
+                return OverRectangle(input, **layout, some);
+              },
+          .smooth = true,
+          .last_resort = true};
 }
 
 }  // namespace batten::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bases of surfaces with four edges: a plane and a flattened sheet.
+// Bases of surfaces with four edges: a plane, a flattened sheet, one mapped onto a rectangle.
 #pragma once
 
 #include <memory>
@@ -36,5 +36,9 @@ class SheetFlattening {
 std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);
+
+// The sheet mapped onto a rectangle where it runs in space, if it has four corners: where the plane
+// is steep or lengths change over the flattened sheet, or neither predicts points to the noise.
+BaseMethod RectangleCandidate(const BaseInput& input);
 
 }  // namespace batten::internal
