@@ -179,7 +179,7 @@ namespace {
 // asked for, over which heights are to be fitted.
 bool MayEndInOutline(const Parameterization& base, const SurfaceFitOptions& options) {
   return (base.name == "sheet" || (base.plane && options.base == BaseShape::kAuto)) &&
-         !base.periodic_u && !base.periodic_v;
+         !base.ends_with_points && !base.periodic_u && !base.periodic_v;
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "fitting/parameterization/closed_bases.h"
 #include "fitting/parameterization/connected_components.h"
 #include "fitting/parameterization/open_bases.h"
+#include "fitting/parameterization/parameter_settling.h"
 #include "fitting/parameterization/parameter_smoothing.h"
 #include "fitting/parameterization/pole_kinds.h"
 #include "geometry/numeric/number_text.h"
@@ -222,6 +223,17 @@ class BaseContest {
     BaseAttempt& made = scored.attempt;
     const bool all_reached = (CountedOf(made) == made.reached).all();
     scored.as_laid = ScoreOf(scored);
+    if (scored.name == "rectangle" && SettleParameters(made.base,
+                                                       input_.cloud,
+                                                       made.reached,
+                                                       score().sample(),
+                                                       input_.margin(),
+                                                       input_.pool)) {
+      made.base.why += "; parameters settled on a surface of few control points";
+      made.base.ends_with_points = true;
+      scored.value.reset();
+      return;
+    }
     const BaseScore::Value before =
         all_reached ? *scored.as_laid : score().Of(made.base, made.reached);
     const Settled settled =

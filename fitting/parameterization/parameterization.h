@@ -30,6 +30,7 @@ struct Parameterization {
   bool periodic_u = false, periodic_v = false;
   Poles poles;         // edges v = 0 and v = length_v that degenerate to a point
   bool exact = false;  // parameters are part of the data: residuals along the surface count too
+  bool ends_with_points = false;  // its sides are those of the points
 
   NurbsSurface Surface(const SplineBasis& basis_u,
                        const SplineBasis& basis_v,
