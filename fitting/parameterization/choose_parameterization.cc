@@ -230,7 +230,6 @@ class BaseContest {
                                                        input_.margin(),
                                                        input_.pool)) {
       made.base.why += "; parameters settled on a surface of few control points";
-      made.base.ends_with_points = true;
       scored.value.reset();
       return;
     }

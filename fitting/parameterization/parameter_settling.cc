@@ -22,9 +22,11 @@ namespace {
 constexpr Eigen::Index kMostSettled = 12000;  // points: more change no digit of the parameters
 constexpr int kSettledDegree = 3;
 constexpr double kSettledSmoothing = 1e-6;  // of linear fits and, as fairness, of joint steps
-constexpr int kFirstSteps = 12, kNextSteps = 4, kLastSteps = 12;  // joint, of a net
+constexpr int kFirstSteps = 20, kNextSteps = 6, kLastSteps = 20;  // joint, of a net
+constexpr Eigen::Index kMostLast = 60000;  // points of the last net, whose errors stay
+constexpr double kLeastGain = 1e-5;  // relative, of the cost: joint steps end
 constexpr double kGrowth = 1.35;  // of the cells in one direction
-constexpr double kWorthWhile = 0.998;  // ratio of scores of a step that goes on
+constexpr double kWorthWhile = 0.9997;  // ratio of scores of a step that goes on
 constexpr int kMostRounds = 16;
 constexpr double kPointsPerUnknown = 6;
 // Of the shorter side: the first net is the least that is so near to the points, whose parameters
@@ -66,9 +68,28 @@ class Settler {
       if (!next) break;
       best = std::move(next);
     }
-    if (!best) return best;
-    std::optional<Net> last = At(best->problem, best->cells_u, best->cells_v, kLastSteps);
-    return last && last->score < best->score ? last : best;
+    return best;
+  }
+
+  // The net of so many cells near the problem's points after at most so many joint steps; none
+  // where points are too few for it.
+  std::optional<Net> At(const FittingProblem& at, int cells_u, int cells_v, int steps) const {
+    const FittingProblem problem = Over(at, cells_u, cells_v);
+    const auto count = static_cast<double>(problem.size());
+    if (problem.unknowns() * kPointsPerUnknown > count) return std::nullopt;
+    JointOptions joint;
+    joint.max_iterations = steps;
+    joint.stop_at_noise = false;
+    joint.least_gain = kLeastGain;
+    joint.fairness = kSettledSmoothing;
+    const Eigen::MatrixXd net = SolveLinear(problem, pool_).coefficients;
+    JointResult result = OptimizeJointly(problem, net, {}, joint, pool_);
+    const double freedom = count - kFreedomFactor * problem.unknowns();
+    const double score = result.rms_after * result.rms_after * count * count / (freedom * freedom);
+    if (std::getenv("BATTEN_TRACE"))
+      std::fprintf(stderr, "   net %d x %d: rms %.4e, before %.4e, score %.6e, %d its\n", cells_u, cells_v, result.rms_after, result.rms_before, result.rms_after * result.rms_after * count * count / (freedom * freedom), result.iterations);
+    return Net{
+        cells_u, cells_v, std::move(result.problem), std::move(result.control_points), score};
   }
 
  private:
@@ -107,28 +128,39 @@ class Settler {
     return std::max(cells + 1, static_cast<int>(std::lround(kGrowth * cells)));
   }
 
-  std::optional<Net> At(const FittingProblem& at, int cells_u, int cells_v, int steps) const {
-    const FittingProblem problem = Over(at, cells_u, cells_v);
-    const auto count = static_cast<double>(problem.size());
-    if (problem.unknowns() * kPointsPerUnknown > count) return std::nullopt;
-    JointOptions joint;
-    joint.max_iterations = steps;
-    joint.stop_at_noise = false;
-    joint.least_gain = 1e-3;
-    joint.fairness = kSettledSmoothing;
-    const Eigen::MatrixXd net = SolveLinear(problem, pool_).coefficients;
-    JointResult result = OptimizeJointly(problem, net, {}, joint, pool_);
-    const double freedom = count - kFreedomFactor * problem.unknowns();
-    if (std::getenv("BATTEN_TRACE"))
-      std::fprintf(stderr, "   net %d x %d: rms %.4e, before %.4e, score %.6e, %d its\n", cells_u, cells_v, result.rms_after, result.rms_before, result.rms_after * result.rms_after * count * count / (freedom * freedom), result.iterations);
-    const double score = result.rms_after * result.rms_after * count * count / (freedom * freedom);
-    return Net{
-        cells_u, cells_v, std::move(result.problem), std::move(result.control_points), score};
-  }
-
   FittingProblem start_;
   ThreadPool& pool_;
 };
+
+std::vector<Eigen::Index> IndicesUnder(const PointMask& mask) {
+  std::vector<Eigen::Index> indices;
+  for (Eigen::Index k = 0; k < mask.size(); ++k)
+    if (mask[k]) indices.push_back(k);
+  return indices;
+}
+
+// At most so many of the points under the mask, evenly by index.
+PointMask SomeUnder(const PointMask& mask, Eigen::Index most) {
+  const std::vector<Eigen::Index> indices = IndicesUnder(mask);
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  if (count <= most) return mask;
+  PointMask some = PointMask::Constant(mask.size(), false);
+  for (Eigen::Index k = 0; k < most; ++k) some[indices[static_cast<size_t>(k * count / most)]] = true;
+  return some;
+}
+
+void MoveToFeet(const Net& net,
+                const std::vector<Eigen::Index>& all,
+                const PointCloud& points,
+                Parameterization& base,
+                ThreadPool& pool) {
+  const NurbsSurface surface(net.problem.basis_u(), net.problem.basis_v(), net.control_points);
+  base.parameters(Eigen::all, all) = DistancesFrom(surface,
+                                                   points.points()(Eigen::all, all),
+                                                   base.parameters(Eigen::all, all),
+                                                   pool)
+                                         .parameters;
+}
 
 }  // namespace
 
@@ -138,40 +170,38 @@ bool SettleParameters(Parameterization& base,
                       const PointMask& sample,
                       double margin,
                       ThreadPool& pool) {
-  std::vector<Eigen::Index> all, some;
-  for (Eigen::Index k = 0; k < mask.size(); ++k) {
-    if (!mask[k]) continue;
-    all.push_back(k);
-    if (sample[k]) some.push_back(k);
-  }
-  PointMask chosen = PointMask::Constant(mask.size(), false);
-  const auto count = std::min(kMostSettled, static_cast<Eigen::Index>(some.size()));
-  for (Eigen::Index k = 0; k < count; ++k)
-    chosen[some[static_cast<size_t>(k * static_cast<Eigen::Index>(some.size()) / count)]] = true;
-  if (count == 0) return false;
+  const std::vector<Eigen::Index> all = IndicesUnder(mask);
+  const PointMask few = SomeUnder(mask && sample, kMostSettled), most = SomeUnder(mask, kMostLast);
+  if (!few.any()) return false;
   const double room = kRoomInMargins * margin;
-  Parameterization roomy = base;
-  roomy.parameters.array() += room;
-  roomy.length_u += 2 * room;
-  roomy.length_v += 2 * room;
-  const FittingProblem problem =
-      roomy.ProblemOf(points, chosen, kSettledDegree, kSettledDegree, kSettledSmoothing);
-  const std::optional<Net> net = Settler(problem, pool).Run(std::min(base.length_u, base.length_v));
+  Parameterization settled = base;
+  settled.parameters.array() += room;
+  settled.length_u += 2 * room;
+  settled.length_v += 2 * room;
+  const auto problem_of = [&](const PointMask& some) {
+    return settled.ProblemOf(points, some, kSettledDegree, kSettledDegree, kSettledSmoothing);
+  };
+  const std::optional<Net> net =
+      Settler(problem_of(few), pool).Run(std::min(base.length_u, base.length_v));
   if (!net) return false;
-  const NurbsSurface surface(
-      net->problem.basis_u(), net->problem.basis_v(), net->control_points);
-  const Eigen::MatrixXd feet = DistancesFrom(surface,
-                                             points.points()(Eigen::all, all),
-                                             roomy.parameters(Eigen::all, all),
-                                             pool)
-                                   .parameters;
-  if (!feet.allFinite()) return false;
-  const Eigen::Vector2d low = feet.rowwise().minCoeff(), high = feet.rowwise().maxCoeff();
-  base.parameters(Eigen::all, all) = (feet.colwise() - low).array() + margin;
-  base.length_u = high[0] - low[0] + 2 * margin;
-  base.length_v = high[1] - low[1] + 2 * margin;
-  for (auto place : base.parameters.colwise())
-    place = place.cwiseMax(0).cwiseMin(Eigen::Vector2d(base.length_u, base.length_v));
+  MoveToFeet(*net, all, points, settled, pool);
+  // The rectangle now ends at the points, and a net over it brings them all to rest.
+  const Eigen::Matrix2Xd feet = settled.parameters(Eigen::all, all);
+  const Eigen::Vector2d low = feet.rowwise().minCoeff().array() - margin,
+                        sides = feet.rowwise().maxCoeff().array() + margin - low.array();
+  settled.length_u = sides[0];
+  settled.length_v = sides[1];
+  for (auto place : settled.parameters.colwise())
+    place = (place - low).cwiseMax(0).cwiseMin(sides);
+  const FittingProblem whole = problem_of(most);
+  const std::optional<Net> last =
+      Settler(whole, pool).At(whole, net->cells_u, net->cells_v, kLastSteps);
+  if (!last) return false;
+  MoveToFeet(*last, all, points, settled, pool);
+  if (!settled.parameters.allFinite()) return false;
+  base = std::move(settled);
+  base.settled_cells_u = last->cells_u;
+  base.settled_cells_v = last->cells_v;
   return true;
 }
 
