@@ -14,8 +14,8 @@ namespace {
 // Lengths of chords in reaches, and as shares of the sheet's width where that is less. Shorter ones
 // see notches of the border, longer ones the bends of its sides. [measured: kind_fitting]
 constexpr double kChordInReaches[] = {4, 6.4};
-constexpr double kChordInWidths[] = {0.3, 0.48};
-constexpr double kApart = 0.75;  // of the shorter chord, between corners
+constexpr double kChordInWidths[] = {0.45, 0.65};
+constexpr double kApart = 1;  // of the shorter chord, between corners
 // Turning of a corner, radians. At less a border without corners seems to have some; corners that
 // turn by less stay unseen. [measured: true ones above 55°, others below 37°]
 constexpr double kLeastTurning = 40 * std::numbers::pi / 180;

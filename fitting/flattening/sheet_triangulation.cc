@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <tuple>
 #include <unordered_map>
@@ -17,10 +18,13 @@ namespace batten::internal {
 namespace {
 
 // In reaches, of circles through three nodes. Discs thrown until none fits leave circles below one
-// reach; noise makes some larger. Larger values bridge notches of the border, smaller ones leave
-// holes. [derived, with a third for noise]
-constexpr double kLargestCircle = 1.3;
-constexpr int kLeastVotes = 2;       // of the three nodes of a triangle
+// reach and one spacing of the points, which is at most two thirds of a reach. Larger values bridge
+// bays of the border, smaller ones leave holes. [derived]
+constexpr double kLargestCircle = 1.7;
+// Radians between two edges of the border, outside of the sheet: narrower notches are filled. The
+// re-entrant corners of outlines are wider.
+constexpr double kNotch = 75 * std::numbers::pi / 180;
+constexpr int kNotchRounds = 6;
 constexpr size_t kFilledEdges = 12;  // edges of a hole that is a slip; real ones have more
 
 using NodeTriangle = std::array<int, 3>;
@@ -93,8 +97,7 @@ std::vector<Proposal> ProposalsOf(const SheetGraph& graph) {
   }
   std::vector<Proposal> proposals;
   for (const auto& [triangle, count] : votes)
-    if (count >= kLeastVotes)
-      proposals.push_back({count, CircumradiusOf(nodes.places, triangle), triangle});
+    proposals.push_back({count, CircumradiusOf(nodes.places, triangle), triangle});
   std::sort(proposals.begin(), proposals.end(), [](const Proposal& a, const Proposal& b) {
     return std::tuple(-a.votes, a.radius, a.triangle) < std::tuple(-b.votes, b.radius, b.triangle);
   });
@@ -145,6 +148,32 @@ void Fill(std::vector<int> loop,
     if (count == 3) return;
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>((best + 1) % count));
   }
+}
+
+// Fills narrow notches of the borders. Whether there were any.
+bool FillNotches(const PoissonDiskSamples& nodes,
+                 std::vector<NodeTriangle>& triangles,
+                 SurfaceBuilder& surface) {
+  bool any = false;
+  for (const std::vector<int>& loop : LoopsOf(triangles, surface)) {
+    const size_t count = loop.size();
+    for (size_t k = 0; k < count; ++k) {
+      const int a = loop[k], b = loop[(k + 1) % count], c = loop[(k + 2) % count];
+      const Eigen::Vector3d to_a = nodes.places.col(a) - nodes.places.col(b),
+                            to_c = nodes.places.col(c) - nodes.places.col(b);
+      const double angle = std::atan2(to_c.cross(to_a).dot(nodes.normals.col(b)), to_c.dot(to_a));
+      if (!(angle > 0 && angle < kNotch)) continue;
+      const NodeTriangle t = Rotated(c, b, a);
+      if (!surface.Fits(t) ||
+          CircumradiusOf(nodes.places, t) > kLargestCircle * nodes.reach[b])
+        continue;
+      surface.Add(t);
+      triangles.push_back(t);
+      any = true;
+      ++k;  // the border runs otherwise now
+    }
+  }
+  return any;
 }
 
 double LengthOf(const Eigen::Matrix3Xd& places, const std::vector<int>& loop) {
@@ -272,6 +301,8 @@ SheetTriangulation TriangulateSheet(const SheetGraph& graph) {
   KeepLargestComponent(result.triangles, surface);
   while (KeepOneFan(graph.nodes.size(), result.triangles, surface))
     KeepLargestComponent(result.triangles, surface);
+  for (int round = 0; round < kNotchRounds; ++round)
+    if (!FillNotches(graph.nodes, result.triangles, surface)) break;
   const auto longest_first = [&](std::vector<std::vector<int>>& loops) {
     std::stable_sort(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {
       return LengthOf(places, a) > LengthOf(places, b);
