@@ -33,6 +33,7 @@ constexpr double kSettledSmoothing = 1e-5;
 constexpr int kFirstSteps = 2, kNextSteps = 1, kLastSteps = 10;
 constexpr Eigen::Index kMostLast = 60000;  // points of the last net, whose errors stay
 constexpr double kLeastGain = 1e-5;  // relative, of the cost: joint steps end
+constexpr int kStraightened = 2;  // times
 constexpr double kGrowth = 1.35;  // of the cells in one direction
 constexpr double kWorthWhile = 0.9997;  // ratio of scores of a step that goes on
 constexpr int kMostRounds = 16;
@@ -270,16 +271,19 @@ bool SettleParameters(Parameterization& base,
   settled.length_v = sides[1];
   for (auto place : settled.parameters.colwise())
     place = (place - low).cwiseMax(0).cwiseMin(sides);
-  if (!StraightenSides(*net, all, margin, settled, pool)) return false;
-  const FittingProblem whole = problem_of(most);
-  const std::optional<Net> last =
-      Settler(whole, pool).At(whole, net->cells_u, net->cells_v, kLastSteps);
-  if (!last) return false;
-  MoveToFeet(*last, all, points, settled, pool);
-  if (!settled.parameters.allFinite()) return false;
+  // The first time corners are not yet where sides meet.
+  for (int time = 0; time < kStraightened; ++time) {
+    if (!StraightenSides(*net, all, margin, settled, pool)) return false;
+    const FittingProblem whole = problem_of(time + 1 < kStraightened ? few : most);
+    const std::optional<Net> last =
+        Settler(whole, pool).At(whole, net->cells_u, net->cells_v, kLastSteps);
+    if (!last) return false;
+    MoveToFeet(*last, all, points, settled, pool);
+    if (!settled.parameters.allFinite()) return false;
+  }
   base = std::move(settled);
-  base.settled_cells_u = last->cells_u;
-  base.settled_cells_v = last->cells_v;
+  base.settled_cells_u = net->cells_u;
+  base.settled_cells_v = net->cells_v;
   return true;
 }
 
