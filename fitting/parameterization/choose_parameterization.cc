@@ -50,9 +50,10 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
     open.push_back(PlaneCandidate(input, plane));
   if (asked == BaseShape::kAuto || asked == BaseShape::kSheet) {
     std::vector<BaseMethod> sheets = SheetCandidates(input, plane, flattening);
-    open.push_back(std::move(sheets.front()));
+    open.push_back(std::move(sheets[0]));
+    open.push_back(std::move(sheets[1]));
     open.push_back(RectangleCandidate(input));
-    last.push_back(std::move(sheets.back()));
+    last.push_back(std::move(sheets[2]));
   }
   // A height field, but for few layers, is no tube.
   const bool tubes = asked == BaseShape::kSheet || plane.overlap > kOverlapToWarn;

@@ -18,6 +18,9 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kOverlapToRefuse = 0.15;
 constexpr double kGentle = std::numbers::pi / 4;  // lengths over the plane change by 41 % at most
 constexpr double kManyLengths = 0.03;             // relative change of lengths over a sheet
+// Change of lengths over a layout whose edges join turns that touch. Layouts of ramps that only lie
+// over themselves have 0.01, of a roll four spacings apart 0.25: closer nodes tell its turns apart.
+constexpr double kTorn = 0.1;
 constexpr double kMuchEmpty = 0.2;                // share of its rectangle
 
 std::string InLayers(const PlaneBase& plane) {
@@ -131,13 +134,19 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                          return OverSheet(input, plane, flattening->layout(), some);
                        },
                    .smooth = true};
+  BaseMethod torn = first;
+  torn.make = [&input, &plane, flattening](const InlierSubset& some) {
+    if (flattening->layout().found().distortion > kTorn) flattening->layout().LookCloser();
+    return OverSheet(input, plane, flattening->layout(), some);
+  };
+  torn.last_resort = true;
   BaseMethod closer = first;
   closer.make = [&input, &plane, flattening](const InlierSubset& some) {
     flattening->layout().LookCloser();
     return OverSheet(input, plane, flattening->layout(), some);
   };
   closer.last_resort = true;
-  return {std::move(first), std::move(closer)};
+  return {std::move(first), std::move(torn), std::move(closer)};
 }
 
 BaseMethod RectangleCandidate(const BaseInput& input) {

@@ -31,8 +31,8 @@ class SheetFlattening {
   std::optional<SheetLayout> layout_;
 };
 
-// The flattened sheet: a first attempt and, as a last resort, those at finer resolution. It is
-// certain where lengths hardly change and little of its rectangle is empty: then nothing closes.
+// The flattened sheet: a first attempt, those at finer resolution where the first one changes
+// lengths much, and, as a last resort, those in any case. It is certain where lengths hardly change and little of its rectangle is empty: then nothing closes.
 std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);
