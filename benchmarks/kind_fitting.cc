@@ -84,9 +84,8 @@ KnownSheet Ramp(Variation& vary, double turns, double inner, double outer, doubl
                bank = 0.15 * (2 * vary.Uniform() - 1);
   const auto at = [=](double u, double v) {
     const double radius = low + (high - low) * v, angle = all * u;
-    return Eigen::Vector3d(radius * std::cos(angle),
-                           radius * std::sin(angle),
-                           rise * angle + bank * (radius - low));
+    return Eigen::Vector3d(
+        radius * std::cos(angle), radius * std::sin(angle), rise * angle + bank * (radius - low));
   };
   return {"", at, {all * std::hypot((low + high) / 2, rise), high - low}, {}};
 }
@@ -194,9 +193,9 @@ DrawnCloud Draw(const Kind& kind, double share, std::uint64_t seed) {
           most, Stretch(sheet, static_cast<double>(i) / kLooks, static_cast<double>(j) / kLooks));
   most *= 1.1;
   const auto count = static_cast<Eigen::Index>(share * static_cast<double>(kind.count));
-  DrawnCloud drawn{{Eigen::Matrix3Xd(3, count + kind.ball + kind.strays),
-                    Eigen::Matrix2Xd(2, count)},
-                   PlacesOf(sheet, kPlaces)};
+  DrawnCloud drawn{
+      {Eigen::Matrix3Xd(3, count + kind.ball + kind.strays), Eigen::Matrix2Xd(2, count)},
+      PlacesOf(sheet, kPlaces)};
   const double sigma = kind.sigma * vary.About(0.3);
   const auto noisy = [&](Eigen::Vector3d point) {
     for (double& x : point) x += sigma * vary.Normal();
@@ -224,8 +223,7 @@ DrawnCloud Draw(const Kind& kind, double share, std::uint64_t seed) {
   }
   for (Eigen::Index k = 0; k < kind.strays; ++k) {
     const Eigen::Vector3d part(vary.Uniform(), vary.Uniform(), vary.Uniform());
-    drawn.cloud.points.col(count + kind.ball + k) =
-        wide.min() + part.cwiseProduct(wide.sizes());
+    drawn.cloud.points.col(count + kind.ball + k) = wide.min() + part.cwiseProduct(wide.sizes());
   }
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond(vary.Normal(), vary.Normal(), vary.Normal(), vary.Normal()).normalized();
@@ -281,21 +279,22 @@ void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
     runs.ends += (runs.ends.empty() ? "" : ", ") + fit.report.geometry.base + " " +
                  Name(fit.report.end.code);
     if (settings.each) {
-      std::printf("  %s %d: rms %.2e / %.2e, max %.1e / %.1e, control points %dx%d / %dx%d, %s, "
-                  "%s, %.2f s\n",
-                  kind.name.c_str(),
-                  seed,
-                  error.rms,
-                  oracle.error.rms,
-                  error.max,
-                  oracle.error.max,
-                  fit.surface.size_u(),
-                  fit.surface.size_v(),
-                  oracle.size_u,
-                  oracle.size_v,
-                  fit.report.geometry.base.c_str(),
-                  Name(fit.report.end.code),
-                  seconds);
+      std::printf(
+          "  %s %d: rms %.2e / %.2e, max %.1e / %.1e, control points %dx%d / %dx%d, %s, "
+          "%s, %.2f s\n",
+          kind.name.c_str(),
+          seed,
+          error.rms,
+          oracle.error.rms,
+          error.max,
+          oracle.error.max,
+          fit.surface.size_u(),
+          fit.surface.size_v(),
+          oracle.size_u,
+          oracle.size_v,
+          fit.report.geometry.base.c_str(),
+          Name(fit.report.end.code),
+          seconds);
       for (const BaseCandidate& row : fit.report.base_candidates)
         std::printf("      %s: %.3e, %d: %s\n",
                     row.name.c_str(),
@@ -359,8 +358,9 @@ Settings Read(int argc, char** argv) {
 }
 
 void PrintKinds(const Settings& settings) {
-  std::printf("| kind | truth rms | over the oracle's (worst) | max (worst) | control points (worst) "
-              "| processor's seconds | base, end of each seed |\n|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| kind | truth rms | over the oracle's (worst) | max (worst) | control points (worst) "
+      "| processor's seconds | base, end of each seed |\n|---|---|---|---|---|---|---|\n");
   for (const Kind& kind : Kinds()) {
     bool chosen = settings.words.empty();
     for (const std::string& word : settings.words)

@@ -75,8 +75,7 @@ BorderCorners FourCornersOf(const PoissonDiskSamples& nodes,
       };
       const Eigen::Vector3d to = flat(place - border.Place(border.At(k) - chord)),
                             from = flat(border.Place(border.At(k) + chord) - place);
-      turnings[k] =
-          std::min(turnings[k], std::atan2(normal.dot(to.cross(from)), to.dot(from)));
+      turnings[k] = std::min(turnings[k], std::atan2(normal.dot(to.cross(from)), to.dot(from)));
     }
   }
   std::vector<size_t> found;

@@ -320,9 +320,8 @@ PoissonDiskSamples SamplePoissonDisk(const Eigen::Matrix3Xd& points,
   std::vector<Eigen::Index> kept(static_cast<size_t>(candidates.cols()));
   if (most < m) {
     kept = options.edges_first
-               ? DiscsFromTheEdge(candidates,
-                                  reach,
-                                  WidestGaps(points, index, candidates, among.order(), pool))
+               ? DiscsFromTheEdge(
+                     candidates, reach, WidestGaps(points, index, candidates, among.order(), pool))
                : GreedyDiscs(candidates, among, reach);
   } else {
     std::iota(kept.begin(), kept.end(), 0);

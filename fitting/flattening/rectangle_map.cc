@@ -104,7 +104,8 @@ void PlaceInside(const std::map<std::pair<int, int>, double>& weights,
   const Eigen::MatrixX2d solution = solver.solve(rhs);
   for (size_t i = 0; i < fixed.size(); ++i) {
     if (unknown[i] < 0) continue;
-    places[static_cast<Eigen::Index>(i)] = Complex(solution(unknown[i], 0), solution(unknown[i], 1));
+    places[static_cast<Eigen::Index>(i)] =
+        Complex(solution(unknown[i], 0), solution(unknown[i], 1));
   }
 }
 

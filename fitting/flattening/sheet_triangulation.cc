@@ -36,7 +36,8 @@ NodeTriangle Rotated(int a, int b, int c) {  // the least node first
 
 double CircumradiusOf(const Eigen::Matrix3Xd& places, const NodeTriangle& t) {
   const Eigen::Vector3d a = places.col(t[1]) - places.col(t[0]),
-                        b = places.col(t[2]) - places.col(t[0]), c = places.col(t[2]) - places.col(t[1]);
+                        b = places.col(t[2]) - places.col(t[0]),
+                        c = places.col(t[2]) - places.col(t[1]);
   const double area = a.cross(b).norm();
   return area > 0 ? a.norm() * b.norm() * c.norm() / (2 * area) : HUGE_VAL;
 }
@@ -87,8 +88,7 @@ std::vector<Proposal> ProposalsOf(const SheetGraph& graph) {
   const std::vector<std::vector<int>> rings = TwoRings(NeighboursOf(nodes.size(), graph.edges));
   std::map<NodeTriangle, int> votes;
   for (int i = 0; i < nodes.size(); ++i) {
-    const VoronoiCell cell =
-        VoronoiCellOf(nodes, i, rings[static_cast<size_t>(i)], kLargestCircle);
+    const VoronoiCell cell = VoronoiCellOf(nodes, i, rings[static_cast<size_t>(i)], kLargestCircle);
     const size_t count = cell.beyond.size();
     for (size_t k = 0; k < count; ++k) {
       const int a = cell.beyond[k], b = cell.beyond[(k + 1) % count];
@@ -164,8 +164,7 @@ bool FillNotches(const PoissonDiskSamples& nodes,
       const double angle = std::atan2(to_c.cross(to_a).dot(nodes.normals.col(b)), to_c.dot(to_a));
       if (!(angle > 0 && angle < kNotch)) continue;
       const NodeTriangle t = Rotated(c, b, a);
-      if (!surface.Fits(t) ||
-          CircumradiusOf(nodes.places, t) > kLargestCircle * nodes.reach[b])
+      if (!surface.Fits(t) || CircumradiusOf(nodes.places, t) > kLargestCircle * nodes.reach[b])
         continue;
       surface.Add(t);
       triangles.push_back(t);
@@ -187,7 +186,8 @@ double LengthOf(const Eigen::Matrix3Xd& places, const std::vector<int>& loop) {
 bool KeepOneFan(Eigen::Index nodes, std::vector<NodeTriangle>& triangles, SurfaceBuilder& surface) {
   std::vector<std::vector<int>> around(static_cast<size_t>(nodes));  // triangles
   for (size_t t = 0; t < triangles.size(); ++t)
-    for (const int node : triangles[t]) around[static_cast<size_t>(node)].push_back(static_cast<int>(t));
+    for (const int node : triangles[t])
+      around[static_cast<size_t>(node)].push_back(static_cast<int>(t));
   std::vector<bool> gone(triangles.size(), false);
   bool any = false;
   for (int node = 0; node < nodes; ++node) {

@@ -22,9 +22,9 @@ struct SheetTriangulation {
 
 // Triangulates by the Delaunay triangles of each node's tangent plane: those that their three nodes
 // agree upon come first, then those that two do, then others, small circles before large ones, each
-// where it keeps the surface one. Nothing is laid flat as a whole, so a sheet may come to lie over itself
-// in any projection. Holes of few edges and narrow notches are filled. The largest component is kept.
-// O(n log n). [intrinsic triangulation by local votes; Gopi, Krishnan & Silva 2000]
+// where it keeps the surface one. Nothing is laid flat as a whole, so a sheet may come to lie over
+// itself in any projection. Holes of few edges and narrow notches are filled. The largest component
+// is kept. O(n log n). [intrinsic triangulation by local votes; Gopi, Krishnan & Silva 2000]
 SheetTriangulation TriangulateSheet(const SheetGraph& graph);
 
 }  // namespace batten::internal

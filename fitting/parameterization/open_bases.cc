@@ -21,7 +21,7 @@ constexpr double kManyLengths = 0.03;             // relative change of lengths 
 // Change of lengths over a layout whose edges join turns that touch. Layouts of ramps that only lie
 // over themselves have 0.01, of a roll four spacings apart 0.25: closer nodes tell its turns apart.
 constexpr double kTorn = 0.1;
-constexpr double kMuchEmpty = 0.2;                // share of its rectangle
+constexpr double kMuchEmpty = 0.2;  // share of its rectangle
 
 std::string InLayers(const PlaneBase& plane) {
   return "seen from any side, they lie over each other in " + Percent(plane.overlap) + " of places";
@@ -97,8 +97,9 @@ BaseAttempt OverRectangle(const BaseInput& input,
   Parameterization base;
   base.name = "sheet";
   base.shape = "a smooth sheet with four sides";
-  base.why = "the points are a sheet with four corners, mapped onto a rectangle without being laid "
-             "flat";
+  base.why =
+      "the points are a sheet with four corners, mapped onto a rectangle without being laid "
+      "flat";
   base.parameters = std::move(rectangle.parameters);
   base.length_u = rectangle.length_u;
   base.length_v = rectangle.length_v;

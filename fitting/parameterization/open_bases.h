@@ -32,7 +32,8 @@ class SheetFlattening {
 };
 
 // The flattened sheet: a first attempt, those at finer resolution where the first one changes
-// lengths much, and, as a last resort, those in any case. It is certain where lengths hardly change and little of its rectangle is empty: then nothing closes.
+// lengths much, and, as a last resort, those in any case. It is certain where lengths hardly change
+// and little of its rectangle is empty: then nothing closes.
 std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);

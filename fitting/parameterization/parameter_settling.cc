@@ -32,10 +32,10 @@ constexpr double kSettledSmoothing = 1e-5;
 // many last: 1.1 times]
 constexpr int kFirstSteps = 2, kNextSteps = 1, kLastSteps = 10;
 constexpr Eigen::Index kMostLast = 60000;  // points of the last net, whose errors stay
-constexpr double kLeastGain = 1e-5;  // relative, of the cost: joint steps end
-constexpr int kStraightened = 2;  // times
-constexpr double kGrowth = 1.35;  // of the cells in one direction
-constexpr double kWorthWhile = 0.9997;  // ratio of scores of a step that goes on
+constexpr double kLeastGain = 1e-5;        // relative, of the cost: joint steps end
+constexpr int kStraightened = 2;           // times
+constexpr double kGrowth = 1.35;           // of the cells in one direction
+constexpr double kWorthWhile = 0.9997;     // ratio of scores of a step that goes on
 constexpr int kMostRounds = 16;
 constexpr double kPointsPerUnknown = 6;
 // Of the shorter side: the first net is the least that is so near to the points, whose parameters
@@ -122,8 +122,7 @@ class Settler {
       const double worth_u = std::log(least / by_u) / std::log(Share(cells_u)),
                    worth_v = std::log(least / by_v) / std::log(Share(cells_v));
       if (std::min(by_u, by_v) > 0.999 * least && least < 4 * enough) break;
-      (worth_u >= worth_v ? cells_u : cells_v) =
-          Finer(worth_u >= worth_v ? cells_u : cells_v);
+      (worth_u >= worth_v ? cells_u : cells_v) = Finer(worth_u >= worth_v ? cells_u : cells_v);
       least = worth_u >= worth_v ? by_u : by_v;
     }
     return {cells_u, cells_v};
@@ -155,7 +154,8 @@ PointMask SomeUnder(const PointMask& mask, Eigen::Index most) {
   const auto count = static_cast<Eigen::Index>(indices.size());
   if (count <= most) return mask;
   PointMask some = PointMask::Constant(mask.size(), false);
-  for (Eigen::Index k = 0; k < most; ++k) some[indices[static_cast<size_t>(k * count / most)]] = true;
+  for (Eigen::Index k = 0; k < most; ++k)
+    some[indices[static_cast<size_t>(k * count / most)]] = true;
   return some;
 }
 
@@ -165,11 +165,10 @@ void MoveToFeet(const Net& net,
                 Parameterization& base,
                 ThreadPool& pool) {
   const NurbsSurface surface(net.problem.basis_u(), net.problem.basis_v(), net.control_points);
-  base.parameters(Eigen::all, all) = DistancesFrom(surface,
-                                                   points.points()(Eigen::all, all),
-                                                   base.parameters(Eigen::all, all),
-                                                   pool)
-                                         .parameters;
+  base.parameters(Eigen::all, all) =
+      DistancesFrom(
+          surface, points.points()(Eigen::all, all), base.parameters(Eigen::all, all), pool)
+          .parameters;
 }
 
 // The least and the largest parameter d of the points where the other one is at places
@@ -205,7 +204,8 @@ Eigen::Matrix2Xd LimitsOf(const Eigen::Matrix2Xd& parameters,
     data->parameters(0, static_cast<Eigen::Index>(k)) =
         (static_cast<double>(filled[k]) + 0.5) * along / static_cast<double>(bins);
   const int spans = std::clamp(cells, 1, std::max(1, static_cast<int>(filled.size()) / 4));
-  const FittingProblem problem(FittingBasis(kSettledDegree, spans, 0, along), data, kSurfaceSmoothing);
+  const FittingProblem problem(
+      FittingBasis(kSettledDegree, spans, 0, along), data, kSurfaceSmoothing);
   const NurbsCurve<2> curve(problem.basis_u(), SolveLinear(problem, pool).coefficients);
   Eigen::Matrix2Xd table(2, kPlaces + 1);
   for (int k = 0; k <= kPlaces; ++k) table.col(k) = curve.At(along * k / kPlaces);
@@ -232,8 +232,8 @@ bool StraightenSides(const Net& net,
       const auto cell = std::min<Eigen::Index>(static_cast<Eigen::Index>(at), kPlaces - 1);
       const Eigen::Vector2d ends = limits.col(cell) + (at - static_cast<double>(cell)) *
                                                           (limits.col(cell + 1) - limits.col(cell));
-      base.parameters(d, all[k]) = margin + (before(d, own) - ends[0]) / (ends[1] - ends[0]) *
-                                                (lengths[d] - 2 * margin);
+      base.parameters(d, all[k]) =
+          margin + (before(d, own) - ends[0]) / (ends[1] - ends[0]) * (lengths[d] - 2 * margin);
     }
   }
   for (auto place : base.parameters.colwise()) place = place.cwiseMax(0).cwiseMin(lengths);
@@ -269,8 +269,7 @@ bool SettleParameters(Parameterization& base,
                         sides = feet.rowwise().maxCoeff().array() + margin - low.array();
   settled.length_u = sides[0];
   settled.length_v = sides[1];
-  for (auto place : settled.parameters.colwise())
-    place = (place - low).cwiseMax(0).cwiseMin(sides);
+  for (auto place : settled.parameters.colwise()) place = (place - low).cwiseMax(0).cwiseMin(sides);
   // The first time corners are not yet where sides meet.
   for (int time = 0; time < kStraightened; ++time) {
     if (!StraightenSides(*net, all, margin, settled, pool)) return false;

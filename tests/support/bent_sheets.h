@@ -76,7 +76,8 @@ inline BentSheet SBend(double degrees = 150, double length = 3, double width = 1
 // A helicoid between two radii. [its plan covers itself from one turn on]
 inline BentSheet HelicalRamp(double turns, double inner = 1, double outer = 2, double pitch = 2) {
   return {"ramp", [=](double u, double v) {
-            const double angle = 2 * std::numbers::pi * turns * u, radius = inner + (outer - inner) * v;
+            const double angle = 2 * std::numbers::pi * turns * u,
+                         radius = inner + (outer - inner) * v;
             return Eigen::Vector3d(
                 radius * std::cos(angle), radius * std::sin(angle), pitch * turns * u);
           }};
