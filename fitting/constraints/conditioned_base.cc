@@ -178,7 +178,7 @@ namespace {
 // asked for, over which heights are to be fitted.
 bool MayEndInOutline(const Parameterization& base, const SurfaceFitOptions& options) {
   return (base.name == "sheet" || (base.plane && options.base == BaseShape::kAuto)) &&
-         !base.periodic_u && !base.periodic_v;
+         base.settled_cells_u == 0 && !base.periodic_u && !base.periodic_v;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct Flattening {
   Eigen::VectorXcd places;         // of the nodes in the plane, lengths as along the sheet
   Eigen::VectorXcd conformal;      // the map around a node: dz = a q + b conj(q), q = x + iy in its
   Eigen::VectorXcd anticonformal;  // tangent plane; a and b
+  Eigen::Matrix3Xcd bend;          // and c q² + d q conj(q) + e conj(q)²; no columns: none
   double period = 0;  // of a tube: places this far apart along the real axis are the same
   double distortion =
       0;  // root of Σ w |change of an edge|² / Σ w |edge|²: 0 for developable sheets

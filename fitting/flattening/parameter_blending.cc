@@ -25,6 +25,7 @@ struct NodeMap {
   Eigen::Vector3d place, normal, tangent, binormal;
   Eigen::Matrix2d curvature;
   Complex at, conformal, anticonformal;
+  Eigen::Vector3cd bend;
   double reach;
 
   double Score(const Eigen::Vector3d& point) const {
@@ -32,9 +33,11 @@ struct NodeMap {
     return (d.norm() + 2 * std::abs(d.dot(normal))) / reach;
   }
 
-  Complex Linear(const Eigen::Vector2d& q) const {
+  Complex Chart(const Eigen::Vector2d& q) const {
     const Complex z(q[0], q[1]);
-    return at + conformal * z + anticonformal * std::conj(z);
+    const Complex linear = at + conformal * z + anticonformal * std::conj(z);
+    if (bend.isZero(0)) return linear;
+    return linear + bend[0] * z * z + bend[1] * std::norm(z) + bend[2] * std::conj(z * z);
   }
 
   // Signed distance from the quadric along the normal.
@@ -44,7 +47,7 @@ struct NodeMap {
   }
 
   Complex OnPlane(const Eigen::Vector3d& d) const {
-    return Linear({d.dot(tangent), d.dot(binormal)});
+    return Chart({d.dot(tangent), d.dot(binormal)});
   }
 
   // By the foot on the quadric h(t) = tᵀKt/2 and the length of the way there: with δ = n − h(t),
@@ -54,7 +57,7 @@ struct NodeMap {
     const Eigen::Vector2d slope = curvature * t;
     const Eigen::Vector2d foot = t + (d.dot(normal) - t.dot(slope) / 2) * slope;
     const Eigen::Vector2d foot_slope = curvature * foot;
-    return Linear(foot + foot.dot(foot_slope) / 6 * foot_slope);
+    return Chart(foot + foot.dot(foot_slope) / 6 * foot_slope);
   }
 };
 
@@ -74,6 +77,7 @@ std::vector<NodeMap> NodeMaps(const PoissonDiskSamples& nodes, const Flattening&
                unfolding.places[i],
                unfolding.conformal[i],
                unfolding.anticonformal[i],
+               unfolding.bend.cols() > 0 ? unfolding.bend.col(i).eval() : Eigen::Vector3cd::Zero(),
                nodes.reach[i]};
   }
   return maps;

@@ -18,13 +18,13 @@ struct SpreadPlaces {
 };
 
 // Blends the local charts of the nodes. Each node maps the points around it to their foot points on
-// the node's quadric, along it to lengths in the node's tangent plane, and by the node's linear map
-// into the plane. A point's place is the weighted mean over the nodes around it, with weights that
-// fall smoothly to zero at twice a node's reach: a smooth function of the point, independent of its
-// distance from the sheet to first order. Only nodes connected along the sheet with the point's
-// best node contribute: of the nearest six the one of least d/r + 2 |normal offset|/r. On a tube
-// places are near those of the nodes, possibly a little outside the period. `noise` is the standard
-// deviation of the points along the normal. O(m log n).
+// the node's quadric, along it to lengths in the node's tangent plane, and by the node's map,
+// linear or quadratic, into the plane. A point's place is the weighted mean over the nodes around
+// it, with weights that fall smoothly to zero at twice a node's reach: a smooth function of the
+// point, independent of its distance from the sheet to first order. Only nodes connected along the
+// sheet with the point's best node contribute: of the nearest six the one of least d/r + 2 |normal
+// offset|/r. On a tube places are near those of the nodes, possibly a little outside the period.
+// `noise` is the standard deviation of the points along the normal. O(m log n).
 SpreadPlaces BlendLocalCharts(const SheetGraph& graph,
                               const Flattening& unfolding,
                               const Eigen::Matrix3Xd& points,

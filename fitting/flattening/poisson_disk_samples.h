@@ -33,6 +33,8 @@ struct PoissonDiskOptions {
   int most_neighbours = 60;     // … and most
   bool own_neighbours = false;  // tangent planes from all points, and not from those that may
                                 // become nodes: of nearer ones, where a sheet comes close to itself
+  bool edges_first = false;     // nodes on the sheet's border are picked before all others, the
+                                // outermost first and 0.65 reaches apart
 };
 
 // Samples a greedy Poisson-disk subset of the points, in an order that depends on their coordinates

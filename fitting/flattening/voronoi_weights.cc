@@ -13,14 +13,8 @@ constexpr int kSides = 16;           // of the polygon that cells are cut from �
 constexpr double kCellRadius = 1.7;  // … and its radius in reaches: gaps between nodes are no holes
 constexpr double kLeastWeight = 1e-3;
 
-// A convex polygon; `beyond[k]` is the neighbour behind the side from corner k to the next, or −1.
-struct Cell {
-  std::vector<Eigen::Vector2d> corners;
-  std::vector<int> beyond;
-};
-
-Cell RoundCell(double radius) {
-  Cell cell;
+VoronoiCell RoundCell(double radius) {
+  VoronoiCell cell;
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2 * std::numbers::pi * k / kSides;
     cell.corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
@@ -30,9 +24,9 @@ Cell RoundCell(double radius) {
 }
 
 // Clips off the part of the cell nearer to q than to the origin.
-void CutOff(Cell& cell, const Eigen::Vector2d& q, int neighbour) {
+void CutOff(VoronoiCell& cell, const Eigen::Vector2d& q, int neighbour) {
   const double middle = q.squaredNorm() / 2;
-  Cell rest;
+  VoronoiCell rest;
   const size_t count = cell.corners.size();
   for (size_t k = 0; k < count; ++k) {
     const Eigen::Vector2d &a = cell.corners[k], &b = cell.corners[(k + 1) % count];
@@ -50,25 +44,33 @@ void CutOff(Cell& cell, const Eigen::Vector2d& q, int neighbour) {
 
 }  // namespace
 
+VoronoiCell VoronoiCellOf(const PoissonDiskSamples& nodes,
+                          int i,
+                          const std::vector<int>& around,
+                          double radius) {
+  VoronoiCell cell = RoundCell(radius * nodes.reach[i]);
+  const Eigen::Vector3d tangent = nodes.tangents.col(i), binormal = nodes.Binormal(i);
+  std::vector<std::pair<double, int>> ring;  // near ones first: the cell is soon small
+  for (const int j : around) {
+    if (j != i) ring.emplace_back((nodes.places.col(j) - nodes.places.col(i)).norm(), j);
+  }
+  std::sort(ring.begin(), ring.end());
+  for (const auto& [distance, j] : ring) {
+    const Eigen::Vector3d way = nodes.places.col(j) - nodes.places.col(i);
+    Eigen::Vector2d q(way.dot(tangent), way.dot(binormal));
+    const double size = q.norm();
+    if (size > 0) CutOff(cell, q * (distance / size), j);
+  }
+  return cell;
+}
+
 std::vector<SheetOutline> VoronoiEdgeWeights(const SheetGraph& graph) {
   const PoissonDiskSamples& nodes = graph.nodes;
   const std::vector<std::vector<int>> rings =
       TwoRings(NeighboursOf(graph.nodes.size(), graph.edges));
   std::vector<std::tuple<int, int, double>> halves;
   for (int i = 0; i < nodes.size(); ++i) {
-    Cell cell = RoundCell(kCellRadius * nodes.reach[i]);
-    const Eigen::Vector3d tangent = nodes.tangents.col(i), binormal = nodes.Binormal(i);
-    std::vector<std::pair<double, int>> ring;  // near ones first: the cell is soon small
-    for (const int j : rings[i]) {
-      if (j != i) ring.emplace_back((nodes.places.col(j) - nodes.places.col(i)).norm(), j);
-    }
-    std::sort(ring.begin(), ring.end());
-    for (const auto& [distance, j] : ring) {
-      const Eigen::Vector3d way = nodes.places.col(j) - nodes.places.col(i);
-      Eigen::Vector2d q(way.dot(tangent), way.dot(binormal));
-      const double size = q.norm();
-      if (size > 0) CutOff(cell, q * (distance / size), j);
-    }
+    const VoronoiCell cell = VoronoiCellOf(nodes, i, rings[i], kCellRadius);
     for (size_t k = 0; k < cell.corners.size(); ++k) {
       const int j = cell.beyond[k];
       if (j < 0) continue;

@@ -8,6 +8,20 @@
 
 namespace batten::internal {
 
+// A convex polygon in a node's tangent plane, counter-clockwise; `beyond[k]` is the node behind the
+// side from corner k to the next, or −1.
+struct VoronoiCell {
+  std::vector<Eigen::Vector2d> corners;
+  std::vector<int> beyond;
+};
+
+// The Voronoi cell of node i among the nodes `around` it, laid into its tangent plane at their
+// distances in space, within a polygon of 16 sides of `radius` reaches. O(nodes around · corners).
+VoronoiCell VoronoiCellOf(const PoissonDiskSamples& nodes,
+                          int i,
+                          const std::vector<int>& around,
+                          double radius);
+
 // Two nodes whose Voronoi cells touch, and the length of their common border over their distance.
 struct SheetOutline {
   int first, second;  // first < second

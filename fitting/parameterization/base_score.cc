@@ -50,7 +50,7 @@ FittingProblem BaseScore::ProblemOf(const Parameterization& base, const PointMas
 }
 
 BaseScore::Value BaseScore::Of(const Parameterization& base, const PointMask& reached) const {
-  return Near(base, reached, {0, 0, 0, 0});
+  return Near(base, reached, {0, base.settled_cells_u, base.settled_cells_v, 0});
 }
 
 BaseScore::Value BaseScore::Near(const Parameterization& base,

@@ -18,6 +18,7 @@
 #include "fitting/parameterization/closed_bases.h"
 #include "fitting/parameterization/connected_components.h"
 #include "fitting/parameterization/open_bases.h"
+#include "fitting/parameterization/parameter_settling.h"
 #include "fitting/parameterization/parameter_smoothing.h"
 #include "fitting/parameterization/pole_kinds.h"
 #include "geometry/numeric/number_text.h"
@@ -49,8 +50,10 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
     open.push_back(PlaneCandidate(input, plane));
   if (asked == BaseShape::kAuto || asked == BaseShape::kSheet) {
     std::vector<BaseMethod> sheets = SheetCandidates(input, plane, flattening);
-    open.push_back(std::move(sheets.front()));
-    last.push_back(std::move(sheets.back()));
+    open.push_back(std::move(sheets[0]));
+    open.push_back(std::move(sheets[1]));
+    open.push_back(RectangleCandidate(input));
+    last.push_back(std::move(sheets[2]));
   }
   // A height field, but for few layers, is no tube.
   const bool tubes = asked == BaseShape::kSheet || plane.overlap > kOverlapToWarn;
@@ -221,6 +224,16 @@ class BaseContest {
     BaseAttempt& made = scored.attempt;
     const bool all_reached = (CountedOf(made) == made.reached).all();
     scored.as_laid = ScoreOf(scored);
+    if (scored.name == "rectangle" && SettleParameters(made.base,
+                                                       input_.cloud,
+                                                       made.reached,
+                                                       score().sample(),
+                                                       input_.margin(),
+                                                       input_.pool)) {
+      made.base.why += "; parameters settled on a surface of few control points";
+      scored.value.reset();
+      return;
+    }
     const BaseScore::Value before =
         all_reached ? *scored.as_laid : score().Of(made.base, made.reached);
     const Settled settled =

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fitting/core/rules.h"
+#include "fitting/flattening/rectangle_base.h"
 #include "fitting/parameterization/empty_area_fraction.h"
 #include "geometry/numeric/number_text.h"
 
@@ -17,7 +18,10 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kOverlapToRefuse = 0.15;
 constexpr double kGentle = std::numbers::pi / 4;  // lengths over the plane change by 41 % at most
 constexpr double kManyLengths = 0.03;             // relative change of lengths over a sheet
-constexpr double kMuchEmpty = 0.2;                // share of its rectangle
+// Change of lengths over a layout whose edges join turns that touch. Layouts of ramps that only lie
+// over themselves have 0.01, of a roll four spacings apart 0.25: closer nodes tell its turns apart.
+constexpr double kTorn = 0.1;
+constexpr double kMuchEmpty = 0.2;  // share of its rectangle
 
 std::string InLayers(const PlaneBase& plane) {
   return "seen from any side, they lie over each other in " + Percent(plane.overlap) + " of places";
@@ -87,6 +91,24 @@ BaseAttempt OverSheet(const BaseInput& input,
   return made;
 }
 
+BaseAttempt OverRectangle(const BaseInput& input,
+                          const RectangleLayout& layout,
+                          const InlierSubset& some) {
+  if (!layout.ok()) return Failure(layout.failure_reason());
+  RectangleParameters rectangle =
+      layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
+  Parameterization base;
+  base.name = "sheet";
+  base.shape = "a smooth sheet with four sides";
+  base.why =
+      "the points are a sheet with four corners, mapped onto a rectangle without being laid "
+      "flat";
+  base.parameters = std::move(rectangle.parameters);
+  base.length_u = rectangle.length_u;
+  base.length_v = rectangle.length_v;
+  return Attempt(input, some, std::move(base), rectangle.reached);
+}
+
 }  // namespace
 
 BaseMethod PlaneCandidate(const BaseInput& input, const PlaneBase& plane) {
@@ -116,13 +138,37 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                          return OverSheet(input, plane, flattening->layout(), some);
                        },
                    .smooth = true};
+  BaseMethod torn = first;
+  torn.make = [&input, &plane, flattening](const InlierSubset& some) {
+    if (flattening->layout().found().distortion > kTorn) flattening->layout().LookCloser();
+    return OverSheet(input, plane, flattening->layout(), some);
+  };
+  torn.last_resort = true;
   BaseMethod closer = first;
   closer.make = [&input, &plane, flattening](const InlierSubset& some) {
     flattening->layout().LookCloser();
     return OverSheet(input, plane, flattening->layout(), some);
   };
   closer.last_resort = true;
-  return {std::move(first), std::move(closer)};
+  return {std::move(first), std::move(torn), std::move(closer)};
+}
+
+BaseMethod RectangleCandidate(const BaseInput& input) {
+  const auto layout = std::make_shared<std::optional<RectangleLayout>>();
+  return {.name = "rectangle",
+          .make =
+              [&input, layout](const InlierSubset& some) {
+                if (!*layout) {
+                  layout->emplace(input.inliers(),
+                                  input.index(),
+                                  input.statistics.noise,
+                                  input.margin(),
+                                  input.pool);
+                }
+                return OverRectangle(input, **layout, some);
+              },
+          .smooth = true,
+          .last_resort = true};
 }
 
 }  // namespace batten::internal

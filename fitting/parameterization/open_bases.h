@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bases of surfaces with four edges: a plane and a flattened sheet.
+// Bases of surfaces with four edges: a plane, a flattened sheet, one mapped onto a rectangle.
 #pragma once
 
 #include <memory>
@@ -31,10 +31,15 @@ class SheetFlattening {
   std::optional<SheetLayout> layout_;
 };
 
-// The flattened sheet: a first attempt and, as a last resort, those at finer resolution. It is
-// certain where lengths hardly change and little of its rectangle is empty: then nothing closes.
+// The flattened sheet: a first attempt, those at finer resolution where the first one changes
+// lengths much, and, as a last resort, those in any case. It is certain where lengths hardly change
+// and little of its rectangle is empty: then nothing closes.
 std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);
+
+// The sheet mapped onto a rectangle where it runs in space, if it has four corners: where the plane
+// is steep or lengths change over the flattened sheet, or neither predicts points to the noise.
+BaseMethod RectangleCandidate(const BaseInput& input);
 
 }  // namespace batten::internal

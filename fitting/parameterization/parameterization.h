@@ -28,6 +28,9 @@ struct Parameterization {
   double length_u = 1, length_v = 1;
   // The parameter is periodic with length_u (length_v): the surface is closed in that direction.
   bool periodic_u = false, periodic_v = false;
+  // Of the grid whose surface the parameters were settled on: with uniform cells like these the
+  // points are fitted to the noise, and the rectangle ends where they do. 0: unknown.
+  int settled_cells_u = 0, settled_cells_v = 0;
   Poles poles;         // edges v = 0 and v = length_v that degenerate to a point
   bool exact = false;  // parameters are part of the data: residuals along the surface count too
 

@@ -140,6 +140,8 @@ class InlierPasses {
     limits.degree_v = options_.degree_v;
     limits.max_control_points = options_.max_control_points;
     if (!context_.base().exact && context_.noise() > 0) limits.noise = context_.noise();
+    limits.near_cells_u = context_.base().settled_cells_u;
+    limits.near_cells_v = context_.base().settled_cells_v;
     if (similar != nullptr) {
       limits.near_cells_u = similar->basis_u().size() - options_.degree_u;
       limits.near_cells_v = similar->basis_v().size() - options_.degree_v;

@@ -73,6 +73,16 @@ inline BentSheet SBend(double degrees = 150, double length = 3, double width = 1
           [=](double u, double v) { return Eigen::Vector2d(length * u, width * v); }};
 }
 
+// A helicoid between two radii. [its plan covers itself from one turn on]
+inline BentSheet HelicalRamp(double turns, double inner = 1, double outer = 2, double pitch = 2) {
+  return {"ramp", [=](double u, double v) {
+            const double angle = 2 * std::numbers::pi * turns * u,
+                         radius = inner + (outer - inner) * v;
+            return Eigen::Vector3d(
+                radius * std::cos(angle), radius * std::sin(angle), pitch * turns * u);
+          }};
+}
+
 // Part of a spiral of Archimedes whose turns are `apart`.
 inline BentSheet Roll(double turns = 1.5,
                       double apart = 0.15,
