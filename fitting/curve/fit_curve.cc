@@ -78,6 +78,9 @@ class Components {
     fit.report.warnings.insert(
         fit.report.warnings.begin(), arranged_.warnings.begin(), arranged_.warnings.end());
     if (alone && size() > 1) {
+      const auto& place = arranged_.curves[component].place;
+      for (Eigen::Index k = 0; k < fit.outliers.size(); ++k)
+        if (place[static_cast<size_t>(k)] < 0) fit.outliers[k] = true;
       fit.report.warnings.insert(fit.report.warnings.begin(),
                                  "the points are " + std::to_string(size()) +
                                      " separate curves; this is number " +

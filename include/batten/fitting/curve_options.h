@@ -87,8 +87,10 @@ struct CurveFit {
   NurbsCurve<Dim> curve;       // in world coordinates less options.shift
   Eigen::VectorXd parameters;  // foot point of every point of the cloud
   Eigen::VectorXd residuals;   // orthogonal distance of each
-  PointMask outliers;          // outliers, and points to which the loss gives zero weight
-  FitReport report;            // describes exactly this curve
+  // Points that do not count: outliers, those to which the loss gives zero weight and, where one of
+  // several curves is fitted alone, those of the others.
+  PointMask outliers;
+  FitReport report;  // describes exactly this curve
 };
 
 }  // namespace batten

@@ -22,7 +22,7 @@ template <int Dim>
 CurveFit<Dim> FitCurve(const PointCloud& cloud, const CurveFitOptions& options = {});
 
 // Fits one curve to every component of unordered points, longest first. Points of the other
-// components are not outliers of a curve; its report leaves them out.
+// components are not outliers of a curve here; its report leaves them out.
 template <int Dim>
 std::vector<CurveFit<Dim>> FitCurves(const PointCloud& cloud, const CurveFitOptions& options = {});
 

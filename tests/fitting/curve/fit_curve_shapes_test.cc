@@ -166,7 +166,10 @@ TEST(FitCurveShapesTest, ListsSeparateCurves) {
   EXPECT_EQ(fits[0].report.input.used, 600);
   EXPECT_EQ(fits[1].report.input.used, 300);
   EXPECT_LT(fits[0].report.error.max, 1e-4);
-  EXPECT_EQ(FitComponent<2>(cloud, 2).curve, fits[1].curve);
+  const CurveFit<2> second = FitComponent<2>(cloud, 2);
+  EXPECT_EQ(second.curve, fits[1].curve);
+  EXPECT_EQ(second.outliers.count(), 600);  // the points of the other curve do not count
+  EXPECT_EQ(second.report.input.outliers, 0);
   EXPECT_THROW(FitComponent<2>(cloud, 3), std::invalid_argument);
 }
 
