@@ -24,6 +24,7 @@ constexpr double kFirmer = 4;  // ratio of the places' weights from round to rou
 // stands between points that contradict each other, as at a jump of depth. On nine scans and six
 // scenes those brought back fell to 0.6-0.9 a round.
 constexpr double kGain = 0.92;
+constexpr double kWorthIt = 0.8;         // of the greatest overshoot: what leaves more is not taken
 constexpr double kHoldSmoothing = 1e-3;  // of the change: it fades over a cell or two
 constexpr double kMostGrowth = 1.05;     // ratio of the rms distance of the points …
 constexpr double kUnseen = 0.01;         // … or in spacings, where they lie on the surface
@@ -79,8 +80,7 @@ bool HoldBetweenPoints(SurfaceState& draft,
     return FindExcursions({surface, points, feet, spacing, up}, kAllowed * spacing, pool);
   };
   if (overshoots(draft.surface, draft.parameters).empty()) return false;
-  const auto standing = [&](const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
-    PointDistances found = DistancesTo(surface, points, near, pool);
+  const auto standing = [&](const NurbsSurface& surface, PointDistances found) {
     Standing now;
     const Eigen::VectorXd squares = found.distances.cwiseAbs2();
     now.squares = draft.weights.size() > 0 ? draft.weights.dot(squares) : squares.sum();
@@ -90,13 +90,20 @@ bool HoldBetweenPoints(SurfaceState& draft,
     for (const Excursion& one : now.excursions) now.most = std::max(now.most, one.back.norm());
     return now;
   };
-  Standing now = standing(draft.surface, draft.parameters);
-  const double most_squares = kMostGrowth * kMostGrowth * now.squares +
-                              std::pow(kUnseen * spacing, 2) * static_cast<double>(points.cols());
-  const bool within = tolerance && now.max <= *tolerance;
-  NurbsSurface surface = draft.surface;
-  double weight = 1, least = now.most;
-  bool changed = false;
+  // Local foot points serve while it is sought; the last surface is judged by global ones.
+  const auto nearby = [&](const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
+    return standing(surface, DistancesFrom(surface, points, near, pool));
+  };
+  const Standing before = nearby(draft.surface, draft.parameters);
+  const bool within = tolerance && before.max <= *tolerance;
+  const auto allowed = [&](const Standing& now) {
+    const double squares = kMostGrowth * kMostGrowth * before.squares +
+                           std::pow(kUnseen * spacing, 2) * static_cast<double>(points.cols());
+    return now.squares <= squares && !(within && now.max > *tolerance);
+  };
+  NurbsSurface surface = draft.surface, best = surface;
+  Standing now = before, of_best = before;
+  double weight = 1;
   std::vector<Excursion> places;  // of all rounds: those of before stay where they are
   for (int round = 0; round < kMostRounds && !now.excursions.empty(); ++round, weight *= kFirmer) {
     for (Excursion& one : places) one.back.setZero();
@@ -105,19 +112,21 @@ bool HoldBetweenPoints(SurfaceState& draft,
     const Eigen::Matrix3Xd change = LeastChange(draft, now.feet, places, weight, pool);
     surface = NurbsSurface(surface.basis_u(), surface.basis_v(), surface.control_points() + change)
                   .WithTrims(surface.trims());
-    const double before = now.most;
-    now = standing(surface, now.feet);
-    if (now.squares > most_squares) break;
-    if (within && now.max > *tolerance) break;
-    if (now.most < least) {
-      least = now.most;
-      draft.surface = surface;
-      draft.parameters = now.feet;
-      changed = true;
+    const double last = now.most;
+    now = nearby(surface, now.feet);
+    if (!allowed(now)) break;
+    if (now.most < of_best.most) {
+      best = surface;
+      of_best = now;
     }
-    if (round > 0 && now.most > kGain * before) break;
+    if (round > 0 && now.most > kGain * last) break;
   }
-  return changed;
+  if (of_best.most > kWorthIt * before.most) return false;
+  of_best = standing(best, DistancesTo(best, points, of_best.feet, pool));
+  if (!allowed(of_best) || of_best.most > kWorthIt * before.most) return false;
+  draft.surface = std::move(best);
+  draft.parameters = std::move(of_best.feet);
+  return true;
 }
 
 }  // namespace batten::internal

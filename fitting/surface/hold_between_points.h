@@ -16,9 +16,10 @@ namespace batten::internal {
 // overshoot to the heights allowed there, the more firmly in every round. [Lagrangian penalty:
 // Nocedal & Wright 2006, §17.1] Least squares leave the points where few of them, or contradicting
 // ones, hold a control point: beside cliffs, at holes and borders, around what was set aside. Kept
-// only where the overshoot becomes less and the rms distance of the points grows by a twentieth at
-// most, within a tolerance where all were. Rational surfaces and conditions are left alone. `up`:
-// as OvershootInput says. Returns whether the surface changed. O(m log m) for each of few rounds.
+// only where the greatest overshoot becomes less by a fifth and the rms distance of the points
+// grows by a twentieth at most, within a tolerance where all were. Rational surfaces and conditions
+// are left alone. `up`: as OvershootInput says. Returns whether the surface changed. O(m log m) for
+// each of few rounds.
 bool HoldBetweenPoints(SurfaceState& draft,
                        double spacing,
                        const std::optional<Eigen::Vector3d>& up,
