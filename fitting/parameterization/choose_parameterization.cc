@@ -95,7 +95,15 @@ class BaseContest {
       return;
     }
     Scored scored{std::move(made), candidate.name, std::nullopt};
-    if (candidate.smooth && Acts(Rule::kSmoothedParameters)) Smooth(scored);
+    if (candidate.name == "rectangle") {
+      // A map is good to a share of the sheet's width: what does not settle is no base.
+      if (!Settle(scored)) {
+        row.refused = "its parameters settle on no surface of few control points";
+        return;
+      }
+    } else if (candidate.smooth && Acts(Rule::kSmoothedParameters)) {
+      Smooth(scored);
+    }
     if (best_ && !BeatsBest(scored)) {
       row.refused = ScoreOf(scored).score < ScoreOf(*best_).score
                         ? "predicts left-out points not clearly better, for its control points"
@@ -220,20 +228,21 @@ class BaseContest {
     return IsBetter(value, best);
   }
 
+  bool Settle(Scored& scored) {
+    BaseAttempt& made = scored.attempt;
+    scored.as_laid = ScoreOf(scored);
+    if (!SettleParameters(
+            made.base, input_.cloud, made.reached, score().sample(), input_.margin(), input_.pool))
+      return false;
+    made.base.why += "; parameters settled on a surface of few control points";
+    scored.value.reset();
+    return true;
+  }
+
   void Smooth(Scored& scored) {
     BaseAttempt& made = scored.attempt;
     const bool all_reached = (CountedOf(made) == made.reached).all();
     scored.as_laid = ScoreOf(scored);
-    if (scored.name == "rectangle" && SettleParameters(made.base,
-                                                       input_.cloud,
-                                                       made.reached,
-                                                       score().sample(),
-                                                       input_.margin(),
-                                                       input_.pool)) {
-      made.base.why += "; parameters settled on a surface of few control points";
-      scored.value.reset();
-      return;
-    }
     const BaseScore::Value before =
         all_reached ? *scored.as_laid : score().Of(made.base, made.reached);
     const Settled settled =
