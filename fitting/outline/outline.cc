@@ -29,16 +29,16 @@ namespace {
 using Index = Eigen::Index;
 
 // Lengths are in spacings, areas in squared spacings.
-constexpr double kRadius = 2.5;     // of the alpha shape
-constexpr double kLeastArea = 36;   // smaller holes and parts are ignored
-constexpr double kOutwards = 0.43;  // how far random points' ragged border lies inside, measured
-constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which points lie outside
+constexpr double kRadius = 2.5;      // of the alpha shape
+constexpr double kLeastArea = 36;    // smaller holes and parts are ignored
+constexpr double kOutwards = 0.43;   // how far random points' ragged border lies inside, measured
+constexpr double kExact = 1e-5;      // sagitta of the polygons that decide which points lie outside
 constexpr double kRounding = 1e-12;  // of the rectangle
-constexpr double kFarthest = 1.5;   // points farther outside are not contained
-constexpr double kPinned = 4;       // radius about a crossing that is first put back on the border
-constexpr double kHidden = 3;       // points farther outside get a part of their own …
-constexpr double kDisc = 1;         // … of this radius about each
-constexpr double kWiden = 4;        // factor of the radius where that does not undo the crossing
+constexpr double kFarthest = 1.5;    // points farther outside are not contained
+constexpr double kPinned = 4;        // radius about a crossing that is first put back on the border
+constexpr double kHidden = 3;        // points farther outside get a part of their own …
+constexpr double kDisc = 1;          // … of this radius about each
+constexpr double kWiden = 4;         // factor of the radius where that does not undo the crossing
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {
@@ -203,19 +203,32 @@ class OutlineSearch {
   // outside, they are put back on the points' own border, farther and farther about the place.
   void Smooth(const std::vector<OutlineLoop>& parts, bool whole, Outline& outline) const {
     std::vector<std::vector<OutlinePin>> pins(parts.size());
-    std::vector<OutlineSpline> splines = Smoothed(parts, pins);
+    std::vector<OutlineSpline> splines(parts.size(), RectangleSpline(sides_));  // all smoothed anew
+    std::vector<char> anew(parts.size(), 1);
+    SmoothAnew(parts, pins, anew, splines);
     for (double radius = kPinned; radius < kWiden * sides_.maxCoeff(); radius *= kWiden) {
       const std::vector<TrimFault> faults = TrimFaults(Trimmed(splines, whole));
       const std::vector<Index> hidden = Outside(splines, whole, kHidden);
       if (faults.empty() && hidden.empty()) break;
+      anew.assign(parts.size(),
+                  options_.periodic_u || options_.periodic_v);  // seams match in pairs
+      const auto pin = [&](size_t loop, const OutlinePin& at) {
+        pins[loop].push_back(at);
+        anew[loop] = 1;
+      };
       const int before = whole ? 1 : 0;  // the rectangle
       for (const TrimFault& fault : faults)
         for (const int loop : {fault.loop - before, fault.other - before})
-          if (loop >= 0) pins[loop].push_back({fault.at, radius});
-      for (const Index point : hidden)
-        for (std::vector<OutlinePin>& of_loop : pins)
-          of_loop.push_back({points_.col(point), radius});
-      splines = Smoothed(parts, pins);
+          if (loop >= 0) pin(loop, {fault.at, radius});
+      for (const Index point : hidden) {
+        const OutlinePin at{points_.col(point), radius};
+        for (size_t loop = 0; loop < parts.size(); ++loop)
+          if (std::any_of(parts[loop].begin(), parts[loop].end(), [&](const auto& sample) {
+                return at.Holds(sample);
+              }))
+            pin(loop, at);
+      }
+      SmoothAnew(parts, pins, anew, splines);
     }
     splines = ByArea(std::move(splines));
     outline.outside = Outside(splines, whole, kRounding * sides_.maxCoeff());
@@ -229,21 +242,24 @@ class OutlineSearch {
     }
   }
 
-  std::vector<OutlineSpline> Smoothed(const std::vector<OutlineLoop>& parts,
-                                      const std::vector<std::vector<OutlinePin>>& pins) const {
-    std::vector<OutlineSpline> splines;
+  // The splines of the loops marked, under their pins; the others stay.
+  void SmoothAnew(const std::vector<OutlineLoop>& parts,
+                  const std::vector<std::vector<OutlinePin>>& pins,
+                  const std::vector<char>& anew,
+                  std::vector<OutlineSpline>& splines) const {
     for (size_t k = 0; k < parts.size(); ++k) {
+      if (anew[k] == 0) continue;
       OutlineLoop loop = parts[k];
       PutOnEdges(loop, pins[k], sides_);
       for (const OutlinePin& pin : pins[k]) PinToBorder(loop, pin);
-      splines.push_back(SmoothedOutline(loop, options_.noise / options_.spacing));
-      FixOnEdges(splines.back());
+      splines[k] = SmoothedOutline(loop, options_.noise / options_.spacing);
+      FixOnEdges(splines[k]);
     }
-    EnforceContainment(points_, sides_, kFarthest, splines, pool_);
+    EnforceContainment(points_, sides_, kFarthest, anew, splines, pool_);
     if (MatchSeams(splines, options_, sides_))
-      EnforceContainment(points_, sides_, kFarthest, splines, pool_);
-    for (OutlineSpline& spline : splines) KeepInRectangle(spline, sides_);
-    return splines;
+      EnforceContainment(points_, sides_, kFarthest, anew, splines, pool_);
+    for (size_t k = 0; k < parts.size(); ++k)
+      if (anew[k] != 0) KeepInRectangle(splines[k], sides_);
   }
 
   // The rectangle as a plane, trimmed by the loops.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "fitting/outline/outline_polygon.h"
@@ -24,7 +25,9 @@ constexpr double kOwnLength = 1;
 constexpr double kMostContainmentMoved =
     4;                          // of a control point; else conditions contradict each other
 constexpr double kSoft = 1e-5;  // softness of conditions
+constexpr double kSofter = 100;
 constexpr double kMet = 1e-3;
+constexpr double kTrifle = 1e-2 * kMet;
 
 // A spline's place at t must go along n by at least `least`.
 struct Condition {
@@ -56,7 +59,7 @@ class LeastMove {
   Eigen::Matrix2Xd Move(const std::vector<Condition>& conditions) const {
     std::vector<Active> actives;
     for (const Condition& condition : conditions) actives.push_back(ActiveOf(condition));
-    for (double soft = kSoft;; soft *= 10) {
+    for (double soft = kSoft;; soft *= kSofter) {
       Eigen::Matrix2Xd move = Move(conditions, actives, soft);
       if (!(move.colwise().norm().maxCoeff() > kMostContainmentMoved) || soft > 1e3) return move;
     }
@@ -64,6 +67,7 @@ class LeastMove {
 
  private:
   static constexpr int kWindow = 24;  // control points on either side: 0.43^24 is 2e-9
+  static constexpr int kBand = 3;     // of a cubic's Gram matrix
 
   struct Active {
     SparseRow row;
@@ -102,6 +106,24 @@ class LeastMove {
     return mass;
   }
 
+  // Solves A·x = right in place by Cholesky's factors; entry (d, k) of the band is A's (k + d, k).
+  static void SolveBanded(Eigen::MatrixXd& band, Eigen::VectorXd& right) {
+    const auto size = band.cols(), width = band.rows() - 1;
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const Eigen::Index below = std::min(width, size - 1 - k);
+      band.col(k).head(below + 1) /= std::sqrt(band(0, k));
+      for (Eigen::Index d = 1; d <= below; ++d)
+        band.col(k + d).head(below - d + 1) -= band(d, k) * band.col(k).segment(d, below - d + 1);
+      right[k] /= band(0, k);
+      right.segment(k + 1, below) -= right[k] * band.col(k).segment(1, below);
+    }
+    for (Eigen::Index k = size; k-- > 0;) {
+      const Eigen::Index below = std::min(width, size - 1 - k);
+      right[k] -= band.col(k).segment(1, below).dot(right.segment(k + 1, below));
+      right[k] /= band(0, k);
+    }
+  }
+
   Active ActiveOf(const Condition& condition) const {
     Active active;
     active.row = RowAt(spline_, condition.t);
@@ -112,24 +134,28 @@ class LeastMove {
     const auto place = [&](Eigen::Index column) {
       return ((static_cast<int>(column) - first) % n + n) % n;
     };
-    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(size, size);
+    const auto held = [&](int k, int axis) { return spline_.fixed[active.columns[k]][axis]; };
+    const int band = size == n ? size - 1 : kBand;                 // the whole of a loop is cyclic
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(band + 1, size);  // entry (d, k) is of k + d and k
     for (int k = 0; k < size; ++k)
       for (Eigen::SparseMatrix<double>::InnerIterator it(mass_, active.columns[k]); it; ++it)
-        if (place(it.row()) < size) mass(place(it.row()), k) = it.value();
+        if (const int below = place(it.row()) - k; below >= 0 && below <= band && k + below < size)
+          mass(below, k) = it.value();
     Eigen::VectorXd values = Eigen::VectorXd::Zero(size);
     for (int r = 0; r < 4; ++r) values[place(active.row.column[r])] += active.row.value[r];
     active.step.resize(2, size);
     for (int axis = 0; axis < 2; ++axis) {
-      Eigen::MatrixXd held = mass;
+      Eigen::MatrixXd factor = mass;
       Eigen::VectorXd right = condition.n[axis] * values;
       for (int k = 0; k < size; ++k) {
-        if (!spline_.fixed[active.columns[k]][axis]) continue;
-        held.row(k).setZero();
-        held.col(k).setZero();
-        held(k, k) = 1;
+        for (int d = 1; d <= band && k + d < size; ++d)
+          if (held(k, axis) || held(k + d, axis)) factor(d, k) = 0;
+        if (!held(k, axis)) continue;
+        factor(0, k) = 1;
         right[k] = 0;
       }
-      active.step.row(axis) = held.llt().solve(right).transpose();
+      SolveBanded(factor, right);
+      active.step.row(axis) = right.transpose();
     }
     active.size = condition.n.dot(active.step * values);
     return active;
@@ -148,7 +174,7 @@ class LeastMove {
         const double lacks =
             conditions[k].least - soft * multipliers[k] - conditions[k].n.dot(active.row * move);
         const double change = std::max(-multipliers[k], lacks / (active.size + soft));
-        if (change == 0) continue;
+        if (std::abs(change) * active.size < kTrifle) continue;
         multipliers[k] += change;
         move(Eigen::all, active.columns) += change * active.step;
         worst = std::max(worst, std::abs(change) * active.size);
@@ -179,16 +205,21 @@ void Keep(Bins& bins, int loop, int kind, const Condition& condition) {
   if (!fresh && place->second.least < condition.least) place->second = condition;
 }
 
-// Points that the moves of a border may reach.
+// Points that the moves of a border may bring within `farthest`.
 Eigen::Matrix2Xd NearOutlines(const Eigen::Matrix2Xd& points,
+                              double farthest,
+                              const std::vector<char>& movable,
                               const std::vector<OutlineSpline>& loops,
                               ThreadPool& pool) {
-  const std::vector<OutlineFootPoint> feet =
-      OutlinePolygon(loops, kMostContainmentMoved).FootPointSet(points, pool);
-  Eigen::Matrix2Xd near(2, static_cast<Eigen::Index>(feet.size()));
-  for (size_t k = 0; k < feet.size(); ++k)
-    near.col(static_cast<Eigen::Index>(k)) = points.col(feet[k].point);
-  return near;
+  std::vector<OutlineSpline> moving;
+  for (size_t k = 0; k < loops.size(); ++k)
+    if (movable[k] != 0) moving.push_back(loops[k]);
+  if (moving.empty()) return Eigen::Matrix2Xd(2, 0);
+  const double reach = kMostContainmentMoved + farthest;
+  std::vector<Eigen::Index> near;
+  for (const OutlineFootPoint& foot : OutlinePolygon(moving, reach).FootPointSet(points, pool))
+    if (foot.loop >= 0 && std::abs(foot.outside) <= reach) near.push_back(foot.point);
+  return points(Eigen::all, near);
 }
 
 }  // namespace
@@ -196,11 +227,14 @@ Eigen::Matrix2Xd NearOutlines(const Eigen::Matrix2Xd& points,
 void EnforceContainment(const Eigen::Matrix2Xd& points,
                         const Eigen::Vector2d& sides,
                         double farthest,
+                        const std::vector<char>& movable,
                         std::vector<OutlineSpline>& loops,
                         ThreadPool& pool) {
   const std::vector<OutlineSpline> begun = loops;
-  const Eigen::Matrix2Xd near = NearOutlines(points, loops, pool);
-  std::vector<LeastMove> least(begun.begin(), begun.end());
+  const Eigen::Matrix2Xd near = NearOutlines(points, farthest, movable, loops, pool);
+  std::vector<std::optional<LeastMove>> least(begun.size());
+  for (size_t l = 0; l < begun.size(); ++l)
+    if (movable[l] != 0) least[l].emplace(begun[l]);
   for (int round = 0; round < kRounds; ++round) {
     const OutlinePolygon polygon(loops, std::max(farthest, kContainmentLookedAt));
     std::vector<Bins> bins(loops.size());
@@ -208,11 +242,12 @@ void EnforceContainment(const Eigen::Matrix2Xd& points,
     for (const OutlineFootPoint& foot : polygon.FootPointSet(near, pool)) {
       if (foot.loop < 0 || foot.outside > farthest || foot.outside < -kContainmentLookedAt)
         continue;
-      if (loops[foot.loop].IsStraight(foot.t)) continue;
+      if (movable[foot.loop] == 0 || loops[foot.loop].IsStraight(foot.t)) continue;
       worst = std::max(worst, foot.outside + kMargin);
       Keep(bins[foot.loop], foot.loop, 0, {foot.t, foot.outward, foot.outside + kMargin});
     }
     for (size_t l = 0; l < loops.size(); ++l) {
+      if (movable[l] == 0) continue;
       for (const auto& vertex : polygon.vertices()[l]) {
         if (loops[l].IsStraight(vertex.t)) continue;
         for (int axis = 0; axis < 2; ++axis) {
@@ -237,7 +272,7 @@ void EnforceContainment(const Eigen::Matrix2Xd& points,
         const Eigen::Vector2d moved = loops[l].At(condition.t) - begun[l].At(condition.t);
         conditions.back().least += condition.n.dot(moved);
       }
-      if (!conditions.empty()) loops[l].points = begun[l].points + least[l].Move(conditions);
+      if (!conditions.empty()) loops[l].points = begun[l].points + least[l]->Move(conditions);
     }
   }
 }

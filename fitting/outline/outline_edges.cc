@@ -220,18 +220,30 @@ double Greatest(const OutlineSpline& spline, int span, int axis, int sign) {
   return std::max(greatest, value(low));
 }
 
-double Greatest(const OutlineSpline& spline, int axis, int sign) {
+// The same of all spans that may exceed the limit: a span lies in its control points' hull.
+double GreatestBeyond(const OutlineSpline& spline, int axis, int sign, double limit) {
   double greatest = -std::numeric_limits<double>::infinity();
-  for (const int span : spline.basis.Spans())
-    greatest = std::max(greatest, Greatest(spline, span, axis, sign));
+  for (const int span : spline.basis.Spans()) {
+    const auto beyond = [&](int i) {
+      return sign * spline.points(axis, spline.unknown[i]) > limit;
+    };
+    bool inside = true;
+    for (int i = span - spline.basis.degree(); i <= span; ++i) inside = inside && !beyond(i);
+    if (!inside) greatest = std::max(greatest, Greatest(spline, span, axis, sign));
+  }
   return greatest;
 }
 
 // Control points of the parts far outside.
 void ClampSpans(OutlineSpline& spline, int axis, double side, double trifle) {
   for (const int span : spline.basis.Spans()) {
-    if (-Greatest(spline, span, axis, -1) >= -trifle &&
-        Greatest(spline, span, axis, 1) <= side + trifle)
+    bool inside = true;  // all of the span's hull
+    for (int i = span - spline.basis.degree(); i <= span; ++i) {
+      const double x = spline.points(axis, spline.unknown[i]);
+      inside = inside && x >= 0 && x <= side;
+    }
+    if (inside || (-Greatest(spline, span, axis, -1) >= -trifle &&
+                   Greatest(spline, span, axis, 1) <= side + trifle))
       continue;
     for (int i = span - spline.basis.degree(); i <= span; ++i) {
       double& x = spline.points(axis, spline.unknown[i]);
@@ -248,7 +260,8 @@ void KeepInRectangle(OutlineSpline& spline, const Eigen::Vector2d& sides) {
   for (int axis = 0; axis < 2; ++axis) {
     ClampSpans(spline, axis, sides[axis], kTrifle);
     for (int round = 0; round < kRounds; ++round) {
-      const double low = -Greatest(spline, axis, -1), high = Greatest(spline, axis, 1);
+      const double low = -GreatestBeyond(spline, axis, -1, 0),
+                   high = GreatestBeyond(spline, axis, 1, sides[axis]);
       if (low >= 0 && high <= sides[axis]) break;
       const double from = low < 0 ? low - kRounding : 0;
       const double to = high > sides[axis] ? high + kRounding : sides[axis];
@@ -257,7 +270,8 @@ void KeepInRectangle(OutlineSpline& spline, const Eigen::Vector2d& sides) {
         if (!spline.fixed[i][axis]) x = sides[axis] * ((x - from) / (to - from));
       }
     }
-    if (-Greatest(spline, axis, -1) < 0 || Greatest(spline, axis, 1) > sides[axis])
+    if (-GreatestBeyond(spline, axis, -1, 0) < 0 ||
+        GreatestBeyond(spline, axis, 1, sides[axis]) > sides[axis])
       ClampSpans(spline, axis, sides[axis], 0);
   }
 }

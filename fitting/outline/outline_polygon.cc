@@ -2,6 +2,7 @@
 #include "fitting/outline/outline_polygon.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -35,7 +36,11 @@ std::vector<OutlinePolygon::Vertex> VerticesOf(const OutlineSpline& loop, double
         static_cast<int>(std::clamp<double>(std::ceil(sides), kFewestPolygonCorners, kMost));
     for (int k = 0; k < count; ++k) {
       const double t = begin + length * k / count;
-      vertices.push_back({t, loop.At(t)});
+      std::array<double, 4> values;  // of a cubic
+      loop.basis.Values(span, t, values.data());
+      Eigen::Vector2d place = Eigen::Vector2d::Zero();
+      for (int r = 0; r <= p; ++r) place += values[r] * loop.points.col(loop.unknown[span - p + r]);
+      vertices.push_back({t, place});
     }
   }
   vertices.push_back({loop.basis.upper(), vertices.front().place});
@@ -69,11 +74,10 @@ OutlinePolygon::OutlinePolygon(const std::vector<OutlineSpline>& loops,
 }
 
 void OutlinePolygon::Enter() {
-  std::vector<std::pair<std::int64_t, int>> pairs;
-  for (size_t s = 0; s < segments_.size(); ++s) {
-    const auto& vertices = vertices_[segments_[s].loop];
-    const Eigen::Vector2d &a = vertices[segments_[s].first].place,
-                          &b = vertices[segments_[s].first + 1].place;
+  const auto for_each_cell = [&](const Segment& segment, const auto& act) {
+    const auto& vertices = vertices_[segment.loop];
+    const Eigen::Vector2d &a = vertices[segment.first].place,
+                          &b = vertices[segment.first + 1].place;
     const Eigen::Array2d low = (a.cwiseMin(b) - corner_).array() - reach_;
     const Eigen::Array2d high = (a.cwiseMax(b) - corner_).array() + reach_;
     const auto cell = [&](double x, std::int64_t count) {
@@ -81,16 +85,17 @@ void OutlinePolygon::Enter() {
           static_cast<std::int64_t>(std::floor(x / side_)), 0, count - 1);
     };
     for (std::int64_t j = cell(low[1], nv_); j <= cell(high[1], nv_); ++j)
-      for (std::int64_t i = cell(low[0], nu_); i <= cell(high[0], nu_); ++i)
-        pairs.emplace_back(j * nu_ + i, static_cast<int>(s));
-  }
-  std::sort(pairs.begin(), pairs.end());
+      for (std::int64_t i = cell(low[0], nu_); i <= cell(high[0], nu_); ++i) act(j * nu_ + i);
+  };
   begin_.assign(static_cast<size_t>(nu_ * nv_ + 1), 0);
-  for (const auto& [cell, segment] : pairs) {
-    ++begin_[cell + 1];
-    entries_.push_back(segment);
-  }
+  for (const Segment& segment : segments_)
+    for_each_cell(segment, [&](std::int64_t cell) { ++begin_[cell + 1]; });
   for (size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+  entries_.resize(static_cast<size_t>(begin_.back()));
+  std::vector<std::int64_t> next(begin_.begin(), begin_.end() - 1);
+  for (size_t s = 0; s < segments_.size(); ++s)
+    for_each_cell(segments_[s],
+                  [&](std::int64_t cell) { entries_[next[cell]++] = static_cast<int>(s); });
 }
 
 // Along the middle of each row of cells, by the borders crossed.
@@ -173,8 +178,8 @@ OutlineFootPoint OutlinePolygon::FootOf(const Eigen::Vector2d& point, std::int64
   const double distance = std::sqrt(least);
   // Nearer borders than those entered in the cell may be beyond the reach, and where more than two
   // sides meet their normals do not tell.
-  const bool outside = distance > reach_ || meeting > 2 ? !IsInside(point, cell)
-                                                        : normals.dot(point - nearest) > 0;
+  const bool outside =
+      distance > reach_ || meeting > 2 ? !IsInside(point, cell) : normals.dot(point - nearest) > 0;
   foot.outside = outside ? distance : -distance;
   foot.outward = distance > 1e-3 ? Eigen::Vector2d((point - nearest) / foot.outside)
                                  : Eigen::Vector2d(normals.normalized());

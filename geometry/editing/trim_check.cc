@@ -2,7 +2,9 @@
 #include "geometry/editing/trim_faults.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -84,7 +86,7 @@ void CheckTurning(FaultList& faults) {
 class WindingCheck {
  public:
   WindingCheck(const std::vector<MonotoneArc>& arcs, FaultList& faults)
-      : arcs_(arcs), faults_(faults) {}
+      : arcs_(arcs), faults_(faults), known_(arcs.size()) {}
 
   void Run() {
     std::vector<int> by_height(arcs_.size());
@@ -117,6 +119,15 @@ class WindingCheck {
   };
 
   double At(int arc, double y) const { return arcs_[arc].At(arcs_[arc].Where(1, y))[0]; }
+
+  // The same at the lower or upper height of a slab, which two slabs and two neighbours ask for.
+  double AtHeight(int arc, double y) {
+    for (const Known& known : known_[arc])
+      if (known.y == y) return known.x;
+    known_[arc][0] = known_[arc][1];
+    known_[arc][1] = {y, At(arc, y)};
+    return known_[arc][1].x;
+  }
 
   void CheckSlab(const std::vector<int>& active, double low, double high) {
     const double middle = low + (high - low) / 2;
@@ -185,8 +196,12 @@ class WindingCheck {
     };
     constexpr int kMostHalvings = 256;
     const auto less = [](const Stretch& a, const Stretch& b) { return a.Overlap() < b.Overlap(); };
-    std::vector<Stretch> stretches{
-        {low, high, At(left, low), At(left, high), At(right, low), At(right, high)}};
+    std::vector<Stretch> stretches{{low,
+                                    high,
+                                    AtHeight(left, low),
+                                    AtHeight(left, high),
+                                    AtHeight(right, low),
+                                    AtHeight(right, high)}};
     for (int k = 0; k < kMostHalvings; ++k) {
       const Stretch worst = stretches.front();
       if (worst.Overlap() <= kResolution) return;
@@ -211,8 +226,13 @@ class WindingCheck {
                                   : name + " and " + faults_.Name(second) + " cross");
   }
 
+  struct Known {
+    double y = std::numeric_limits<double>::quiet_NaN(), x = 0;
+  };
+
   const std::vector<MonotoneArc>& arcs_;
   FaultList& faults_;
+  std::vector<std::array<Known, 2>> known_;  // of an arc
 };
 
 }  // namespace
