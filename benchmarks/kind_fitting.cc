@@ -5,9 +5,11 @@
 // seed to seed. A row tells, as medians and worst of the seeds, the rms and largest distance of the
 // noise-free sheet from the fitted surface and the control points over those of the oracle: the
 // best uniform bicubic at the true parameters of the same points.
-//   kind_fitting [--seeds N] [--first SEED] [--points SHARE] [--write FOLDER] [--each] [KIND…]
+//   kind_fitting [--seeds N] [--first SEED] [--points SHARE] [--write FOLDER] [--each] [--alone]
+//                [KIND…]
 // `KIND…` prints only kinds whose names contain one of the words; `--each` every seed, too;
-// `--write` leaves the clouds as text.
+// `--alone` goes without the oracle, which takes most of the time; `--write` leaves the clouds as
+// text.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -27,6 +29,7 @@
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/statistics.h"
 #include "known_sheets.h"
+#include "known_wings.h"
 
 using namespace batten;
 using namespace batten::internal;
@@ -60,6 +63,7 @@ struct Kind {
   int lines = 0;                                       // v takes so many values only
   Eigen::Index ball = 0, strays = 0;                   // clutter
   double sigma = kSigma;
+  bool sharp_edge = false;  // u = 0 and u = 1 are one sharp edge
 };
 
 // A wing's mean surface turned along its span, with camber and taper.
@@ -146,6 +150,20 @@ KnownSheet WingMean(Variation& vary) {
   return {"", at, {span, 0.75}, {}};
 }
 
+// A wing with its whole section: thickness 9 to 18 %.
+KnownSheet WholeWing(Variation& vary) {
+  WingShape shape;
+  shape.thickness = 0.135 + 0.045 * (2 * vary.Uniform() - 1);
+  shape.camber = 0.03 * vary.Uniform();
+  shape.span = 2.4 * vary.About(0.25);
+  shape.taper = 0.4 + 0.5 * vary.Uniform();
+  shape.sweep = 0.8 * vary.Uniform();
+  shape.twist = Radians(8) * (2 * vary.Uniform() - 1);
+  shape.dihedral = 0.3 * vary.Uniform();
+  shape.fullness = 0.8 + 0.5 * vary.Uniform();
+  return ClosedWing(shape);
+}
+
 std::vector<Kind> Kinds() {
   const auto blade = [](double degrees) {
     return [degrees](Variation& vary) { return Blade(vary, degrees); };
@@ -166,7 +184,11 @@ std::vector<Kind> Kinds() {
           {"lines", 40000, ScannedSheet, {}, 80},
           {"cluttered blade", 25000, blade(75), {}, 0, 1500, 700},
           {"noisy ramp 1.15", 30000, ramp(1.15, 1, 2, 2), {}, 0, 0, 0, 5e-3},
-          {"wing", 30000, WingMean}};
+          {"wing", 30000, WingMean},
+          {"closed wing", 40000, WholeWing, {}, 0, 0, 0, 5e-4, true},
+          {"closed wing, few", 15000, WholeWing, {}, 0, 0, 0, 3e-4, true},
+          {"closed wing, many", 60000, WholeWing, {}, 0, 0, 0, 3e-4, true},
+          {"closed wing, noisy", 30000, WholeWing, {}, 0, 0, 0, 8e-4, true}};
 }
 
 // Area that the unit square covers near a place, per its own.
@@ -180,6 +202,7 @@ double Stretch(const KnownSheet& sheet, double u, double v) {
 struct DrawnCloud {
   SheetCloud cloud;
   Eigen::Matrix3Xd places;  // of the truth
+  Eigen::Matrix3Xd edge;    // places of a sharp edge, none without
 };
 
 DrawnCloud Draw(const Kind& kind, double share, std::uint64_t seed) {
@@ -195,7 +218,10 @@ DrawnCloud Draw(const Kind& kind, double share, std::uint64_t seed) {
   const auto count = static_cast<Eigen::Index>(share * static_cast<double>(kind.count));
   DrawnCloud drawn{
       {Eigen::Matrix3Xd(3, count + kind.ball + kind.strays), Eigen::Matrix2Xd(2, count)},
-      PlacesOf(sheet, kPlaces)};
+      PlacesOf(sheet, kPlaces),
+      Eigen::Matrix3Xd(3, kind.sharp_edge ? kPlaces : 0)};
+  for (Eigen::Index k = 0; k < drawn.edge.cols(); ++k)
+    drawn.edge.col(k) = sheet.at(0, (static_cast<double>(k) + 0.5) / kPlaces);
   const double sigma = kind.sigma * vary.About(0.3);
   const auto noisy = [&](Eigen::Vector3d point) {
     for (double& x : point) x += sigma * vary.Normal();
@@ -229,6 +255,7 @@ DrawnCloud Draw(const Kind& kind, double share, std::uint64_t seed) {
       Eigen::Quaterniond(vary.Normal(), vary.Normal(), vary.Normal(), vary.Normal()).normalized();
   drawn.cloud.points = turn.toRotationMatrix() * drawn.cloud.points;
   drawn.places = turn.toRotationMatrix() * drawn.places;
+  drawn.edge = turn.toRotationMatrix() * drawn.edge;
   return drawn;
 }
 
@@ -236,7 +263,7 @@ struct Settings {
   int seeds = 3, first = 1;
   double share = 1;
   std::string folder;
-  bool each = false;
+  bool each = false, alone = false;
   std::vector<std::string> words;
 };
 
@@ -254,6 +281,30 @@ void Write(const std::string& path, const Eigen::Matrix3Xd& points) {
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// Distances of the true edge from the surface's edge u = lower, rms and largest, and the gap to its
+// edge u = upper.
+struct EdgeError {
+  double rms = 0, max = 0, gap = 0;
+};
+EdgeError EdgeErrorOf(const Eigen::Matrix3Xd& truth, const NurbsSurface& surface) {
+  constexpr int kSteps = 5000;
+  const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+  EdgeError error;
+  Eigen::Matrix3Xd edge(3, kSteps + 1);
+  for (int k = 0; k <= kSteps; ++k) {
+    const double at = v.lower() + (v.upper() - v.lower()) * k / kSteps;
+    edge.col(k) = surface.At(u.lower(), at);
+    error.gap = std::max(error.gap, (edge.col(k) - surface.At(u.upper(), at)).norm());
+  }
+  for (const auto place : truth.colwise()) {
+    const double distance = (edge.colwise() - place).colwise().norm().minCoeff();
+    error.rms += distance * distance / static_cast<double>(truth.cols());
+    error.max = std::max(error.max, distance);
+  }
+  error.rms = std::sqrt(error.rms);
+  return error;
+}
+
 void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
   ThreadPool pool(0);
   const DrawnCloud drawn = Draw(kind, settings.share, static_cast<std::uint64_t>(seed));
@@ -263,7 +314,8 @@ void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
       if (c == ' ') c = '_';
     Write(settings.folder + "/" + name, drawn.cloud.points);
   }
-  const BestUniform oracle = UniformOracle(drawn.cloud, drawn.places, pool).Best();
+  const BestUniform oracle = settings.alone ? BestUniform{1, 1, {1, 1}}
+                                            : UniformOracle(drawn.cloud, drawn.places, pool).Best();
   const double oracle_points = oracle.size_u * oracle.size_v;
   try {
     const double before = ProcessorSeconds();
@@ -295,6 +347,31 @@ void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
           fit.report.geometry.base.c_str(),
           Name(fit.report.end.code),
           seconds);
+      if (drawn.edge.cols() > 0) {
+        const EdgeError edge = EdgeErrorOf(drawn.edge, fit.surface);
+        std::printf("      edge: rms %.1e, max %.1e, gap %.1e; spacing %.1e, noise %.1e\n",
+                    edge.rms,
+                    edge.max,
+                    edge.gap,
+                    fit.report.input.spacing,
+                    fit.report.input.noise);
+        std::printf("      rms from edge to edge:");
+        const Eigen::VectorXd d = DistancesTo(fit.surface, drawn.places, pool).distances;
+        constexpr int kParts = 15;
+        for (int part = 0; part < kParts; ++part) {
+          const Eigen::Index first = kPlaces * part / kParts, last = kPlaces * (part + 1) / kParts;
+          const auto some = d.segment(first * kPlaces, (last - first) * kPlaces);
+          std::printf(" %.0e", std::sqrt(some.squaredNorm() / static_cast<double>(some.size())));
+        }
+        std::printf("; tips");
+        for (const Eigen::Index column : {0, 1, 2, 98, 99, 100}) {
+          const Eigen::VectorXd some = d(Eigen::seqN(column, kPlaces, kPlaces));
+          std::printf(" %.0e", std::sqrt(some.squaredNorm() / static_cast<double>(some.size())));
+        }
+        std::printf("; outliers %ld of %ld\n",
+                    static_cast<long>(fit.outliers.count()),
+                    static_cast<long>(fit.outliers.size()));
+      }
       for (const BaseCandidate& row : fit.report.base_candidates)
         std::printf("      %s: %.3e, %d: %s\n",
                     row.name.c_str(),
@@ -310,6 +387,7 @@ void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
     runs.control_ratio.push_back(HUGE_VAL);
     runs.ends += std::string(runs.ends.empty() ? "" : ", ") + "refused";
     runs.why = failure.what();
+    if (settings.each) std::printf("  %s %d: %s\n", kind.name.c_str(), seed, failure.what());
   }
 }
 
@@ -348,6 +426,8 @@ Settings Read(int argc, char** argv) {
       settings.share = std::atof(argv[++k]);
     } else if (word == "--write" && more) {
       settings.folder = argv[++k];
+    } else if (word == "--alone") {
+      settings.alone = true;
     } else if (word == "--each") {
       settings.each = true;
     } else {

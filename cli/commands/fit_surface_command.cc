@@ -111,7 +111,8 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
                                    {"sheet", BaseShape::kSheet},
                                    {"revolution", BaseShape::kRevolution},
                                    {"sphere", BaseShape::kSphere},
-                                   {"torus", BaseShape::kTorus}});
+                                   {"torus", BaseShape::kTorus},
+                                   {"wing", BaseShape::kWing}});
   options.closed = Named<Closing>(
       a.closed,
       {{"none", Closing::kNone}, {"u", Closing::kU}, {"v", Closing::kV}, {"uv", Closing::kBoth}});

@@ -183,6 +183,18 @@ bool MayEndInOutline(const Parameterization& base, const SurfaceFitOptions& opti
 
 }  // namespace
 
+namespace {
+
+// Both edges u = 0 and u = length_u are the curve.
+std::vector<PlacedBoundary> SidesOf(const NurbsCurve<3>& sharp_edge) {
+  std::vector<PlacedBoundary> sides;
+  for (const bool upper : {false, true})
+    sides.push_back({{Direction::kU, upper}, {sharp_edge, std::nullopt, "sharp edge"}});
+  return sides;
+}
+
+}  // namespace
+
 SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions) {
   SurfaceConstraints constraints;
   for (const PlacedBoundary& laid : conditions.sides) {
@@ -213,7 +225,9 @@ ConditionedBase ChooseConditionedBase(const PointCloud& points,
     return Conditioner(points, index, statistics, options, pool).Run();
   ConditionedBase result{ChooseBase(points, index, statistics, options, pool), {}};
   Parameterization& base = result.choice.base;
-  if (options.domain) {
+  if (base.sharp_edge) {
+    result.conditions.sides = SidesOf(*base.sharp_edge);
+  } else if (options.domain) {
     TakeDomain(base, result.choice.reached, points.origin(), *options.domain);
   } else if (!options.symmetric && MayEndInOutline(base, options)) {
     const PointMask counted = result.choice.reached && !statistics.outliers;

@@ -77,8 +77,9 @@ struct BaseMethod {
   std::string name;
   // Makes it for some inliers, or for more.
   std::function<BaseAttempt(const InlierSubset&)> make;
-  bool smooth = false;       // its parameters have wrinkles to be smoothed before it is judged
-  bool last_resort = false;  // made only where nothing before it predicts points to the noise
+  bool smooth = false;         // its parameters have wrinkles to be smoothed before it is judged
+  bool last_resort = false;    // made only where nothing before it predicts points to the noise
+  bool of_two_sheets = false;  // made only where no other candidate serves a single sheet
 };
 
 }  // namespace batten::internal

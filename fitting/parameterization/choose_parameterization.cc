@@ -21,6 +21,7 @@
 #include "fitting/parameterization/parameter_settling.h"
 #include "fitting/parameterization/parameter_smoothing.h"
 #include "fitting/parameterization/pole_kinds.h"
+#include "fitting/parameterization/wing_candidate.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -39,6 +40,13 @@ constexpr Eigen::Index kManyPerSample = 3;  // inliers for each of the sample: a
 
 bool AsksToClose(const SurfaceFitOptions& options) {
   return options.closed != Closing::kAuto && options.closed != Closing::kNone;
+}
+
+// A sharp edge takes the place of given boundaries, and no option asks for one.
+bool MayBeWing(const SurfaceFitOptions& options) {
+  return (options.base == BaseShape::kAuto || options.base == BaseShape::kWing) &&
+         options.closed == Closing::kAuto &&
+         options.boundary.empty() && !options.meet && !options.domain && !options.symmetric;
 }
 
 // The candidates in the order they are tried: the simplest first.
@@ -66,6 +74,7 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
   if (!AsksToClose(input.options)) add(open);
   add(closed);
   if (!AsksToClose(input.options)) add(last);
+  if (MayBeWing(input.options)) all.push_back(WingCandidate(input));
   return all;
 }
 
@@ -76,6 +85,7 @@ class BaseContest {
 
   void Try(const BaseMethod& candidate) {
     if (decided_ || (candidate.last_resort && !IsNeeded(candidate))) return;
+    if (candidate.of_two_sheets && best_ && IsAtNoise(ScoreOf(*best_))) return;
     BaseCandidate& row = Row(candidate.name);
     BaseAttempt made = MakeFor(candidate);
     if (candidate.name == "sheet") one_sided_ = made.one_sided;

@@ -10,6 +10,7 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/poles.h"
+#include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/parameterization/plane_base.h"
@@ -31,6 +32,9 @@ struct Parameterization {
   // Of the grid whose surface the parameters were settled on: with uniform cells like these the
   // points are fitted to the noise, and the rectangle ends where they do. 0: unknown.
   int settled_cells_u = 0, settled_cells_v = 0;
+  // The curve, over [0, length_v], that both edges u = 0 and u = length_u are: the surface closes
+  // there in a sharp edge. Meant for points in space over a base that is periodic nowhere.
+  std::optional<NurbsCurve<3>> sharp_edge;
   Poles poles;         // edges v = 0 and v = length_v that degenerate to a point
   bool exact = false;  // parameters are part of the data: residuals along the surface count too
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/cloud/voxel_downsample.h"
 #include "fitting/core/stage_clock.h"
@@ -98,8 +99,35 @@ class SurfacePipeline {
   }
 
  private:
+  // The fit over the prepared base; where that takes two sheets for one, over that of a thin
+  // section with a sharp edge, if the points are one.
+  FittedState Fitted(const PreparedCloud& prepared, const SurfaceFitOptions& options) {
+    try {
+      return FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+    } catch (const TwoSheets&) {
+      if (given_ || prepared.symmetry || options.base != BaseShape::kAuto) throw;
+      std::optional<PreparedCloud> wing = PreparedAsWing(options);
+      if (!wing) throw;
+      for (BaseCandidate& row : prepared_.candidates)
+        if (row.refused.empty()) row.refused = "takes two sheets for one";
+      wing->candidates.insert(
+          wing->candidates.begin(), prepared.candidates.begin(), prepared.candidates.end());
+      prepared_ = *std::move(wing);
+    }
+    return FitOverBase(prepared_, options, StartReport(prepared_), pool_, clock_);
+  }
+
+  std::optional<PreparedCloud> PreparedAsWing(SurfaceFitOptions options) {
+    options.base = BaseShape::kWing;
+    try {
+      return PrepareCloud(cloud_, options, pool_, clock_);
+    } catch (const RefusedData&) {
+      return std::nullopt;
+    }
+  }
+
   FittedState Trimmed(const PreparedCloud& prepared, const SurfaceFitOptions& options) {
-    FittedState fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+    FittedState fitted = Fitted(prepared, options);
     clock_.Enter(&StageSeconds::solve);
     if (options.snap && !given_) SnapToShape(fitted, cloud_, options, pool_);
     if (prepared_.symmetry) MakeNetSymmetric(fitted.draft.surface, *prepared_.symmetry);

@@ -170,10 +170,10 @@ class InlierPasses {
     if (context_.base().exact) return;
     const double share = DoubleLayerFractionOf(Residuals(), context_.pool());
     if (share <= kLayersToRefuse) return;
-    throw RefusedData("in " + Percent(share) +
-                          " of places the points lie on two sheets, one above the other: one "
-                          "surface would run between them; fit one of them",
-                      Remedy::kFitPart);
+    throw TwoSheets("in " + Percent(share) +
+                        " of places the points lie on two sheets, one above the other: one "
+                        "surface would run between them; fit one of them",
+                    Remedy::kFitPart);
   }
 
   // The outlier threshold for distances from a surface with this scale.

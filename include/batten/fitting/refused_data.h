@@ -28,4 +28,10 @@ class RefusedData : public std::invalid_argument {
   Remedy remedy_;
 };
 
+// Points on two sheets, one above the other, over a base that takes them for one.
+class TwoSheets : public RefusedData {
+ public:
+  using RefusedData::RefusedData;
+};
+
 }  // namespace batten

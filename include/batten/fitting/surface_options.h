@@ -26,8 +26,9 @@ namespace batten {
 // The source of the parameterization. kPlane: the plane over which the points are a height field;
 // kSheet: the flattened sheet or tube they lie on; kSphere: longitude and latitude of the sphere
 // they are near; kTorus: the two angles of such a torus; kRevolution: the angle about an axis and
-// the arc length of the profile. kAuto takes the first of these that serves.
-enum class BaseShape { kAuto, kPlane, kSheet, kRevolution, kSphere, kTorus };
+// the arc length of the profile; kWing: both sides of a thin section, round its nose, joined along
+// a sharp edge. kAuto takes the first of these that serves.
+enum class BaseShape { kAuto, kPlane, kSheet, kRevolution, kSphere, kTorus, kWing };
 
 // The directions in which the surface closes on itself; kAuto detects them from the points. A
 // closed direction is periodic, without a seam. With kNone a closed shape is cut open along a line.

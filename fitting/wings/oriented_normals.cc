@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/wings/oriented_normals.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace batten::internal {
+namespace {
+
+constexpr int kOfPlane = 13, kOfGraph = 9;  // neighbours, the point itself included
+constexpr double kMostRoughness = 0.5;      // counted in the cost of an edge of the tree
+
+struct TreeEdge {
+  double cost;
+  int first, second;
+};
+
+// Union of disjoint sets, by halving of paths.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Eigen::Index count) : parent_(static_cast<size_t>(count)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int Root(int k) {
+    while (parent_[static_cast<size_t>(k)] != k) {
+      int& parent = parent_[static_cast<size_t>(k)];
+      parent = parent_[static_cast<size_t>(parent)];
+      k = parent;
+    }
+    return k;
+  }
+  bool Join(int a, int b) {
+    a = Root(a);
+    b = Root(b);
+    if (a == b) return false;
+    parent_[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+    return true;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+void CarrySigns(const std::vector<std::vector<int>>& tree, Eigen::Matrix3Xd& normals) {
+  std::vector<bool> seen(tree.size(), false);
+  std::vector<int> queue;
+  for (size_t start = 0; start < tree.size(); ++start) {
+    if (seen[start]) continue;
+    seen[start] = true;
+    queue.assign(1, static_cast<int>(start));
+    for (size_t next = 0; next < queue.size(); ++next) {
+      const int from = queue[next];
+      for (const int to : tree[static_cast<size_t>(from)]) {
+        if (seen[static_cast<size_t>(to)]) continue;
+        seen[static_cast<size_t>(to)] = true;
+        if (normals.col(from).dot(normals.col(to)) < 0) normals.col(to) *= -1;
+        queue.push_back(to);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+OrientedNormals OrientNormals(const Eigen::Matrix3Xd& points, const Neighbourhoods& around) {
+  const Eigen::Index count = points.cols();
+  OrientedNormals result{Eigen::Matrix3Xd(3, count), Eigen::VectorXd(count)};
+  const int of_plane = std::min(kOfPlane, around.k), of_graph = std::min(kOfGraph, around.k);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::Matrix3Xd near(3, of_plane);
+    for (int j = 0; j < of_plane; ++j) near.col(j) = points.col(around.At(k, j)) - points.col(k);
+    const Eigen::Vector3d mean = near.rowwise().mean();
+    near.colwise() -= mean;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(near * near.transpose());
+    const Eigen::Vector3d squares = axes.eigenvalues().cwiseMax(0);
+    result.normals.col(k) = axes.eigenvectors().col(0);
+    result.roughness[k] = squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 1;
+  }
+  std::vector<TreeEdge> edges;
+  edges.reserve(static_cast<size_t>(count * (of_graph - 1)));
+  for (Eigen::Index k = 0; k < count; ++k) {
+    for (int j = 1; j < of_graph; ++j) {
+      const int other = around.At(k, j);
+      if (other == k) continue;
+      const double turn = 1 - std::abs(result.normals.col(k).dot(result.normals.col(other)));
+      const double rough = std::min(result.roughness[k], kMostRoughness) +
+                           std::min(result.roughness[other], kMostRoughness);
+      const int own = static_cast<int>(k);
+      edges.push_back({turn + rough, std::min(own, other), std::max(own, other)});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const TreeEdge& a, const TreeEdge& b) {
+    if (a.cost != b.cost) return a.cost < b.cost;
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+  });
+  DisjointSets trees(count);
+  std::vector<std::vector<int>> tree(static_cast<size_t>(count));
+  for (const TreeEdge& edge : edges) {
+    if (!trees.Join(edge.first, edge.second)) continue;
+    tree[static_cast<size_t>(edge.first)].push_back(edge.second);
+    tree[static_cast<size_t>(edge.second)].push_back(edge.first);
+  }
+  CarrySigns(tree, result.normals);
+  return result;
+}
+
+}  // namespace batten::internal
