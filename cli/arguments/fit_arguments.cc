@@ -236,7 +236,11 @@ void FitFiles::Refuse(const std::string& reason) const {
   throw ReadError(first + (a_.clouds.size() > 1 ? " and others" : ""), reason);
 }
 
-Eigen::Vector3d FitFiles::shift() const { return shift_.value_or(file_.cloud.origin()); }
+Eigen::Vector3d FitFiles::shift() const {
+  Eigen::Vector3d shift = shift_.value_or(file_.cloud.origin());
+  if (file_.cloud.dimension() == 2) shift[2] = 0;  // plane points stay in z = 0
+  return shift;
+}
 
 double FitFiles::Seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -9,6 +9,7 @@
 
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/trim_loops.h"
+#include "fitting/outline/holes_in_space.h"
 #include "fitting/outline/outline_in_box.h"
 #include "geometry/editing/trim_faults.h"
 
@@ -16,7 +17,9 @@ namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kFlattest = 1e-3;     // ratio of mean lengths beyond which they are not followed
+constexpr double kWhole = 1 - 1e-9;  // of the rectangle's area, within a loop
+constexpr double kLeastHole = 2;     // spacings from the points, in space, of a place amid a hole
+constexpr double kFlattest = 1e-3;   // ratio of mean lengths beyond which they are not followed
 
 // Means of |S_u| and |S_v| over some of the feet.
 Eigen::Vector2d MeanStretch(const NurbsSurface& surface, const Eigen::Matrix2Xd& feet) {
@@ -138,7 +141,10 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
   if (outline.fills) return result;
   std::vector<NurbsCurve<2>> loops;
   for (const OutlineCurve& curve : outline.loops) loops.push_back(curve.loop);
-  NurbsSurface trimmed = surface.WithTrims(MovedLoops(loops, stretch.cwiseInverse(), low));
+  loops = HolesInSpace(
+      surface, MovedLoops(loops, stretch.cwiseInverse(), low), feet, kLeastHole * spacing);
+  if (loops.size() == 1 && SignedArea(loops.front()) > kWhole * sides.prod()) return result;
+  NurbsSurface trimmed = surface.WithTrims(std::move(loops));
   CompatibleLoops together = LoopsThatGoTogether(trimmed);
   if (OuterLoops(together.loops) < OuterLoops(trimmed.trims())) {  // would hide a part's points
     result.warnings = {"outlines of the points cross: the surface is not trimmed"};

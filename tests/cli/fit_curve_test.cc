@@ -62,6 +62,11 @@ class FitCurveCommandTest : public ::testing::Test {
       step_, "--parameterization", "given", "--columns", "u=1,x=1,y=2"};
 };
 
+TEST_F(FitCurveCommandTest, APlaneCurveStaysInItsPlaneWhateverTheOriginSays) {
+  const Json report = Fit({step_, "--origin", "1,2,3"});
+  EXPECT_EQ(report["input"]["shift"], Json::array({1.0, 2.0, 0.0}));
+}
+
 TEST_F(FitCurveCommandTest, FitsAPlaneCurveAtItsAbscissae) {
   std::vector<std::string> arguments = given_;
   arguments.insert(arguments.end(), {"--distance", "parameter", "--control-points", "9"});

@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <random>
 #include <vector>
 
 #include "batten/geometry/trim_loops.h"
+#include "geometry/editing/loop_nesting.h"
 
 namespace batten::internal::trim_to_points_test {
 
@@ -66,6 +70,64 @@ TEST(LoopsThatGoTogetherTest, AreNoneWhereTheOuterOneCrossesItself) {
   const CompatibleLoops found = LoopsThatGoTogether(trimmed);
   EXPECT_TRUE(found.loops.empty());
   EXPECT_EQ(found.left_out, 2);
+}
+
+// A square of side 2 in space; along u its parameter is stretched threefold to both sides of its
+// middle, x = u (0.1 + 0.9 u²).
+NurbsSurface StretchedSquare() {
+  Eigen::Matrix3Xd net(3, 8);
+  const double x[] = {-1, 13.0 / 15, -13.0 / 15, 1};  // by blossoms
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 2; ++j) net.col(2 * i + j) = Eigen::Vector3d(x[i], 2 * j - 1, 0);
+  return NurbsSurface(SplineBasis::Uniform(3, 4, -1, 1), SplineBasis::Uniform(1, 2, -1, 1), net);
+}
+
+// Parameters of points that lie evenly at random in space, without those in a disc about (0.5, 0).
+Eigen::Matrix2Xd EvenFeet(int count, double disc, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Eigen::Vector2d> feet;
+  while (static_cast<int>(feet.size()) < count) {
+    const double x = uniform(random), y = uniform(random);
+    if (std::hypot(x - 0.5, y) < disc) continue;
+    double u = x;
+    for (int k = 0; k < 60; ++k) u -= (0.1 * u + 0.9 * u * u * u - x) / (0.1 + 2.7 * u * u);
+    feet.emplace_back(u, y);
+  }
+  Eigen::Matrix2Xd result(2, count);
+  for (int k = 0; k < count; ++k) result.col(k) = feet[static_cast<size_t>(k)];
+  return result;
+}
+
+TEST(TrimToPointsTest, CutsNoHoleWhereOnlyTheParametersAreStretched) {
+  ThreadPool pool(2);
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const PointTrim trim = TrimToPoints(
+        StretchedSquare(), EvenFeet(20000, 0, seed), {}, 2 / std::sqrt(20000), 0, pool);
+    int holes = 0;
+    for (const NurbsCurve<2>& loop : trim.surface.trims()) holes += SignedArea(loop) < 0;
+    EXPECT_EQ(holes, 0) << seed;
+  }
+}
+
+TEST(TrimToPointsTest, CutsAHoleThatIsOneInSpace) {
+  ThreadPool pool(2);
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const PointTrim trim = TrimToPoints(
+        StretchedSquare(), EvenFeet(20000, 0.1, seed), {}, 2 / std::sqrt(20000), 0, pool);
+    double area = 0;  // in space: of the middles of small cells inside
+    const int cells = 400;
+    for (const NurbsCurve<2>& loop : trim.surface.trims()) {
+      if (SignedArea(loop) > 0) continue;
+      const Eigen::Matrix2Xd polygon = NestingPolygon(loop);
+      for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j) {
+          const Eigen::Vector2d at(-1 + (2 * i + 1.0) / cells, -1 + (2 * j + 1.0) / cells);
+          if (InsidePolygon(polygon, at)) area += 4.0 / cells / cells * (0.1 + 2.7 * at[0] * at[0]);
+        }
+    }
+    EXPECT_NEAR(area, std::numbers::pi * 0.01, 0.2 * std::numbers::pi * 0.01) << seed;
+  }
 }
 
 }  // namespace batten::internal::trim_to_points_test
