@@ -3,7 +3,8 @@
 
 namespace batten::internal {
 
-// De Boor's triangle on the unit vectors, with another argument at every level. [Ramshaw 1989]
+// De Boor's triangle on the unit vectors, a column each, with another argument at every level.
+// [Ramshaw 1989]
 Eigen::MatrixXd BezierSpanMatrix(const SplineBasis& basis, int span) {
   const int p = basis.degree();
   const double* U = basis.knots().data();
@@ -15,10 +16,10 @@ Eigen::MatrixXd BezierSpanMatrix(const SplineBasis& basis, int span) {
       for (int k = p; k >= r; --k) {
         const int i = span - p + k;
         const double a = (x - U[i]) / (U[i + p - r + 1] - U[i]);
-        d.row(k) = (1 - a) * d.row(k - 1) + a * d.row(k);
+        d.col(k) = (1 - a) * d.col(k - 1) + a * d.col(k);
       }
     }
-    result.row(j) = d.row(p);
+    result.row(j) = d.col(p);
   }
   return result;
 }

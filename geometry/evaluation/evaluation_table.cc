@@ -19,18 +19,22 @@ using Values = std::array<long double, kMaxDegree + 1>;
 // the recursion of Cox and de Boor on coefficients instead of values. A function of degree d − 1
 // over [low, high] goes times (high − u)/(high − low) to one of degree d and times (u − low)/(high
 // − low) to the next; a factor with the values x, y at the ends of the span maps c_j to x·c_j and
-// to y·c_j one place on. All numbers are positive: no digits are lost. [Piegl & Tiller 1997,
+// to y·c_j one place on. All numbers are positive: no digits are lost. The functions of degree
+// p − k go to by_order[k], one less than whose size is the largest k. [Piegl & Tiller 1997,
 // eq. 2.5]
-LocalFunctions BernsteinFunctions(const SplineBasis& basis, int span, int degree) {
+void FindBernsteinFunctions(const SplineBasis& basis,
+                            int span,
+                            std::vector<LocalFunctions>& by_order) {
   const double* U = basis.knots().data() + span;
   const auto from = [&](int end, int knot) -> long double {
     return std::abs(static_cast<long double>(U[end]) - U[knot]);
   };
+  const int p = basis.degree();
   LocalFunctions f;
-  for (int r = 0; r <= degree; ++r) std::fill_n(f[r].begin(), degree + 1, 0.0L);
+  for (int r = 0; r <= p; ++r) std::fill_n(f[r].begin(), p + 1, 0.0L);
   f[0][0] = 1;
-  for (int d = 1; d <= degree; ++d) {
-    for (int r = d; r >= 0; --r) {
+  for (int d = 0; d <= p; ++d) {
+    for (int r = d; d > 0 && r >= 0; --r) {
       Values sum{};
       if (r < d) {
         const long double width = from(r + 1, 1 - d + r);
@@ -48,8 +52,8 @@ LocalFunctions BernsteinFunctions(const SplineBasis& basis, int span, int degree
       }
       std::copy_n(sum.begin(), d + 1, f[r].begin());
     }
+    if (p - d < static_cast<int>(by_order.size())) by_order[p - d] = f;
   }
-  return f;
 }
 
 // From functions of degree p − k, or coefficients of them, to the k-th derivatives of those of
@@ -142,9 +146,11 @@ AxisStorage::AxisStorage(const SplineBasis& basis, int order) {
   }
   basis_ = AlignedDoubles(static_cast<size_t>(table_.span_stride) * spans.size());
   double* row = basis_.data();
+  std::vector<LocalFunctions> functions(std::min(order, p) + 1);
   for (int span : spans) {
+    FindBernsteinFunctions(basis, span, functions);
     for (int k = 0; k <= std::min(order, p); ++k) {
-      const LocalFunctions f = BernsteinFunctions(basis, span, p - k);
+      const LocalFunctions& f = functions[k];
       for (int j = 0; j <= p - k; ++j, row += table_.row_stride) {
         Values column;
         for (int r = 0; r <= p - k; ++r) column[r] = f[r][j];

@@ -20,9 +20,23 @@ Eigen::MatrixXd SegmentMatrix(int p, double a, double b) {
     Eigen::MatrixXd d = Eigen::MatrixXd::Identity(p + 1, p + 1);
     for (int r = 1; r <= p; ++r) {
       const double x = r <= p - j ? a : b;
-      for (int k = p; k >= r; --k) d.row(k) = (1 - x) * d.row(k - 1) + x * d.row(k);
+      for (int k = p; k >= r; --k) d.col(k) = (1 - x) * d.col(k - 1) + x * d.col(k);
     }
-    result.row(j) = d.row(p);
+    result.row(j) = d.col(p);
+  }
+  return result;
+}
+
+// For every cell of an axis the matrix from the control points of its span to its Bézier points.
+std::vector<Eigen::MatrixXd> CellMatrices(const SplineBasis& basis, const FootAxis& axis) {
+  const int cuts = axis.cuts();
+  std::vector<Eigen::MatrixXd> parts, result;
+  for (int part = 0; part < cuts && cuts > 1; ++part)
+    parts.push_back(SegmentMatrix(basis.degree(), double(part) / cuts, double(part + 1) / cuts));
+  for (int cell = 0; cell < axis.cells(); cell += cuts) {
+    const Eigen::MatrixXd whole = BezierSpanMatrix(basis, axis.span(cell));
+    for (const Eigen::MatrixXd& part : parts) result.push_back(part * whole);
+    if (parts.empty()) result.push_back(whole);
   }
   return result;
 }
@@ -201,17 +215,7 @@ FootTable::FootTable(const NurbsSurface& surface)
   SetSize(surface.control_points(), size, middle);
   Allocate();
   const int p = degree_u(), q = degree_v();
-  const auto matrices = [](const SplineBasis& basis, const FootAxis& axis) {
-    std::vector<Eigen::MatrixXd> result;
-    for (int cell = 0; cell < axis.cells(); ++cell) {
-      const Eigen::MatrixXd whole = BezierSpanMatrix(basis, axis.span(cell));
-      const int part = cell % axis.cuts();
-      const double a = double(part) / axis.cuts(), b = double(part + 1) / axis.cuts();
-      result.push_back(axis.cuts() == 1 ? whole : SegmentMatrix(basis.degree(), a, b) * whole);
-    }
-    return result;
-  };
-  const auto in_u = matrices(surface.basis_u(), u), in_v = matrices(surface.basis_v(), v);
+  const auto in_u = CellMatrices(surface.basis_u(), u), in_v = CellMatrices(surface.basis_v(), v);
   for (int i = 0; i < u.cells(); ++i) {
     for (int j = 0; j < v.cells(); ++j) {
       Eigen::Matrix3Xd points(3, (p + 1) * (q + 1));
@@ -249,13 +253,9 @@ FootTable::FootTable(const NurbsCurve<Dim>& curve)
   SetSize(curve.control_points(), size, middle);
   Allocate();
   const int p = degree_u();
+  const std::vector<Eigen::MatrixXd> matrices = CellMatrices(curve.basis(), u);
   for (int i = 0; i < u.cells(); ++i) {
     const int first = u.span(i) - p;
-    Eigen::MatrixXd matrix = BezierSpanMatrix(curve.basis(), u.span(i));
-    if (u.cuts() > 1) {
-      const int part = i % u.cuts();
-      matrix = SegmentMatrix(p, double(part) / u.cuts(), double(part + 1) / u.cuts()) * matrix;
-    }
     Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, p + 1);
     points.topRows<Dim>() = curve.control_points().middleCols(first, p + 1);
     const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
@@ -264,7 +264,7 @@ FootTable::FootTable(const NurbsCurve<Dim>& curve)
     Eigen::Matrix4Xd net = Eigen::Matrix4Xd::Ones(4, p + 1);
     if (rational) net.row(3) = curve.weights().segment(first, p + 1).transpose();
     net.topRows<3>() = points * net.row(3).asDiagonal();
-    SetPiece(i, centre, net * matrix.transpose());
+    SetPiece(i, centre, net * matrices[i].transpose());
   }
 }
 
