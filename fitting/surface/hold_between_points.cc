@@ -90,9 +90,13 @@ bool HoldBetweenPoints(SurfaceState& draft,
     for (const Excursion& one : now.excursions) now.most = std::max(now.most, one.back.norm());
     return now;
   };
-  // Local foot points serve while it is sought; the last surface is judged by global ones.
+  // Local foot points serve while it is sought; global ones judge, and take over where they find
+  // more.
   const auto nearby = [&](const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
     return standing(surface, DistancesFrom(surface, points, near, pool));
+  };
+  const auto anywhere = [&](const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
+    return standing(surface, DistancesTo(surface, points, near, pool));
   };
   const Standing before = nearby(draft.surface, draft.parameters);
   const bool within = tolerance && before.max <= *tolerance;
@@ -101,29 +105,38 @@ bool HoldBetweenPoints(SurfaceState& draft,
                            std::pow(kUnseen * spacing, 2) * static_cast<double>(points.cols());
     return now.squares <= squares && !(within && now.max > *tolerance);
   };
-  NurbsSurface surface = draft.surface, best = surface;
-  Standing now = before, of_best = before;
-  double weight = 1;
-  std::vector<Excursion> places;  // of all rounds: those of before stay where they are
-  for (int round = 0; round < kMostRounds && !now.excursions.empty(); ++round, weight *= kFirmer) {
-    for (Excursion& one : places) one.back.setZero();
-    for (Excursion& one : now.excursions) one.back *= 1 - kAim * spacing / one.back.norm();
-    places.insert(places.end(), now.excursions.begin(), now.excursions.end());
-    const Eigen::Matrix3Xd change = LeastChange(draft, now.feet, places, weight, pool);
-    surface = NurbsSurface(surface.basis_u(), surface.basis_v(), surface.control_points() + change)
-                  .WithTrims(surface.trims());
-    const double last = now.most;
-    now = nearby(surface, now.feet);
-    if (!allowed(now)) break;
-    if (now.most < of_best.most) {
-      best = surface;
-      of_best = now;
+  NurbsSurface best = draft.surface;
+  Standing of_best = before;
+  // From the best so far on, as long as it pays.
+  const auto search = [&](const auto& stand) {
+    NurbsSurface surface = best;
+    Standing now = of_best;
+    double weight = 1;
+    std::vector<Excursion> places;  // of all rounds: those of before stay where they are
+    for (int round = 0; round < kMostRounds && !now.excursions.empty();
+         ++round, weight *= kFirmer) {
+      for (Excursion& one : places) one.back.setZero();
+      for (Excursion& one : now.excursions) one.back *= 1 - kAim * spacing / one.back.norm();
+      places.insert(places.end(), now.excursions.begin(), now.excursions.end());
+      const Eigen::Matrix3Xd change = LeastChange(draft, now.feet, places, weight, pool);
+      surface =
+          NurbsSurface(surface.basis_u(), surface.basis_v(), surface.control_points() + change)
+              .WithTrims(surface.trims());
+      const double last = now.most;
+      now = stand(surface, now.feet);
+      if (!allowed(now)) break;
+      if (now.most < of_best.most) {
+        best = surface;
+        of_best = now;
+      }
+      if (round > 0 && now.most > kGain * last) break;
     }
-    if (round > 0 && now.most > kGain * last) break;
-  }
+  };
+  search(nearby);
+  of_best = anywhere(best, of_best.feet);
+  if (!allowed(of_best)) return false;
+  search(anywhere);
   if (of_best.most > kWorthIt * before.most) return false;
-  of_best = standing(best, DistancesTo(best, points, of_best.feet, pool));
-  if (!allowed(of_best) || of_best.most > kWorthIt * before.most) return false;
   draft.surface = std::move(best);
   draft.parameters = std::move(of_best.feet);
   return true;
