@@ -171,10 +171,9 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
   Allow(*add("--base",
              a->base,
              "Shape the parameters come from: auto plane sheet (bent, or a tube, laid out flat) "
-             "revolution "
-             "sphere torus",
+             "revolution sphere torus wing (both sides of a thin section with a sharp edge)",
              "BASE"),
-        {"auto", "plane", "sheet", "revolution", "sphere", "torus"});
+        {"auto", "plane", "sheet", "revolution", "sphere", "torus", "wing"});
   Allow(*add("--closed",
              a->closed,
              "Directions that close without a seam: auto none u v uv",

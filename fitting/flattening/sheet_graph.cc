@@ -3,50 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/neighbours/signed_sets.h"
 
 namespace batten::internal {
 namespace {
-
-// Sets of nodes, each with its sign against the set's.
-class SignedSets {
- public:
-  explicit SignedSets(Eigen::Index size)
-      : parent_(static_cast<size_t>(size)), flipped_(static_cast<size_t>(size), 0) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-
-  // The set's number and whether the node is flipped in it.
-  std::pair<int, int> Find(int node) {
-    int root = node, flip = 0;
-    for (; parent_[root] != root; root = parent_[root]) flip ^= flipped_[root];
-    for (int rest = flip; parent_[node] != root && node != root;) {
-      const int next = parent_[node], own = flipped_[node];
-      parent_[node] = root;
-      flipped_[node] = rest;
-      rest ^= own;
-      node = next;
-    }
-    return {root, flip};
-  }
-
-  // Joins the nodes' sets so that the nodes' signs differ by `flip`. False where they were one.
-  bool Join(int a, int b, int flip) {
-    const auto [root_a, flip_a] = Find(a);
-    const auto [root_b, flip_b] = Find(b);
-    if (root_a == root_b) return false;
-    parent_[root_b] = root_a;
-    flipped_[root_b] = flip_a ^ flip_b ^ flip;
-    return true;
-  }
-
- private:
-  std::vector<int> parent_, flipped_;
-};
 
 bool Follows(const PoissonDiskSamples& nodes, int i, int j, const SheetGraphOptions& options) {
   const Eigen::Vector3d edge = nodes.places.col(j) - nodes.places.col(i);

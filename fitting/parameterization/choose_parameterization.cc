@@ -42,10 +42,10 @@ bool AsksToClose(const SurfaceFitOptions& options) {
   return options.closed != Closing::kAuto && options.closed != Closing::kNone;
 }
 
-// A sharp edge takes the place of given boundaries, and no option asks for one.
-bool MayBeWing(const SurfaceFitOptions& options) {
-  return (options.base == BaseShape::kAuto || options.base == BaseShape::kWing) &&
-         options.closed == Closing::kAuto &&
+// A sharp edge takes the place of given boundaries, and a height field has one side only.
+bool MayBeWing(const SurfaceFitOptions& options, const PlaneBase& plane) {
+  const bool closed = options.base == BaseShape::kAuto && plane.overlap > kOverlapToWarn;
+  return (closed || options.base == BaseShape::kWing) && options.closed == Closing::kAuto &&
          options.boundary.empty() && !options.meet && !options.domain && !options.symmetric;
 }
 
@@ -74,7 +74,7 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
   if (!AsksToClose(input.options)) add(open);
   add(closed);
   if (!AsksToClose(input.options)) add(last);
-  if (MayBeWing(input.options)) all.push_back(WingCandidate(input));
+  if (MayBeWing(input.options, plane)) all.push_back(WingCandidate(input));
   return all;
 }
 

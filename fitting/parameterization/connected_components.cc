@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/point_mask.h"
+#include "fitting/neighbours/signed_sets.h"
 
 namespace batten::internal {
 namespace {
@@ -17,26 +17,6 @@ constexpr Eigen::Index kComponentSample = 20000;
 constexpr int kNeighbours = 9;       // with the point itself
 constexpr double kApart = 10;        // neighbour distances between detached components
 constexpr double kLeastPart = 0.02;  // share of the points in the largest component
-
-// Disjoint sets, named by one member of each.
-class Parts {
- public:
-  explicit Parts(Eigen::Index count) : parent_(static_cast<size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int Of(int k) {
-    while (parent_[static_cast<size_t>(k)] != k) {
-      int& up = parent_[static_cast<size_t>(k)];
-      up = parent_[static_cast<size_t>(up)];
-      k = up;
-    }
-    return k;
-  }
-  void Join(int a, int b) { parent_[static_cast<size_t>(Of(a))] = Of(b); }
-
- private:
-  std::vector<int> parent_;
-};
 
 // Components of places of a plane that are joined to their neighbours.
 struct Joined {
@@ -47,7 +27,7 @@ struct Joined {
 Joined JoinNeighbours(const Eigen::Matrix3Xd& plan) {
   const Eigen::Index count = plan.cols();
   const std::vector<int> near = NeighbourIndex(plan).Nearest(plan, kNeighbours);
-  Parts parts(count);
+  SignedSets parts(count);
   Joined joined{std::vector<int>(static_cast<size_t>(count)),
                 std::vector<double>(static_cast<size_t>(count))};
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -57,7 +37,7 @@ Joined JoinNeighbours(const Eigen::Matrix3Xd& plan) {
       joined.reach[k] = (plan.col(other) - plan.col(k)).norm();
     }
   }
-  for (Eigen::Index k = 0; k < count; ++k) joined.part[k] = parts.Of(static_cast<int>(k));
+  for (Eigen::Index k = 0; k < count; ++k) joined.part[k] = parts.Find(static_cast<int>(k)).first;
   return joined;
 }
 

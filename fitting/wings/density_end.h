@@ -14,6 +14,9 @@ struct EndingPoints {
   Eigen::VectorXd place;  // along the end, 0 … 1, for a first guess
 };
 
+// The least window, in noises: wide against them, narrow against the shape.
+inline constexpr double kEndWindowInNoises = 12;
+
 // Finds coefficients of the end as a sum of the functions: the maximum likelihood of the points
 // within `window` of it under the density Φ((end − reach)/noise), where extremes would be pulled
 // out by noise and in by spacing. The error is about √(noise · spacing across) over the root of

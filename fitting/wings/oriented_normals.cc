@@ -4,7 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <vector>
+
+#include "fitting/neighbours/signed_sets.h"
 
 namespace batten::internal {
 namespace {
@@ -16,51 +18,6 @@ struct TreeEdge {
   double cost;
   int first, second;
 };
-
-// Union of disjoint sets, by halving of paths.
-class DisjointSets {
- public:
-  explicit DisjointSets(Eigen::Index count) : parent_(static_cast<size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int Root(int k) {
-    while (parent_[static_cast<size_t>(k)] != k) {
-      int& parent = parent_[static_cast<size_t>(k)];
-      parent = parent_[static_cast<size_t>(parent)];
-      k = parent;
-    }
-    return k;
-  }
-  bool Join(int a, int b) {
-    a = Root(a);
-    b = Root(b);
-    if (a == b) return false;
-    parent_[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
-    return true;
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-void CarrySigns(const std::vector<std::vector<int>>& tree, Eigen::Matrix3Xd& normals) {
-  std::vector<bool> seen(tree.size(), false);
-  std::vector<int> queue;
-  for (size_t start = 0; start < tree.size(); ++start) {
-    if (seen[start]) continue;
-    seen[start] = true;
-    queue.assign(1, static_cast<int>(start));
-    for (size_t next = 0; next < queue.size(); ++next) {
-      const int from = queue[next];
-      for (const int to : tree[static_cast<size_t>(from)]) {
-        if (seen[static_cast<size_t>(to)]) continue;
-        seen[static_cast<size_t>(to)] = true;
-        if (normals.col(from).dot(normals.col(to)) < 0) normals.col(to) *= -1;
-        queue.push_back(to);
-      }
-    }
-  }
-}
 
 }  // namespace
 
@@ -95,14 +52,11 @@ OrientedNormals OrientNormals(const Eigen::Matrix3Xd& points, const Neighbourhoo
     if (a.cost != b.cost) return a.cost < b.cost;
     return a.first != b.first ? a.first < b.first : a.second < b.second;
   });
-  DisjointSets trees(count);
-  std::vector<std::vector<int>> tree(static_cast<size_t>(count));
-  for (const TreeEdge& edge : edges) {
-    if (!trees.Join(edge.first, edge.second)) continue;
-    tree[static_cast<size_t>(edge.first)].push_back(edge.second);
-    tree[static_cast<size_t>(edge.second)].push_back(edge.first);
-  }
-  CarrySigns(tree, result.normals);
+  SignedSets trees(count);
+  for (const auto& [cost, a, b] : edges)
+    trees.Join(a, b, result.normals.col(a).dot(result.normals.col(b)) < 0 ? 1 : 0);
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (trees.Find(static_cast<int>(k)).second != 0) result.normals.col(k) *= -1;
   return result;
 }
 

@@ -19,6 +19,7 @@ constexpr double kFar = 3;              // scales: a place that counts a tenth
 constexpr Eigen::Index kFewest = 30;    // points of an end
 constexpr double kFacesAway = 0.7;      // cosine of a nose's normals to the chord, at first …
 constexpr double kFacesStraight = 0.9;  // … and last
+constexpr double kLeastChord = 3;       // h
 constexpr double kTipShare = 0.005;     // of a line's points beyond its ends
 constexpr double kNoseFrom = 0.02, kNoseTo = 0.08;  // of the chord: where the nose's radius is read
 constexpr double kOnNose = 8;         // radii from the nose: sides by height, not by label
@@ -41,11 +42,14 @@ Eigen::Matrix3Xd OutwardOf(const Eigen::Matrix3Xd& points,
   for (Eigen::Index k = 0; k < points.cols(); ++k)
     if (sides.labelled[k]) known.push_back(k);
   const Eigen::Matrix3Xd places = points(Eigen::all, known);
-  const std::vector<int> near = NeighbourIndex(places).Nearest(points(Eigen::all, some), kAround);
+  const auto each = static_cast<size_t>(std::min<Eigen::Index>(kAround, places.cols()));
+  const std::vector<int> near =
+      NeighbourIndex(places).Nearest(points(Eigen::all, some), static_cast<int>(each));
   Eigen::Matrix3Xd outward(3, some.size());
   for (size_t i = 0; i < some.size(); ++i) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (size_t j = 0; j < kAround; ++j) mean += places.col(near[i * kAround + j]) / kAround;
+    for (size_t j = 0; j < each; ++j)
+      mean += places.col(near[i * each + j]) / static_cast<double>(each);
     outward.col(static_cast<Eigen::Index>(i)) = points.col(some[i]) - mean;
   }
   return outward;
@@ -206,6 +210,11 @@ WingFrame FrameOf(const Eigen::Matrix3Xd& points,
     }
     wing.nose = LineThrough(points, nose, frame);
   }
+  for (const double v : {0.0, 0.5, 1.0}) {
+    if (wing.ChordAt(v) > kLeastChord * sides.spacing) continue;
+    wing.failure_reason = "its edge and its nose meet";
+    return wing;
+  }
   wing.chord = (wing.ChordAt(0) + 2 * wing.ChordAt(0.5) + wing.ChordAt(1)) / 4;
   wing.span =
       ((wing.edge.At(1) - wing.edge.At(0)).norm() + (wing.nose.At(1) - wing.nose.At(0)).norm()) / 2;
@@ -224,6 +233,7 @@ WingFrame FrameOf(const Eigen::Matrix3Xd& points,
   std::vector<bool> filled(kAlong, false);
   for (const Eigen::Index k : edge) {
     const double v = wing.PlaceOf(points.col(k)).v;
+    if (!std::isfinite(v)) continue;
     filled[static_cast<size_t>(std::clamp(v * kAlong, 0.0, kAlong - 1.0))] = true;
   }
   if (std::count(filled.begin(), filled.end(), true) < kLeastAround * kAlong)

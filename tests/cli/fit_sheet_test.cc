@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "test_clouds.h"
+#include "wings.h"
 
 namespace batten::internal::fit_sheet_test {
 
@@ -106,6 +107,19 @@ TEST_F(FitSheetCommandTest, TakesTheBaseAskedFor) {
   EXPECT_EQ(plane["geometry"]["base"], "plane");
   EXPECT_EQ(laid["geometry"]["base"], "sheet");
   EXPECT_NEAR(laid["error"]["rms"].get<double>(), plane["error"]["rms"].get<double>(), 5e-4);
+}
+
+TEST_F(FitSheetCommandTest, LaysAWingRoundItsNoseWhenAskedToOrOnItsOwn) {
+  const WingCloud cloud = PointsOverWing(MapOf({}), 15000, 5e-4, 21);
+  std::vector<Row> rows;
+  for (const auto& p : cloud.points.colwise()) rows.push_back({p[0], p[1], p[2]});
+  const std::string wing = folder_.With("wing.xyz", ToText(rows));
+  for (const std::string base : {"auto", "wing"}) {
+    const Json report = Fit({wing, "--base", base}, base + ".json");
+    EXPECT_THAT(report["geometry"]["base_why"].get<std::string>(), HasSubstr("round the nose"));
+    EXPECT_LT(report["error"]["rms"].get<double>(), 1.1 * 5e-4) << base;
+  }
+  EXPECT_NE(Refusal({arc_, "--base", "wing"}), "");
 }
 
 TEST_F(FitSheetCommandTest, APlaneAskedForUnderABentSheetIsRefusedAndTheWayOutNamed) {
