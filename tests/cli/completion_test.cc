@@ -106,8 +106,9 @@ TEST_F(CompletionTest, FlagsAreThoseOfHelpLessThoseGiven) {
 }
 
 TEST_F(CompletionTest, WordsOfFlagsAreThoseTheProgramTakes) {
-  EXPECT_THAT(Offered({"fit", "surface", "--base", ""}),
-              UnorderedElementsAre("auto", "plane", "sheet", "revolution", "sphere", "torus"));
+  EXPECT_THAT(
+      Offered({"fit", "surface", "--base", ""}),
+      UnorderedElementsAre("auto", "plane", "sheet", "revolution", "sphere", "torus", "wing"));
   EXPECT_THAT(Offered({"fit", "surface", "--loss", "h"}), ElementsAre("huber"));
   EXPECT_THAT(Offered({"fit", "primitive", "--kind", "c"}),
               ElementsAre("circle", "cone", "cylinder"));
