@@ -8,10 +8,11 @@
 //   kind_fitting [--seeds N] [--first SEED] [--points SHARE] [--write FOLDER] [--each] [--alone]
 //                [KIND…]
 // `KIND…` prints only kinds whose names contain one of the words; `--each` every seed, too;
-// `--alone` goes without the oracle, which takes most of the time; `--write` leaves the clouds as
-// text.
+// `--alone` goes without the oracle, which takes most of the time; `--write` leaves the clouds and
+// the truth's places as text.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -309,10 +310,10 @@ void RunSeed(const Kind& kind, const Settings& settings, int seed, Runs& runs) {
   ThreadPool pool(0);
   const DrawnCloud drawn = Draw(kind, settings.share, static_cast<std::uint64_t>(seed));
   if (!settings.folder.empty()) {
-    std::string name = kind.name + "-" + std::to_string(seed) + ".xyz";
-    for (char& c : name)
-      if (c == ' ') c = '_';
-    Write(settings.folder + "/" + name, drawn.cloud.points);
+    std::string name = kind.name + "-" + std::to_string(seed);
+    std::replace(name.begin(), name.end(), ' ', '_');
+    Write(settings.folder + "/" + name + ".xyz", drawn.cloud.points);
+    Write(settings.folder + "/" + name + "-truth.xyz", drawn.places);
   }
   const BestUniform oracle = settings.alone ? BestUniform{1, 1, {1, 1}}
                                             : UniformOracle(drawn.cloud, drawn.places, pool).Best();

@@ -35,22 +35,12 @@ struct ConvertArguments {
   CommonFlags flags;
 };
 
-// Whether a file's own name says what format it has.
-bool NameTells(const std::string& path) {
-  try {
-    FormatOf(path);
-    return true;
-  } catch (const UsageError&) {
-    return false;
-  }
-}
-
 // The format words of IN and OUT. --format is for the file whose name does not tell, IN first.
 std::pair<std::string, std::string> FormatWords(const ConvertArguments& a) {
   const std::string& word = a.cloud.format;
   if (!a.out_format.empty()) return {word, a.out_format};
-  if (NameTells(a.out)) return {word, ""};
-  return {NameTells(a.in) ? "" : word, word};
+  if (FormatOfName(a.out)) return {word, ""};
+  return {FormatOfName(a.in) ? "" : word, word};
 }
 
 // ", 3 geometries in mm"
@@ -64,7 +54,7 @@ int RunConvert(const ConvertArguments& a) {
   if (a.flags.json && a.out == "-")
     throw UsageError("OUT of - and --json both want standard output");
   const auto [in_format, out_format] = FormatWords(a);
-  const FileFormat from = FormatOf(a.in, in_format);
+  const FileFormat from = InputFormat(a.in, in_format);
   if (IsGeometryFormat(from) && a.sources.size() > 1) {
     throw UsageError(a.in + " holds geometry: one such file at a time");
   }

@@ -83,7 +83,7 @@ std::string PartsText(const Json& parts) {
 
 int RunInfo(const InfoArguments& a) {
   Json info;
-  if (IsGeometryFormat(FormatOf(a.paths.front(), a.cloud.format))) {
+  if (IsGeometryFormat(InputFormat(a.paths.front(), a.cloud.format))) {
     if (a.paths.size() > 1) {
       throw UsageError(a.paths.front() + " holds geometry: one such file at a time");
     }

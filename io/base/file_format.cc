@@ -77,6 +77,13 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
 
 }  // namespace
 
+std::optional<FileFormat> FormatOfName(const std::string& path) {
+  const std::string extension = Lower(std::filesystem::path(path).extension().string());
+  // The word "text" is no extension.
+  if (extension.size() < 2 || extension == ".text") return std::nullopt;
+  return Known(extension.substr(1));
+}
+
 FileFormat FormatOf(const std::string& path, const std::string& format) {
   if (!format.empty()) return FormatOfWord(Lower(format), path);
   if (path == "-")

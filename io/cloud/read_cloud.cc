@@ -56,7 +56,7 @@ std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
                                      const CloudReadOptions& options) {
   std::vector<FileFormat> formats;
   for (const std::string& path : paths) {
-    formats.push_back(FormatOf(path, options.format));
+    formats.push_back(InputFormat(path, options.format));
     if (!IsCloudFormat(formats.back())) {
       throw UsageError(path + ": a " + FormatName(formats.back()) +
                        " file holds geometry, not points");

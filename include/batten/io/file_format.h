@@ -2,6 +2,7 @@
 // Which format a file has, by its name or by a word.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace batten {
@@ -26,6 +27,9 @@ enum class FileFormat {
 // what to do where the word or extension is unknown or known but not supported, and where the path
 // "-" comes without a word.
 FileFormat FormatOf(const std::string& path, const std::string& format = "");
+
+// The format that the extension of a path stands for, if it is one of those above.
+std::optional<FileFormat> FormatOfName(const std::string& path);
 
 // The word that names the format.
 const char* FormatName(FileFormat format);

@@ -8,6 +8,7 @@
 
 #include "batten/fitting/point_cloud.h"
 #include "batten/io/cloud_options.h"
+#include "batten/io/file_format.h"
 
 namespace batten {
 
@@ -24,6 +25,11 @@ struct CloudFile {
   // Step between neighbouring coordinates where the first file says it (LAS), else zero
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
 };
+
+// The format of a file to be read: FormatOf, but where the extension is none that is known, a file
+// whose first rows are numbers is text. Throws as FormatOf, and ReadError where the file can't be
+// read.
+FileFormat InputFormat(const std::string& path, const std::string& format = "");
 
 // Reads PCD, PLY, LAS, text, and the vertices of OBJ, STL and OFF. Several files become one cloud
 // that keeps what all of them hold (normals, weights, colours, parameters). Coordinates stay double

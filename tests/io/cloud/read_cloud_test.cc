@@ -312,4 +312,36 @@ TEST(ReadCloudTest, SurvivesRandomDamage) {
   }
 }
 
+// A file without a known extension is text where its first rows are numbers, and nothing else.
+TEST(InputFormatTest, RowsOfNumbersAreTextUnderAnyName) {
+  const std::string rows = "0.5 1 2\n1 0 3e-2\n-1 1 nan\n2 2 2\n";
+  const TemporaryFolder folder;
+  const auto points = [&](const std::string& name, const std::string& text) {
+    return ReadCloud({folder.With(name, text)}).cloud.size();
+  };
+  EXPECT_EQ(points("scan.pwn", rows), 3);
+  EXPECT_EQ(points("scan", rows), 3);
+  EXPECT_EQ(points("scan.2024", rows), 3);
+  EXPECT_EQ(points("scan.text", "# by a scanner\n\n" + rows), 3);
+  EXPECT_EQ(points("scan.neu", "x,y,z\n0,1,2\n1,1,1\n"), 2);
+  EXPECT_EQ(points("scan.cloud", "2\r\n0;1;2\r\n1;2;3"), 2);
+  std::string many;
+  for (int k = 0; k < 3000; ++k) many += "1.25 2.5 " + std::to_string(k) + "\n";
+  EXPECT_EQ(points("scan.big", many), 3000);
+}
+
+TEST(InputFormatTest, OtherFilesNeedAWord) {
+  const TemporaryFolder folder;
+  const auto format = [&](const std::string& name, const std::string& text) {
+    return InputFormat(folder.With(name, text));
+  };
+  EXPECT_THROW(format("notes.md", "# Points\nof two scans\n1 2 3\n"), UsageError);
+  EXPECT_THROW(format("empty.foo", ""), UsageError);
+  EXPECT_THROW(format("prose.foo", "1 2 words\n3 4 5\n"), UsageError);
+  EXPECT_THROW(format("scan.laz", std::string("LASF\0\0 1 2 3\n", 13)), UsageError);
+  EXPECT_THROW(InputFormat("no such file"), UsageError);
+  EXPECT_EQ(InputFormat("missing.ply"), FileFormat::kPly);
+  EXPECT_EQ(InputFormat(folder.With("rows.foo", "1 2 3\n"), "xyz"), FileFormat::kXyz);
+}
+
 }  // namespace batten::internal::read_cloud_test
