@@ -16,7 +16,8 @@ if(BATTEN_SHARED)
   configure_file(cmake/batten.pc.in ${PROJECT_BINARY_DIR}/batten.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/batten.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endif()
-install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR})
+install(FILES include/batten/pcl.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten COMPONENT development)
+install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR} COMPONENT runtime)
 
 configure_package_config_file(cmake/battenConfig.cmake.in ${PROJECT_BINARY_DIR}/battenConfig.cmake
                               INSTALL_DESTINATION ${package_dir})

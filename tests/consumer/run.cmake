@@ -57,6 +57,7 @@ build_consumer(geometry geometry.cc -DCONSUMER_COMPONENTS=geometry ${static} ${a
 needs_only(${work}/geometry/consumer "")
 run(${work}/geometry/consumer)
 build_consumer(static main.cc ${static})
+build_consumer(pcl geometry.cc -DCONSUMER_COMPONENTS=pcl -DCONSUMER_LINKS=batten::pcl -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON)
 
 file(GLOB_RECURSE package ${install}/batten.pc)
 cmake_path(GET package PARENT_PATH packages)
