@@ -55,10 +55,10 @@ function(batten_rooms TARGET)
   endforeach()
 endfunction()
 
-# batten_library(NAME room...): the library of one folder, its rooms in their order, lowest first. Its public headers are
+# batten_library(NAME room...): the static library of one folder, its rooms in their order, lowest first. Its public headers are
 # the files of include/batten/NAME: what is installed, each of which compiles alone.
 function(batten_library NAME)
-  add_library(batten_${NAME})
+  add_library(batten_${NAME} STATIC)
   add_library(batten::${NAME} ALIAS batten_${NAME})
   set_target_properties(batten_${NAME} PROPERTIES EXPORT_NAME ${NAME})
   target_compile_features(batten_${NAME} PUBLIC cxx_std_20)

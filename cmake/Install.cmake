@@ -1,19 +1,43 @@
 # SPDX-License-Identifier: MIT
-# Installs the public headers as <batten/folder/x.h>, the libraries as batten::folder, the module and the program.
+# Installs the public headers as <batten/folder/x.h>, the libraries and their packages for CMake and pkg-config, the module,
+# the program and the documents. The target `uninstall` removes what the last installation wrote.
 include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 
 # Programs that link batten::io statically find the module by their run path.
 target_link_options(batten_io INTERFACE $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${BATTEN_MODULE_DIR}>)
-install(TARGETS batten_geometry batten_fitting batten_io EXPORT battenTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-        FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR})
-install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(FILES cli/terminal/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten)
-install(EXPORT battenTargets NAMESPACE batten:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
+install(TARGETS batten_geometry batten_fitting batten_io EXPORT battenStaticTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+        FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT battenStaticTargets NAMESPACE batten:: DESTINATION ${package_dir} COMPONENT development)
+if(BATTEN_SHARED)
+  install(TARGETS batten_shared EXPORT battenTargets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
+  install(EXPORT battenTargets NAMESPACE batten:: DESTINATION ${package_dir} COMPONENT development)
+  file(RELATIVE_PATH BATTEN_PREFIX_FROM_PC ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+  configure_file(cmake/batten.pc.in ${PROJECT_BINARY_DIR}/batten.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/batten.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endif()
+install(FILES include/batten/pcl.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten COMPONENT development)
+install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR} COMPONENT runtime)
+
 configure_package_config_file(cmake/battenConfig.cmake.in ${PROJECT_BINARY_DIR}/battenConfig.cmake
-                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
+                              INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/battenConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/battenConfig.cmake ${PROJECT_BINARY_DIR}/battenConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindPclParts.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
+        DESTINATION ${package_dir} COMPONENT development)
+
+if(BATTEN_BUILD_PROGRAM)
+  install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  install(FILES cli/terminal/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten
+          COMPONENT program)
+endif()
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+
+if(PROJECT_IS_TOP_LEVEL)
+  include(cmake/Package.cmake)
+  add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -DMANIFEST=${PROJECT_BINARY_DIR}/install_manifest.txt
+                    -P ${PROJECT_SOURCE_DIR}/cmake/Uninstall.cmake)
+endif()

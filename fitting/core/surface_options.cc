@@ -68,6 +68,12 @@ void Check(const SurfaceFitOptions& options) {
     reject("given_parameters leaves no base that conditions, symmetry or a domain could shape");
   if (options.snap && (conditions || options.symmetric))
     reject("snap: an exact shape meets no conditions");
+  if (options.terms &&
+      (conditions || options.symmetric || options.snap || options.given_parameters)) {
+    reject(
+        "terms go with free points: not beside boundary, meet, symmetric, snap or "
+        "given_parameters");
+  }
   if (options.symmetric && (conditions || options.domain))
     reject("symmetric with boundary, meet or domain is not in this version");
   if (options.domain && !options.boundary.empty())

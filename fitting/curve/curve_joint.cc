@@ -13,6 +13,7 @@
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/overshoot.h"
 #include "fitting/curve/rational_spans.h"
+#include "fitting/joint/moved_terms.h"
 
 namespace batten::internal {
 namespace {
@@ -44,7 +45,17 @@ void SetUp(const CurveTask& task,
   optimize.progress = options.progress;
 }
 
-// Keeps the result unless it overshoots, grows far beyond the points or leaves their ends.
+// The user's terms for the curve so far, in the coordinates of the task.
+ResidualTerms TermsOf(const CurveTask& task, const SolvedCurve& solved) {
+  const Eigen::Index dimension = solved.control_points.rows();
+  const Eigen::VectorXd move =
+      task.middle + (task.ordered.cloud.origin() - task.options.shift).head(dimension);
+  return MovedTerms(
+      task.options.terms(solved.problem.basis_u(), solved.control_points.colwise() + move), move);
+}
+
+// Keeps the result unless it leaves the ends of the points or, where no terms of the user lead away
+// from them, overshoots or grows far beyond them.
 template <int Dim>
 void Adopt(const CurveTask& task,
            OptimizeResult&& result,
@@ -60,8 +71,9 @@ void Adopt(const CurveTask& task,
   if (result.cancelled) solved.end = EndCode::kCancelled;
   const NurbsCurve<Dim> curve(
       result.problem.basis_u(), std::move(result.control_points), std::move(result.weights));
+  const bool terms = static_cast<bool>(task.options.terms);
   const bool bounded =
-      !HasOvershoot(result.problem, curve.control_points(), curve.weights(), task.noise) ||
+      terms || !HasOvershoot(result.problem, curve.control_points(), curve.weights(), task.noise) ||
       HasOvershoot(solved.problem, solved.control_points, solved.weights, task.noise);
   const double before =
       SampledSize(solved.problem.basis_u(), solved.control_points, solved.weights);
@@ -71,10 +83,10 @@ void Adopt(const CurveTask& task,
     solved.control_points = found.control_points();
     solved.weights = found.weights();
   };
-  if (!bounded || after > kLargest * std::max(task.size, before)) {
+  if (!bounded || (!terms && after > kLargest * std::max(task.size, before))) {
     summary.why += "; not taken, as it left the points between them";
     summary.rms_after = summary.rms_before;
-  } else if (!task.by_feet()) {
+  } else if (!task.by_feet() || terms) {  // a cut would move the control points that terms name
     take(std::move(result.problem), curve);
   } else if (auto cut = CutToData(curve, result.problem.data())) {
     take(result.problem.WithBasis(cut->curve.basis()).WithParameters(cut->parameters), cut->curve);
@@ -87,7 +99,8 @@ void Adopt(const CurveTask& task,
 // Tries few rational spans where weights are free.
 std::optional<OptimizeResult> FewRationalSpans(const CurveTask& task, const SolvedCurve& solved) {
   const CurveFitOptions& options = task.options;
-  if (!options.optimize || !options.optimize->weights || options.control_points) return {};
+  if (!options.optimize || !options.optimize->weights || options.control_points || options.terms)
+    return {};
   RationalSpansOptions rational;
   rational.optimize.free = *options.optimize;
   rational.optimize.free.knots = false;  // a search of its own for each number of spans
@@ -161,8 +174,8 @@ void ImproveJointly(CurveTask& task,
   }
   // Of many points the squares of the solution say as much, at once.
   const auto points = static_cast<double>(solved.problem.size());
-  const bool many =
-      solved.problem.size() > kManyCurvePoints && !options.optimize && !options.tolerance;
+  const bool many = solved.problem.size() > kManyCurvePoints && !options.optimize &&
+                    !options.tolerance && !options.terms;
   const double before = std::sqrt(solved.squares / points);
   if (many && before <= kExcessToOptimise * NoiseLeft(task)) {
     summary.rms_before = summary.rms_after = before;
@@ -176,19 +189,26 @@ void ImproveJointly(CurveTask& task,
   clock.Enter(&StageSeconds::optimize);
   if (solved.end == EndCode::kCancelled) return;
   OptimizeOptions optimize;
-  if (options.optimize) {
+  if (options.terms) {
+    optimize.free = options.optimize.value_or(FreeVariables{.parameters = task.by_feet()});
+    summary.why = "the user's terms ask for it";
+  } else if (options.optimize) {
     optimize.free = *options.optimize;
     summary.why = optimize.free.any() ? "asked for" : "not asked for";
     if (!optimize.free.any()) return;
   } else if (!Pays(task, solved, distances, rms, optimize.free, summary.why)) {
     return;
   }
-  if (solved.problem.size() < solved.problem.unknowns()) {
+  if (solved.problem.size() < solved.problem.unknowns() && !options.terms) {
     summary.why = "there are fewer points than control points";
     return;
   }
   if (optimize.free.parameters) task.distance = CurveDistance::kPoint;
   SetUp(task, solved.problem, distances, optimize);
+  if (options.terms) {
+    optimize.terms = TermsOf(task, solved);
+    optimize.stop_at_noise = false;
+  }
   Adopt<Dim>(task,
              Optimize(solved.problem, solved.control_points, solved.weights, optimize, task.pool),
              solved,

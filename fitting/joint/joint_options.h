@@ -15,7 +15,7 @@ struct JointOptions {
   bool orthogonal = true;  // every point's parameters are free; else they stay as given
   bool free_weights = false, free_knots_u = false, free_knots_v = false;
   std::vector<int> fixed_control_points;  // indices, v fastest: these stay, with their weights
-  std::vector<std::shared_ptr<const ResidualTerm>> terms;  // added to the distances' squares
+  ResidualTerms terms;                    // added to the distances' squares
   int max_iterations = 40;
   bool stop_at_noise = true;  // stop, or do not start, when Σ w d² falls to what noise explains, as
                               // residuals of neighbours tell

@@ -134,8 +134,8 @@ class SurfacePipeline {
     clock_.Enter(&StageSeconds::trim);
     TrimToUsed(fitted, prepared, options, pool_);
     const FitReport& report = fitted.report;
-    const bool free =
-        !prepared.conditions.any() && !prepared_.symmetry && !report.geometry.primitive;
+    const bool free = !prepared.conditions.any() && !prepared_.symmetry && !options.terms &&
+                      !report.geometry.primitive;
     if (free && options.trim != Trimming::kNone) {
       HoldBetweenPoints(fitted.draft,
                         prepared.statistics.spacing,

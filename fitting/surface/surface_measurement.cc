@@ -15,6 +15,7 @@
 #include "batten/geometry/closure.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/rules.h"
+#include "fitting/joint/moved_terms.h"
 #include "fitting/least_squares/residual_structure.h"
 #include "fitting/surface/data_box.h"
 #include "fitting/surface/surface_overshoot.h"
@@ -36,6 +37,14 @@ constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
 constexpr double kEmptyToWarn = 0.05;  // share of the area
 
+// The user's terms for the surface so far, in the coordinates of the cloud, whose origin is given.
+ResidualTerms TermsOf(const SurfaceFitOptions& options,
+                      const NurbsSurface& surface,
+                      const Eigen::Vector3d& origin) {
+  const Eigen::Vector3d move = origin - options.shift;
+  return MovedTerms(options.terms(surface.Translated(move)), move);
+}
+
 // Decides whether the joint stage runs, and says why.
 bool JointOptimizationReducesError(const SurfaceFitOptions& options,
                                    const SurfaceState& draft,
@@ -49,6 +58,10 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
   if (options.optimize && !options.optimize->any()) {
     summary.why = "not asked for";
     return false;
+  }
+  if (options.terms) {
+    summary.why = "the user's terms ask for it";
+    return true;
   }
   if (options.optimize) {
     summary.why = points < unknowns ? "asked for, but there are more control points than points"
@@ -247,16 +260,23 @@ void OptimiseWhereItPays(SurfaceState& draft,
   optimize.knots_u = !draft.surface.basis_u().periodic();
   optimize.knots_v = !draft.surface.basis_v().periodic();
   optimize.free.knots = optimize.free.knots && (optimize.knots_u || optimize.knots_v);
-  if (!optimize.free.any()) {
+  if (!optimize.free.any() && !options.terms) {
     report.optimize.why = "knots of closed directions stay where they are";
     return;
   }
-  optimize.loss = draft.robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
+  // Under a loss an edge can retreat from the outermost points. Where the result is taken whatever
+  // it is, as with terms, the outliers that were left out have to do.
+  const Loss usual = options.terms ? Loss::kNone : Loss::kTukey;
+  optimize.loss = draft.robust ? options.loss.value_or(usual) : Loss::kNone;
   optimize.loss_scale = options.loss_scale.value_or(RobustScale(before.distances));
   optimize.fairness = options.smoothing.value_or(FairnessOfFreePoints(points, unknowns));
   optimize.seed = options.seed;
   optimize.fixed_control_points = PolePoints(draft);
   optimize.progress = options.progress;
+  if (options.terms) {
+    optimize.terms = TermsOf(options, draft.surface, report.input.origin);
+    optimize.stop_at_noise = false;
+  }
   auto data = std::make_shared<FittingData>();
   data->parameters = draft.parameters;
   data->values = draft.used.points();
@@ -276,7 +296,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
   };
   OptimizeResult result = optimise();
   // What few data do not determine fairness holds, where it is free.
-  while (leaves_box(result) && !result.cancelled && !options.smoothing &&
+  while (!options.terms && leaves_box(result) && !result.cancelled && !options.smoothing &&
          optimize.fairness < kFairnessToHold) {
     optimize.fairness *= kStepOfHolding;
     result = optimise();
@@ -295,6 +315,11 @@ void OptimiseWhereItPays(SurfaceState& draft,
     return found.distances.cwiseAbs().maxCoeff() <= options.tolerance.value_or(0);
   };
   const double rms_after = std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
+  const auto take = [&] {
+    draft.surface = std::move(optimised);
+    report.optimize.rms_after = rms_after;
+  };
+  if (options.terms) return take();  // which may well lead away from the points
   if (options.tolerance && !options.optimize && keeps_tolerance(before) &&
       !keeps_tolerance(after)) {
     report.optimize.why += "; what it found does not keep the tolerance and was not taken";
@@ -309,8 +334,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
     report.optimize.why += "; what it found leaves the box of the points and was not taken";
     return;
   }
-  draft.surface = std::move(optimised);
-  report.optimize.rms_after = rms_after;
+  take();
 }
 
 InputSummary SummariseInput(const PointCloud& cloud,

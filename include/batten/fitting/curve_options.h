@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "batten/fitting/fit_report.h"
@@ -11,6 +12,7 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/progress.h"
+#include "batten/fitting/residual_term.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/smooth_by.h"
 #include "batten/geometry/nurbs_curve.h"
@@ -73,6 +75,11 @@ struct CurveFitOptions {
       std::nullopt;  // standard deviation of good points, > 0; estimated when absent
   std::optional<FreeVariables> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never when nothing is free
+  // The user's own terms of the joint stage, which then runs and whose result is taken: called with
+  // the basis and the control points (Dim × n) that the stage starts from, so that terms can name
+  // them. These and the values handed to the terms are in world coordinates less `shift`
+  std::function<ResidualTerms(const SplineBasis& basis, const Eigen::MatrixXd& control_points)>
+      terms = nullptr;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;
   int threads = 0;  // 0: all cores

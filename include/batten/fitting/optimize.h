@@ -32,7 +32,7 @@ struct OptimizeOptions {
   double loss_scale = 1;      // > 0, standard deviation of good points, the data's units
   double fairness = 1e-6;     // ≥ 0, thin plate relative to the data
   std::vector<int> fixed_control_points;  // indices, v fastest
-  std::vector<std::shared_ptr<const ResidualTerm>> terms;
+  ResidualTerms terms;
   double seconds = 0;  // ≥ 0; stop after so long, 0: never. Results then depend on the machine
   std::uint64_t seed = 1;  // of random starts for knots
   Progress progress = nullptr;

@@ -2,6 +2,7 @@
 // A user's own term in the joint optimisation.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,5 +31,7 @@ class ResidualTerm {
                         std::span<double> residual,
                         std::span<double> jacobian) const = 0;
 };
+
+using ResidualTerms = std::vector<std::shared_ptr<const ResidualTerm>>;
 
 }  // namespace batten

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/progress.h"
+#include "batten/fitting/residual_term.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/smooth_by.h"
 #include "batten/geometry/nurbs_curve.h"
@@ -65,6 +67,11 @@ struct SurfaceFitOptions {
       std::nullopt;  // standard deviation of inliers, > 0; estimated when absent
   std::optional<FreeVariables> optimize =
       std::nullopt;  // joint stage: where it pays when absent, never if none
+  // The user's own terms of the joint stage, which then runs and whose result is taken: called with
+  // the surface that the stage starts from, so that terms can name its control points. That surface
+  // and the values handed to the terms are in world coordinates less `shift`. Not beside boundary,
+  // meet, symmetric, snap or given_parameters
+  std::function<ResidualTerms(const NurbsSurface& start)> terms = nullptr;
   BaseShape base = BaseShape::kAuto;
   Closing closed = Closing::kAuto;
   Trimming trim = Trimming::kAuto;

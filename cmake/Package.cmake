@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+# Debian packages: `cpack -G DEB` in the build folder makes libbatten0, libbatten-dev and batten.
+set(CPACK_PACKAGE_VENDOR "The batten authors")
+set(CPACK_PACKAGE_CONTACT "The batten authors <batten@localhost>")
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime development program)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION math)
+set(same_version "(= ${PROJECT_VERSION})")
+
+# batten_package(COMPONENT NAME DESCRIPTION): the package of an install component.
+macro(batten_package COMPONENT NAME DESCRIPTION)
+  set(CPACK_DEBIAN_${COMPONENT}_PACKAGE_NAME ${NAME})
+  set(CPACK_COMPONENT_${COMPONENT}_DESCRIPTION ${DESCRIPTION})
+endmacro()
+batten_package(RUNTIME libbatten${PROJECT_VERSION_MAJOR} "NURBS from measured points: the library")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+batten_package(DEVELOPMENT libbatten-dev "NURBS from measured points: headers and static libraries")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}, libeigen3-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libceres-dev, libpcl-dev, libfmt-dev, liblzf-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+batten_package(PROGRAM batten "NURBS from measured points: the program")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}")  # for the module
+include(CPack)

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+# Removes the files that MANIFEST lists, what the last installation of a build wrote.
+if(NOT EXISTS ${MANIFEST})
+  message(FATAL_ERROR "nothing was installed from here: there is no ${MANIFEST}")
+endif()
+file(STRINGS ${MANIFEST} files)
+foreach(file IN LISTS files)
+  message(STATUS "removing $ENV{DESTDIR}${file}")
+  file(REMOVE $ENV{DESTDIR}${file})
+endforeach()
