@@ -135,7 +135,9 @@ int RunFitSurface(const FitSurfaceArguments& a) {
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
   const PointCloud& cloud = files.Read(options.given_parameters);
   if (cloud.dimension() == 2) {
-    files.Refuse("holds points in the plane (two columns); a surface needs x y z");
+    files.Refuse(
+        "holds points in the plane (two columns); a surface needs x y z, 'batten fit curve' takes "
+        "them");
   }
   if (options.given_parameters && cloud.parameters().cols() == 0) {
     files.Refuse(

@@ -56,6 +56,11 @@ void TellAmount(const char* stage, double total, const char* unit, bool quiet) {
 
 void ClearProgress() { HideBar(); }
 
+void PrintNote(const std::string& text) {
+  ClearProgress();
+  WriteToErrors("batten: " + Printable(text) + '\n');
+}
+
 void PrintWarning(const std::string& text) {
   ClearProgress();
   WriteToErrors("batten: " + Toned("warning:", Tone::kWarning, Stream::kErrors) + ' ' +
