@@ -93,21 +93,13 @@ std::string HavingFlag(const CLI::App& command, const std::string& path, const s
 }
 
 std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
-  std::vector<std::string> names = FlagNames(*Deepest(app));
   const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
   const std::string having = HavingFlag(app, app.get_name(), flag);
   if (!having.empty())
     return text + having + (having.find(',') == std::string::npos ? " has" : " have") + " it";
   if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
-  // One letter is taken for the first of a name.
-  if (flag.size() == 2) {
-    const auto found = std::find_if(
-        names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
-    if (found != names.end()) return text + "did you mean '" + *found + "'?";
-  }
-  const std::string near = NearestName(flag, names);
-  if (!near.empty()) return text + "did you mean '" + near + "'?";
-  return text + "the nearest known is '" + NearestNameOfAll(flag, names) + "' (--help lists all)";
+  const std::string whole = flag.rfind("--", 0) == 0 ? flag : "-" + flag;
+  return text + DidYouMean(whole, FlagNames(*Deepest(app)), "--help lists all there are");
 }
 
 std::string ExplainWord(const CLI::App& app, const std::string& word) {
@@ -123,9 +115,8 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
   if (Contains(later, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
   }
-  const std::string near = NearestName(word, commands);
   return "unknown command '" + TypedName(app) + " " + word + "'; " +
-         (near.empty() ? "known are " + Listed(commands) : "did you mean '" + near + "'?");
+         DidYouMean(word, commands, "known are " + Listed(commands));
 }
 
 std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
