@@ -26,6 +26,7 @@ namespace batten::internal {
 
 struct FitArguments {
   std::vector<std::string> clouds;
+  bool curves = false;  // all that is fitted: they have no mesh
   std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
   CloudArguments cloud;
   OutputArguments output;
@@ -149,6 +150,10 @@ class FitFiles {
 
  private:
   double Seconds() const;  // since construction
+
+  // The geometry or, where OUT is one, its mesh, of which it returns the words.
+  std::string WriteShapes(const std::vector<Geometry>& geometry) const;
+  [[noreturn]] void RefuseMesh() const;
 
   const FitArguments& a_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

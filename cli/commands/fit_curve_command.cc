@@ -23,6 +23,7 @@ namespace {
 
 struct FitCurveArguments : FitArguments {
   FitCurveArguments() {
+    curves = true;
     max_control_points = "2000";
     parameterization = "chord";
   }
