@@ -9,6 +9,7 @@
 
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/interpolate_cloud.h"
+#include "batten/geometry/arc_length.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/commands/commands.h"
@@ -150,6 +151,29 @@ JointFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
   return {std::move(joint), std::move(owners)};
 }
 
+// Warns of curves that came out open though their ends are no farther apart than points that follow
+// one another: whoever knows that they meet can say so.
+template <int Dim>
+void SuggestClosing(std::vector<CurveFit<Dim>>& fits) {
+  constexpr double kGapInSpacings = 1.5, kFewestSpacings = 6;
+  for (size_t k = 0; k < fits.size(); ++k) {
+    const NurbsCurve<Dim>& curve = fits[k].curve;
+    FitReport& report = fits[k].report;
+    const double spacing = report.input.spacing;
+    const auto& basis = curve.basis();
+    const double gap = (curve.At(basis.upper()) - curve.At(basis.lower())).norm();
+    const bool open = !report.geometry.closed.front();
+    if (!open || gap > kGapInSpacings * spacing || ArcLength(curve) < kFewestSpacings * spacing)
+      continue;
+    report.warnings.push_back(
+        fmt::format("{}the ends are {:.4g} apart, points {:.4g}: if the curve is to close there, "
+                    "--closed yes closes it",
+                    fits.size() > 1 ? fmt::format("curve {}: ", k + 1) : "",
+                    gap,
+                    spacing));
+  }
+}
+
 CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
   constexpr int kMostControlPoints = 1000000;
   CurveFitOptions options;
@@ -209,6 +233,9 @@ int Fit(const FitFiles& files,
       return quick;
     }
   });
+  if (options.closed == ClosedChoice::kAuto &&
+      options.parameterization != CurveParameterization::kGiven)
+    SuggestClosing(fits);
   auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;
   for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
