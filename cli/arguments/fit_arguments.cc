@@ -19,6 +19,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/help_format.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
@@ -195,6 +196,61 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
           "none, or what is free besides the control points, any of params,weights,knots",
           "MODE"),
       {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
+}
+
+void GroupFitFlags(CLI::App& command) {
+  GroupFlags(command,
+             "What is written",
+             {"--output",
+              "--report",
+              "--residuals",
+              "--unit",
+              "--origin",
+              "--output-format",
+              "--step-schema"});
+  GroupFlags(command,
+             "How near, how smooth, how long",
+             {"--tolerance",
+              "--degree",
+              "--control-points",
+              "--max-control-points",
+              "--smoothing",
+              "--optimize",
+              "--distance",
+              "--interpolate",
+              "--time-limit"});
+  GroupFlags(command,
+             "Which shape",
+             {"--kind",
+              "--base",
+              "--closed",
+              "--trim",
+              "--snap",
+              "--normals",
+              "--corners",
+              "--order",
+              "--component",
+              "--part",
+              "--parameterization",
+              "--grid",
+              "--grid-method",
+              "--start-tangent",
+              "--end-tangent"});
+  GroupFlags(command,
+             "What it has to meet",
+             {"--boundary", "--boundary-tolerance", "--meet", "--symmetric", "--domain"});
+  GroupFlags(command,
+             "Which points count",
+             {"--loss",
+              "--loss-scale",
+              "--keep-outliers",
+              "--thin",
+              "--columns",
+              "--where",
+              "--las-class",
+              "--box",
+              "--format"});
+  GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
 }
 
 FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)

@@ -54,6 +54,9 @@ void AddEveryFitsArguments(CLI::App& command,
                            const char* points,
                            const char* loss);
 
+// Puts the flags of a fit, when all are added, under headings.
+void GroupFitFlags(CLI::App& command);
+
 [[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
 
 // Values of the shared flags. Each throws UsageError naming flag, value and rule. A loss is one of

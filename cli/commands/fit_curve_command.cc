@@ -342,6 +342,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
         {"auto", "point", "tangent", "squared", "parameter"});
   Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
         {"auto", "none"});
+  GroupFitFlags(command);
   command.footer(
       "Examples:\n"
       "  batten fit curve section.xyz -o section.step\n"
@@ -350,7 +351,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
       "  batten fit curve slice.xy -o slice.step --component all\n"
       "  batten fit curve knots.xyz -o knots.step --interpolate --start-tangent 1,0,0\n"
       "  batten fit curve ring.xyz -o ring.json --order unordered --closed yes --loss tukey\n"
-      "  batten fit curve heat.xy -o heat.json --parameterization given --columns u=1,x=1,y=2 "
+      "  batten fit curve h.xy -o h.json --parameterization given --columns u=1,x=1,y=2 "
       "--control-points 9\n"
       "  batten fit curve arc.xy -o arc.step --degree 2 --optimize params,weights\n"
       "Points may come in any order; the curve closes where its points do, smoothly or at a "

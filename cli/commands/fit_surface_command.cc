@@ -220,6 +220,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "--snap",
       a->snap,
       "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
+  GroupFitFlags(command);
   command.footer(
       "Examples:\n"
       "  batten fit surface scan.ply -o part.step\n"

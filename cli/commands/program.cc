@@ -23,6 +23,7 @@
 #include "cli/commands/short_forms.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/help_format.h"
 #include "cli/terminal/interrupt.h"
 #include "cli/terminal/nearest_name.h"
 #include "cli/terminal/offered_words.h"
@@ -218,6 +219,7 @@ int RunProgram(int argc, char** argv) {
   Action action;
   CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
                "batten");
+  WrapHelp(app);
   app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.footer(

@@ -314,6 +314,20 @@ TEST_F(UsageTest, HelpShowsExamplesAndDefaultsOfEveryCommand) {
   }
 }
 
+TEST_F(UsageTest, HelpOfFitsHasHeadingsAndFitsAHundredColumns) {
+  for (const char* const kind : {"surface", "curve", "primitive"}) {
+    const std::vector<std::string> lines = LinesOf(Batten({"fit", kind, "--help"}).out);
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 100u) << line;
+    for (const char* const heading : {"What is written:", "Which points count:", "The run:"})
+      EXPECT_THAT(lines, ::testing::Contains(heading)) << kind;
+    // Under no heading stands help alone.
+    const auto rest = std::find(lines.begin(), lines.end(), "Options:");
+    ASSERT_NE(rest, lines.end());
+    EXPECT_THAT(*(rest + 1), HasSubstr("--help"));
+    EXPECT_EQ(*(rest + 2), "");
+  }
+}
+
 TEST_F(UsageTest, TheVersionIsPrintedQuickly) {
   const ProgramRun run = Batten({"--version"});
   EXPECT_EQ(run.code, 0);
