@@ -149,11 +149,10 @@ const Operation& Find(const std::string& name) {
     if (operation.name == name) return operation;
     names.push_back(operation.name);
   }
-  const std::string near = NearestName(name, names);
   std::string known;
   for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
   throw UsageError("edit: unknown operation '" + name + "'; " +
-                   (near.empty() ? "known are " + known : "did you mean '" + near + "'?"));
+                   DidYouMean(name, names, "known are " + known));
 }
 
 std::string Shown(const std::string& typed) {
@@ -239,9 +238,7 @@ std::vector<double> ParseKey(const EditOperation& operation,
   const std::string rule =
       takes.empty() ? "it takes no values" : "'" + known.name + "' takes " + takes;
   if (key.empty()) operation.Refuse("'" + text + "' has no key; " + rule);
-  const std::string near = NearestName(key, names);
-  operation.Refuse("unknown key '" + key + "'; " +
-                   (near.empty() ? rule : "did you mean '" + near + "'?"));
+  operation.Refuse("unknown key '" + key + "'; " + DidYouMean(key, names, rule));
 }
 
 // Takes a key whose value is a word; whether it is one.

@@ -55,16 +55,20 @@ Json FileEntry(const GeometryFile& file) {
   return entry;
 }
 
-std::string FileLine(const Json& entry) {
-  const std::string what =
-      entry["path"].get<std::string>() + ": " + entry["kind"].get<std::string>();
-  if (!entry.contains("degree")) {
-    return fmt::format("{}, {} geometries", what, entry["count"].get<size_t>());
-  }
+std::string ShapeWords(const Json& entry) {
   return fmt::format("{} of degree {}, {} control points",
-                     what,
+                     entry["kind"].get<std::string>(),
                      Joined(entry["degree"], ","),
                      Joined(entry["control_points"], " x "));
+}
+
+std::string FileLine(const Json& entry) {
+  const auto path = entry["path"].get<std::string>();
+  if (entry.contains("degree")) return path + ": " + ShapeWords(entry);
+  return fmt::format("{}: {}, {} geometries",
+                     path,
+                     entry["kind"].get<std::string>(),
+                     entry["count"].get<size_t>());
 }
 
 }  // namespace batten::internal

@@ -3,19 +3,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
 #include "batten/fitting/progress.h"
 #include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
+#include "batten/io/mesh_writer.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
+#include "cli/arguments/mesh_output.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/help_format.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
@@ -113,7 +117,12 @@ void AddEveryFitsArguments(CLI::App& command,
       .add_option(
           points, a.clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")
       ->required();
-  command.add_option("-o,--output", a.out, "Where to write: .step .iges .json")
+  command
+      .add_option("-o,--output",
+                  a.out,
+                  a.curves ? "Where to write: .step .iges .json"
+                           : "Where to write: .step .iges .json, or triangles, within 1e-3 of the "
+                             "size and half the tolerance: .stl .obj .ply .glb")
       ->required()
       ->type_name("OUT");
   command
@@ -189,14 +198,72 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
       {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
 }
 
+void GroupFitFlags(CLI::App& command) {
+  GroupFlags(command,
+             "What is written",
+             {"--output",
+              "--report",
+              "--residuals",
+              "--unit",
+              "--origin",
+              "--output-format",
+              "--step-schema"});
+  GroupFlags(command,
+             "How near, how smooth, how long",
+             {"--tolerance",
+              "--degree",
+              "--control-points",
+              "--max-control-points",
+              "--smoothing",
+              "--optimize",
+              "--distance",
+              "--interpolate",
+              "--time-limit"});
+  GroupFlags(command,
+             "Which shape",
+             {"--kind",
+              "--base",
+              "--closed",
+              "--trim",
+              "--snap",
+              "--normals",
+              "--corners",
+              "--order",
+              "--component",
+              "--part",
+              "--parameterization",
+              "--grid",
+              "--grid-method",
+              "--start-tangent",
+              "--end-tangent"});
+  GroupFlags(command,
+             "What it has to meet",
+             {"--boundary", "--boundary-tolerance", "--meet", "--symmetric", "--domain"});
+  GroupFlags(command,
+             "Which points count",
+             {"--loss",
+              "--loss-scale",
+              "--keep-outliers",
+              "--thin",
+              "--columns",
+              "--where",
+              "--las-class",
+              "--box",
+              "--format"});
+  GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
+}
+
 FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
   shift_ = ToShift(a_.origin);
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
-  if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
-    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step or .iges");
+  if (NamesMesh(a_.out, out_format_)) {
+    if (a_.curves) RefuseMesh();
+  } else if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
+    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step or .iges" +
+                     (a_.curves ? "" : ", triangles as .stl, .obj, .ply or .glb"));
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
@@ -264,6 +331,34 @@ void FitFiles::Keep(const std::vector<Eigen::Index>& points) {
   file_.cloud = file_.cloud.Picked(points);
 }
 
+void FitFiles::RefuseMesh() const {
+  throw UsageError("-o " + a_.out +
+                   ": a curve has no triangles; it is written as .json, .step or .iges");
+}
+
+std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
+  if (!NamesMesh(a_.out, out_format_)) {
+    WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+    return "";
+  }
+  std::vector<NurbsSurface> surfaces;
+  for (const Geometry& one : geometry) {
+    const auto* surface = std::get_if<NurbsSurface>(&one);
+    if (surface == nullptr) RefuseMesh();
+    surfaces.push_back(*surface);
+  }
+  double chord_tolerance = DefaultChordTolerance(surfaces);
+  if (a_.tolerance) chord_tolerance = std::min(chord_tolerance, *a_.tolerance / 2);
+  std::vector<SurfaceMesh> meshes;
+  const MeshSummary summary = TessellateAll(surfaces,
+                                            std::vector<std::string>(surfaces.size()),
+                                            chord_tolerance,
+                                            MakeProgress(a_.flags.quiet),
+                                            meshes);
+  WriteMeshes(meshes, a_.out, {.format = out_format_, .metres = MetresIn(a_.output.unit)});
+  return MeshWords(summary);
+}
+
 int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
                     const Eigen::MatrixXd& parameters,
@@ -295,7 +390,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   target.scene = SceneFor(
       a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
-  WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+  const std::string mesh = WriteShapes(geometry);
   if (written) written->Commit();
   report.seconds.read = read_seconds_;
   const double fitted = report.seconds.total, now = Seconds();
@@ -303,6 +398,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   report.seconds.total = read_seconds_ + fitted + report.seconds.write;
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
+  if (!mesh.empty() && !a_.flags.quiet) PrintNote(a_.out + ": " + mesh);
   if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
   return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
 }

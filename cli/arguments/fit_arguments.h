@@ -26,6 +26,7 @@ namespace batten::internal {
 
 struct FitArguments {
   std::vector<std::string> clouds;
+  bool curves = false;  // all that is fitted: they have no mesh
   std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
   CloudArguments cloud;
   OutputArguments output;
@@ -52,6 +53,9 @@ void AddEveryFitsArguments(CLI::App& command,
                            FitArguments& arguments,
                            const char* points,
                            const char* loss);
+
+// Puts the flags of a fit, when all are added, under headings.
+void GroupFitFlags(CLI::App& command);
 
 [[noreturn]] void NotYet(const std::string& what);  // "… is not in this version"
 
@@ -149,6 +153,10 @@ class FitFiles {
 
  private:
   double Seconds() const;  // since construction
+
+  // The geometry or, where OUT is one, its mesh, of which it returns the words.
+  std::string WriteShapes(const std::vector<Geometry>& geometry) const;
+  [[noreturn]] void RefuseMesh() const;
 
   const FitArguments& a_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cli/arguments/geometry_output.h"
 
+#include <fmt/format.h>
+
+#include <variant>
+
 #include "batten/io/geometry_file.h"
+#include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
@@ -42,6 +47,28 @@ GeometryContents ReadInUnit(const std::string& path,
     for (const std::string& remark : contents.remarks) PrintWarning(path + ": " + remark);
   }
   return contents;
+}
+
+NamedSurfaces SurfacesAlone(const std::string& path,
+                            const GeometryContents& contents,
+                            const std::string& why,
+                            bool quiet) {
+  NamedSurfaces found;
+  for (size_t k = 0; k < contents.geometry.size(); ++k) {
+    const auto* surface = std::get_if<NurbsSurface>(&contents.geometry[k]);
+    if (surface == nullptr) continue;
+    found.surfaces.push_back(*surface);
+    found.names.push_back(contents.names[k]);
+  }
+  if (found.surfaces.empty()) throw ReadError(path, "holds no surface, only curves");
+  const size_t curves = contents.geometry.size() - found.surfaces.size();
+  if (curves > 0 && !quiet) {
+    PrintWarning(fmt::format("{}: {} left out: {}",
+                             path,
+                             curves == 1 ? "a curve is" : fmt::format("{} curves are", curves),
+                             why));
+  }
+  return found;
 }
 
 GeometryWriteOptions WriteOptions(const std::string& format,

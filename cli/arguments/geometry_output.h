@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "batten/io/geometry_types.h"
 #include "cli/terminal/cli11_forward.h"
@@ -24,6 +25,17 @@ void AddGeometryOutput(CLI::App& command, GeometryOutput& output);
 GeometryContents ReadInUnit(const std::string& path,
                             const std::string& format,
                             const GeometryOutput& output,
+                            bool quiet);
+
+// The surfaces among what was read, with their names. Warns of curves that are left out, and `why`;
+// throws ReadError where there is no surface.
+struct NamedSurfaces {
+  std::vector<NurbsSurface> surfaces;
+  std::vector<std::string> names;
+};
+NamedSurfaces SurfacesAlone(const std::string& path,
+                            const GeometryContents& contents,
+                            const std::string& why,
                             bool quiet);
 
 // How to write what was read.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `analyze` and `info` say of a curve or surface, as JSON and as text.
+// What `analyze` and `info` say of a file, as JSON and as text.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

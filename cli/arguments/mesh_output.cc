@@ -29,41 +29,6 @@
 namespace batten::internal {
 namespace {
 
-struct NamedSurfaces {
-  std::vector<NurbsSurface> surfaces;
-  std::vector<std::string> names;
-  std::string unit;
-};
-
-// The surfaces of the file; curves have no mesh.
-NamedSurfaces Surfaces(const MeshRequest& a) {
-  BeginReading({a.geometry}, a.flags.quiet);
-  const GeometryContents contents =
-      ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet);
-  NamedSurfaces found;
-  found.unit = contents.unit.empty() ? "mm" : contents.unit;
-  for (size_t k = 0; k < contents.geometry.size(); ++k) {
-    const auto* surface = std::get_if<NurbsSurface>(&contents.geometry[k]);
-    if (!surface) continue;
-    found.surfaces.push_back(*surface);
-    found.names.push_back(contents.names[k]);
-  }
-  if (found.surfaces.empty()) throw ReadError(a.geometry, "holds no surface, only curves");
-  if (found.surfaces.size() < contents.geometry.size() && !a.flags.quiet) {
-    PrintWarning(fmt::format("{}: {} curves are left out: they have no mesh",
-                             a.geometry,
-                             contents.geometry.size() - found.surfaces.size()));
-  }
-  return found;
-}
-
-double DefaultTolerance(const std::vector<NurbsSurface>& surfaces) {
-  constexpr double kShare = 1e-3;
-  Eigen::AlignedBox3d box;
-  for (const NurbsSurface& surface : surfaces) box.extend(BoundingBox(surface));
-  return kShare * box.diagonal().norm();
-}
-
 Eigen::AlignedBox2d DomainOf(const NurbsSurface& surface) {
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
   return {Eigen::Vector2d(u.lower(), v.lower()), Eigen::Vector2d(u.upper(), v.upper())};
@@ -95,6 +60,48 @@ bool NamesMesh(const std::string& path, const std::string& format) {
   }
 }
 
+std::string MeshWords(const MeshSummary& summary) {
+  return fmt::format(
+      "{} triangles, {} vertices, within {:.3g} of {}",
+      summary.triangles,
+      summary.vertices,
+      summary.chord_tolerance,
+      summary.surfaces == 1 ? "the surface" : fmt::format("{} surfaces", summary.surfaces));
+}
+
+double DefaultChordTolerance(const std::vector<NurbsSurface>& surfaces) {
+  constexpr double kShare = 1e-3;
+  Eigen::AlignedBox3d box;
+  for (const NurbsSurface& surface : surfaces) box.extend(BoundingBox(surface));
+  return kShare * box.diagonal().norm();
+}
+
+MeshSummary TessellateAll(const std::vector<NurbsSurface>& surfaces,
+                          const std::vector<std::string>& names,
+                          double chord_tolerance,
+                          const Progress& progress,
+                          std::vector<SurfaceMesh>& meshes) {
+  MeshSummary summary{.surfaces = surfaces.size(), .chord_tolerance = chord_tolerance};
+  TessellateOptions options;
+  options.chord_tolerance = chord_tolerance;
+  const auto count = static_cast<double>(surfaces.size());
+  double done = 0;
+  options.progress = [&](double share) { Report(progress, "tessellate", (done + share) / count); };
+  for (size_t k = 0; k < surfaces.size(); ++k, ++done) {
+    options.progress(0);
+    TriangleMesh mesh = Tessellate(surfaces[k], options);
+    options.max_triangles -= mesh.triangles.cols();
+    summary.vertices += mesh.vertices.cols();
+    summary.triangles += mesh.triangles.cols();
+    meshes.push_back({.mesh = std::move(mesh), .name = names[k], .domain = DomainOf(surfaces[k])});
+  }
+  return summary;
+}
+
+double MetresIn(const std::string& unit) {
+  return LengthUnitOf(unit.empty() ? "mm" : unit).millimetres / 1000;
+}
+
 int WriteMeshOf(const MeshRequest& a) {
   const MeshFormat format = MeshFormatOf(a.out, a.out_format);
   CheckDistinct({a.out}, a.flags.json, {a.geometry, a.cloud_path});
@@ -106,32 +113,25 @@ int WriteMeshOf(const MeshRequest& a) {
   }
   if (!a.unit.empty()) CheckUnit(a.unit);
   CheckWritable(a.out);
-  const NamedSurfaces named = Surfaces(a);
+  BeginReading({a.geometry}, a.flags.quiet);
+  const GeometryContents contents =
+      ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet);
+  const NamedSurfaces named =
+      SurfacesAlone(a.geometry, contents, "curves have no mesh", a.flags.quiet);
   const std::vector<NurbsSurface>& surfaces = named.surfaces;
   std::optional<PointCloud> cloud;
   if (!a.cloud_path.empty()) {
     cloud = ReadCloud({a.cloud_path}, ToReadOptions(a.cloud, a.flags.quiet)).cloud;
   }
   const Progress progress = MakeProgress(a.flags.quiet);
-  TessellateOptions options;
-  options.chord_tolerance = a.chord_tolerance > 0 ? a.chord_tolerance : DefaultTolerance(surfaces);
   std::vector<SurfaceMesh> meshes;
-  const auto count = static_cast<double>(surfaces.size());
-  options.progress = [&](double share) {
-    Report(progress, "tessellate", (static_cast<double>(meshes.size()) + share) / count);
-  };
-  Eigen::Index vertices = 0, triangles = 0;
-  for (const NurbsSurface& surface : surfaces) {
-    options.progress(0);
-    TriangleMesh mesh = Tessellate(surface, options);
-    options.max_triangles -= mesh.triangles.cols();
-    vertices += mesh.vertices.cols();
-    triangles += mesh.triangles.cols();
-    meshes.push_back(
-        {.mesh = std::move(mesh), .name = named.names[meshes.size()], .domain = DomainOf(surface)});
-  }
-  MeshWriteOptions write{.format = a.out_format,
-                         .metres = LengthUnitOf(named.unit).millimetres / 1000};
+  const MeshSummary summary =
+      TessellateAll(surfaces,
+                    named.names,
+                    a.chord_tolerance > 0 ? a.chord_tolerance : DefaultChordTolerance(surfaces),
+                    progress,
+                    meshes);
+  MeshWriteOptions write{.format = a.out_format, .metres = MetresIn(contents.unit)};
   if (cloud) {
     ThreadPool pool(a.threads);
     AddDeviations(surfaces, *cloud, meshes, pool, progress);
@@ -143,10 +143,10 @@ int WriteMeshOf(const MeshRequest& a) {
   if (a.flags.json) {
     nlohmann::ordered_json entry{{"path", a.out},
                                  {"kind", "mesh"},
-                                 {"surfaces", surfaces.size()},
-                                 {"vertices", vertices},
-                                 {"triangles", triangles},
-                                 {"chord_tolerance", options.chord_tolerance}};
+                                 {"surfaces", summary.surfaces},
+                                 {"vertices", summary.vertices},
+                                 {"triangles", summary.triangles},
+                                 {"chord_tolerance", summary.chord_tolerance}};
     if (cloud) {
       entry["deviation"] = {{"points", cloud->size()},
                             {"range", write.range},
@@ -154,20 +154,14 @@ int WriteMeshOf(const MeshRequest& a) {
     }
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    PrintResult(fmt::format(
-        "{}: {} triangles, {} vertices, within {:.3g} of {}",
-        a.out,
-        triangles,
-        vertices,
-        options.chord_tolerance,
-        surfaces.size() == 1 ? "the surface" : fmt::format("{} surfaces", surfaces.size())));
+    PrintResult(a.out + ": " + MeshWords(summary));
     if (cloud) {
       fmt::print(
           "coloured by {} points: blue is {:.3g} below the surface, red above; {} vertices "
           "have none near and are grey\n",
           cloud->size(),
           write.range,
-          vertices - MeasuredVertices(meshes));
+          summary.vertices - MeasuredVertices(meshes));
     }
   }
   return kDone;

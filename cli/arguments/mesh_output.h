@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of a file as triangle meshes in another: what tessellate and convert share.
+// Surfaces as triangle meshes in a file: what tessellate, convert and fits share.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
+#include <vector>
 
+#include "batten/fitting/progress.h"
+#include "batten/geometry/nurbs_surface.h"
+#include "batten/io/surface_mesh.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/terminal/common_flags.h"
 
@@ -22,6 +27,28 @@ struct MeshRequest {
 
 // Whether the word, or else the path, names a format of meshes.
 bool NamesMesh(const std::string& path, const std::string& format);
+
+// What became of surfaces.
+struct MeshSummary {
+  size_t surfaces = 0;
+  Eigen::Index vertices = 0, triangles = 0;
+  double chord_tolerance = 0;
+};
+// "4870 triangles, 2505 vertices, within 0.1 of the surface"
+std::string MeshWords(const MeshSummary& summary);
+
+// 1e-3 of the size of all surfaces.
+double DefaultChordTolerance(const std::vector<NurbsSurface>& surfaces);
+
+// Adds the surfaces' meshes, in their order, to `meshes`; `names` are theirs.
+MeshSummary TessellateAll(const std::vector<NurbsSurface>& surfaces,
+                          const std::vector<std::string>& names,
+                          double chord_tolerance,
+                          const Progress& progress,
+                          std::vector<SurfaceMesh>& meshes);
+
+// In a unit, that of no name being mm: what MeshWriteOptions asks for.
+double MetresIn(const std::string& unit);
 
 // Writes the mesh, then the line or JSON on standard output. Returns the exit code.
 int WriteMeshOf(const MeshRequest& request);

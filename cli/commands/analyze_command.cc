@@ -19,6 +19,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_summary.h"
+#include "cli/arguments/short_summary.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
@@ -37,6 +38,7 @@ struct AnalyzeArguments {
   std::optional<double> tolerance;
   JoinOptions join;
   bool joins_only = false;  // a flag of joins was given
+  bool all = false;
   CommonFlags flags;
 };
 
@@ -156,7 +158,11 @@ int RunAnalyze(const AnalyzeArguments& a) {
   if (a.flags.json) {
     fmt::print("{}\n", JsonText(analysis, 2));
   } else if (!a.flags.quiet) {
-    PrintAligned(analysis);
+    if (a.second.empty()) {
+      PrintForPeople(analysis, a.all);
+    } else {
+      PrintAligned(analysis);
+    }
   }
   return kDone;
 }
@@ -219,16 +225,18 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
                      a->second,
                      "A second one: C0 … C2 and G0 … G2 where they meet; the same one again: where "
                      "it closes");
+  command.add_flag("--all", a->all, "Print every number, knots and domains too");
   AddTolerances(command, a);
   AddGeometryFormatFlag(
       command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
   AddCommonFlags(command, a->flags);
   command.footer(
-      "Degree, knots, continuity, length or area, range of curvature, and what shape it is: line,\n"
+      "Degree, size, length or area, range of curvature, and what shape it is: line,\n"
       "circle, ellipse, parabola, hyperbola; plane, cylinder, sphere, cone, torus, revolution,\n"
       "extrusion; free. Gaps of joins: in the data's unit, in radians, in one over the unit.\n"
       "Examples:\n"
       "  batten analyze part.step\n"
+      "  batten analyze part.step --all\n"
       "  batten analyze arc.json --json\n"
       "  batten analyze left.json right.json --angle-tolerance 0.1\n"
       "  batten analyze tube.json tube.json");

@@ -15,6 +15,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/short_forms.h"
 #include "cli/terminal/bash_completion.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/exit_codes.h"
@@ -231,6 +232,21 @@ Completion FlagsOf(const Typed& typed) {
   return completion;
 }
 
+// The command's own, or else, where none begins as is typed, the files that can stand for one
+// (short_forms.h); nothing where the command has none.
+Completion CommandsOf(const CLI::App& command, const std::string& word) {
+  Completion completion;
+  for (const CLI::App* below : Commands(command)) completion.words.push_back(below->get_name());
+  const bool begun = std::any_of(completion.words.begin(),
+                                 completion.words.end(),
+                                 [&](const std::string& name) { return Begins(name, word); });
+  if (completion.words.empty() || begun) return completion;
+  const bool fits = command.get_name() == "fit";
+  if (fits || command.get_parent() == nullptr)
+    return {.words = Files(word, OfFormat(fits ? IsCloudFormat : IsReadable)), .files = true};
+  return completion;
+}
+
 Completion Unfiltered(const Typed& typed, const std::string& word) {
   if (typed.wants != nullptr) return ValueOf(*typed.wants, word);
   if (!typed.only_positionals && Begins(word, "-")) {
@@ -242,12 +258,8 @@ Completion Unfiltered(const Typed& typed, const std::string& word) {
     for (std::string& value : completion.words) value = word.substr(0, sign + 1) + value;
     return completion;
   }
-  const std::vector<const CLI::App*> commands = Commands(*typed.command);
-  if (!commands.empty()) {
-    Completion completion;
-    for (const CLI::App* command : commands) completion.words.push_back(command->get_name());
-    return completion;
-  }
+  if (const Completion commands = CommandsOf(*typed.command, word); !commands.words.empty())
+    return commands;
   const std::vector<const CLI::Option*> positionals = Positionals(*typed.command);
   if (positionals.empty()) return FlagsOf(typed);
   // The last one may come again.
@@ -287,6 +299,11 @@ Completion Complete(const CLI::App& app, std::vector<std::string> words) {
   const size_t before = Rejoin(words);
   const std::string last = Unquoted(words.back());
   words.pop_back();
+  try {
+    if (words != std::vector<std::string>{"help"}) words = WithCommand(app, std::move(words));
+  } catch (const UsageError&) {
+    return {};  // after a file nothing can be done with
+  }
   Completion completion = Unfiltered(Walk(app, words), last);
   std::vector<std::string>& found = completion.words;
   std::erase_if(found, [&](const std::string& word) { return !Begins(word, last); });
@@ -317,7 +334,7 @@ void AddCompletionCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  source <(batten completion bash)\n"
       "  batten completion bash > ~/.local/share/bash-completion/completions/batten");
-  command.callback([&action] {
+  command.callback([shell, &action] {  // the option writes to the word: it lives as long
     action = [] {
       std::fputs(BashCompletion(), stdout);
       return kDone;

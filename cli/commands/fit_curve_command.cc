@@ -9,6 +9,7 @@
 
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/interpolate_cloud.h"
+#include "batten/geometry/arc_length.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/commands/commands.h"
@@ -23,6 +24,7 @@ namespace {
 
 struct FitCurveArguments : FitArguments {
   FitCurveArguments() {
+    curves = true;
     max_control_points = "2000";
     parameterization = "chord";
   }
@@ -149,6 +151,29 @@ JointFit<Dim> Together(const std::vector<CurveFit<Dim>>& fits, std::optional<dou
   return {std::move(joint), std::move(owners)};
 }
 
+// Warns of curves that came out open though their ends are no farther apart than points that follow
+// one another: whoever knows that they meet can say so.
+template <int Dim>
+void SuggestClosing(std::vector<CurveFit<Dim>>& fits) {
+  constexpr double kGapInSpacings = 1.5, kFewestSpacings = 6;
+  for (size_t k = 0; k < fits.size(); ++k) {
+    const NurbsCurve<Dim>& curve = fits[k].curve;
+    FitReport& report = fits[k].report;
+    const double spacing = report.input.spacing;
+    const auto& basis = curve.basis();
+    const double gap = (curve.At(basis.upper()) - curve.At(basis.lower())).norm();
+    const bool open = !report.geometry.closed.front();
+    if (!open || gap > kGapInSpacings * spacing || ArcLength(curve) < kFewestSpacings * spacing)
+      continue;
+    report.warnings.push_back(
+        fmt::format("{}the ends are {:.4g} apart, points {:.4g}: if the curve is to close there, "
+                    "--closed yes closes it",
+                    fits.size() > 1 ? fmt::format("curve {}: ", k + 1) : "",
+                    gap,
+                    spacing));
+  }
+}
+
 CurveFitOptions ToFitCurveOptions(const FitCurveArguments& a) {
   constexpr int kMostControlPoints = 1000000;
   CurveFitOptions options;
@@ -208,6 +233,9 @@ int Fit(const FitFiles& files,
       return quick;
     }
   });
+  if (options.closed == ClosedChoice::kAuto &&
+      options.parameterization != CurveParameterization::kGiven)
+    SuggestClosing(fits);
   auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;
   for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
@@ -314,6 +342,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
         {"auto", "point", "tangent", "squared", "parameter"});
   Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
         {"auto", "none"});
+  GroupFitFlags(command);
   command.footer(
       "Examples:\n"
       "  batten fit curve section.xyz -o section.step\n"
@@ -322,7 +351,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
       "  batten fit curve slice.xy -o slice.step --component all\n"
       "  batten fit curve knots.xyz -o knots.step --interpolate --start-tangent 1,0,0\n"
       "  batten fit curve ring.xyz -o ring.json --order unordered --closed yes --loss tukey\n"
-      "  batten fit curve heat.xy -o heat.json --parameterization given --columns u=1,x=1,y=2 "
+      "  batten fit curve h.xy -o h.json --parameterization given --columns u=1,x=1,y=2 "
       "--control-points 9\n"
       "  batten fit curve arc.xy -o arc.step --degree 2 --optimize params,weights\n"
       "Points may come in any order; the curve closes where its points do, smoothly or at a "

@@ -77,6 +77,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
            ->required()
            ->type_name("KIND");
   Allow(kind, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
+  GroupFitFlags(command);
   command.footer(
       "Examples:\n"
       "  batten fit primitive part.xyz -o part.step --kind cylinder\n"
@@ -84,13 +85,12 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
       "  batten fit primitive hole.xyz -o hole.step --kind circle\n"
       "  batten fit primitive pipe-section.xyz -o section.step --kind circle --loss tukey "
       "--tolerance 0.05\n"
-      "Two columns are points of the plane: lines and circles only. Distances are orthogonal; a "
+      "Two columns are points of the plane: lines and circles only. Distances are orthogonal; a\n"
       "circle in space is found with its plane.\n"
-      "The part that the points cover is written, all round where they go all round; STEP gets the "
+      "The part that the points cover is written, all round where they go all round; STEP gets the\n"
       "exact shape.\n"
-      "Radii, axis, centre or apex with standard deviations and covariance are in the report, "
-      "under "
-      "geometry, primitive.\n"
+      "Radii, axis, centre or apex with standard deviations and covariance are in the report,\n"
+      "under geometry, primitive.\n"
       "A warning says where the points do not determine them.\n"
       "Exit code 3 says the best shape is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return RunFitPrimitive(*a); }; });

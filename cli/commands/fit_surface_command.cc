@@ -135,7 +135,9 @@ int RunFitSurface(const FitSurfaceArguments& a) {
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
   const PointCloud& cloud = files.Read(options.given_parameters);
   if (cloud.dimension() == 2) {
-    files.Refuse("holds points in the plane (two columns); a surface needs x y z");
+    files.Refuse(
+        "holds points in the plane (two columns); a surface needs x y z, 'batten fit curve' takes "
+        "them");
   }
   if (options.given_parameters && cloud.parameters().cols() == 0) {
     files.Refuse(
@@ -218,6 +220,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "--snap",
       a->snap,
       "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
+  GroupFitFlags(command);
   command.footer(
       "Examples:\n"
       "  batten fit surface scan.ply -o part.step\n"

@@ -14,6 +14,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/geometry_summary.h"
+#include "cli/arguments/short_summary.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
@@ -30,6 +31,7 @@ struct InfoArguments {
   CloudArguments cloud;
   CommonFlags flags;
   WorkFlags work;
+  bool all = false;
 };
 
 Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); }
@@ -72,15 +74,6 @@ Json CloudInfo(const InfoArguments& a) {
   return info;
 }
 
-// "3, of 4000, 1200, 60 points", the first few.
-std::string PartsText(const Json& parts) {
-  constexpr size_t kFew = 8;
-  std::string text = std::to_string(parts.size());
-  for (size_t k = 0; k < std::min(kFew, parts.size()); ++k)
-    text += (k == 0 ? ", of " : ", ") + std::to_string(parts[k]["points"].get<std::int64_t>());
-  return text + (parts.size() > kFew ? ", … points" : parts.empty() ? "" : " points");
-}
-
 int RunInfo(const InfoArguments& a) {
   Json info;
   if (IsGeometryFormat(InputFormat(a.paths.front(), a.cloud.format))) {
@@ -97,8 +90,7 @@ int RunInfo(const InfoArguments& a) {
   if (a.flags.json) {
     fmt::print("{}\n", JsonText(info, 2));
   } else if (!a.flags.quiet) {
-    if (info.contains("parts")) info["parts"] = PartsText(info["parts"]);
-    PrintAligned(info);
+    PrintForPeople(info, a.all);
   }
   return kDone;
 }
@@ -114,13 +106,15 @@ void AddInfoCommand(CLI::App& app, Action& action) {
                   std::string("Geometry (.json .step .iges), or a cloud (") + kCloudFormats +
                       "); several are one cloud")
       ->required();
+  command.add_flag("--all", a->all, "Print every number, too");
   AddCloudArguments(command, a->cloud);
   AddWorkFlags(command, a->work);
   AddCommonFlags(command, a->flags);
   command.footer(
+      "A short summary; --all adds every number there is, --json has them all.\n"
       "Examples:\n  batten info scan.pcd\n  batten info ground.xyzl --where label=1 --json\n  "
       "batten info tile_1.las tile_2.las --las-class 2,6\n  "
-      "batten info part.step");
+      "batten info part.step --all");
   command.callback([a, &action] { action = [a] { return RunInfo(*a); }; });
 }
 

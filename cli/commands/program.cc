@@ -9,8 +9,10 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/fitting/progress.h"
@@ -18,10 +20,13 @@
 #include "batten/io/read_error.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/completion.h"
+#include "cli/commands/short_forms.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/help_format.h"
 #include "cli/terminal/interrupt.h"
 #include "cli/terminal/nearest_name.h"
+#include "cli/terminal/offered_words.h"
 #include "cli/terminal/terminal.h"
 #include "cli/terminal/this_run.h"
 
@@ -89,21 +94,13 @@ std::string HavingFlag(const CLI::App& command, const std::string& path, const s
 }
 
 std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
-  std::vector<std::string> names = FlagNames(*Deepest(app));
   const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
   const std::string having = HavingFlag(app, app.get_name(), flag);
   if (!having.empty())
     return text + having + (having.find(',') == std::string::npos ? " has" : " have") + " it";
   if (Contains(kLaterFlags, flag)) return "'" + flag + "' is not in this version";
-  // One letter is taken for the first of a name.
-  if (flag.size() == 2) {
-    const auto found = std::find_if(
-        names.begin(), names.end(), [&](const std::string& n) { return n[2] == flag[1]; });
-    if (found != names.end()) return text + "did you mean '" + *found + "'?";
-  }
-  const std::string near = NearestName(flag, names);
-  if (!near.empty()) return text + "did you mean '" + near + "'?";
-  return text + "the nearest known is '" + NearestNameOfAll(flag, names) + "' (--help lists all)";
+  const std::string whole = flag.rfind("--", 0) == 0 ? flag : "-" + flag;
+  return text + DidYouMean(whole, FlagNames(*Deepest(app)), "--help lists all there are");
 }
 
 std::string ExplainWord(const CLI::App& app, const std::string& word) {
@@ -119,9 +116,8 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
   if (Contains(later, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
   }
-  const std::string near = NearestName(word, commands);
   return "unknown command '" + TypedName(app) + " " + word + "'; " +
-         (near.empty() ? "known are " + Listed(commands) : "did you mean '" + near + "'?");
+         DidYouMean(word, commands, "known are " + Listed(commands));
 }
 
 std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
@@ -142,9 +138,10 @@ std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
   return std::string(error.what()) + " ('" + TypedName(app) + " --help' lists what there is)";
 }
 
-int Parse(CLI::App& app, int argc, char** argv) {
+int Parse(CLI::App& app, std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());  // the parser takes them from the end
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(words));
   } catch (const CLI::CallForHelp&) {
     // Help on a command that is not there is no help.
     const std::vector<std::string> extras = app.remaining(true);
@@ -159,6 +156,15 @@ int Parse(CLI::App& app, int argc, char** argv) {
     throw UsageError(Explain(app, error));
   }
   return 0;
+}
+
+// After a command line that was short for another: what was done.
+void TellInFull(const std::vector<std::string>& typed, const std::vector<std::string>& full) {
+  const bool quiet = Contains(full, "--quiet");
+  if (full == typed || quiet) return;
+  const std::string page =
+      WritesPageUnasked(typed, full) ? "the page of the report shows how well it fits; " : "";
+  PrintNote(page + "the command in full: " + CommandLine());
 }
 
 // Buffered output that does not arrive is an error too.
@@ -191,17 +197,34 @@ int Carry(const Action& action) {
   return code;
 }
 
+// Its words are another command's (short_forms.h); what is left is for help and completion.
+void AddHelpCommand(CLI::App& app, Action& action) {
+  CLI::App& command = *app.add_subcommand("help", "Show the help of a command");
+  const auto words = std::make_shared<std::vector<std::string>>();
+  Suggest(*command.add_option("COMMAND", *words, "The command, such as fit surface"),
+          CommandNames(app));
+  command.footer("Examples:\n  batten help\n  batten help fit surface");
+  command.callback([&app, words, &action] {
+    action = [&app, words] {
+      std::fputs(app.help().c_str(), stdout);
+      return kDone;
+    };
+  });
+}
+
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
-  KeepCommandLine(argc, argv);
+  const std::vector<std::string> typed(argv + std::min(argc, 1), argv + argc);
   Action action;
   CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
                "batten");
+  WrapHelp(app);
   app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.footer(
       "From a scan to CAD:\n"
+      "  batten scan.ply                                   scan.step and a report, to begin with\n"
       "  batten info scan.ply                              how many points, how dense, how noisy\n"
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
       "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.html\n"
@@ -242,18 +265,23 @@ int RunProgram(int argc, char** argv) {
   AddSampleCommand(app, action);
   AddTessellateCommand(app, action);
   AddCompletionCommand(app, action);
+  AddHelpCommand(app, action);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     command->fallthrough(false);
   }
   // Not a command of its own: only the script that completes words asks.
-  if (argc > 1 && std::strcmp(argv[1], "__complete") == 0) {
-    PrintCompletion(app, {argv + 2, argv + argc});
+  if (!typed.empty() && typed[0] == "__complete") {
+    PrintCompletion(app, {typed.begin() + 1, typed.end()});
     return Flushed(kDone);
   }
   try {
-    if (Parse(app, argc, argv) < 0) return Flushed(kDone);
+    const std::vector<std::string> words = InFull(app, typed);
+    KeepCommandLine(argc > 0 ? argv[0] : "batten", words);
+    if (Parse(app, words) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    return Carry(action);
+    const int code = Carry(action);
+    if (code != kBadInput) TellInFull(typed, words);
+    return code;
   } catch (const UsageError& error) {
     PrintError(error.what());
     return kBadUsage;

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,10 +33,13 @@ using Json = nlohmann::ordered_json;
 struct SectionArguments {
   std::string geometry, out, format, out_format, plane_text;
   Plane plane;
-  SectionOptions section;
+  std::optional<double> tolerance;
   GeometryOutput output;
   CommonFlags flags;
 };
+
+// What a drawing needs; nearer costs control points.
+constexpr double kToleranceOfSize = 1e-4;
 
 Plane ParsePlane(const std::string& text) {
   const std::vector<double> x = ParseNumbers("--plane", text);
@@ -50,13 +54,14 @@ Plane ParsePlane(const std::string& text) {
 
 // The section inside the trims, in space, joined over seams and poles.
 std::vector<NurbsCurve<3>> CurvesOf(const NurbsSurface& surface, const SectionArguments& a) {
-  const PlaneSection section = SectionInside(surface, Section(surface, a.plane, a.section));
+  const auto& points = surface.control_points();
+  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const SectionOptions options{.tolerance = a.tolerance.value_or(kToleranceOfSize * size)};
+  const PlaneSection section = SectionInside(surface, Section(surface, a.plane, options));
   std::vector<NurbsCurve<3>> curves;
   for (const auto* some : {&section.curves, &section.edges}) {
     for (const SectionCurve& curve : *some) curves.push_back(curve.points);
   }
-  const auto& points = surface.control_points();
-  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
   constexpr double kOneEnd = 1e-8;
   return curves.empty() ? curves : JoinedInSpace(std::move(curves), kOneEnd * size);
 }
@@ -70,14 +75,13 @@ int RunSection(const SectionArguments& a) {
   std::vector<Geometry> curves;
   std::vector<std::string> names;
   const GeometryContents contents = ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet);
-  for (size_t i = 0; i < contents.geometry.size(); ++i) {
-    const Geometry& shape = contents.geometry[i];
-    const auto* surface = std::get_if<NurbsSurface>(&shape);
-    if (!surface) throw ReadError(a.geometry, "holds a curve; only surfaces have sections");
-    std::vector<NurbsCurve<3>> some = CurvesOf(*surface, a);
+  const NamedSurfaces named =
+      SurfacesAlone(a.geometry, contents, "only surfaces have sections", a.flags.quiet);
+  for (size_t i = 0; i < named.surfaces.size(); ++i) {
+    std::vector<NurbsCurve<3>> some = CurvesOf(named.surfaces[i], a);
     curves.insert(
         curves.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
-    names.resize(curves.size(), contents.names[i]);
+    names.resize(curves.size(), named.names[i]);
   }
   if (curves.empty()) {
     throw ReadError(a.geometry, "the plane " + a.plane_text + " does not cut it");
@@ -117,9 +121,9 @@ void AddSectionCommand(CLI::App& app, Action& action) {
       .add_option_function<std::string>(
           "--tolerance",
           [a](const std::string& text) {
-            a->section.tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
+            a->tolerance = ParseNumber("--tolerance", text, Sign::kPositive);
           },
-          "How far the curves may be from the surface [1e-9 of its size]")
+          "How far the curves may be from the surface [1e-4 of its size]")
       ->type_name("T");
   AddGeometryFormatFlag(
       command,
@@ -134,7 +138,7 @@ void AddSectionCommand(CLI::App& app, Action& action) {
       "written.\n"
       "Examples:\n"
       "  batten section part.step --plane 0,0,1,-25 -o height25.json\n"
-      "  batten section hull.json --plane 1,0,0,-4.5 -o frame.step --tolerance 1e-4");
+      "  batten section hull.json --plane 1,0,0,-4.5 -o frame.step --tolerance 1e-6");
   command.callback([a, &action] { action = [a] { return RunSection(*a); }; });
 }
 

@@ -22,32 +22,45 @@ size_t EditDistance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-// The candidate fewest edits away, if that is fewer than `limit`.
-std::string NearestBelow(size_t limit,
-                         const std::string& word,
-                         const std::vector<std::string>& candidates) {
-  std::string nearest;
-  for (const std::string& candidate : candidates) {
-    const size_t distance = EditDistance(word, candidate);
-    if (distance < limit) {
-      limit = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest;
+// Letters after a flag's dashes.
+size_t Letters(const std::string& word) {
+  const size_t first = word.find_first_not_of('-');
+  return first == std::string::npos ? 0 : word.size() - first;
 }
 
 constexpr size_t kLongestWord = 64;
 
 }  // namespace
 
-std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
-  if (word.size() > kLongestWord) return "";
-  return NearestBelow(std::max<size_t>(2, word.size() / 3) + 1, word, candidates);
+std::vector<std::string> NamesMeant(const std::string& word,
+                                    const std::vector<std::string>& candidates) {
+  if (Letters(word) == 0 || word.size() > kLongestWord) return {};
+  std::vector<std::string> meant;
+  for (const std::string& candidate : candidates) {
+    if (candidate.rfind(word, 0) == 0) meant.push_back(candidate);
+  }
+  if (!meant.empty()) return meant;
+  size_t limit = std::min<size_t>(3, Letters(word));
+  for (const std::string& candidate : candidates) {
+    const size_t distance = EditDistance(word, candidate);
+    if (distance >= limit) continue;
+    limit = distance;
+    meant = {candidate};
+  }
+  return meant;
 }
 
-std::string NearestNameOfAll(const std::string& word, const std::vector<std::string>& candidates) {
-  return NearestBelow(2 * kLongestWord + 1, word.substr(0, kLongestWord), candidates);
+std::string DidYouMean(const std::string& word,
+                       const std::vector<std::string>& candidates,
+                       const std::string& otherwise) {
+  const std::vector<std::string> meant = NamesMeant(word, candidates);
+  if (meant.empty()) return otherwise;
+  std::string text = "did you mean ";
+  for (size_t k = 0; k < meant.size(); ++k) {
+    text += k == 0 ? "'" : k + 1 < meant.size() ? "', '" : "' or '";
+    text += meant[k];
+  }
+  return text + "'?";
 }
 
 }  // namespace batten::internal

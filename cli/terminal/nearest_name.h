@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The known name a mistyped one was probably meant to be.
+// The known names a mistyped one was probably meant to be.
 #pragma once
 
 #include <string>
@@ -7,11 +7,15 @@
 
 namespace batten::internal {
 
-// The candidate with the fewest insertions, deletions, replacements and swaps of neighbours away;
-// empty when none is within a third of the word's length (at least two). [Damerau 1964, restricted]
-std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
+// The candidates that begin with the word. Where none does, the one with the fewest insertions,
+// deletions, replacements and swaps of neighbours away, at most two and fewer than the word has
+// letters; empty where none is so near. [Damerau 1964, restricted]
+std::vector<std::string> NamesMeant(const std::string& word,
+                                    const std::vector<std::string>& candidates);
 
-// The same however far away it is; empty only without candidates.
-std::string NearestNameOfAll(const std::string& word, const std::vector<std::string>& candidates);
+// "did you mean 'a', 'b' or 'c'?" of these; `otherwise` where there are none.
+std::string DidYouMean(const std::string& word,
+                       const std::vector<std::string>& candidates,
+                       const std::string& otherwise);
 
 }  // namespace batten::internal

@@ -102,9 +102,9 @@ void CheckChoice(const std::string& flag,
   }
   std::string known;
   for (const std::string& choice : now) known += " " + choice;
-  const std::string nearest = NearestName(word, now);
+  const std::string meant = DidYouMean(word, now, "");
   throw UsageError(flag + ": '" + word + "' is not one of" + known +
-                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+                   (meant.empty() ? "" : "; " + meant));
 }
 
 }  // namespace batten::internal

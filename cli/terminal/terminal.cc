@@ -16,6 +16,15 @@
 #include "cli/terminal/streams.h"
 
 namespace batten::internal {
+namespace {
+
+std::string OnOneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return Printable(text);
+}
+
+}  // namespace
+
 void WatchForInterrupt() {
   CatchSignals();
   // Work looks at the flag where it can; this thread makes sure of the promised second.
@@ -56,17 +65,20 @@ void TellAmount(const char* stage, double total, const char* unit, bool quiet) {
 
 void ClearProgress() { HideBar(); }
 
+void PrintNote(const std::string& text) {
+  ClearProgress();
+  WriteToErrors("batten: " + Printable(text) + '\n');
+}
+
 void PrintWarning(const std::string& text) {
   ClearProgress();
   WriteToErrors("batten: " + Toned("warning:", Tone::kWarning, Stream::kErrors) + ' ' +
-                Printable(text) + '\n');
+                OnOneLine(text) + '\n');
 }
 
 void PrintError(const std::string& text) {
   ClearProgress();
-  std::string line = text;
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  WriteToErrors(Toned("batten:", Tone::kError, Stream::kErrors) + ' ' + Printable(line) + '\n');
+  WriteToErrors(Toned("batten:", Tone::kError, Stream::kErrors) + ' ' + OnOneLine(text) + '\n');
 }
 
 }  // namespace batten::internal

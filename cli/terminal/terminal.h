@@ -28,6 +28,7 @@ void TellAmount(const char* stage, double total, const char* unit, bool quiet);
 // Wipes the bar, if there is one.
 void ClearProgress();
 
+void PrintNote(const std::string& text);
 void PrintWarning(const std::string& text);
 void PrintError(const std::string& text);
 

@@ -12,8 +12,9 @@ std::string command_line;
 
 const char* Version() { return BATTEN_VERSION; }
 
-void KeepCommandLine(int argc, const char* const* argv) {
-  for (int k = 0; k < argc; ++k) command_line += (k > 0 ? " " : "") + ShellWord(argv[k]);
+void KeepCommandLine(const std::string& program, const std::vector<std::string>& words) {
+  command_line = ShellWord(program);
+  for (const std::string& word : words) command_line += " " + ShellWord(word);
 }
 
 const std::string& CommandLine() { return command_line; }

@@ -68,23 +68,31 @@ class Components {
     return list;
   }
 
-  // `alone`: the others are not fitted.
+  // `alone`: the others are not fitted. What is to be said of the whole cloud is said with the
+  // first that is asked for.
   CurveFit<Dim> Fit(size_t component, bool alone) {
     StageClock clock;
     CurveFit<Dim> fit = FitOrdered<Dim>(
         cloud_, arranged_.curves[component], arranged_.sequence_outliers, options_, pool_, clock);
     fit.report.seconds = clock.Seconds();
     fit.report.seconds += std::exchange(seconds_, {});
-    fit.report.warnings.insert(
-        fit.report.warnings.begin(), arranged_.warnings.begin(), arranged_.warnings.end());
+    std::vector<std::string>& warnings = fit.report.warnings;
+    if (component < arranged_.of_ends.size() && !arranged_.of_ends[component].empty())
+      warnings.insert(warnings.begin(), arranged_.of_ends[component]);
+    if (!alone && size() > 1) {
+      for (std::string& warning : warnings)
+        warning.insert(0, "curve " + std::to_string(component + 1) + ": ");
+    }
+    const std::vector<std::string> of_cloud = std::exchange(arranged_.warnings, {});
+    warnings.insert(warnings.begin(), of_cloud.begin(), of_cloud.end());
     if (alone && size() > 1) {
       const auto& place = arranged_.curves[component].place;
       for (Eigen::Index k = 0; k < fit.outliers.size(); ++k)
         if (place[static_cast<size_t>(k)] < 0) fit.outliers[k] = true;
-      fit.report.warnings.insert(fit.report.warnings.begin(),
-                                 "the points are " + std::to_string(size()) +
-                                     " separate curves; this is number " +
-                                     std::to_string(component + 1) + " of" + List());
+      warnings.insert(warnings.begin(),
+                      "the points are " + std::to_string(size()) +
+                          " separate curves; this is number " + std::to_string(component + 1) +
+                          " of" + List());
     }
     return fit;
   }

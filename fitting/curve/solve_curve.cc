@@ -28,12 +28,16 @@ constexpr int kFootPointSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
 
+void TellOnce(const std::string& warning, SolvedCurve& solved) {
+  std::vector<std::string>& told = solved.warnings;
+  if (std::find(told.begin(), told.end(), warning) == told.end()) told.push_back(warning);
+}
+
 void Take(const LinearSolution& solution, SolvedCurve& solved) {
   solved.squares = solution.residual_squares;
   solved.control_points = solution.coefficients;
   if (solution.regularised)
-    solved.warnings.push_back(
-        "the points do not determine every control point: fairness was raised");
+    TellOnce("the points do not determine every control point: fairness was raised", solved);
 }
 
 SplineBasis Uniform(const CurveTask& task, int control_points) {
@@ -127,15 +131,14 @@ void Settle(const CurveTask& task,
 }  // namespace
 
 void PullIn(const CurveTask& task, SolvedCurve& solved) {
-  const std::string told =
-      "the points leave parts of the curve open: fairness was raised there and everywhere";
   for (double smoothing = kFirstRegularization;
        smoothing <= kLastRegularization && Acts(Rule::kOvershoot);
        smoothing *= kRegularizationStep) {
     if (!HasOvershoot(solved.problem, solved.control_points, {}, task.noise)) break;
     if (smoothing <= solved.problem.smoothing()) continue;
     solved.problem = solved.problem.WithSmoothing(smoothing);
-    if (solved.warnings.empty() || solved.warnings.back() != told) solved.warnings.push_back(told);
+    TellOnce("the points leave parts of the curve open: fairness was raised there and everywhere",
+             solved);
     const LinearSolution solution = SolveLinear(solved.problem, task.pool);
     solved.squares = solution.residual_squares;
     solved.control_points = solution.coefficients;

@@ -25,12 +25,11 @@ std::string Length(double value) {
   return text;
 }
 
-// Warns of a wide gap that was closed at the user's request.
-void TellGap(double gap, double spacing, CurveComponents& result) {
+// Of a gap that is closed: what is to be said where it is wide.
+std::string ToldGap(double gap, double spacing) {
   constexpr double kWideInSpacings = 5;
-  if (gap <= kWideInSpacings * spacing) return;
-  result.warnings.push_back("the ends of the points are " + Length(gap) +
-                            " apart: the curve bridges that gap");
+  if (gap <= kWideInSpacings * spacing) return "";
+  return "the ends of the points are " + Length(gap) + " apart: the curve bridges that gap";
 }
 
 // Where there are outliers, marks also points at the ends that a step far longer than the others
@@ -96,7 +95,7 @@ CurveComponents InOrder(const PointCloud& cloud, const ArrangeOptions& options) 
       result.curves.push_back(std::move(open));
       return result;
     }
-    if (!meets) TellGap(open.gap, open.spacing, result);
+    if (!meets) result.of_ends = {ToldGap(open.gap, open.spacing)};
   }
   result.curves.push_back(OrderPoints(cloud, order));
   return result;
@@ -135,7 +134,8 @@ CurveComponents ByNeighbourhood(const PointCloud& cloud,
   for (const CurvePath& path : found.paths) {
     result.curves.push_back(FollowPath(cloud, path));
     result.lengths.push_back(path.length);
-    if (path.closed) TellGap(path.gap, std::max(path.spacing, 2 * path.noise), result);
+    result.of_ends.push_back(path.closed ? ToldGap(path.gap, std::max(path.spacing, 2 * path.noise))
+                                         : "");
   }
   return result;
 }

@@ -7,9 +7,12 @@
 #include <StepBasic_Product.hxx>
 #include <StepData_UndefinedEntity.hxx>
 #include <StepGeom_CartesianPoint.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <TopExp_Explorer.hxx>
 #include <istream>
 #include <streambuf>
 #include <string_view>
+#include <utility>
 
 #include "batten/io/read_error.h"
 #include "io/exchange/only_lines.h"
@@ -53,6 +56,26 @@ std::string WhyEmpty(const Handle(StepData_StepModel) & model) {
   return none;
 }
 
+// What of a file is lost in separate surfaces and curves, in a sentence; empty: nothing.
+std::string WhatIsFlattened(const STEPControl_Reader& reader, size_t kept) {
+  int solids = 0, placed = 0;
+  for (int i = 1; i <= reader.NbShapes(); ++i) {
+    for (TopExp_Explorer one(reader.Shape(i), TopAbs_SOLID); one.More(); one.Next()) ++solids;
+  }
+  const Handle(StepData_StepModel) model = reader.StepModel();
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    placed += !Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i)).IsNull();
+  }
+  if (solids == 0 && placed == 0) return "";
+  const std::string parts = "an assembly of " + std::to_string(placed) + " placed parts";
+  const std::string bodies = solids == 1 ? "a solid" : std::to_string(solids) + " solids";
+  return (placed == 0   ? bodies
+          : solids == 0 ? parts
+                        : parts + " with " + bodies) +
+         (placed == 0 && solids > 1 ? " are" : " is") + std::string(" flattened: ") +
+         std::to_string(kept) + " surfaces and curves where they stand, each by itself";
+}
+
 GeometryContents Translate(std::string& text, const std::string& path) {
   STEPControl_Controller::Init();
   STEPControl_Reader reader;
@@ -71,6 +94,10 @@ GeometryContents Translate(std::string& text, const std::string& path) {
   ShapeCollector collector(contents, names, path);
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
   if (contents.geometry.empty()) throw ReadError(path, WhyEmpty(reader.StepModel()));
+  if (std::string flattened = WhatIsFlattened(reader, contents.geometry.size());
+      !flattened.empty()) {
+    contents.remarks.push_back(std::move(flattened));
+  }
   if (OnlyLines(contents.geometry)) {
     contents.remarks.push_back("it holds only lines: they are curves of degree 1");
   }

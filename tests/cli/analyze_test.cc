@@ -14,6 +14,7 @@ namespace batten::internal::analyze_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Json File(const char* type, std::vector<Json> entries) {
   return {{"shape", {{"type", type}, {"count", entries.size()}, {"data", std::move(entries)}}}};
@@ -248,9 +249,28 @@ TEST_F(AnalyzeTest, WhatCannotBeAnalyzedIsRefused) {
   ExpectRefused({"analyze", "-", "-", "--format", "json"}, 2, "standard input");
 }
 
-TEST_F(AnalyzeTest, TextForPeopleHoldsTheSame) {
+TEST_F(AnalyzeTest, FirstComesWhatPeopleAskFor) {
   const std::string arc = Curves("arc.json", {HalfCircle()});
-  const ProgramRun run = Batten({"analyze", arc});
+  const std::string text = Batten({"analyze", arc}).out;
+  EXPECT_THAT(text, HasSubstr("kind         curve of degree 2, 5 control points, rational\n"));
+  EXPECT_THAT(text, HasSubstr("shape        circle, radius 2\n"));
+  EXPECT_THAT(text, HasSubstr("length       6.28319\n"));
+  EXPECT_THAT(text, Not(HasSubstr("knots")));
+  EXPECT_EQ(Batten({"info", arc}).out, text);
+  EXPECT_EQ(Batten({"analyze", arc, "--all"}).out.substr(0, text.size()), text);
+  EXPECT_EQ(Batten({"analyze", arc, "--json"}).out,
+            Batten({"analyze", arc, "--json", "--all"}).out);
+  const std::string many = Curves("many.json", std::vector<Json>(12, Line(0, 0, 3, 4)));
+  EXPECT_THAT(Batten({"info", many}).out,
+              AllOf(HasSubstr("0 surfaces, 12 curves\n"),
+                    HasSubstr("shapes       12 line\n"),
+                    HasSubstr("size         3 x 4 x 0, from 0, 0, 0\n"),
+                    HasSubstr("… 4 more\n")));
+}
+
+TEST_F(AnalyzeTest, AllTextForPeopleHoldsTheSame) {
+  const std::string arc = Curves("arc.json", {HalfCircle()});
+  const ProgramRun run = Batten({"analyze", arc, "--all"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.out,
               AllOf(HasSubstr("degree               [2]\n"),

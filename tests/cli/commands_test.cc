@@ -184,6 +184,19 @@ TEST_F(CommandsTest, InfoDescribesACloud) {
   for (const char* key : {"origin", "spacing", "outliers"}) EXPECT_TRUE(info.contains(key)) << key;
 }
 
+TEST_F(CommandsTest, InfoSaysInAFewLinesWhatACloudIs) {
+  const std::string text = Batten({"info", cloud_}).out;
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 8);
+  EXPECT_THAT(text, HasSubstr("kind         cloud of 2000 points\n"));
+  EXPECT_THAT(text, HasSubstr("noise        0.00"));
+  EXPECT_THAT(text, HasSubstr("columns      1 2 3\n"));
+  EXPECT_THAT(Batten({"info", cloud_, "--all"}).out, HasSubstr("bounding_box "));
+  // Places keep their digits far from zero.
+  const std::string far =
+      folder_.With("far.xyz", "500000.25 4e6 0\n500010.25 4000004 1\n500003.25 4000009 2\n");
+  EXPECT_THAT(Batten({"info", far}).out, HasSubstr("from 500000.25, 4000000, 0\n"));
+}
+
 TEST_F(CommandsTest, InfoDescribesACurve) {
   const Json info = RunJson({"info", parabola_});
   EXPECT_EQ(info["kind"], "curve");

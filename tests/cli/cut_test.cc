@@ -5,16 +5,16 @@
 
 #include <numbers>
 
-#include "cli/arguments/edit_operations.h"
+#include "angles.h"
 #include "batten/geometry/arc_length.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/surface_area.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "cli/arguments/edit_operations.h"
 #include "run_program.h"
 #include "tolerances.h"
-#include "angles.h"
 
 namespace batten::internal::cut_test {
 
@@ -49,7 +49,8 @@ class CutTest : public ::testing::Test {
 
 TEST_F(CutTest, TheSectionOfACylinderIsACircle) {
   const std::string in = Written("cylinder.json", cylinder_), out = folder_.File("circle.json");
-  const ProgramRun run = Batten({"section", in, "--plane", "0,0,2,-3", "-o", out});
+  const ProgramRun run =
+      Batten({"section", in, "--plane", "0,0,2,-3", "-o", out, "--tolerance", "1e-8"});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("circle.json: curve of degree 3"));
   const std::vector<Geometry> curves = ReadGeometry(out);
@@ -60,6 +61,47 @@ TEST_F(CutTest, TheSectionOfACylinderIsACircle) {
   const ProgramRun json = Batten({"section", in, "--plane", "0,1,0,0", "-o", out, "--json"});
   EXPECT_EQ(json.code, 0) << json.err;
   EXPECT_THAT(json.out, HasSubstr("\"count\": 2"));
+}
+
+// A line of a drawing has few control points unless more is asked for.
+TEST_F(CutTest, SectionsKeepATenThousandthOfTheSizeUnlessToldOtherwise) {
+  const std::string in = Written("bent.json", Applied("elevate:by=1,dir=v", cylinder_).at(0));
+  const std::string out = folder_.File("oblique.json");
+  const double size = std::sqrt(4 + 4 + 16);
+  const auto points = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"section", in, "--plane", "1,0.3,1,-2", "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = Batten(words);
+    EXPECT_EQ(run.code, 0) << run.err;
+    const std::vector<Geometry> curves = ReadGeometry(out);
+    EXPECT_EQ(curves.size(), 1u);
+    const auto& curve = std::get<NurbsCurve<3>>(curves.at(0));
+    double off = 0;
+    for (int k = 0; k <= 1000; ++k) {
+      const auto& basis = curve.basis();
+      const Eigen::Vector3d x =
+          curve.At(basis.lower() + k / 1000.0 * (basis.upper() - basis.lower()));
+      off = std::max(off, std::abs(x.head<2>().norm() - 1));
+    }
+    EXPECT_LE(off, 1e-4 * size);
+    return curve.basis().size();
+  };
+  EXPECT_LT(points({}), 60);
+  EXPECT_GT(points({"--tolerance", "1e-9"}), 200);
+}
+
+TEST_F(CutTest, SectionsPassByCurvesAndSayHowMany) {
+  const std::string in = folder_.File("mixed.json"), out = folder_.File("out.json");
+  WriteGeometry({MakeArc(Frame(), 1, {0, 1}), cylinder_, MakeArc(Frame(), 2, {0, 1})}, in);
+  const ProgramRun run = Batten({"section", in, "--plane", "0,0,1,-1", "-o", out});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.error_lines(), 1);
+  EXPECT_THAT(run.err, HasSubstr("2 curves are left out: only surfaces have sections"));
+  EXPECT_EQ(ReadGeometry(out).size(), 1u);
+  WriteGeometry({MakeArc(Frame(), 1, {0, 1})}, in);
+  const ProgramRun none = Batten({"section", in, "--plane", "0,0,1,-1", "-o", out});
+  EXPECT_EQ(none.code, 1);
+  EXPECT_THAT(none.err, HasSubstr("no surface"));
 }
 
 TEST_F(CutTest, SectionsRefuseWhatTheyCannotCut) {

@@ -75,7 +75,7 @@ TEST_F(ExchangeTest, InfoSaysUnitNamesAndHowManyThereAre) {
   EXPECT_EQ(info["results"][0]["shape"], "sphere");
   EXPECT_EQ(info["results"][1]["name"], "floor");
   const ProgramRun text = Batten({"info", folder_.File("part.step")});
-  EXPECT_THAT(text.out, AllOf(HasSubstr("unit "), HasSubstr("floor")));
+  EXPECT_THAT(text.out, AllOf(HasSubstr(" m, from "), HasSubstr("floor")));
 }
 
 TEST_F(ExchangeTest, EditedPiecesKeepTheirNameAndTheUnit) {

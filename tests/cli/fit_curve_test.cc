@@ -97,6 +97,29 @@ TEST_F(FitCurveCommandTest, FitsAPlaneCurveAtItsAbscissae) {
   EXPECT_NEAR(report["parameter_error"]["sum_of_squares"].get<double>(), squares, 1e-9 * squares);
 }
 
+// A blunt trailing edge is open unless one says that it is not.
+TEST_F(FitCurveCommandTest, ClosingIsSuggestedWhereTheEndsAreAsNearAsPoints) {
+  std::vector<Row> wing;
+  for (int k = -40; k <= 40; ++k) {
+    const double x = std::pow(k / 40.0, 2), y = 0.1 * (std::sqrt(x) - x) + 0.004 * x;
+    wing.push_back({x, k < 0 ? y : -y});
+  }
+  const std::string cloud = folder_.With("wing.xy", ToText(wing));
+  const std::string said = "--closed yes";
+  const ProgramRun open = Batten({"fit", "curve", cloud, "-o", folder_.File("out.json")});
+  EXPECT_EQ(open.code, 0) << open.err;
+  EXPECT_THAT(open.err, HasSubstr(said));
+  for (const char* const choice : {"yes", "no"}) {
+    const ProgramRun told =
+        Batten({"fit", "curve", cloud, "-o", folder_.File("out.json"), "--closed", choice});
+    EXPECT_THAT(told.err, ::testing::Not(HasSubstr(said))) << choice;
+  }
+  wing.resize(60);
+  const std::string half = folder_.With("half.xy", ToText(wing));
+  EXPECT_THAT(Batten({"fit", "curve", half, "-o", folder_.File("out.json")}).err,
+              ::testing::Not(HasSubstr(said)));
+}
+
 TEST_F(FitCurveCommandTest, AgreesWithProjectOnItsDistances) {
   const Json report = Fit({step_, "--control-points", "12", "--residuals", folder_.File("r.csv")});
   EXPECT_FALSE(report.contains("parameter_error"));

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "test_clouds.h"
 #include "angles.h"
+#include "test_clouds.h"
 
 namespace batten::internal::fit_curve_unordered_test {
 
@@ -194,6 +194,27 @@ TEST_F(FitCurveUnorderedTest, UnitsAndOrderLeaveTheCurveAsItIs) {
     const double rms = once["error"]["rms"];
     EXPECT_NEAR(report["error"]["rms"].get<double>() / unit, rms, 1e-6 * rms);
   }
+}
+
+TEST_F(FitCurveUnorderedTest, WarningsNameTheirCurveAndAreGivenOnce) {
+  // Two rings with a gap of twelve spacings each, far from each other, and strays.
+  std::vector<Row> rows = {{30, 30}, {-30, 30}};
+  for (int k = 0; k < 120; ++k)
+    for (const double x : {0.0, 8.0}) rows.push_back({x + std::cos(0.05 * k), std::sin(0.05 * k)});
+  const std::string cloud = File("rings.xy", Shuffled(rows, 3));
+  const Json report = Fit({cloud, "--component", "all", "--closed", "yes"});
+  std::vector<std::string> warnings = report["warnings"];
+  const auto about = [&](const std::string& words) {
+    return std::count_if(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+      return warning.find(words) != std::string::npos;
+    });
+  };
+  EXPECT_EQ(about("curve 1: the ends of the points are"), 1);
+  EXPECT_EQ(about("curve 2: the ends of the points are"), 1);
+  EXPECT_EQ(about("the ends of the points are"), 2);
+  EXPECT_EQ(about("left out"), 1);
+  std::sort(warnings.begin(), warnings.end());
+  EXPECT_EQ(std::unique(warnings.begin(), warnings.end()), warnings.end());
 }
 
 TEST_F(FitCurveUnorderedTest, SeveralComponentsAreListedChosenAndFittedAll) {

@@ -11,7 +11,7 @@
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/io/geometry_file.h"
-#include "run_program.h"
+#include "test_clouds.h"
 
 namespace batten::internal::tessellate_test {
 
@@ -41,6 +41,37 @@ class TessellateCommandTest : public ::testing::Test {
   NurbsSurface plane_ = MakePlane(Frame(), {0, 1}, {0, 1});
   TemporaryFolder folder_;
 };
+
+TEST_F(TessellateCommandTest, AFitWritesTrianglesWhereItsOutputIsAMesh) {
+  const std::string cloud = folder_.With("cloud.xyz", ToText(WavySheet(400)));
+  for (const char* name : {"a.stl", "a.obj", "a.ply", "a.glb"}) {
+    const ProgramRun run = Batten({"fit", "surface", cloud, "-o", File(name)});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("surface of degree 3,3"));
+    EXPECT_THAT(run.err, HasSubstr(" triangles, "));
+    EXPECT_THAT(run.err, HasSubstr("of the surface"));
+    EXPECT_GT(std::filesystem::file_size(File(name)), 1000u);
+  }
+  // The same triangles as of the surface that a file keeps; half of a tolerance bounds their
+  // chords.
+  ASSERT_EQ(Batten({"fit", "surface", cloud, "-o", File("a.json")}).code, 0);
+  ASSERT_EQ(Batten({"tessellate", File("a.json"), "-o", File("b.obj")}).code, 0);
+  EXPECT_EQ(folder_.Text("a.obj"), folder_.Text("b.obj"));
+  const ProgramRun near =
+      Batten({"fit", "surface", cloud, "-o", File("a.stl"), "--tolerance", "0.01"});
+  EXPECT_THAT(near.err, HasSubstr("within 0.005 of"));
+  const ProgramRun quiet = Batten({"fit", "surface", cloud, "-o", File("a.stl"), "--quiet"});
+  EXPECT_EQ(quiet.out + quiet.err, "");
+  EXPECT_EQ(Batten({"fit", "primitive", cloud, "--kind", "plane", "-o", File("p.glb")}).code, 0);
+}
+
+TEST_F(TessellateCommandTest, CurvesHaveNoTriangles) {
+  const std::string cloud = folder_.With("line.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n");
+  const std::string said = "a curve has no triangles";
+  ExpectRefused({"fit", "curve", cloud, "-o", File("c.stl")}, 2, said);
+  ExpectRefused({"fit", "primitive", cloud, "--kind", "line", "-o", File("c.ply")}, 2, said);
+  ExpectRefused({"fit", "surface", cloud, "-o", File("c.pcd")}, 2, ".stl, .obj, .ply or .glb");
+}
 
 TEST_F(TessellateCommandTest, SeveralSurfacesBecomeOneMesh) {
   const std::string in = Written("in.json", {sphere_, plane_});
@@ -78,7 +109,7 @@ TEST_F(TessellateCommandTest, CurvesAreLeftOut) {
   const std::string mixed = Written("in.json", {plane_, line}), curve = Written("c.json", {line});
   const ProgramRun run = Batten({"tessellate", mixed, "-o", File("a.stl")});
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.err, HasSubstr("1 curves are left out"));
+  EXPECT_THAT(run.err, HasSubstr("a curve is left out: curves have no mesh"));
   ExpectRefused({"tessellate", curve, "-o", File("b.stl")}, 1, "holds no surface");
 }
 

@@ -48,10 +48,24 @@ TEST_F(UsageTest, UnknownNamesAreAnsweredWithTheNearest) {
   ExpectUsageError({"projekt"}, {"'batten projekt'", "'project'"});
   ExpectUsageError({"fit", "surfcae"}, {"'batten fit surfcae'", "'surface'"});
   ExpectBadFlags({"--tolerence", "1"}, {"--tolerence", "'--tolerance'"});
-  ExpectBadFlags({"--bogus"}, {"--bogus", "nearest known is '--"});
+  ExpectBadFlags({"--bogus"}, {"unknown flag '--bogus' for 'batten fit surface'; --help lists"});
   ExpectBadFlags({"-q"}, {"'-q'", "'--quiet'"});
   ExpectBadFlags({"--loss", "hubber"}, {"--loss", "hubber", "'huber'"});
   ExpectBadFlags({"--unit", "inchs"}, {"--unit", "inchs", "'inch'"});
+}
+
+TEST_F(UsageTest, NamesThatBeginAsTypedAreSuggestedFirstAndNoneThatIsFarOff) {
+  ExpectBadFlags({"--tol", "1"}, {"did you mean '--tolerance'?"});
+  ExpectBadFlags({"--control", "9,9"}, {"did you mean '--control-points'?"});
+  ExpectBadFlags({"-tol", "1"}, {"did you mean '--tolerance'?"});
+  ExpectBadFlags({"--los"}, {"did you mean '--loss' or '--loss-scale'?"});
+  ExpectBadFlags({"--base", "rev"}, {"did you mean 'revolution'?"});
+  ExpectBadFlags({"--z"}, {"--help lists"});
+  ExpectBadFlags({"--tolerating"}, {"--help lists"});  // three edits from --tolerance
+  ExpectUsageError({"comp"}, {"did you mean 'compare' or 'completion'?"});
+  ExpectUsageError({"x"}, {"unknown command 'batten x'; known are "});
+  ExpectBadFlags({"--unit", "x"}, {"'x' is not one of mm"});
+  EXPECT_THAT(Batten({"info", cloud_, "--unit", "x"}).err, ::testing::Not(HasSubstr("mean")));
 }
 
 TEST_F(UsageTest, WhatTheContractPromisesForLaterIsSaidToBeNotInThisVersion) {
@@ -297,6 +311,20 @@ TEST_F(UsageTest, HelpShowsExamplesAndDefaultsOfEveryCommand) {
                            "[none]",
                            "[all cores]"}) {
     EXPECT_THAT(fit, HasSubstr(text));
+  }
+}
+
+TEST_F(UsageTest, HelpOfFitsHasHeadingsAndFitsAHundredColumns) {
+  for (const char* const kind : {"surface", "curve", "primitive"}) {
+    const std::vector<std::string> lines = LinesOf(Batten({"fit", kind, "--help"}).out);
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 100u) << line;
+    for (const char* const heading : {"What is written:", "Which points count:", "The run:"})
+      EXPECT_THAT(lines, ::testing::Contains(heading)) << kind;
+    // Under no heading stands help alone.
+    const auto rest = std::find(lines.begin(), lines.end(), "Options:");
+    ASSERT_NE(rest, lines.end());
+    EXPECT_THAT(*(rest + 1), HasSubstr("--help"));
+    EXPECT_EQ(*(rest + 2), "");
   }
 }
 

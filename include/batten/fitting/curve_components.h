@@ -25,7 +25,8 @@ struct CurveComponents {
   std::vector<double> lengths;        // of their polylines, unordered points only
   PointMask sequence_outliers;        // points of no curve
   bool unordered = false;             // the order was found from neighbourhoods
-  std::vector<std::string> warnings;  // for the user
+  std::vector<std::string> warnings;  // for the user, of the whole cloud
+  std::vector<std::string> of_ends;   // of each curve's ends; empty: nothing is to be said
 };
 
 // Splits the cloud into curves, orders the points of each and gives them parameters. Throws

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
@@ -14,8 +15,11 @@
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <gp_Trsf.hxx>
+#include <gp_Vec.hxx>
 
 #include <cmath>
 #include <cstdlib>
@@ -451,6 +455,32 @@ TEST(StepTest, TurnsAPeriodicTorusIntoClampedNurbs) {
       EXPECT_NEAR(std::hypot(point.head<2>().norm() - 3, point.z()), 1, kStepPrecision * 10);
     }
   }
+}
+
+TEST(StepTest, SaysWhatIsFlattened) {
+  const TemporaryFolder folder;
+  const auto remarks = [&](const TopoDS_Shape& shape) {
+    return ReadStepContents(WithPrimitive(folder, shape)).remarks;
+  };
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
+  EXPECT_THAT(remarks(box),
+              ::testing::ElementsAre("a solid is flattened: 6 surfaces and curves where they "
+                                     "stand, each by itself"));
+  TopoDS_Compound pair;
+  BRep_Builder().MakeCompound(pair);
+  gp_Trsf aside;
+  aside.SetTranslation(gp_Vec(5, 0, 0));
+  BRep_Builder().Add(pair, box);
+  BRep_Builder().Add(pair, box.Moved(aside));
+  const int assembly = Interface_Static::IVal("write.step.assembly");
+  Interface_Static::SetIVal("write.step.assembly", 0);
+  EXPECT_THAT(remarks(pair), ::testing::ElementsAre(HasSubstr("2 solids are flattened: 12 ")));
+  Interface_Static::SetIVal("write.step.assembly", 1);
+  EXPECT_THAT(remarks(pair),
+              ::testing::ElementsAre(HasSubstr("assembly of 2 placed parts with 2 solids is")));
+  Interface_Static::SetIVal("write.step.assembly", assembly);
+  WriteStep({RandomGeometry(kSeed).Surface(3, 2, false, false)}, folder.File("face.step"), "mm");
+  EXPECT_TRUE(ReadStepContents(folder.File("face.step")).remarks.empty());
 }
 
 // Knots 0 … 8 and beyond, eight control points to the round: a smooth periodic basis.

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Help as people read it: lines that fit, flags under headings.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/terminal/cli11_forward.h"
+
+namespace batten::internal {
+
+// Descriptions in help, of the command and those added to it later, are wrapped at 100 columns.
+void WrapHelp(CLI::App& app);
+
+// Flags that stand under a heading; those the command does not have are passed by.
+void GroupFlags(CLI::App& command,
+                const std::string& heading,
+                const std::vector<std::string>& flags);
+
+}  // namespace batten::internal
