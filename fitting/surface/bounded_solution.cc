@@ -17,9 +17,6 @@ namespace {
 
 constexpr double kOfNoise = 3;           // slack of the bounds in standard deviations …
 constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
-constexpr double kCostOfOne = 25;        // variances that holding a coefficient may cost the data …
-constexpr double kFollowed = 1.25;       // … where the free surface leaves no more than the noise
-constexpr double kFirstOfGap = 0.1, kLastOfGap = 0.8;  // slack of wider bounds, in gaps
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
 
@@ -61,23 +58,6 @@ class ActiveSet {
         held_(static_cast<size_t>(net_.cols()), 0),
         pool_(pool) {}
 
-  // Holds and releases in so many rounds at most.
-  void SolveWithin(int most_rounds) {
-    HoldWhatLeaves();
-    bool changed = true;
-    for (int round = 1; changed && round <= most_rounds && Solve(); ++round) {
-      changed = round < most_rounds && Release();
-      changed = HoldWhatLeaves() || changed;
-    }
-  }
-
-  const Eigen::MatrixXd& net() const { return net_; }
-  int held() const {
-    return static_cast<int>(
-        std::count_if(held_.begin(), held_.end(), [](char one) { return one != 0; }));
-  }
-
- private:
   // Holds what leaves its interval. Returns whether anything does.
   bool HoldWhatLeaves() {
     bool any = false;
@@ -133,6 +113,13 @@ class ActiveSet {
     return true;
   }
 
+  const Eigen::MatrixXd& net() const { return net_; }
+  int held() const {
+    return static_cast<int>(
+        std::count_if(held_.begin(), held_.end(), [](char one) { return one != 0; }));
+  }
+
+ private:
   Eigen::MatrixXd Rows() const {
     Eigen::MatrixXd rows(system_.unknowns(), net_.rows());
     for (Eigen::Index k = 0; k < net_.cols(); ++k)
@@ -158,9 +145,7 @@ double SquaresOf(const FittingProblem& problem,
   return weights.size() > 0 ? weights.dot(squares) : squares.sum();
 }
 
-// Bounds by data nearby, where these leave cells without data. Where a surface follows its data to
-// the noise and bounds cost it clearly more, the data do determine what was held: the shape goes on
-// beyond them, and bounds grow with the distance.
+// Bounds by data nearby, where these leave cells without data.
 void HoldCoefficients(const FittingProblem& problem,
                       const PenalisedSystem& system,
                       Eigen::Index measured,
@@ -177,25 +162,19 @@ void HoldCoefficients(const FittingProblem& problem,
                       .colwise()
                       .norm()
                       .transpose());
-  const auto points = static_cast<double>(measured);
-  const double variance =
-      solution.residual_squares / std::max(1.0, points - problem.unknowns());
-  const bool is_followed = variance <= std::pow(kFollowed * noise, 2);
-  BoundSlack slack{kOfNoise * noise + kOfSpacing * spacing};
-  for (bool last = false; !last; slack.of_gap = std::max(kFirstOfGap, 2 * slack.of_gap)) {
-    CoefficientBounds bounds = BoundsFromData(problem, smooth, measured, slack, pool);
-    if (!bounds.Leaves(solution.coefficients)) return;
-    ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
-    set.SolveWithin(most_rounds);
-    const double squares = SquaresOf(problem, set.net(), pool);
-    last = !is_followed || slack.of_gap >= kLastOfGap ||
-           squares - solution.residual_squares <= kCostOfOne * variance * set.held();
-    if (last) {
-      solution.coefficients = set.net();
-      solution.residual_squares = squares;
-      bounded.held = set.held();
-    }
+  CoefficientBounds bounds =
+      BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
+  if (!bounds.Leaves(solution.coefficients)) return;
+  ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
+  set.HoldWhatLeaves();
+  bool changed = true;
+  for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
+    changed = round < most_rounds && set.Release();
+    changed = set.HoldWhatLeaves() || changed;
   }
+  solution.coefficients = set.net();
+  bounded.held = set.held();
+  solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
 }
 
 }  // namespace

@@ -262,18 +262,6 @@ std::vector<HeightRange> RangesOf(const Cells& cells, const Eigen::MatrixXd& hei
   return ranges;
 }
 
-// How far the nearest of the data in some cells is from a place.
-double DistanceToData(const Cells& cells,
-                      const Cells::Support& support,
-                      const Eigen::Matrix2Xd& parameters,
-                      const Eigen::Vector2d& place) {
-  double least = HUGE_VAL;
-  for (const size_t cell : support.cells)
-    for (const Eigen::Index one : cells.In(cell))
-      least = std::min(least, (parameters.col(one) - place).squaredNorm());
-  return std::sqrt(least);
-}
-
 // Share of a range by which the coefficients of a spline within it leave it: collocation over equal
 // spans has an inverse of norm (π/2)^{p+1}/2, 3 for cubics.
 double CoveredMargin(int degree) {
@@ -290,7 +278,7 @@ bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured) {
 CoefficientBounds BoundsFromData(const FittingProblem& problem,
                                  const Eigen::MatrixXd& smooth,
                                  Eigen::Index measured,
-                                 const BoundSlack& slack,
+                                 double slack,
                                  ThreadPool& pool) {
   const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
   const Axis u = AxisOf(bu), v = AxisOf(bv);
@@ -301,7 +289,7 @@ CoefficientBounds BoundsFromData(const FittingProblem& problem,
   if (in_space) surface.emplace(bu, bv, smooth);
   const auto heights = problem.data().values.row(0).head(measured);
   const double all_low = heights.minCoeff(), all_high = heights.maxCoeff(),
-               beyond = kOfAll * (all_high - all_low) + slack.everywhere;
+               beyond = kOfAll * (all_high - all_low) + slack;
   const std::vector<HeightRange> ranges =
       in_space ? std::vector<HeightRange>() : RangesOf(cells, off);
   const double covered = CoveredMargin(std::max(bu.degree(), bv.degree()));
@@ -330,15 +318,11 @@ CoefficientBounds BoundsFromData(const FittingProblem& problem,
       }
       const double reach = u.reach[static_cast<size_t>(i)] * v.reach[static_cast<size_t>(j)];
       const double margin = support.has_gap ? (reach - 1) / 2 : covered;
-      double more = margin * (range.high - range.low) + slack.everywhere;
-      if (support.has_gap && slack.of_gap > 0) {
-        const Eigen::Vector2d place(bu.Clamp(bu.Greville(i)), bv.Clamp(bv.Greville(j)));
-        more += slack.of_gap * DistanceToData(cells, support, problem.data().parameters, place);
-      }
+      const double more = margin * (range.high - range.low) + slack;
       const double middle = bounds.HeightOf(smooth, k);
       bounds.low[k] = middle + range.low - more;
       bounds.high[k] = middle + range.high + more;
-      if (in_space || !support.has_gap || slack.of_gap > 0) continue;
+      if (in_space || !support.has_gap) continue;
       const double least = all_low - beyond, most = all_high + beyond;
       bounds.low[k] = std::clamp(bounds.low[k], least, most);
       bounds.high[k] = std::clamp(bounds.high[k], least, most);

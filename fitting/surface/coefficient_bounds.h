@@ -39,16 +39,9 @@ struct CoefficientBounds {
 // Whether the first `measured` data, those with positive weight, leave no quarter of a cell empty.
 bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured);
 
-// What intervals are grown by: a length, and a share of how far the data are from a coefficient's
-// place (parameters are lengths there).
-struct BoundSlack {
-  double everywhere = 0;
-  double of_gap = 0;
-};
-
 // Bounds about a smooth shape, the net `smooth` over the problem's bases. A coefficient's interval
 // is the range of the heights above the shape, along its normal, that the data in its support have
-// (at least four data, else those of the cells around it too), grown on both sides by the slack and a
+// (at least four data, else those of the cells around it too), grown on both sides by `slack` and a
 // margin of the range:
 //  · where the support has a gap, an empty quarter of a cell or, for points in space, whose
 //    parameters are less sure, an empty cell: by how much the coefficient of a polynomial can leave
@@ -58,14 +51,14 @@ struct BoundSlack {
 //    give a little more: 0.27 of the range for the third cubic coefficient, where these give 0.22.)
 //    By the convex hull property the surface in a gap stays near the smooth shape and the data
 //    around it. Of a height field no such coefficient leaves the range of all heights by more than
-//    a fifth of it and the slack, unless the slack grows with the gap.
+//    a fifth of it and the slack.
 //  · elsewhere by what a spline within the range needs: the range itself for cubics.
 // Only the first `measured` data with positive weight count. Periodic directions wrap.
 // O(m (p+1)(q+1)). [polar forms: Ramshaw 1989]
 CoefficientBounds BoundsFromData(const FittingProblem& problem,
                                  const Eigen::MatrixXd& smooth,
                                  Eigen::Index measured,
-                                 const BoundSlack& slack,
+                                 double slack,
                                  ThreadPool& pool);
 
 }  // namespace batten::internal
