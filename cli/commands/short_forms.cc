@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "batten/io/file_format.h"
+#include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/shell_words.h"
@@ -51,7 +52,7 @@ std::string FormatGiven(const Words& words) {
 }
 
 bool HoldsGeometry(const Words& words, size_t place) {
-  return IsGeometryFormat(FormatOf(words[place], FormatGiven(words)));
+  return IsGeometryFormat(InputFormat(words[place], FormatGiven(words)));
 }
 
 bool GivesOutput(const Words& words) {

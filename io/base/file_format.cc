@@ -61,13 +61,25 @@ std::optional<FileFormat> Known(std::string_view word) {
   return std::nullopt;
 }
 
+const UnsupportedWord* Unsupported(std::string_view word) {
+  const auto found = std::find_if(kUnsupported.begin(), kUnsupported.end(), [&](const auto& one) {
+    return one.word == word;
+  });
+  return found == kUnsupported.end() ? nullptr : &*found;
+}
+
+// Without its dot, in lower case; empty where there is none.
+std::string ExtensionOf(const std::string& path) {
+  const std::string extension = Lower(std::filesystem::path(path).extension().string());
+  // The word "text" is no extension.
+  return extension.size() < 2 || extension == ".text" ? "" : extension.substr(1);
+}
+
 FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
   if (const auto format = Known(word)) return *format;
-  for (const UnsupportedWord& unsupported : kUnsupported) {
-    if (unsupported.word == word) {
-      throw UsageError(subject + ": ." + word +
-                       " files are not supported: " + std::string(unsupported.advice));
-    }
+  if (const UnsupportedWord* unsupported = Unsupported(word)) {
+    throw UsageError(subject + ": ." + word +
+                     " files are not supported: " + std::string(unsupported->advice));
   }
   throw UsageError(
       subject + ": unknown format '" + word +
@@ -78,10 +90,11 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
 }  // namespace
 
 std::optional<FileFormat> FormatOfName(const std::string& path) {
-  const std::string extension = Lower(std::filesystem::path(path).extension().string());
-  // The word "text" is no extension.
-  if (extension.size() < 2 || extension == ".text") return std::nullopt;
-  return Known(extension.substr(1));
+  return Known(ExtensionOf(path));
+}
+
+bool IsUnsupportedName(const std::string& path) {
+  return Unsupported(ExtensionOf(path)) != nullptr;
 }
 
 FileFormat FormatOf(const std::string& path, const std::string& format) {
@@ -89,13 +102,12 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
   if (path == "-")
     throw UsageError(
         "-: standard input needs --format, standard output --format or --output-format");
-  const std::string extension = Lower(std::filesystem::path(path).extension().string());
-  // The word "text" is no extension.
-  if (extension.size() < 2 || extension == ".text") {
+  const std::string extension = ExtensionOf(path);
+  if (extension.empty()) {
     throw UsageError(path + ": the name does not say the format; say it with --format" +
                      " (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges)");
   }
-  return FormatOfWord(extension.substr(1), path);
+  return FormatOfWord(extension, path);
 }
 
 const char* FormatName(FileFormat format) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <filesystem>
-#include <optional>
+#include <string_view>
+#include <system_error>
+#include <vector>
 
 #include "batten/io/file_format.h"
 #include "batten/io/read_cloud.h"
@@ -60,11 +62,11 @@ bool BeginsWithRows(const std::string& path) {
 
 FileFormat InputFormat(const std::string& path, const std::string& format) {
   std::error_code error;
-  if (!format.empty() || !std::filesystem::is_regular_file(path, error))
-    return FormatOf(path, format);
-  if (const std::optional<FileFormat> known = FormatOfName(path)) return *known;
-  if (BeginsWithRows(path)) return FileFormat::kText;
-  return FormatOf(path);
+  const bool name_tells = !format.empty() || FormatOfName(path) || IsUnsupportedName(path);
+  // A pipe can be read only once.
+  if (!name_tells && std::filesystem::is_regular_file(path, error) && BeginsWithRows(path))
+    return FileFormat::kText;
+  return FormatOf(path, format);
 }
 
 }  // namespace batten

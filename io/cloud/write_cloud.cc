@@ -41,7 +41,8 @@ std::vector<OutputColumn> Columns(const PointCloud& cloud, FileFormat format) {
   const bool plane = IsTextFormat(format) && cloud.dimension() == 2;
   std::vector<OutputColumn> columns{{"x", Source::kPoint, 0}, {"y", Source::kPoint, 1}};
   const auto add = [&](bool present, std::initializer_list<OutputColumn> more) {
-    if (present) columns.insert(columns.end(), more);
+    if (!present) return;
+    for (const OutputColumn& column : more) columns.push_back(column);
   };
   const bool has_normals = cloud.normals().cols() > 0, has_colours = cloud.colours().cols() > 0;
   add(!plane, {{"z", Source::kPoint, 2}});

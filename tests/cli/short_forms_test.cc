@@ -52,6 +52,13 @@ TEST_F(ShortFormsTest, ACloudIsFittedWithNamesOfItsOwnAndTheCommandIsTold) {
   }
 }
 
+TEST_F(ShortFormsTest, ATextOfNumbersIsACloudUnderAnyName) {
+  folder_.With("scan.pwn", ToText(WavySheet(300)));
+  const ProgramRun run = Here({"scan.pwn", "--control-points", "5,5"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(Has("scan.step"));
+}
+
 TEST_F(ShortFormsTest, FlagsAreThoseOfFitSurface) {
   const ProgramRun named = Here({"scan.xyz", "--control-points", "5,5", "-o", "part.json"});
   EXPECT_EQ(named.code, 0) << named.err;

@@ -31,6 +31,9 @@ FileFormat FormatOf(const std::string& path, const std::string& format = "");
 // The format that the extension of a path stands for, if it is one of those above.
 std::optional<FileFormat> FormatOfName(const std::string& path);
 
+// Whether the extension is of a format that is known but not supported.
+bool IsUnsupportedName(const std::string& path);
+
 // The word that names the format.
 const char* FormatName(FileFormat format);
 

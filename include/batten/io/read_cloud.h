@@ -26,7 +26,7 @@ struct CloudFile {
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
 };
 
-// The format of a file to be read: FormatOf, but where the extension is none that is known, a file
+// The format of a file to be read: FormatOf, but where the extension is none that is known, a regular file
 // whose first rows are numbers is text. Throws as FormatOf, and ReadError where the file can't be
 // read.
 FileFormat InputFormat(const std::string& path, const std::string& format = "");

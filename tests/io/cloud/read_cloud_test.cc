@@ -339,6 +339,8 @@ TEST(InputFormatTest, OtherFilesNeedAWord) {
   EXPECT_THROW(format("empty.foo", ""), UsageError);
   EXPECT_THROW(format("prose.foo", "1 2 words\n3 4 5\n"), UsageError);
   EXPECT_THROW(format("scan.laz", std::string("LASF\0\0 1 2 3\n", 13)), UsageError);
+  // Of GoTools: numbers, too.
+  EXPECT_THROW(format("part.g2", "200 1 0 0\n3 0\n2 2\n0 0 1 1\n"), UsageError);
   EXPECT_THROW(InputFormat("no such file"), UsageError);
   EXPECT_EQ(InputFormat("missing.ply"), FileFormat::kPly);
   EXPECT_EQ(InputFormat(folder.With("rows.foo", "1 2 3\n"), "xyz"), FileFormat::kXyz);
