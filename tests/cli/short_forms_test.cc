@@ -109,10 +109,12 @@ TEST_F(ShortFormsTest, CommandsAreNoFilesAndFilesNoCommands) {
   folder_.With("-dash.xyz", ToText(WavySheet(100)));
   EXPECT_THAT(Here({"fit"}).err, HasSubstr("usage: batten fit"));
   EXPECT_THAT(Here({"fit", "surface"}).err, HasSubstr("required"));
-  EXPECT_THAT(Here({"./fit"}).err, HasSubstr("--format"));
-  EXPECT_EQ(Here({"./fit", "--format", "xyz"}).code, 0);
-  EXPECT_TRUE(Has("fit.step"));
-  Forget({"fit.step", "fit.report.html", "fit.report.json"});
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"./fit"}, {"./fit", "--format", "xyz"}}) {
+    EXPECT_EQ(Here(words).code, 0);
+    EXPECT_TRUE(Has("fit.step"));
+    Forget({"fit.step", "fit.report.html", "fit.report.json"});
+  }
   EXPECT_EQ(Here({"fit", "fit", "--format=text"}).code, 0);
   EXPECT_TRUE(Has("fit.step"));
   EXPECT_EQ(Here({"-dash.xyz"}).code, 2);
