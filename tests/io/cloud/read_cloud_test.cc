@@ -328,6 +328,9 @@ TEST(InputFormatTest, RowsOfNumbersAreTextUnderAnyName) {
   std::string many;
   for (int k = 0; k < 3000; ++k) many += "1.25 2.5 " + std::to_string(k) + "\n";
   EXPECT_EQ(points("scan.big", many), 3000);
+  // What is looked at, 16384 bytes, ends within a row.
+  const std::string prose = "#" + std::string(16384 - 12, '-') + "\n";
+  EXPECT_EQ(points("scan.prose", prose + "1 2 3\n4.25 5 6\n7 8 9\n"), 3);
 }
 
 TEST(InputFormatTest, OtherFilesNeedAWord) {
