@@ -38,9 +38,9 @@ bool MayPrecedeRows(std::string_view line) {
 // count or the columns' names.
 bool BeginsWithRows(const std::string& path) {
   ByteSource source(path);
-  std::string_view text = source.Peek(kLooked);
+  std::string_view text = source.Peek(kLooked).substr(0, kLooked);
   // The last line may be cut.
-  if (text.size() >= kLooked) text = text.substr(0, text.find_last_of("\r\n") + 1);
+  if (text.size() == kLooked) text = text.substr(0, text.find_last_of("\r\n") + 1);
   int rows = 0;
   bool first = true;
   while (!text.empty() && rows < kRows) {
