@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -301,7 +302,7 @@ Completion Complete(const CLI::App& app, std::vector<std::string> words) {
   words.pop_back();
   try {
     if (words != std::vector<std::string>{"help"}) words = WithCommand(app, std::move(words));
-  } catch (const UsageError&) {
+  } catch (const std::exception&) {
     return {};  // after a file nothing can be done with
   }
   Completion completion = Unfiltered(Walk(app, words), last);

@@ -238,9 +238,10 @@ int RunProgram(int argc, char** argv) {
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten analyze part.step                          degree, area, curvature, which shape\n"
       "  batten COMMAND --help                             flags, defaults and more examples\n"
-      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; '-' "
-      "is\n"
-      "standard input or output, with --format. --json makes the result one JSON object.\n"
+      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; rows of\n"
+      "numbers are points under any name. '-' is standard input or output, with --format. --json "
+      "makes\n"
+      "the result one JSON object.\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
       "130 interrupted. Results go to standard output, everything else to standard error.");

@@ -197,6 +197,8 @@ TEST_F(CompletionTest, NothingTypedMakesItFail) {
                                                {"fit", "surface", "\\"},
                                                {"fit", "surface", std::string(10000, 'x')},
                                                {"fit", "surface", "--quiet=", ""},
+                                               {"/proc/self/mem", ""},  // no name of a format, unreadable
+                                               {"fit", "/proc/self/mem", "--"},
                                                {"analyze", "~nobody/"},
                                                {"analyze", "\xff\xfe"}}) {
     Words arguments = words;
