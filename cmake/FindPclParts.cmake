@@ -4,7 +4,8 @@
 #   find_package(PclParts COMPONENTS common io ...)
 file(GLOB _pcl_roots /usr/include/pcl-* /usr/local/include/pcl-*)
 find_path(PclParts_INCLUDE_DIR pcl/point_types.h HINTS ${_pcl_roots})
-set(_required PclParts_INCLUDE_DIR)
+find_library(PclParts_LZ4_LIBRARY NAMES lz4 liblz4.so.1)  # FLANN's headers, which PCL's searches take, call it
+set(_required PclParts_INCLUDE_DIR PclParts_LZ4_LIBRARY)
 foreach(_part IN LISTS PclParts_FIND_COMPONENTS)
   find_library(PclParts_${_part}_LIBRARY pcl_${_part})
   list(APPEND _required PclParts_${_part}_LIBRARY)
@@ -13,9 +14,9 @@ foreach(_part IN LISTS PclParts_FIND_COMPONENTS)
     set_target_properties(PclParts::${_part} PROPERTIES
       IMPORTED_LOCATION ${PclParts_${_part}_LIBRARY}
       INTERFACE_INCLUDE_DIRECTORIES ${PclParts_INCLUDE_DIR}
-      INTERFACE_LINK_LIBRARIES Eigen3::Eigen)
+      INTERFACE_LINK_LIBRARIES "Eigen3::Eigen;${PclParts_LZ4_LIBRARY}")
   endif()
 endforeach()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(PclParts REQUIRED_VARS ${_required})
-mark_as_advanced(PclParts_INCLUDE_DIR)
+mark_as_advanced(PclParts_INCLUDE_DIR PclParts_LZ4_LIBRARY)

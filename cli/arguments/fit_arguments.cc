@@ -152,6 +152,19 @@ void AddEveryFitsArguments(CLI::App& command,
                   "S"),
           {"auto"});
   Suggest(AddText(command,
+                  "--clean",
+                  a.clean,
+                  !a.may_keep_all
+                      ? "Stray points: auto (found by the fit), or statistical[:K,S] "
+                        "(removed before: farther from their K nearest, 16, than S, 3, standard "
+                        "deviations)"
+                      : "Stray points: auto (found by the fit), none (there are none: every point "
+                        "is fitted), or statistical[:K,S] (removed before: farther from their K "
+                        "nearest, 16, than S, 3, standard deviations)",
+                  "HOW"),
+          !a.may_keep_all ? std::vector<std::string>{"auto", "statistical"}
+                          : std::vector<std::string>{"auto", "none", "statistical"});
+  Suggest(AddText(command,
                   "--origin",
                   a.origin,
                   "Subtracted from what is written: keep (nothing), local, or x,y,z",
@@ -243,6 +256,7 @@ void GroupFitFlags(CLI::App& command) {
              "Which points count",
              {"--loss",
               "--loss-scale",
+              "--clean",
               "--keep-outliers",
               "--thin",
               "--columns",
@@ -256,6 +270,9 @@ void GroupFitFlags(CLI::App& command) {
 FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
+  cleaning_ = ToCleaning(a_.clean);
+  if (cleaning_.keep_outliers && !a_.may_keep_all)
+    throw UsageError("--clean none: fit surface alone can be told to fit every point");
   shift_ = ToShift(a_.origin);
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
@@ -280,7 +297,16 @@ const PointCloud& FitFiles::Read(bool parameters) {
   BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
   read_seconds_ = Seconds();
+  if (cleaning_.statistical) Clean(*cleaning_.statistical);
   return file_.cloud;
+}
+
+void FitFiles::Clean(const StatisticalRemoval& how) {
+  const std::vector<Eigen::Index> kept = WithoutStatisticalOutliers(file_.cloud, how);
+  cleaned_ = file_.cloud.size() - std::ssize(kept);
+  if (cleaned_ == 0) return;
+  Keep(kept);
+  file_.filtered += cleaned_;
 }
 
 std::string FlagsThatHelp(Remedy remedy) {
@@ -373,6 +399,10 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   report.input.files = a_.clouds;
   report.input.points = file_.points_in_file - file_.filtered;
   report.input.non_finite = file_.non_finite;
+  if (cleaned_ > 0) {
+    report.warnings.push_back(
+        fmt::format("--clean {} removed {} stray points before the fit", a_.clean, cleaned_));
+  }
   const double far = file_.cloud.World(0).cwiseAbs().maxCoeff();
   if (a_.origin == "keep" && far > FarAway(a_.output.unit)) {
     report.warnings.push_back(

@@ -14,6 +14,7 @@
 #include "batten/fitting/robust_loss.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
+#include "cli/arguments/cleaning.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/fit_output.h"
 #include "cli/terminal/cli11_forward.h"
@@ -26,7 +27,8 @@ namespace batten::internal {
 
 struct FitArguments {
   std::vector<std::string> clouds;
-  bool curves = false;  // all that is fitted: they have no mesh
+  bool curves = false;        // all that is fitted: they have no mesh
+  bool may_keep_all = false;  // --clean none
   std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
   CloudArguments cloud;
   OutputArguments output;
@@ -34,7 +36,8 @@ struct FitArguments {
   WorkFlags work;
   std::optional<double> tolerance, time_limit;
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
-              loss_scale = "auto", optimize = "auto", origin = "keep", parameterization;
+              loss_scale = "auto", clean = "auto", optimize = "auto", origin = "keep",
+              parameterization;
 };
 
 // The options of a fit with control points, with the words that differ.
@@ -153,6 +156,7 @@ class FitFiles {
 
  private:
   double Seconds() const;  // since construction
+  void Clean(const StatisticalRemoval& how);
 
   // The geometry or, where OUT is one, its mesh, of which it returns the words.
   std::string WriteShapes(const std::vector<Geometry>& geometry) const;
@@ -165,6 +169,8 @@ class FitFiles {
   bool word_is_geometry_;
   CloudFile file_;
   double read_seconds_ = 0;
+  Cleaning cleaning_;
+  Eigen::Index cleaned_ = 0;
 };
 
 }  // namespace batten::internal

@@ -26,6 +26,7 @@ struct FitSurfaceArguments : FitArguments {
   FitSurfaceArguments() {
     max_control_points = "20000";
     parameterization = "auto";
+    may_keep_all = true;
   }
   std::string degree = "3,3", base = "auto", closed = "auto", trim = "auto", normals = "auto";
   bool keep_outliers = false, snap = false;
@@ -54,10 +55,11 @@ void CheckFitSurface(const FitSurfaceArguments& a) {
     throw UsageError("--grid: its rows and columns are one part (--part " + a.part + ")");
   if (!a.grid.empty() &&
       (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
-       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.thin)) {
+       a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.clean != "auto" ||
+       a.thin)) {
     throw UsageError(
         "--grid: the points' rows and columns are met as they are; --base, --snap, --loss, "
-        "--smoothing, "
+        "--smoothing, --clean, "
         "--optimize, --thin, --boundary, --meet, --symmetric and --domain are for scattered "
         "points");
   }
@@ -120,7 +122,7 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   TakeConditions(a.conditions, options);
   options.given_parameters = a.parameterization == "given";
   options.side_of_normals = a.normals == "file";
-  options.keep_outliers = a.keep_outliers;
+  options.keep_outliers = a.keep_outliers || ToCleaning(a.clean).keep_outliers;
   options.snap = a.snap;
   options.thin = a.thin;
   return WithWork(std::move(options), a);

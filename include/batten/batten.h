@@ -3,6 +3,7 @@
 #pragma once
 
 #include "batten/fitting/approximate_grid.h"
+#include "batten/fitting/clean_cloud.h"
 #include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_rows.h"
 #include "batten/fitting/cloud_statistics.h"

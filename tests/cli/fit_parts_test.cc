@@ -66,6 +66,50 @@ TEST_F(FitPartsTest, OneOrAllAreFitted) {
   EXPECT_EQ(std::count(residuals.begin(), residuals.end(), '\n'), 4001);
 }
 
+TEST(CleaningTest, TakesStrayPointsAwayBeforeTheFitOrNone) {
+  const TemporaryFolder folder;
+  std::vector<Row> rows = WavySheet(3000);
+  for (int k = 0; k < 12; ++k) rows.push_back({0.8 * k, 5 - 0.3 * k, 40 + 2.0 * k});
+  const std::string cloud = folder.With("c.xyz", ToText(rows));
+  const auto fit = [&](const std::string& how) {
+    const ProgramRun run = Batten({"fit",
+                                   "surface",
+                                   cloud,
+                                   "-o",
+                                   folder.File("o.json"),
+                                   "--report",
+                                   folder.File("r.json"),
+                                   "--base",
+                                   "plane",
+                                   "--clean",
+                                   how});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return Json::parse(folder.Text("r.json"));
+  };
+  Json report = fit("statistical");
+  EXPECT_EQ(report["input"]["points"], 3000);
+  EXPECT_LT(report["error_all"]["max"], 1);
+  EXPECT_THAT(report["warnings"].dump(), HasSubstr("--clean statistical removed 12 stray points"));
+  EXPECT_EQ(fit("statistical:16,1e6")["input"]["points"], 3012);
+  report = fit("auto");
+  EXPECT_EQ(report["input"]["points"], 3012);
+  EXPECT_EQ(report["input"]["outliers"], 12);
+  EXPECT_EQ(fit("none")["input"]["outliers"], 0);
+
+  const ProgramRun curve =
+      Batten({"fit", "curve", cloud, "-o", folder.File("o.json"), "--clean", "none"});
+  EXPECT_EQ(curve.code, 2);
+  EXPECT_THAT(curve.err, HasSubstr("--clean none"));
+  for (const char* wrong :
+       {"statistical:0,3", "statistical:2.5,3", "statistical:8", "none:3", "all"}) {
+    SCOPED_TRACE(wrong);
+    const ProgramRun run =
+        Batten({"fit", "surface", cloud, "-o", folder.File("p.json"), "--clean", wrong});
+    EXPECT_EQ(run.code, 2);
+    EXPECT_THAT(run.err, HasSubstr("--clean"));
+  }
+}
+
 TEST_F(FitPartsTest, APartThatIsNotThereIsRefused) {
   const ProgramRun run = Fit({"--part", "4"});
   EXPECT_EQ(run.code, 1);
