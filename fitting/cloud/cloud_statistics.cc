@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
+#include "batten/fitting/statistics.h"
 #include "fitting/cloud/cloud_outliers.h"
 #include "fitting/core/rules.h"
 #include "fitting/neighbours/local_quadric.h"
-#include "batten/fitting/statistics.h"
 
 namespace batten {
 using namespace internal;
@@ -32,13 +32,27 @@ Eigen::Matrix3Xd Neighbourhood(const Eigen::Matrix3Xd& points,
   return local;
 }
 
-// Ratio of the points' breadth to their length.
+// Median distance of numbers from their median.
+double MedianDeviation(std::vector<double> numbers) {
+  const double middle = Median(numbers);
+  for (double& one : numbers) one = std::abs(one - middle);
+  return Median(std::move(numbers));
+}
+
+// Ratio of the points' breadth to their length, all of them or most. A dozen on one line and a
+// point or two of the next are as broad as long; their quadric explains the noise of the dozen.
 double BreadthOf(const Eigen::Matrix3Xd& local) {
   const Eigen::Matrix3Xd centred = local.colwise() - Eigen::Vector3d(local.rowwise().mean());
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(centred * centred.transpose(), Eigen::EigenvaluesOnly);
+  solver.computeDirect(centred * centred.transpose());
   const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0);
-  return spread[2] > 0 ? std::sqrt(spread[1] / spread[2]) : 0;
+  if (!(spread[2] > 0)) return 0;
+  const auto along = [&](int axis) {
+    const Eigen::VectorXd places = centred.transpose() * solver.eigenvectors().col(axis);
+    return MedianDeviation({places.begin(), places.end()});
+  };
+  const double length = along(2), of_all = std::sqrt(spread[1] / spread[2]);
+  return length > 0 ? std::min(of_all, along(1) / length) : of_all;
 }
 
 // Medians over the samples: deviations from the quadrics through k neighbours each, the radii of

@@ -291,7 +291,7 @@ TEST(SampleIndicesTest, AreThoseOfTheSeed) {
 // point are on its own line, through which any plane goes.
 TEST(MeasureCloudTest, MeasuresTheNoiseOfScanLines) {
   constexpr double kNoise = 2e-4;
-  for (const double far : {1.0, 4.0, 10.0, 13.4, 14.0, 20.0}) {
+  for (const double far : {1.0, 4.0, 5.0, 6.25, 8.0, 10.0, 13.4, 14.0, 20.0, 40.0}) {
     SCOPED_TRACE("lines apart " + std::to_string(far));
     Noise noise(11);
     const double along = 0.002, across = far * along;
