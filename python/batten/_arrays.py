@@ -26,7 +26,7 @@ def path_bytes(name: str, path: Any) -> bytes:
 def plain(name: str, value: Any) -> NDArray[Any]:
     """The value as an array of real numbers, of whatever kind they are."""
     if isinstance(value, np.ma.MaskedArray):
-        if np.ma.is_masked(value):
+        if np.any(value.mask):
             raise ValueError(f"{name}: holds masked values; leave them out with .compressed() or a row mask")
         value = value.data
     try:

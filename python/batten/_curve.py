@@ -159,7 +159,8 @@ class Curve(Geometry):
         """
         first = self.derivatives(u, 1)[1]
         length = np.linalg.norm(first, axis=-1, keepdims=True)
-        return first / np.where(length > 0, length, np.nan)
+        units: Floats = first / np.where(length > 0, length, np.nan)
+        return units
 
     def curvature(self, u: ArrayLike, *, threads: int = 0) -> Floats:
         """Curvature and torsion.

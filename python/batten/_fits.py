@@ -2,13 +2,13 @@
 """Points in, geometry and report out."""
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import finite, is_path, one_of, plain, whole
+from ._arrays import Path, finite, is_path, one_of, plain, whole
 from ._cloud import Cloud, cloud_of, from_file
 from ._curve import Curve
 from ._geometry import Geometry, _body_of
@@ -24,8 +24,7 @@ Free = Union[str, Iterable[str], None]
 
 def _keywords(cloud: Cloud, shift: Any, unit: Any, command: str, options: Dict[str, Any]) -> Dict[str, Any]:
     """What the library is told: None is the library's own choice."""
-    if unit not in _core.units():
-        raise ValueError(f"unit: {unit!r} is none of " + ", ".join(map(repr, _core.units())))
+    one_of("unit", unit, _core.units())
     if isinstance(shift, str):
         one_of("shift", shift, ("local",))
         shift = cloud.origin
@@ -343,10 +342,11 @@ def _fit_curves(
     progress: Any,
     options: Dict[str, Any],
 ) -> List[CurveFit]:
-    given = options.get("parameterization") == "given"
+    words = options.get("parameterization")
+    given = isinstance(words, str) and words == "given"
     cloud = cloud_of("points", points, read_parameters=given, weights=weights, parameters=parameters)
     if parameters is not None:
-        if options.get("parameterization") not in (None, "given"):
+        if words is not None and not given:
             raise ValueError("parameterization: not beside parameters")
         options["parameterization"] = "given"
     elif given and cloud.parameters is None:
@@ -588,7 +588,7 @@ def interpolate_curve(
     ValueError
         Naming the keyword.
     """
-    given = parameterization == "given"
+    given = isinstance(parameterization, str) and parameterization == "given"
     cloud = cloud_of("points", points, read_parameters=given, parameters=parameters)
     if parameters is not None:
         if parameterization is not None:
@@ -687,7 +687,7 @@ def compare(
     if is_path(geometry):
         from ._files import read_geometry
 
-        shapes = read_geometry(geometry)
+        shapes = read_geometry(cast(Path, geometry))
         names, geometry = shapes.names, shapes
     bodies = [_body_of("geometry", one) for one in ([geometry] if isinstance(geometry, Geometry) else _sequence("geometry", geometry))]
     cloud = cloud_of("points", points)

@@ -401,7 +401,8 @@ class Geometry:
         """
         import json
 
-        return json.loads(self._body.json())
+        entry: Dict[str, Any] = json.loads(self._body.json())
+        return entry
 
 
 def _body_of(name: str, value: Any) -> _core.Body:

@@ -2,6 +2,7 @@
 // Points, derivatives, normals, curvature and nearest places at many parameters.
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -235,6 +236,23 @@ Feet Collected(const std::vector<Foot>& found) {
   return feet;
 }
 
+// As search.Nearest(points, pool), piece by piece, so that it ends soon when asked to.
+template <typename Search>
+auto NearestOf(const Search& search,
+               const Eigen::Matrix3Xd& points,
+               ThreadPool& pool,
+               Watch& watch) {
+  constexpr Eigen::Index kPiece = 10000;
+  auto found = search.Nearest(Eigen::Matrix3Xd(points.leftCols(std::min(kPiece, points.cols()))), pool);
+  for (Eigen::Index begin = kPiece; begin < points.cols(); begin += kPiece) {
+    if (watch.stopped()) throw Cancelled();
+    const Eigen::Index size = std::min(kPiece, points.cols() - begin);
+    const auto piece = search.Nearest(Eigen::Matrix3Xd(points.middleCols(begin, size)), pool);
+    found.insert(found.end(), piece.begin(), piece.end());
+  }
+  return found;
+}
+
 // (parameters, points, distances, lower bounds, certified)
 py::tuple Closest(const BodyPtr& body, const Doubles& array, int threads) {
   Eigen::Matrix3Xd points;
@@ -245,11 +263,12 @@ py::tuple Closest(const BodyPtr& body, const Doubles& array, int threads) {
     points = Columns<3>(array, "points");
   }
   if (!points.allFinite()) throw py::value_error("points: not all are finite");
-  Feet feet = Watched([body, points = std::move(points), threads](Watch&) {
+  Feet feet = Watched([body, points = std::move(points), threads](Watch& watch) {
     ThreadPool pool(threads);
-    if (body->is_surface()) return Collected(body->feet().Nearest(points, pool));
-    return body->dimension() == 2 ? Collected(body->curve_feet<2>().Nearest(points, pool))
-                                  : Collected(body->curve_feet<3>().Nearest(points, pool));
+    if (body->is_surface()) return Collected(NearestOf(body->feet(), points, pool, watch));
+    return body->dimension() == 2
+               ? Collected(NearestOf(body->curve_feet<2>(), points, pool, watch))
+               : Collected(NearestOf(body->curve_feet<3>(), points, pool, watch));
   });
   const py::ssize_t count = feet.distances.size();
   const bool surface = body->is_surface();

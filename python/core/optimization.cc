@@ -73,6 +73,13 @@ py::tuple OptimizeAll(const Body& body,
   if (weights) data->weights = Vector(*weights);
   const Start start = std::visit(
       [&](const auto& shape) { return StartOf(shape, data, options.fairness); }, body.geometry());
+  const int size = start.problem.net_size();
+  for (const int index : options.fixed_control_points) {
+    if (index < 0 || index >= size) {
+      Keywords::Refuse("fixed_control_points",
+                       std::to_string(index) + " is not in [0, " + std::to_string(size) + ")");
+    }
+  }
   const Kept list = Keep(terms);
   OptimizeResult result = Watched(
       [=](Watch& watch) mutable {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <list>
 #include <thread>
 
@@ -133,6 +134,7 @@ void Await(const std::shared_ptr<Watch>& watch,
 }
 
 void AwaitAll() {
+  PyOS_setsig(SIGINT, SIG_DFL);  // whoever can't wait ends the process
   const py::gil_scoped_release released;
   Workers::All().Join();
 }

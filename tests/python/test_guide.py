@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""What the documents say works: the guide's examples, the notebook, docstrings, types, the time of an import."""
+import ast
+import importlib.util
+import inspect
+import json
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+import batten
+from conftest import ROOT
+
+GUIDE = open(os.path.join(ROOT, "docs", "python.md"), encoding="utf-8").read()
+EXAMPLES = re.findall(r"```python\n(.*?)```", GUIDE, re.S)
+NOTEBOOK = os.path.join(ROOT, "examples", "scan_to_step.ipynb")
+
+
+def test_examples_of_the_guide(tmp_path, monkeypatch, capsys):
+    assert len(EXAMPLES) == 8
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "__main__"}
+    for number, example in enumerate(EXAMPLES, 1):  # each goes on where the one before ended, as a reader does
+        exec(compile(example, f"docs/python.md, example {number}", "exec"), names)
+    assert {"sheet.step", "sheet.html", "sheet.ply", "pin.step", "off.ply", "all.json"} <= {p.name for p in tmp_path.iterdir()}
+    assert batten.read_geometry("pin.step")[0].classify()[0] == "cylinder"
+    assert abs(names["fit"].surface.control_points[0, 0] - names["corner"][0]).max() < 1e-3
+
+
+def test_links_of_the_guide():
+    headings = {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in re.findall(r"^## (.*)$", GUIDE, re.M)}
+    assert set(re.findall(r"\]\(#([^)]+)\)", GUIDE)) <= headings
+
+
+def notebook_cells():
+    return ["".join(cell["source"]) for cell in json.load(open(NOTEBOOK, encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+
+
+def test_the_notebook_as_a_script(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BATTEN_DATA", os.path.join(ROOT, "data"))
+    names = {"__name__": "__main__"}
+    for cell in notebook_cells():
+        body = ast.parse(cell).body
+        exec(compile(ast.Module(body, []), NOTEBOOK, "exec"), names)
+    assert (tmp_path / "panel.step").exists() and names["fit"].ok
+    assert names["fit"]._repr_html_().startswith("<iframe")
+
+
+@pytest.mark.skipif(
+    not (importlib.util.find_spec("nbconvert") and importlib.util.find_spec("ipykernel")),
+    reason="the notebook ran as a script; in Jupyter it needs python3-nbconvert and python3-ipykernel",
+)
+def test_the_notebook_in_jupyter(tmp_path):
+    environment = {**os.environ, "BATTEN_DATA": os.path.join(ROOT, "data"), "JUPYTER_ALLOW_INSECURE_WRITES": "1"}
+    words = ["-m", "nbconvert", "--to", "notebook", "--execute", NOTEBOOK, "--output-dir", str(tmp_path)]
+    environment["PYTHONPATH"] = os.path.dirname(os.path.dirname(batten.__file__))
+    run = subprocess.run([sys.executable, *words], env=environment, capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert run.returncode == 0, run.stderr[-2000:]
+    done = json.load(open(tmp_path / "scan_to_step.ipynb"))
+    shown = [output for cell in done["cells"] for output in cell.get("outputs", [])]
+    assert any("<iframe" in "".join(o.get("data", {}).get("text/html", [])) for o in shown)
+
+
+def documented():
+    for name in batten.__all__:
+        thing = getattr(batten, name)
+        if inspect.isfunction(thing):
+            yield name, thing
+        elif inspect.isclass(thing):
+            yield name, thing
+            for method, function in vars(thing).items():
+                if not method.startswith("_") or method == "__call__":
+                    yield f"{name}.{method}", function
+    for name in batten.make.__all__:
+        yield "make." + name, getattr(batten.make, name)
+
+
+DOCUMENTED = dict(documented())
+
+
+@pytest.mark.parametrize("name", DOCUMENTED)
+def test_docstrings(name):
+    thing = DOCUMENTED[name]
+    if isinstance(thing, (classmethod, staticmethod)):
+        thing = thing.__func__
+    if isinstance(thing, property):
+        assert len(inspect.getdoc(thing)) > 10
+        return
+    if not inspect.isfunction(thing) and not inspect.isclass(thing):
+        return  # the fields of tuples, which their class documents
+    text = inspect.getdoc(thing)
+    assert text and text.splitlines()[0].strip()
+    if inspect.isclass(thing):
+        fields = getattr(thing, "_fields", ())
+        assert all(re.search(rf"^(\w+, )*{field}(, \w+)* : ", text, re.M) for field in fields)
+        return
+    signature = inspect.signature(thing)
+    asked = [p for p in signature.parameters if p not in ("self", "cls")]
+    for parameter in asked:
+        assert re.search(rf"^(\*\*|[\w, ]*\b){parameter}\b[\w, ]* : |^\*\*{parameter}$", text, re.M), parameter
+    if asked:
+        assert "Parameters\n----------" in text
+    if signature.return_annotation not in ("None", None, inspect.Signature.empty):
+        assert "Returns\n-------" in text
+
+
+def test_an_import_takes_little_and_little_with_it():
+    program = "import numpy, sys, time; begin = time.perf_counter(); import batten; print(time.perf_counter() - begin); print(*sys.modules)"
+    runs = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout for _ in range(3)]
+    assert min(float(run.split()[0]) for run in runs) < 0.15
+    assert not {"scipy", "matplotlib", "tqdm", "pandas"} & set(runs[0].split())
+
+
+MYPY = importlib.util.find_spec("mypy")
+CACHE = os.environ.get("BATTEN_MYPY_CACHE", os.devnull)
+USER = """
+import numpy as np
+import batten
+fit = batten.fit_surface(np.zeros((9, 3)), tolerance=0.1, degree=(3, 2), progress=lambda stage, fraction: None)
+reveal_type(fit.surface(0.5, [0.1, 0.2]))
+reveal_type(fit.report)
+reveal_type(batten.read_geometry("x.step")[0])
+reveal_type(batten.make.sphere(1.0).split("u", 0.5))
+batten.fit_surface(np.zeros((9, 3)), tolerance="small")
+"""
+
+
+@pytest.mark.skipif(not MYPY, reason="the types are not checked: mypy is not installed")
+def test_types(tmp_path):
+    (tmp_path / "user.py").write_text(USER)
+    environment = {**os.environ, "MYPYPATH": os.path.dirname(os.path.dirname(batten.__file__))}
+    settings = ["--config-file", os.path.join(ROOT, "python", "mypy.ini"), "--cache-dir", CACHE]
+    run = subprocess.run(
+        [sys.executable, "-m", "mypy", *settings, "-p", "batten"], env=environment, capture_output=True, text=True, cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stdout
+    run = subprocess.run(
+        [sys.executable, "-m", "mypy", *settings, "user.py"], env=environment, capture_output=True, text=True, cwd=tmp_path
+    )
+    lines = run.stdout.splitlines()
+    assert len([line for line in lines if ": error:" in line]) == 1 and 'argument "tolerance"' in run.stdout.lower()
+    notes = [line for line in lines if "Revealed" in line]
+    for note, words in zip(notes, ("ndarray", "dict[builtins.str, Any]", "Geometry", "Tuple[batten._surface.Surface")):
+        assert words.lower() in note.lower()
+
+
+ALLOWED = "Floats Pair Four Tell Contents Body Body.__init__ Points Points.__init__ Fit Fit.__init__".split()
+
+
+@pytest.mark.skipif(not MYPY, reason="the stubs are not checked: mypy is not installed")
+def test_stubs_are_what_there_is(tmp_path):
+    (tmp_path / "allowed").write_text("".join(f"batten._core.{name}\n" for name in ALLOWED))  # aliases; made by no caller
+    words = ["-m", "mypy.stubtest", "batten._core", "--mypy-config-file", os.path.join(ROOT, "python", "mypy.ini")]
+    environment = {**os.environ, "MYPYPATH": os.path.dirname(os.path.dirname(batten.__file__))}
+    run = subprocess.run(
+        [sys.executable, *words, "--allowlist", str(tmp_path / "allowed")], env=environment, capture_output=True, text=True, cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stdout
