@@ -178,15 +178,13 @@ void BindBodies(py::module_& m) {
   py::class_<Body, BodyPtr>(m, "Body")
       .def_property_readonly("is_surface", &Body::is_surface)
       .def_property_readonly("dimension", &Body::dimension)
-      .def("degree",
-           [](const Body& b, const std::string& d) { return BasisOf(b, d).degree(); })
+      .def("degree", [](const Body& b, const std::string& d) { return BasisOf(b, d).degree(); })
       .def("knots", &Knots)
       .def("domain",
            [](const Body& b, const std::string& d) {
              return py::make_tuple(BasisOf(b, d).lower(), BasisOf(b, d).upper());
            })
-      .def("periodic",
-           [](const Body& b, const std::string& d) { return BasisOf(b, d).periodic(); })
+      .def("periodic", [](const Body& b, const std::string& d) { return BasisOf(b, d).periodic(); })
       .def("clamped", [](const Body& b, const std::string& d) { return BasisOf(b, d).clamped(); })
       .def("greville",
            [](const Body& b, const std::string& d) {
@@ -201,18 +199,16 @@ void BindBodies(py::module_& m) {
            [](const Body& b) {
              return std::visit([](const auto& s) { return s.rational(); }, b.geometry());
            })
-      .def("trims",
-           [](const Body& b) {
-             return MakeBodies(std::vector<NurbsCurve<2>>(b.surface().trims()));
-           })
+      .def(
+          "trims",
+          [](const Body& b) { return MakeBodies(std::vector<NurbsCurve<2>>(b.surface().trims())); })
       .def("with_trims",
            [](const Body& b, const std::vector<BodyPtr>& trims) {
              return MakeBody(b.surface().WithTrims(LoopsOf(trims)));
            })
       .def("json",
            [](const Body& b) { return ToGeometryJson(std::vector<Geometry>{b.geometry()}); })
-      .def("__eq__",
-           [](const Body& a, const Body& b) { return a.geometry() == b.geometry(); })
+      .def("__eq__", [](const Body& a, const Body& b) { return a.geometry() == b.geometry(); })
       .def("__hash__", &Hash);
   m.def("make_curve", &MakeCurve);
   m.def("make_surface", &MakeSurface);

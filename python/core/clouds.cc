@@ -110,8 +110,7 @@ py::array WorldPoints(const py::object& self) {
   const int dimension = cloud.dimension();
   if (cloud.origin().isZero(0) && dimension == 3)
     return View(cloud.points().data(), {cloud.size(), 3}, self);
-  Eigen::MatrixXd world =
-      (cloud.points().colwise() + cloud.origin()).topRows(dimension);
+  Eigen::MatrixXd world = (cloud.points().colwise() + cloud.origin()).topRows(dimension);
   return Owned(std::move(world), {cloud.size(), dimension});
 }
 
@@ -119,9 +118,10 @@ template <typename Matrix>
 py::object Attribute(const Matrix& matrix, const py::object& self) {
   if (matrix.size() == 0) return py::none();
   if (matrix.rows() == 1 || matrix.cols() == 1)
-    return View(matrix.data(), Matrix::RowsAtCompileTime > 1
-                                   ? Shape{matrix.cols(), matrix.rows()}
-                                   : Shape{matrix.size()}, self);
+    return View(
+        matrix.data(),
+        Matrix::RowsAtCompileTime > 1 ? Shape{matrix.cols(), matrix.rows()} : Shape{matrix.size()},
+        self);
   return View(matrix.data(), {matrix.cols(), matrix.rows()}, self);
 }
 
@@ -160,11 +160,14 @@ std::vector<py::array> PartsOf(const PointsPtr& points, int threads) {
   return parts;
 }
 
-PointsPtr Sample(const Body& body, Eigen::Index count, double noise, double outliers, std::uint64_t seed) {
+PointsPtr Sample(
+    const Body& body, Eigen::Index count, double noise, double outliers, std::uint64_t seed) {
   auto made = std::make_shared<Points>();
   const py::gil_scoped_release released;
   made->cloud = std::visit(
-      [&](const auto& shape) { return SampleGeometry(shape, {count, noise, outliers, seed}); },
+      [&](const auto& shape) {
+        return SampleGeometry(shape, {count, noise, outliers, seed});
+      },
       body.geometry());
   return made;
 }
@@ -180,9 +183,12 @@ void BindClouds(py::module_& m) {
       .def_property_readonly("dimension", [](const Points& p) { return p.cloud.dimension(); })
       .def_property_readonly("points", &WorldPoints)
       .def_property_readonly("origin", [](const Points& p) { return Triple(p.cloud.origin()); })
-      .def_property_readonly("normals", [=](const py::object& s) { return Attribute(of(s).normals(), s); })
-      .def_property_readonly("weights", [=](const py::object& s) { return Attribute(of(s).weights(), s); })
-      .def_property_readonly("colours", [=](const py::object& s) { return Attribute(of(s).colours(), s); })
+      .def_property_readonly("normals",
+                             [=](const py::object& s) { return Attribute(of(s).normals(), s); })
+      .def_property_readonly("weights",
+                             [=](const py::object& s) { return Attribute(of(s).weights(), s); })
+      .def_property_readonly("colours",
+                             [=](const py::object& s) { return Attribute(of(s).colours(), s); })
       .def_property_readonly("parameters",
                              [=](const py::object& s) { return Attribute(of(s).parameters(), s); })
       .def_readonly("files", &Points::files)

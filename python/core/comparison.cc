@@ -103,8 +103,8 @@ FitReport ReportOf(const std::vector<BodyPtr>& bodies,
   CloudStatisticsOptions statistics;
   statistics.find_outliers = false;
   statistics.seed = seed;
-  const CloudStatistics measured = MeasureCloud(
-      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool);
+  const CloudStatistics measured =
+      MeasureCloud(merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool);
   report.input.points = report.input.used = cloud.size();
   report.input.duplicates = merged.duplicates;
   report.input.spacing = measured.spacing;
@@ -115,8 +115,7 @@ FitReport ReportOf(const std::vector<BodyPtr>& bodies,
   report.geometry = std::visit([](const auto& s) { return Described(s); }, bodies[0]->geometry());
   if (bodies.size() > 1) {
     report.geometry.count = static_cast<int>(bodies.size());
-    const Eigen::Map<const Eigen::ArrayXi> owner(nearest.owners.data(),
-                                                 std::ssize(nearest.owners));
+    const Eigen::Map<const Eigen::ArrayXi> owner(nearest.owners.data(), std::ssize(nearest.owners));
     for (std::size_t g = 0; g < bodies.size(); ++g) {
       report.parts.push_back(
           {g < names.size() ? names[g] : "",

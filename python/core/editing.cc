@@ -83,8 +83,8 @@ std::vector<BodyPtr> DecomposeAll(const Body& body, Name direction) {
                                  std::make_move_iterator(pieces.end()));
   };
   if (direction.empty()) {
-    return MakeBodies(std::visit([&](const auto& shape) { return gather(Decompose(shape)); },
-                                 body.geometry()));
+    return MakeBodies(
+        std::visit([&](const auto& shape) { return gather(Decompose(shape)); }, body.geometry()));
   }
   return MakeBodies(InDirection(body, direction, [&](const auto& shape, auto... along) {
     return gather(Decompose(shape, along...));
@@ -177,9 +177,8 @@ BodyPtr Compose(
 
 void BindEditing(py::module_& m) {
   m.def("insert_knot", [](const Body& b, Name d, double at, int times) {
-    return New(b, d, [&](const auto& s, auto... along) {
-      return InsertKnot(s, along..., at, times);
-    });
+    return New(
+        b, d, [&](const auto& s, auto... along) { return InsertKnot(s, along..., at, times); });
   });
   m.def("refine", [](const Body& b, Name d, const std::vector<double>& knots) {
     return New(b, d, [&](const auto& s, auto... along) { return RefineKnots(s, along..., knots); });
@@ -208,14 +207,12 @@ void BindEditing(py::module_& m) {
     return New(b, d, [](const auto& s, auto... along) { return Unclamped(s, along...); });
   });
   m.def("make_periodic", [](const Body& b, Name d, double tolerance) {
-    return New(b, d, [&](const auto& s, auto... along) {
-      return Periodic(s, along..., tolerance);
-    });
+    return New(
+        b, d, [&](const auto& s, auto... along) { return Periodic(s, along..., tolerance); });
   });
   m.def("reparameterize", [](const Body& b, Name d, double from, double to) {
-    return New(b, d, [&](const auto& s, auto... along) {
-      return Reparameterized(s, along..., from, to);
-    });
+    return New(
+        b, d, [&](const auto& s, auto... along) { return Reparameterized(s, along..., from, to); });
   });
   m.def("moebius", [](const Body& b, Name dir, double a, double be, double c, double d) {
     return New(b, dir, [&](const auto& s, auto... along) {

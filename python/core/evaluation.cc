@@ -58,10 +58,7 @@ py::array CurvePoints(const Body& body, const Doubles& u, int threads) {
   return points;
 }
 
-py::array Points(const Body& body,
-                 const Doubles& u,
-                 const std::optional<Doubles>& v,
-                 int threads) {
+py::array Points(const Body& body, const Doubles& u, const std::optional<Doubles>& v, int threads) {
   if (!body.is_surface()) {
     return body.dimension() == 2 ? CurvePoints<2>(body, u, threads)
                                  : CurvePoints<3>(body, u, threads);
@@ -243,7 +240,8 @@ auto NearestOf(const Search& search,
                ThreadPool& pool,
                Watch& watch) {
   constexpr Eigen::Index kPiece = 10000;
-  auto found = search.Nearest(Eigen::Matrix3Xd(points.leftCols(std::min(kPiece, points.cols()))), pool);
+  auto found =
+      search.Nearest(Eigen::Matrix3Xd(points.leftCols(std::min(kPiece, points.cols()))), pool);
   for (Eigen::Index begin = kPiece; begin < points.cols(); begin += kPiece) {
     if (watch.stopped()) throw Cancelled();
     const Eigen::Index size = std::min(kPiece, points.cols() - begin);
@@ -272,12 +270,11 @@ py::tuple Closest(const BodyPtr& body, const Doubles& array, int threads) {
   });
   const py::ssize_t count = feet.distances.size();
   const bool surface = body->is_surface();
-  return py::make_tuple(
-      Owned(std::move(feet.parameters), surface ? Shape{count, 2} : Shape{count}),
-      Owned(std::move(feet.points), {count, 3}),
-      Owned(std::move(feet.distances), {count}),
-      Owned(std::move(feet.bounds), {count}),
-      Owned(std::move(feet.certified), {count}));
+  return py::make_tuple(Owned(std::move(feet.parameters), surface ? Shape{count, 2} : Shape{count}),
+                        Owned(std::move(feet.points), {count, 3}),
+                        Owned(std::move(feet.distances), {count}),
+                        Owned(std::move(feet.bounds), {count}),
+                        Owned(std::move(feet.certified), {count}));
 }
 
 // The functions that act, values of every one at each parameter: N × n.

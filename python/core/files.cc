@@ -79,10 +79,8 @@ PointsPtr Read(const std::vector<std::string>& paths,
 }
 
 py::tuple Contents(GeometryContents contents) {
-  return py::make_tuple(MakeBodies(std::move(contents.geometry)),
-                        contents.names,
-                        contents.unit,
-                        contents.remarks);
+  return py::make_tuple(
+      MakeBodies(std::move(contents.geometry)), contents.names, contents.unit, contents.remarks);
 }
 
 void Write(const std::vector<BodyPtr>& bodies,
@@ -113,8 +111,7 @@ SurfaceMesh MeshOf(const Arrays& arrays) {
   SurfaceMesh made;
   made.mesh.vertices = Columns<3>(vertices, "vertices");
   const Eigen::Index count = made.mesh.vertices.cols();
-  made.mesh.triangles =
-      Eigen::Map<const Eigen::Matrix3Xi>(faces.data(), 3, faces.shape(0));
+  made.mesh.triangles = Eigen::Map<const Eigen::Matrix3Xi>(faces.data(), 3, faces.shape(0));
   if (faces.size() > 0 &&
       (made.mesh.triangles.minCoeff() < 0 || made.mesh.triangles.maxCoeff() >= count))
     throw py::value_error("faces: an index is not of a vertex");
@@ -175,9 +172,8 @@ void BindFiles(py::module_& m) {
   m.def("geometry_from_json", [](const std::string& text, const std::string& name) {
     return Contents(ParseJsonContents(text, name));
   });
-  m.def("geometry_to_json", [](const std::vector<BodyPtr>& bodies) {
-    return ToGeometryJson(GeometriesOf(bodies));
-  });
+  m.def("geometry_to_json",
+        [](const std::vector<BodyPtr>& bodies) { return ToGeometryJson(GeometriesOf(bodies)); });
   m.def("write_geometry", &Write);
   m.def("write_meshes", &WriteTheMeshes);
   m.def("is_geometry_name", [](const std::string& path) {

@@ -19,7 +19,8 @@ namespace batten::python {
 
 struct Fit {
   std::vector<BodyPtr> bodies;
-  std::variant<Eigen::Matrix2Xd, Eigen::MatrixXd, Eigen::VectorXd> parameters;  // one for each point
+  std::variant<Eigen::Matrix2Xd, Eigen::MatrixXd, Eigen::VectorXd>
+      parameters;  // one for each point
   Eigen::VectorXd residuals;
   PointMask outliers;
   std::vector<int> owners = {};  // of several geometries, the one of each point; empty: one

@@ -64,12 +64,12 @@ FitPtr SurfaceFitOf(const PointsPtr& points, const Keywords& keywords, SurfaceFi
 FitPtr FitOneSurface(const PointsPtr& points, const py::dict& values, const py::object& progress) {
   const Keywords keywords(values);
   SurfaceFitOptions options = SurfaceOptionsOf(keywords);
-  const Kept make_terms =
-      keywords.Has("terms") ? Keep(keywords.Value("terms")) : nullptr;
+  const Kept make_terms = keywords.Has("terms") ? Keep(keywords.Value("terms")) : nullptr;
   if (make_terms) options.terms = [](const NurbsSurface&) { return ResidualTerms(); };
   Check(options);
   if (points->cloud.dimension() == 2)
-    throw py::value_error("points: a surface needs x, y and z; fit_curve takes points of the plane");
+    throw py::value_error(
+        "points: a surface needs x, y and z; fit_curve takes points of the plane");
   SurfaceFit fit = Watched(
       [=](Watch& watch) mutable {
         options.progress = watch.WholeFitProgress();
@@ -211,7 +211,9 @@ FitPtr InterpolateOne(const PointsPtr& points, const py::dict& values) {
                                         : InterpolateIn<3>(points, keywords, options);
 }
 
-FitPtr FitOnePrimitive(const PointsPtr& points, const py::dict& values, const py::object& progress) {
+FitPtr FitOnePrimitive(const PointsPtr& points,
+                       const py::dict& values,
+                       const py::object& progress) {
   const Keywords keywords(values);
   PrimitiveFitOptions options = PrimitiveOptionsOf(keywords);
   Check(options);

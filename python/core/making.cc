@@ -40,18 +40,20 @@ void BindMaking(py::module_& m) {
             return MakeBody(MakeArc(Eigen::Vector2d(Vector(o)), radius, Angles(angles)));
           return MakeBody(MakeArc(FrameOf(o, axis, x), radius, Angles(angles)));
         });
-  m.def("ellipse",
-        [](const Doubles& o, const Doubles& axis, const X& x, const Pair& radii, const Pair& angles) {
-          return MakeBody(
-              MakeEllipseArc(FrameOf(o, axis, x), radii.first, radii.second, Angles(angles)));
-        });
+  m.def(
+      "ellipse",
+      [](const Doubles& o, const Doubles& axis, const X& x, const Pair& radii, const Pair& angles) {
+        return MakeBody(
+            MakeEllipseArc(FrameOf(o, axis, x), radii.first, radii.second, Angles(angles)));
+      });
   m.def("bilinear",
         [](const Doubles& p00, const Doubles& p10, const Doubles& p01, const Doubles& p11) {
           return MakeBody(MakeBilinear(Vector(p00), Vector(p10), Vector(p01), Vector(p11)));
         });
-  m.def("plane", [](const Doubles& o, const Doubles& axis, const X& x, const Pair& i, const Pair& j) {
-    return MakeBody(MakePlane(FrameOf(o, axis, x), Range(i), Range(j)));
-  });
+  m.def("plane",
+        [](const Doubles& o, const Doubles& axis, const X& x, const Pair& i, const Pair& j) {
+          return MakeBody(MakePlane(FrameOf(o, axis, x), Range(i), Range(j)));
+        });
   m.def("cylinder",
         [](const Doubles& o,
            const Doubles& axis,
@@ -59,8 +61,7 @@ void BindMaking(py::module_& m) {
            double radius,
            const Pair& height,
            const Pair& angles) {
-          return MakeBody(
-              MakeCylinder(FrameOf(o, axis, x), radius, Range(height), Angles(angles)));
+          return MakeBody(MakeCylinder(FrameOf(o, axis, x), radius, Range(height), Angles(angles)));
         });
   m.def("cone",
         [](const Doubles& o,
@@ -69,11 +70,8 @@ void BindMaking(py::module_& m) {
            const Pair& radii,
            const Pair& height,
            const Pair& angles) {
-          return MakeBody(MakeCone(FrameOf(o, axis, x),
-                                   radii.first,
-                                   radii.second,
-                                   Range(height),
-                                   Angles(angles)));
+          return MakeBody(MakeCone(
+              FrameOf(o, axis, x), radii.first, radii.second, Range(height), Angles(angles)));
         });
   m.def("sphere",
         [](const Doubles& o,

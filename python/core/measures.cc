@@ -98,7 +98,8 @@ struct ShapeNumbers {
   }
   static py::dict Of(const CircleShape& s) {
     using namespace py::literals;
-    return py::dict("center"_a = Triple(s.center), "normal"_a = Triple(s.normal), "radius"_a = s.radius);
+    return py::dict(
+        "center"_a = Triple(s.center), "normal"_a = Triple(s.normal), "radius"_a = s.radius);
   }
   static py::dict Of(const EllipseShape& s) {
     using namespace py::literals;
@@ -233,9 +234,8 @@ void BindMeasures(py::module_& m) {
   m.def("area", &AreaOf);
   m.def("curvature_range", &Range);
   m.def("closed", [](const Body& b, Name d, double tolerance) {
-    return InDirection(b, d, [&](const auto& shape, auto... along) {
-      return Closed(shape, along..., tolerance);
-    });
+    return InDirection(
+        b, d, [&](const auto& shape, auto... along) { return Closed(shape, along..., tolerance); });
   });
   m.def("continuity", &Continuity);
   m.def("seam_continuity", [](const Body& b, Name d, double tolerance) {

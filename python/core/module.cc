@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// batten._core: the library as the package batten calls it. Arguments come checked for their kind by the package; what
-// the library refuses becomes ValueError, FitRefused, ReadError or WriteError.
+// batten._core: the library as the package batten calls it. Arguments come checked for their kind
+// by the package; what the library refuses becomes ValueError, FitRefused, ReadError or WriteError.
 #include <pybind11/pybind11.h>
 
 #include "python/core/bind.h"

@@ -107,9 +107,8 @@ py::tuple OptimizeAll(const Body& body,
                         "note"_a = result.note);
   const Eigen::Matrix2Xd& found = result.problem.data().parameters;
   const py::ssize_t count = found.cols();
-  py::array places = body.is_surface()
-                         ? Owned(Eigen::Matrix2Xd(found), {count, 2})
-                         : Owned(Eigen::VectorXd(found.row(0)), {count});
+  py::array places = body.is_surface() ? Owned(Eigen::Matrix2Xd(found), {count, 2})
+                                       : Owned(Eigen::VectorXd(found.row(0)), {count});
   return py::make_tuple(MakeBody(ShapeOf(result)), places, report);
 }
 

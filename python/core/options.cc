@@ -52,8 +52,8 @@ std::vector<T> List(const char* name,
     Keywords::Refuse(name, Shown(value) + " is not " + std::to_string(count) + " " + what);
   };
   if (PyUnicode_Check(value.ptr())) fail();
-  const auto items = py::reinterpret_steal<py::object>(
-      PySequence_Fast(value.ptr(), "not a sequence"));
+  const auto items =
+      py::reinterpret_steal<py::object>(PySequence_Fast(value.ptr(), "not a sequence"));
   if (!items) {
     PyErr_Clear();
     fail();
@@ -139,8 +139,8 @@ FreeVariables Free(const char* name, const py::object& value) {
     } else if (word == "knots") {
       free.knots = true;
     } else if (word != "none" && word != "control_points") {
-      Keywords::Refuse(name,
-                       "'" + word + "' is none of 'parameters', 'weights', 'knots', 'none', 'auto'");
+      Keywords::Refuse(
+          name, "'" + word + "' is none of 'parameters', 'weights', 'knots', 'none', 'auto'");
     }
   }
   return free;
@@ -228,7 +228,8 @@ std::int64_t Keywords::Whole(const char* name) const {
 bool Keywords::Truth(const char* name) const {
   const py::object value = Value(name);
   const bool numpy = py::str(py::type::of(value).attr("__name__")).cast<std::string>() == "bool_";
-  if (!PyBool_Check(value.ptr()) && !numpy) Refuse(name, Shown(value) + " is neither True nor False");
+  if (!PyBool_Check(value.ptr()) && !numpy)
+    Refuse(name, Shown(value) + " is neither True nor False");
   return PyObject_IsTrue(value.ptr()) == 1;
 }
 
@@ -299,8 +300,7 @@ SurfaceFitOptions SurfaceOptionsOf(const Keywords& k) {
                        {"wing", BaseShape::kWing}},
                       options.base);
   TakeClosing(k, options.closed);
-  k.Choose<Trimming>(
-      "trim", {{"auto", Trimming::kAuto}, {"none", Trimming::kNone}}, options.trim);
+  k.Choose<Trimming>("trim", {{"auto", Trimming::kAuto}, {"none", Trimming::kNone}}, options.trim);
   TakeConditions(k, options);
   k.Take("thin", options.thin);
   k.Take("side_of_normals", options.side_of_normals);
@@ -331,11 +331,10 @@ CurveFitOptions CurveOptionsOf(const Keywords& k) {
                         {"given", PointOrder::kGiven},
                         {"unordered", PointOrder::kUnordered}},
                        options.order);
-  k.Choose<ClosedChoice>("closed",
-                         {{"auto", ClosedChoice::kAuto},
-                          {"yes", ClosedChoice::kYes},
-                          {"no", ClosedChoice::kNo}},
-                         options.closed);
+  k.Choose<ClosedChoice>(
+      "closed",
+      {{"auto", ClosedChoice::kAuto}, {"yes", ClosedChoice::kYes}, {"no", ClosedChoice::kNo}},
+      options.closed);
   k.Take("corners", options.corners);
   k.Choose<CurveDistance>("distance",
                           {{"auto", CurveDistance::kAuto},
@@ -402,9 +401,9 @@ CloudInterpolationOptions InterpolationOptionsOf(const Keywords& k) {
   CloudInterpolationOptions options;
   k.Take("degree", options.degree);
   if (options.degree < 1 || options.degree > kMaxDegree) {
-    Keywords::Refuse("degree",
-                     std::to_string(options.degree) + " is not in [1, " +
-                         std::to_string(kMaxDegree) + "]");
+    Keywords::Refuse(
+        "degree",
+        std::to_string(options.degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
   }
   k.Choose<CurveParameterization>("parameterization",
                                   {{"chord", CurveParameterization::kChord},

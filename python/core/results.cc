@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a fit holds: arrays that share its memory, the report as JSON and as a page, residuals as a file.
+// What a fit holds: arrays that share its memory, the report as JSON and as a page, residuals as a
+// file.
 #include <pybind11/stl.h>
 #include <sys/resource.h>
 
@@ -72,7 +73,9 @@ std::string Page(const FitPtr& fit, Eigen::Index most_points, Eigen::Index most_
     options.max_points = most_points;
     options.max_triangles = most_triangles;
     options.names = fit->names;
-    options.progress = [&](const char* stage, double fraction) { return watch.Go(stage, fraction); };
+    options.progress = [&](const char* stage, double fraction) {
+      return watch.Go(stage, fraction);
+    };
     ThreadPool pool(0);
     const ReportScene scene = MakeReportScene(GeometriesOf(fit->bodies), points, options, pool);
     ReportContext context = ContextOf(*fit, "");
@@ -160,18 +163,19 @@ void BindResults(py::module_& m) {
                                const auto& values = self.cast<const Fit&>().owners;
                                return View(values.data(), {std::ssize(values)}, self);
                              })
-      .def_property_readonly("ok",
-                             [](const Fit& f) {
-                               return f.report.tolerance_reached().value_or(
-                                   !f.report.leaves_points());
-                             })
+      .def_property_readonly(
+          "ok",
+          [](const Fit& f) {
+            return f.report.tolerance_reached().value_or(!f.report.leaves_points());
+          })
       .def_property_readonly("line", [](const Fit& f) { return f.report.OneLine(); })
       .def_property_readonly("warnings", [](const Fit& f) { return f.report.warnings; })
       .def_property_readonly("rms", [](const Fit& f) { return f.report.judged_error().rms; })
       .def_property_readonly("limit", &LimitOf)
-      .def("report", [](const Fit& f, const std::string& file) {
-        return ToReportJson(f.report, ContextOf(f, file));
-      })
+      .def("report",
+           [](const Fit& f, const std::string& file) {
+             return ToReportJson(f.report, ContextOf(f, file));
+           })
       .def("page", &Page)
       .def("write_residuals", &ResidualsTo);
   m.def("write_text", &WriteText);

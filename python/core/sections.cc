@@ -39,9 +39,7 @@ py::tuple Mesh(const BodyPtr& body, double tolerance, Eigen::Index max_triangles
                         Owned(std::move(mesh.normals), {vertices, 3}));
 }
 
-Plane PlaneOf(const std::array<double, 4>& abcd) {
-  return {{abcd[0], abcd[1], abcd[2]}, -abcd[3]};
-}
+Plane PlaneOf(const std::array<double, 4>& abcd) { return {{abcd[0], abcd[1], abcd[2]}, -abcd[3]}; }
 
 std::vector<BodyPtr> SectionOf(const BodyPtr& body,
                                const std::array<double, 4>& abcd,
@@ -74,7 +72,9 @@ Pieces CutAt(const BodyPtr& body,
   }));
 }
 
-Pieces TrimAlong(const BodyPtr& body, const BodyPtr& curve, const std::optional<double>& tolerance) {
+Pieces TrimAlong(const BodyPtr& body,
+                 const BodyPtr& curve,
+                 const std::optional<double>& tolerance) {
   constexpr double kToleranceOfSize = 1e-8;
   const double size = SizeOf(body->surface());
   if (curve->is_surface()) throw py::value_error("curve: a curve is needed, not a surface");
@@ -92,8 +92,7 @@ std::vector<BodyPtr> Project(const BodyPtr& body, const BodyPtr& curve, double t
   if (!space) throw py::value_error("curve: a curve in space is needed");
   body->surface();
   return MakeBodies(Watched([=](Watch&) {
-    return ProjectedCurve(
-        body->surface(), std::get<NurbsCurve<3>>(curve->geometry()), tolerance);
+    return ProjectedCurve(body->surface(), std::get<NurbsCurve<3>>(curve->geometry()), tolerance);
   }));
 }
 

@@ -53,9 +53,9 @@ class Watch {
 
 // Runs `work` on a thread of its own while the calling one, which must hold the interpreter's lock
 // and gives it up, waits for signals and calls progress(stage, fraction) up to fifty times a
-// second, a last time with 1. A signal handler or a callback that raises leaves at once: the work is asked to
-// stop and is left to itself, so all that `work` touches must be its own. A callback that returns
-// False asks to stop and waits for what there is. Throws what the work throws.
+// second, a last time with 1. A signal handler or a callback that raises leaves at once: the work
+// is asked to stop and is left to itself, so all that `work` touches must be its own. A callback
+// that returns False asks to stop and waits for what there is. Throws what the work throws.
 void Await(const std::shared_ptr<Watch>& watch,
            std::function<void()> work,
            const py::object& progress);
