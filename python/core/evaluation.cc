@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "batten/geometry/curvature.h"
+#include "batten/geometry/points_into.h"
 #include "batten/geometry/thread_pool.h"
 #include "batten/geometry/trim_region.h"
 #include "python/core/arrays.h"
@@ -21,22 +23,28 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Parameters a block: tables, parameters and points of one stay in the first cache.
+// Parameters that a thread takes at once.
 constexpr py::ssize_t kBlock = 512;
 
 // Below so many parameters the start of threads costs more than they save.
 constexpr py::ssize_t kWorthThreads = 20000;
 
-// work(begin, end) over blocks of [0, count), without the interpreter's lock.
+// work(pool), for so many parameters, without the interpreter's lock.
 template <typename Work>
-void InBlocks(py::ssize_t count, int threads, const Work& work) {
+void WithPool(py::ssize_t count, int threads, const Work& work) {
   const py::gil_scoped_release released;
   try {
     ThreadPool pool(count < kWorthThreads ? 1 : threads);
-    pool.For(count, kBlock, work);
+    work(pool);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument("parameters: " + Reason(error.what()));
   }
+}
+
+// work(begin, end) over blocks of [0, count), likewise.
+template <typename Work>
+void InBlocks(py::ssize_t count, int threads, const Work& work) {
+  WithPool(count, threads, [&](ThreadPool& pool) { pool.For(count, kBlock, work); });
 }
 
 // u and v of each, which have the same size.
@@ -65,18 +73,11 @@ py::array Points(const Body& body, const Doubles& u, const std::optional<Doubles
   }
   RequireSame(u, v.value());
   py::array_t<double> points(Shape{u.size(), 3});
-  double* const out = points.mutable_data();
-  const double *const in_u = u.data(), *const in_v = v->data();
-  InBlocks(u.size(), threads, [&](py::ssize_t begin, py::ssize_t end) {
-    thread_local Eigen::Matrix2Xd parameters;
-    thread_local Eigen::Matrix3Xd block;
-    parameters.resize(2, end - begin);
-    for (py::ssize_t k = begin; k < end; ++k) {
-      parameters(0, k - begin) = in_u[k];
-      parameters(1, k - begin) = in_v[k];
-    }
-    body.evaluator().Points(parameters, block);
-    std::copy_n(block.data(), block.size(), out + 3 * begin);
+  const auto count = static_cast<std::size_t>(u.size());
+  const std::span us(u.data(), count), vs(v->data(), count);
+  const std::span out(points.mutable_data(), 3 * count);
+  WithPool(u.size(), threads, [&](ThreadPool& pool) {
+    PointsInto(body.evaluator(), us, vs, out, pool);
   });
   return points;
 }
