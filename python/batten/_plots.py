@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._curve import Curve
+from ._geometry import wrap_all
 from ._surface import Surface
 
 if TYPE_CHECKING:
@@ -58,23 +59,23 @@ def _draw_curve(ax: Any, curve: Curve, knots: bool) -> None:
 
 
 def plot_fit(fit: "Fit", ax: Any, colours: bool, knots: bool, points: bool) -> Any:
-    geometry = fit.geometry
-    flat = geometry.dimension == 2
+    shapes = wrap_all(fit._fit.bodies)
+    flat = all(shape.dimension == 2 for shape in shapes) and fit.points.dimension == 2
     ax = _axes(ax, flat)
-    if isinstance(geometry, Surface):
-        _draw_surface(ax, geometry, knots)
-    else:
-        assert isinstance(geometry, Curve)
-        _draw_curve(ax, geometry, knots)
+    for shape in shapes:
+        if isinstance(shape, Surface):
+            _draw_surface(ax, shape, knots)
+        elif isinstance(shape, Curve):
+            _draw_curve(ax, shape, knots)
     if points:
         step = -(-len(fit.points) // MOST_POINTS)
         places = (fit.points.points - np.asarray(fit.shift)[: fit.points.dimension])[::step]
         used, limit = ~fit.outliers[::step], fit._fit.limit
         kept = places[used]
         if colours:
-            drawn = ax.scatter(
-                *kept.T, c=fit.residuals[::step][used], s=2, cmap="coolwarm", vmin=-limit, vmax=limit, depthshade=False
-            ) if not flat else ax.scatter(*kept.T, c=fit.residuals[::step][used], s=2, cmap="coolwarm", vmin=-limit, vmax=limit)
+            shade = {} if flat else {"depthshade": False}
+            distances = fit.residuals[::step][used]
+            drawn = ax.scatter(*kept.T, c=distances, s=2, cmap="coolwarm", vmin=-limit, vmax=limit, **shade)
             ax.figure.colorbar(drawn, ax=ax, label=f"distance [{fit._fit.unit}]", shrink=0.7)
         else:
             ax.scatter(*kept.T, s=2, color="black")

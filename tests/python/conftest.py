@@ -13,6 +13,8 @@ ROUNDING = 1e-12  # a closed formula
 ITERATED = 1e-9  # the end of an iteration
 HALF_DIGITS = 1e-6  # differences in place of derivatives
 
+SANITIZED = "BATTEN_SANITIZED" in os.environ  # then seconds mean nothing
+
 ROOT = os.environ.get("BATTEN_SOURCE_DIR", os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 
 

@@ -421,6 +421,7 @@ def test_pictures(sheet_fit, curve_fit):
     ax = plt.figure().add_subplot()
     assert flat.plot(ax) is ax and len(ax.lines) >= 1
     assert len(batten.fit_surface(sheet(200), tolerance=0.1).plot_residuals().lines) == 2
+    batten.compare([batten.make.sphere(1), batten.make.plane((3, 3))], sheet(100)).plot()
     plt.close("all")
 
 

@@ -12,7 +12,7 @@ import sys
 import pytest
 
 import batten
-from conftest import ROOT
+from conftest import ROOT, SANITIZED
 
 GUIDE = open(os.path.join(ROOT, "docs", "python.md"), encoding="utf-8").read()
 EXAMPLES = re.findall(r"```python\n(.*?)```", GUIDE, re.S)
@@ -113,7 +113,7 @@ def test_an_import_takes_little_and_little_with_it():
     clock = "time.process_time()"  # whatever else the machine does
     program = f"import numpy, sys, time; begin = {clock}; import batten; print({clock} - begin); print(*sys.modules)"
     runs = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout for _ in range(3)]
-    assert min(float(run.split()[0]) for run in runs) < 0.15
+    assert min(float(run.split()[0]) for run in runs) < 0.15 or SANITIZED
     assert not {"scipy", "matplotlib", "tqdm", "pandas"} & set(runs[0].split())
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import batten
-from conftest import helix, sheet
+from conftest import SANITIZED, helix, sheet
 
 
 def longest_silence(work):
@@ -126,7 +126,7 @@ def test_ctrl_c_raises_within_three_tenths(call):
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=100)
     assert run.returncode == 0, run.stderr
     word, seconds = run.stdout.split()
-    assert word == "interrupted" and float(seconds) < 0.3
+    assert word == "interrupted" and (float(seconds) < 0.3 or SANITIZED)
 
 
 def test_ctrl_c_that_nobody_catches_ends_the_program():
