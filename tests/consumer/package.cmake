@@ -30,5 +30,6 @@ run(${work}/root/usr/bin/batten make sphere -o ${work}/sphere.step --radius 2)
 run(${work}/root/usr/bin/batten convert ${work}/sphere.step ${work}/sphere.json)
 if(PYTHON)
   run(${CMAKE_COMMAND} -E env PYTHONPATH=${work}/root/usr/lib/python3/dist-packages ${PYTHON} -c
-      "import batten, sys; batten.make.sphere(2.0).to_step(sys.argv[1]); print(batten.read_geometry(sys.argv[1]))" ${work}/python.step)
+      "import batten, sys\nbatten.make.sphere(2.0).to_step(sys.argv[1])\nassert batten.read_geometry(sys.argv[1])"
+      ${work}/python.step)
 endif()
