@@ -3,6 +3,7 @@
 """One job of batten through its Python module, for `compare`: prints a line of name=value (seconds on the wall and of the
 processor, numbers, errors against the truth), as `jobs` does for the same in C++. Clouds are raw doubles x y z.
 Usage: batten_module.py surface CLOUD.f64 THREADS          Franke's heights, fitted; orthogonal distances of the truth
+       batten_module.py curve CLOUD.f64 THREADS LINE.f64   points in a row, fitted; many points of it
        batten_module.py evaluate SHEET.f64 COUNT THREADS   points at random parameters of a bicubic sheet"""
 import statistics
 import sys
@@ -11,6 +12,8 @@ import time
 import numpy as np
 
 import batten
+
+CHORDS = 20000
 
 
 def franke(x, y):
@@ -41,6 +44,13 @@ def surface(cloud, threads):
     print(f" numbers={fit.surface.weights.size} rms={np.sqrt((errors**2).mean()):.4e} max={np.abs(errors).max():.4e}")
 
 
+def curve(cloud, threads, line):
+    points = np.fromfile(cloud).reshape(-1, 3)
+    made = run(lambda: batten.fit_curve(points, threads=int(threads))).curve
+    made(np.linspace(*made.domain, CHORDS + 1)).tofile(line)
+    print(f" numbers={len(made.control_points)}")
+
+
 def evaluate(sheet, count, threads):
     numbers = np.fromfile(sheet)
     n, m = (int(x) for x in numbers[:2])
@@ -51,7 +61,7 @@ def evaluate(sheet, count, threads):
     print(f" rms={np.linalg.norm(points) / np.sqrt(len(points)):.4e}")
 
 
-JOBS = {"surface": (surface, 2), "evaluate": (evaluate, 3)}
+JOBS = {"surface": (surface, 2), "curve": (curve, 3), "evaluate": (evaluate, 3)}
 name, words = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
 if name not in JOBS or len(words) != JOBS[name][1]:
     sys.exit(__doc__)
