@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import batten
-from conftest import ITERATED, ROOT, random_curve, random_surface, same_points, sheet
+from conftest import ITERATED, ROOT, random_curve, random_surface, same_points
 
 
 @pytest.mark.parametrize("extension", ["ply", "pcd", "xyz", "csv", "txt"])

@@ -9,7 +9,7 @@ import scipy.interpolate
 from scipy.interpolate import RectBivariateSpline, SmoothBivariateSpline
 
 import batten
-from conftest import ROUNDING, heights, random_curve, random_surface, same_points
+from conftest import ROUNDING, heights, random_curve, random_surface
 
 
 def test_bivariate_splines_become_surfaces(rng):

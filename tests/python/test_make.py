@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import batten
 from batten import make
 from conftest import ROUNDING
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import batten
-from conftest import ITERATED, helix, random_curve, sheet
+from conftest import helix, random_curve, sheet
 
 
 class Pin(batten.ResidualTerm):

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
 """The interpreter goes on while fits are at work; several run at once; Ctrl-C ends them at once; progress tells."""
-import os
 import signal
 import subprocess
 import sys
