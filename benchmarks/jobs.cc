@@ -10,10 +10,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <random>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "batten/fitting/cloud_rows.h"
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/fitting_problem.h"
@@ -95,6 +97,21 @@ void Surface(Words words) {
   runs.PrintSeconds();
   std::printf(" numbers=%d", fit.surface.size_u() * fit.surface.size_v());
   PrintErrors(DistancesTo(fit.surface, TruthOfKind(words[0], cloud.size()), pool).distances);
+}
+
+// Points in memory of the caller's own, as who calls the library has them: the copy counts.
+void SurfaceOfArray(Words words) {
+  const Eigen::Matrix3Xd array = ReadPoints(words[1]);
+  const std::span<const double> numbers(array.data(), static_cast<size_t>(array.size()));
+  SurfaceFitOptions options;
+  options.threads = std::stoi(words[2]);
+  JobRuns runs;
+  const SurfaceFit fit =
+      RunJob(runs, [&] { return FitSurface(CloudFromCoordinates(numbers), options); });
+  ThreadPool pool(0);
+  runs.PrintSeconds();
+  std::printf(" numbers=%d", fit.surface.size_u() * fit.surface.size_v());
+  PrintErrors(DistancesTo(fit.surface, TruthGrid(Franke, 201), pool).distances);
 }
 
 template <int Dim>
@@ -192,6 +209,23 @@ void FootPointSet(Words words) {
   std::printf(" rms=%.4e", std::sqrt(squares / static_cast<double>(feet.size())));
 }
 
+// Places at random parameters of a sheet.
+void Evaluate(Words words) {
+  const SurfaceEvaluator sheet(ReadSheet(words[0]));
+  Eigen::Matrix2Xd parameters(2, std::stol(words[1]));
+  std::mt19937_64 random(1);
+  for (double& x : parameters.reshaped()) x = std::uniform_real_distribution<double>()(random);
+  ThreadPool pool(std::stoi(words[2]));
+  JobRuns runs;
+  const Eigen::Matrix3Xd found = RunJob(runs, [&] {
+    Eigen::Matrix3Xd points;
+    sheet.Points(parameters, points, pool);
+    return points;
+  });
+  runs.PrintSeconds();
+  std::printf(" rms=%.4e", found.norm() / std::sqrt(static_cast<double>(found.cols())));
+}
+
 // 20 000 points of S2 whose parameters are off by up to a fifth of a cell, 24 × 24 control points.
 FittingProblem JointProblem() {
   ShellKind kind;
@@ -249,6 +283,8 @@ const std::map<std::string, Job> kJobs = {
     {"cloud", {3, "KIND COUNT CLOUD.f64", MakeCloud}},
     {"least_squares", {2, "CLOUD.f64 NET", LeastSquares}},
     {"surface", {3, "KIND CLOUD.f64 THREADS", Surface}},
+    {"surface_of_array", {3, "KIND CLOUD.f64 THREADS", SurfaceOfArray}},
+    {"evaluate", {3, "SHEET.f64 COUNT THREADS", Evaluate}},
     {"curve", {3, "KIND CLOUD.f64 THREADS", Curve}},
     {"measure_curve", {2, "KIND LINE.f64", MeasureCurve}},
     {"feet_case", {3, "CLOUD.f64 SHEET.f64 STARTS.f64", FeetCase}},

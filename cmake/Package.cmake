@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Debian packages: `cpack -G DEB` in the build folder makes libbatten0, libbatten-dev and batten.
+# Debian packages: `cpack -G DEB` in the build folder makes libbatten0, libbatten-dev, batten and python3-batten.
 set(CPACK_PACKAGE_VENDOR "The batten authors")
 set(CPACK_PACKAGE_CONTACT "The batten authors <batten@localhost>")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
@@ -27,4 +27,11 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 batten_package(PROGRAM batten "NURBS from measured points: the program")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}")  # for the module
+if(BATTEN_BUILD_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  batten_package(PYTHON python3-batten "NURBS from measured points: the Python module")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}, python3-numpy, python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${BATTEN_NEXT_PYTHON}), libc6, libstdc++6, libgcc-s1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-scipy, python3-tqdm")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+endif()
 include(CPack)

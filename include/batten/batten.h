@@ -84,6 +84,7 @@
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/parameter_box.h"
 #include "batten/geometry/plane_section.h"
+#include "batten/geometry/points_into.h"
 #include "batten/geometry/project_curve.h"
 #include "batten/geometry/remove_knots.h"
 #include "batten/geometry/reparameterize.h"

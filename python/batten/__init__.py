@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""NURBS from measured points.
+
+>>> fit = batten.fit_surface(points, tolerance=0.05)
+>>> fit.surface(0.5, 0.5), fit.ok, fit.report["error"]["rms"]
+>>> fit.to_step("part.step")
+
+Points are arrays of shape (N, 3) or anything numpy makes one of, or the path of a file. Lengths are in the data's
+units, angles in radians. Curves, surfaces and clouds are values: nothing changes them.
+"""
+from . import make
+from ._cloud import Cloud, Statistics
+from ._core import version as __version__
+from ._curve import Curve
+from ._errors import Cancelled, FitRefused, ReadError, WriteError
+from ._files import Shapes, read_cloud, read_geometry, write_cloud, write_geometry, write_mesh
+from ._fits import (
+    cloud_parts,
+    compare,
+    fit_curve,
+    fit_curves,
+    fit_grid,
+    fit_parts,
+    fit_primitive,
+    fit_surface,
+    interpolate_curve,
+)
+from ._friends import from_geomdl, to_geomdl
+from ._geometry import Closest, Geometry, Knot, Removal
+from ._optimize import Optimized, ResidualTerm, optimize
+from ._results import Comparison, CurveFit, Fit, PrimitiveFit, SurfaceFit
+from ._surface import Curvature, Mesh, Surface
+
+__all__ = [
+    "Cancelled",
+    "Closest",
+    "Cloud",
+    "Comparison",
+    "Curvature",
+    "Curve",
+    "CurveFit",
+    "Fit",
+    "FitRefused",
+    "Geometry",
+    "Knot",
+    "Mesh",
+    "Optimized",
+    "PrimitiveFit",
+    "ReadError",
+    "Removal",
+    "ResidualTerm",
+    "Shapes",
+    "Statistics",
+    "Surface",
+    "SurfaceFit",
+    "WriteError",
+    "cloud_parts",
+    "compare",
+    "fit_curve",
+    "fit_curves",
+    "fit_grid",
+    "fit_parts",
+    "fit_primitive",
+    "fit_surface",
+    "from_geomdl",
+    "interpolate_curve",
+    "make",
+    "optimize",
+    "read_cloud",
+    "read_geometry",
+    "to_geomdl",
+    "write_cloud",
+    "write_geometry",
+    "write_mesh",
+]

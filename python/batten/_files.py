@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: MIT
+"""Clouds, geometry and meshes from and to files."""
+from __future__ import annotations
+
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arrays import Path, doubles, finite, is_path, path_bytes, plain
+from ._cloud import Cloud, cloud_of
+from ._geometry import Geometry, _body_of, wrap_all
+from ._progress import callback
+from ._surface import Mesh
+
+
+class Shapes(List[Geometry]):
+    """The curves and surfaces of a file: a list, with what else the file says.
+
+    Attributes
+    ----------
+    names : list of str
+        Of each; empty where the file gives none.
+    unit : str
+        Of the coordinates; empty where the file does not say.
+    remarks : list of str
+        What was not quite as it should be.
+    """
+
+    names: List[str]
+    unit: str
+    remarks: List[str]
+
+
+def read_cloud(
+    path: Union[Path, Sequence[Path]],
+    *,
+    format: str = "",
+    columns: Optional[Mapping[str, Union[int, str]]] = None,
+    parameters: bool = False,
+    where: Union[Mapping[str, float], Iterable[Tuple[str, float]], None] = None,
+    las_classes: Sequence[int] = (),
+    box: Optional[ArrayLike] = None,
+    progress: Any = None,
+) -> Cloud:
+    """Reads points: PCD, PLY, LAS, text of any name, and the vertices of OBJ, STL and OFF.
+
+    Parameters
+    ----------
+    path : path-like, or a sequence of them
+        Several files become one cloud.
+    format : str
+        A word where the extension does not tell: 'ply', 'pcd', 'las', 'text' …
+    columns : mapping, optional
+        Roles x y z u v nx ny nz w red green blue to columns, by number from 1 or by name.
+    parameters : bool
+        Takes u and v by their names from PCD and PLY, too.
+    where : mapping of str to float, optional
+        Only rows whose column holds exactly the value; all of them must.
+    las_classes : sequence of int
+        Only points of these classes; LAS alone.
+    box : array_like of shape (6,), optional
+        Only points within xmin, ymin, zmin, xmax, ymax, zmax, in the data's units.
+    progress : callable or bool, optional
+        ``progress(stage, fraction)``; True: a bar.
+
+    Returns
+    -------
+    Cloud
+        Of the finite points, in the order of the files.
+
+    Raises
+    ------
+    ReadError
+        With file and line.
+    """
+    paths = [path] if is_path(path) else list(path) if isinstance(path, (list, tuple)) else [path]
+    if not paths:
+        raise ValueError("path: there is none")
+    rows = list(where.items() if isinstance(where, Mapping) else where or ())
+    options: Dict[str, Any] = {
+        "format": str(format),
+        "columns": {str(role): str(column) for role, column in (columns or {}).items()},
+        "parameters": bool(parameters),
+        "where": [(str(column), float(value)) for column, value in rows],
+        "las_classes": [int(one) for one in las_classes],
+        "box": None if box is None else finite("box", box, 6).tolist(),
+    }
+    with callback(progress) as tell:
+        return Cloud._of(_core.read_cloud([path_bytes("path", one) for one in paths], options, tell))
+
+
+def write_cloud(points: Any, path: Path, *, format: str = "", **attributes: Any) -> None:
+    """Writes points as PLY, PCD, XYZ or CSV, whole or not at all.
+
+    Parameters
+    ----------
+    points : Cloud or array_like of shape (N, 3) or (N, 2)
+        In the data's units.
+    path : path-like
+        The extension says the format.
+    format : str
+        A word where it does not.
+    **attributes : array_like
+        normals, weights, colours, parameters as Cloud takes them.
+
+    Raises
+    ------
+    WriteError
+        Naming the file.
+    """
+    cloud_of("points", points, **attributes).write(path, format=format)
+
+
+def read_geometry(path: Path, *, format: str = "", unit: str = "") -> Shapes:
+    """Reads curves and surfaces: STEP, IGES, JSON of geomdl's form.
+
+    Parameters
+    ----------
+    path : path-like
+        The extension says the format.
+    format : str
+        'step', 'iges' or 'json' where it does not.
+    unit : str
+        What coordinates are turned into; the file's own when empty.
+
+    Returns
+    -------
+    Shapes
+        A list of Curve and Surface, with names, unit and remarks.
+
+    Raises
+    ------
+    ReadError
+        With file and line.
+    """
+    return _shapes(_core.read_geometry(path_bytes("path", path), str(format), str(unit)))
+
+
+def _shapes(contents: Tuple[List[_core.Body], List[str], str, List[str]]) -> Shapes:
+    bodies, names, unit, remarks = contents
+    shapes = Shapes(wrap_all(bodies))
+    shapes.names, shapes.unit, shapes.remarks = names, unit, remarks
+    return shapes
+
+
+def write_geometry(
+    geometry: Union[Geometry, Sequence[Geometry]],
+    path: Path,
+    *,
+    format: str = "",
+    unit: str = "mm",
+    names: Optional[Sequence[str]] = None,
+    schema: str = "ap214",
+) -> None:
+    """Writes curves and surfaces as STEP, IGES or JSON, whole or not at all.
+
+    Parameters
+    ----------
+    geometry : Curve, Surface or a sequence of them
+        In this order.
+    path : path-like
+        The extension says the format.
+    format : str
+        'step', 'iges' or 'json' where it does not.
+    unit : str
+        Of the coordinates: declared, never scaled.
+    names : sequence of str, optional
+        Of each.
+    schema : str
+        Of STEP: 'ap214' or 'ap242'.
+
+    Raises
+    ------
+    WriteError
+        Naming the file.
+    """
+    shapes = [geometry] if isinstance(geometry, Geometry) else list(geometry)
+    bodies = [_body_of("geometry", one) for one in shapes]
+    if not bodies:
+        raise ValueError("geometry: there is none")
+    labels = [] if names is None else [str(name) for name in names]
+    if labels and len(labels) != len(bodies):
+        raise ValueError(f"names: {len(labels)} for {len(bodies)} geometries")
+    _core.write_geometry(bodies, path_bytes("path", path), labels, str(format), str(unit), str(schema))
+
+
+def write_mesh(
+    mesh: Union[Mesh, Tuple[ArrayLike, ArrayLike]],
+    path: Path,
+    *,
+    format: str = "",
+    unit: str = "mm",
+    deviations: Optional[ArrayLike] = None,
+) -> None:
+    """Writes triangles as STL, OBJ, PLY or GLB, whole or not at all.
+
+    Parameters
+    ----------
+    mesh : Mesh, or (vertices, faces)
+        Vertices (V, 3) in the data's units, faces (F, 3) of indices.
+    path : path-like
+        The extension says the format.
+    format : str
+        'stl', 'obj', 'ply' or 'glb' where it does not.
+    unit : str
+        Of the coordinates: GLB is in metres.
+    deviations : array_like of shape (V,), optional
+        Signed, in the data's units: vertices are coloured by them; not in STL.
+
+    Raises
+    ------
+    WriteError
+        Naming the file.
+    """
+    try:
+        parts = tuple(mesh)
+    except TypeError:
+        parts = ()
+    if len(parts) not in (2, 4):
+        raise ValueError("mesh: (vertices, faces) are needed")
+    faces = plain("faces", parts[1])
+    if faces.dtype.kind == "f":
+        raise ValueError("faces: whole numbers are needed")
+    extra = parts[2:] if len(parts) == 4 else (None, None)
+    arrays = (
+        finite("vertices", parts[0], None, 3),
+        np.ascontiguousarray(faces, dtype=np.int32),
+        None if extra[0] is None else doubles("parameters", extra[0], None, 2),
+        None if extra[1] is None else doubles("normals", extra[1], None, 3),
+        None if deviations is None else doubles("deviations", deviations, None),
+    )
+    _core.write_meshes([arrays], path_bytes("path", path), str(format), str(unit))

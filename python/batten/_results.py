@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: MIT
+"""What a fit or a comparison gives."""
+from __future__ import annotations
+
+import json
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._arrays import Floats, Path, path_bytes, whole
+from ._cloud import Cloud
+from ._curve import Curve
+from ._geometry import Geometry, wrap, wrap_all
+from ._surface import Surface
+
+# Of the view in a notebook: a page of a few megabytes.
+NOTEBOOK_POINTS = 20000
+NOTEBOOK_TRIANGLES = 20000
+
+
+class Fit:
+    """The result of a fit: geometry, arrays that share its memory, and its report."""
+
+    __slots__ = ("_fit", "_report", "_file", "__weakref__")
+
+    def __init__(self, fit: _core.Fit) -> None:
+        self._fit = fit
+        self._report: Optional[Dict[str, Any]] = None
+        self._file = ""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self._fit.line}>"
+
+    @property
+    def geometry(self) -> Geometry:
+        """The curve or surface, in the coordinates of the points less `shift`."""
+        return wrap(self._fit.bodies[0])
+
+    @property
+    def ok(self) -> bool:
+        """Whether the tolerance asked for is kept; without one, whether the surface keeps to its points."""
+        return self._fit.ok
+
+    @property
+    def parameters(self) -> Floats:
+        """Parameters of every point's foot, shape (N, 2), of curves (N,). Read-only; no copy."""
+        return self._fit.parameters
+
+    @property
+    def residuals(self) -> Floats:
+        """Orthogonal distance of every point, shape (N,), in the data's units; of surfaces signed along the normal.
+        Read-only; no copy."""
+        return self._fit.residuals
+
+    @property
+    def outliers(self) -> NDArray[np.bool_]:
+        """Which points were set aside, shape (N,). Read-only; no copy."""
+        return self._fit.outliers
+
+    @property
+    def points(self) -> Cloud:
+        """The cloud that was fitted."""
+        return Cloud._of(self._fit.points)
+
+    @property
+    def shift(self) -> Tuple[float, float, float]:
+        """What was subtracted from the coordinates of the geometry."""
+        return self._fit.shift
+
+    @property
+    def report(self) -> Dict[str, Any]:
+        """The report, as ``batten fit … --report report.json`` writes it: errors, input, geometry, rounds, how it
+        ended, seconds, warnings."""
+        if self._report is None:
+            self._report = json.loads(self._fit.report(self._file))
+        return self._report
+
+    @property
+    def warnings(self) -> List[str]:
+        """Sentences for people."""
+        return self._fit.warnings
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the distances that are judged, in the data's units."""
+        return self._fit.rms
+
+    def _write(self, path: Path, format: str, unit: Optional[str], names: Any, schema: str = "ap214") -> None:
+        from ._files import write_geometry
+
+        write_geometry(wrap_all(self._fit.bodies), path, format=format, unit=unit or self._fit.unit, names=names, schema=schema)
+        self._file, self._report = str(path), None
+
+    def to_step(self, path: Path, *, unit: Optional[str] = None, name: str = "", schema: str = "ap214") -> None:
+        """Writes the geometry as STEP, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            Any extension.
+        unit : str, optional
+            Of the coordinates; that of the fit.
+        name : str
+            Of the product and its face or curve.
+        schema : str
+            'ap214' or 'ap242'.
+        """
+        self._write(path, "step", unit, [name] * len(self._fit.bodies) if name else None, schema)
+
+    def to_iges(self, path: Path, *, unit: Optional[str] = None, name: str = "") -> None:
+        """Writes the geometry as IGES, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            Any extension.
+        unit : str, optional
+            Of the coordinates; that of the fit.
+        name : str
+            A name property.
+        """
+        self._write(path, "iges", unit, [name] * len(self._fit.bodies) if name else None)
+
+    def to_json(self, path: Path, *, unit: Optional[str] = None, name: str = "") -> None:
+        """Writes the geometry as JSON; numbers read back bit by bit.
+
+        Parameters
+        ----------
+        path : path-like
+            Any extension.
+        unit : str, optional
+            Of the coordinates; that of the fit.
+        name : str
+            Kept in the file.
+        """
+        self._write(path, "json", unit, [name] * len(self._fit.bodies) if name else None)
+
+    def to_html(self, path: Path) -> None:
+        """Writes the report as a page that any browser shows: figures, warnings, and the points and the geometry in 3D.
+
+        Parameters
+        ----------
+        path : path-like
+            Some 3 MB and more.
+        """
+        _core.write_text(path_bytes("path", path), self._fit.page(150000, 150000))
+
+    def to_report(self, path: Path) -> None:
+        """Writes the report as JSON.
+
+        Parameters
+        ----------
+        path : path-like
+            Any extension.
+        """
+        _core.write_text(path_bytes("path", path), self._fit.report(self._file))
+
+    def to_residuals(self, path: Path) -> None:
+        """Writes every point with its distance, as PLY coloured by it, or as CSV.
+
+        Parameters
+        ----------
+        path : path-like
+            Ending in .ply or .csv.
+        """
+        self._fit.write_residuals(path_bytes("path", path))
+
+    def _repr_html_(self) -> str:
+        import html
+
+        page = html.escape(self._fit.page(NOTEBOOK_POINTS, NOTEBOOK_TRIANGLES), quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:640px;border:0" title="{html.escape(repr(self))}"></iframe>'
+
+    def plot(self, ax: Any = None, *, colours: bool = True, knots: bool = True, points: bool = True) -> Any:
+        """Draws the points, the geometry and its knots with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            With projection '3d' unless the curve is a plane one; made when absent.
+        colours : bool
+            Points are coloured by their distance.
+        knots : bool
+            Draws knot lines, of curves knots.
+        points : bool
+            Draws the points, 20000 at most.
+
+        Returns
+        -------
+        matplotlib axes
+            What was drawn on.
+        """
+        from ._plots import plot_fit
+
+        return plot_fit(self, ax, colours, knots, points)
+
+    def plot_residuals(self, ax: Any = None, *, bins: int = 60) -> Any:
+        """Draws a histogram of the residuals of the points that count, with the tolerance.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            Made when absent.
+        bins : int
+            How many bars.
+
+        Returns
+        -------
+        matplotlib axes
+            What was drawn on.
+        """
+        from ._plots import plot_residuals
+
+        return plot_residuals(self, ax, whole("bins", bins, 1))
+
+
+class SurfaceFit(Fit):
+    """The result of fitting a surface."""
+
+    __slots__ = ()
+
+    @property
+    def surface(self) -> Surface:
+        """The surface, in the coordinates of the points less `shift`."""
+        return Surface._of(self._fit.bodies[0])
+
+    def to_mesh(self, path: Path, *, tolerance: Optional[float] = None, format: str = "") -> None:
+        """Writes triangles as STL, OBJ, PLY or GLB.
+
+        Parameters
+        ----------
+        path : path-like
+            The extension says the format.
+        tolerance : float, optional
+            Of the chords, in the data's units; 1e-3 of the size.
+        format : str
+            Where the extension does not tell.
+        """
+        self.surface.to_mesh(path, tolerance=tolerance, format=format, unit=self._fit.unit)
+
+
+class CurveFit(Fit):
+    """The result of fitting a curve."""
+
+    __slots__ = ()
+
+    @property
+    def curve(self) -> Curve:
+        """The curve, in the coordinates of the points less `shift`."""
+        return Curve._of(self._fit.bodies[0])
+
+
+class PrimitiveFit(Fit):
+    """The result of fitting a line, circle, plane, sphere, cylinder, cone or torus."""
+
+    __slots__ = ()
+
+    @property
+    def kind(self) -> str:
+        """Which it is."""
+        return str(self.numbers["kind"])
+
+    @property
+    def numbers(self) -> Dict[str, Any]:
+        """Its radius, axis, centre …, lengths in the data's units and angles in radians, with standard deviations and
+        covariance, as under ``geometry``, ``primitive`` in the report."""
+        return dict(self.report["geometry"]["primitive"])
+
+
+class Comparison(Fit):
+    """Distances of points from geometries that are there already."""
+
+    __slots__ = ()
+
+    @property
+    def geometries(self) -> List[Geometry]:
+        """What the points were compared with."""
+        return wrap_all(self._fit.bodies)
+
+    @property
+    def distances(self) -> Floats:
+        """The residuals: distance of every point, shape (N,), in the data's units; from surfaces signed along the
+        normal. Read-only; no copy."""
+        return self._fit.residuals
+
+    @property
+    def owners(self) -> NDArray[np.int32]:
+        """Of several geometries the number of the one each point is nearest to, shape (N,); empty where there is one.
+        Read-only; no copy."""
+        return self._fit.owners

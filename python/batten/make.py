@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: MIT
+"""Exact shapes as NURBS on [0, 1]. Lengths in the data's units, angles in radians. Round surfaces: u goes round the
+axis, v along the profile, normals look outward. `axis` need not have length one; `x` is where angle 0 is, made
+perpendicular (None: the coordinate axis farthest from the axis)."""
+from __future__ import annotations
+
+import math
+from typing import Any, Optional, Tuple
+
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arrays import Floats, finite, number
+from ._curve import Curve
+from ._geometry import _body_of
+from ._surface import Surface
+
+FULL = 2 * math.pi
+
+__all__ = ["line", "circle", "arc", "ellipse", "bilinear", "plane", "cylinder", "cone", "sphere", "torus", "revolve"]
+
+
+def _three(name: str, value: Any) -> Floats:
+    return finite(name, value, 3)
+
+
+def _frame(center: Any, axis: Any, x: Any) -> Tuple[Floats, Floats, Optional[Floats]]:
+    return _three("center", center), _three("axis", axis), None if x is None else _three("x", x)
+
+
+def _two(name: str, value: Any) -> Tuple[float, float]:
+    a, b = finite(name, value, 2).tolist()
+    return a, b
+
+
+def line(start: ArrayLike, end: ArrayLike) -> Curve:
+    """A segment.
+
+    Parameters
+    ----------
+    start, end : array_like of shape (2,) or (3,)
+        They differ.
+
+    Returns
+    -------
+    Curve
+        Of degree 1.
+    """
+    a, b = finite("start", start, None), finite("end", end, None)
+    if a.size not in (2, 3) or a.size != b.size:
+        raise ValueError("start, end: two or three numbers each are needed")
+    return Curve._of(_core.line(a, b))
+
+
+def arc(
+    radius: float,
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL / 4,
+) -> Curve:
+    """An arc of a circle, counter-clockwise about the axis.
+
+    Parameters
+    ----------
+    radius : float
+        Positive.
+    center : array_like of shape (3,), or (2,) for an arc in the plane
+        Of its circle.
+    axis, x : array_like of shape (3,)
+        Normal of its plane, and where angle 0 is.
+    start, sweep : float
+        Radians; the sweep is in (0, 2π].
+
+    Returns
+    -------
+    Curve
+        Rational, of degree 2.
+    """
+    middle = finite("center", center, None)
+    if middle.size not in (2, 3):
+        raise ValueError("center: two or three numbers are needed")
+    _, normal, zero = _frame((0, 0, 0), axis, x)
+    return Curve._of(
+        _core.arc(middle, normal, zero, number("radius", radius), (number("start", start), number("sweep", sweep)))
+    )
+
+
+def circle(
+    radius: float, *, center: ArrayLike = (0, 0, 0), axis: ArrayLike = (0, 0, 1), x: Optional[ArrayLike] = None
+) -> Curve:
+    """A full circle, counter-clockwise about the axis.
+
+    Parameters
+    ----------
+    radius : float
+        Positive.
+    center : array_like of shape (3,), or (2,) for a circle in the plane
+        Its centre.
+    axis, x : array_like of shape (3,)
+        Normal of its plane, and where it begins.
+
+    Returns
+    -------
+    Curve
+        Rational, of degree 2, nine control points.
+    """
+    return arc(radius, center=center, axis=axis, x=x, sweep=FULL)
+
+
+def ellipse(
+    radii: Tuple[float, float],
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL,
+) -> Curve:
+    """An ellipse, or an arc of one.
+
+    Parameters
+    ----------
+    radii : (float, float)
+        Along x and across.
+    center, axis, x : array_like of shape (3,)
+        Its centre, the normal of its plane, and where angle 0 is.
+    start, sweep : float
+        Radians, of the circle it is the affine image of.
+
+    Returns
+    -------
+    Curve
+        Rational, of degree 2.
+    """
+    angles = (number("start", start), number("sweep", sweep))
+    return Curve._of(_core.ellipse(*_frame(center, axis, x), _two("radii", radii), angles))
+
+
+def bilinear(p00: ArrayLike, p10: ArrayLike, p01: ArrayLike, p11: ArrayLike) -> Surface:
+    """The surface between four corners.
+
+    Parameters
+    ----------
+    p00, p10, p01, p11 : array_like of shape (3,)
+        S(0,0), S(1,0), S(0,1), S(1,1).
+
+    Returns
+    -------
+    Surface
+        Of degree 1 × 1.
+    """
+    corners = [_three(name, p) for name, p in (("p00", p00), ("p10", p10), ("p01", p01), ("p11", p11))]
+    return Surface._of(_core.bilinear(*corners))
+
+
+def plane(
+    size: Tuple[float, float],
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+) -> Surface:
+    """A rectangle.
+
+    Parameters
+    ----------
+    size : (float, float)
+        Its sides, along x and across.
+    center, axis, x : array_like of shape (3,)
+        Its middle, its normal, and the direction of u.
+
+    Returns
+    -------
+    Surface
+        Of degree 1 × 1.
+    """
+    w, h = _two("size", size)
+    if not (w > 0 and h > 0):
+        raise ValueError("size: both sides must be positive")
+    return Surface._of(_core.plane(*_frame(center, axis, x), (-w / 2, w / 2), (-h / 2, h / 2)))
+
+
+def cylinder(
+    radius: float,
+    height: float,
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL,
+) -> Surface:
+    """A cylinder, or a part of one.
+
+    Parameters
+    ----------
+    radius, height : float
+        Positive.
+    center, axis, x : array_like of shape (3,)
+        The middle of its foot, its axis from the foot up, and where angle 0 is.
+    start, sweep : float
+        Radians about the axis.
+
+    Returns
+    -------
+    Surface
+        Exact.
+    """
+    r, h = number("radius", radius), number("height", height)
+    angles = (number("start", start), number("sweep", sweep))
+    return Surface._of(_core.cylinder(*_frame(center, axis, x), r, (0.0, h), angles))
+
+
+def cone(
+    radius: float,
+    height: float,
+    *,
+    top_radius: float = 0,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL,
+) -> Surface:
+    """A cone, a frustum, or a part of one.
+
+    Parameters
+    ----------
+    radius, height : float
+        Of the foot, and from foot to top.
+    top_radius : float
+        0: a tip.
+    center, axis, x : array_like of shape (3,)
+        The middle of its foot, its axis from the foot up, and where angle 0 is.
+    start, sweep : float
+        Radians about the axis.
+
+    Returns
+    -------
+    Surface
+        Exact.
+    """
+    radii = (number("radius", radius), number("top_radius", top_radius))
+    angles = (number("start", start), number("sweep", sweep))
+    return Surface._of(_core.cone(*_frame(center, axis, x), radii, (0.0, number("height", height)), angles))
+
+
+def sphere(
+    radius: float,
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL,
+    latitudes: Tuple[float, float] = (-math.pi / 2, math.pi / 2),
+) -> Surface:
+    """A sphere, or a part of one.
+
+    Parameters
+    ----------
+    radius : float
+        Positive.
+    center, axis, x : array_like of shape (3,)
+        Its centre, from the south to the north pole, and where longitude 0 is.
+    start, sweep : float
+        Longitudes, radians.
+    latitudes : (float, float)
+        From where to where, radians.
+
+    Returns
+    -------
+    Surface
+        Exact; poles are collapsed edges.
+    """
+    angles = (number("start", start), number("sweep", sweep))
+    r = number("radius", radius)
+    return Surface._of(_core.sphere(*_frame(center, axis, x), r, angles, _two("latitudes", latitudes)))
+
+
+def torus(
+    major_radius: float,
+    minor_radius: float,
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    x: Optional[ArrayLike] = None,
+    start: float = 0,
+    sweep: float = FULL,
+    tube_start: float = 0,
+    tube_sweep: float = FULL,
+) -> Surface:
+    """A torus, or a part of one.
+
+    Parameters
+    ----------
+    major_radius, minor_radius : float
+        From the axis to the tube's middle, and of the tube.
+    center, axis, x : array_like of shape (3,)
+        Its centre, its axis, and where angle 0 is.
+    start, sweep : float
+        Radians about the axis.
+    tube_start, tube_sweep : float
+        Radians round the tube, from the outermost point towards the axis' direction.
+
+    Returns
+    -------
+    Surface
+        Exact.
+    """
+    radii = (number("major_radius", major_radius), number("minor_radius", minor_radius))
+    round_axis = (number("start", start), number("sweep", sweep))
+    tube = (number("tube_start", tube_start), number("tube_sweep", tube_sweep))
+    return Surface._of(_core.torus(*_frame(center, axis, x), radii, round_axis, tube))
+
+
+def revolve(
+    profile: Curve,
+    *,
+    center: ArrayLike = (0, 0, 0),
+    axis: ArrayLike = (0, 0, 1),
+    start: float = 0,
+    sweep: float = FULL,
+) -> Surface:
+    """A curve turned about an axis.
+
+    Parameters
+    ----------
+    profile : Curve
+        In space.
+    center, axis : array_like of shape (3,)
+        A point of the axis, and its direction.
+    start, sweep : float
+        Radians.
+
+    Returns
+    -------
+    Surface
+        v is the profile's parameter.
+    """
+    origin, direction, _ = _frame(center, axis, None)
+    angles = (number("start", start), number("sweep", sweep))
+    return Surface._of(_core.revolve(_body_of("profile", profile), origin, direction, angles))

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+"""Every format out and in again, and files that can't be read."""
+import json
+import os
+
+import numpy as np
+import pytest
+
+import batten
+from conftest import ITERATED, ROOT, random_curve, random_surface, same_points
+
+
+@pytest.mark.parametrize("extension", ["ply", "pcd", "xyz", "csv", "txt"])
+@pytest.mark.parametrize("attributes", [False, True])
+def test_clouds_come_back_bit_by_bit(tmp_path, rng, extension, attributes):
+    points = rng.normal(size=(50, 3)) * 1e3
+    more = {"normals": rng.normal(size=(50, 3)), "weights": rng.uniform(1, 2, 50)} if attributes else {}
+    path = tmp_path / f"cloud.{extension}"
+    batten.write_cloud(points, path, **more)
+    cloud = batten.read_cloud(path)
+    assert np.array_equal(cloud.points, points) and cloud.info["points_in_file"] == 50
+    assert cloud.info["files"] == [str(path)]
+    if attributes and extension in ("ply", "pcd", "csv"):
+        assert np.array_equal(cloud.normals, more["normals"])
+        assert np.array_equal(batten.read_cloud(path, columns={"w": "w"}).weights, more["weights"])
+
+
+def test_plane_clouds_and_colours(tmp_path, rng):
+    batten.write_cloud(rng.random((9, 2)), tmp_path / "plane.xyz")
+    assert batten.read_cloud(tmp_path / "plane.xyz").dimension == 2
+    colours = rng.integers(0, 256, (9, 3)).astype(np.uint8)
+    batten.write_cloud(rng.random((9, 3)), tmp_path / "c.ply", colours=colours)
+    assert np.array_equal(batten.read_cloud(tmp_path / "c.ply").colours, colours)
+
+
+@pytest.mark.parametrize("extension", ["obj", "stl", "off"])
+def test_vertices_of_meshes(tmp_path, extension):
+    mesh = batten.make.sphere(1).tessellate(0.1)
+    path = tmp_path / f"mesh.{extension}"
+    if extension == "off":
+        rows = [f"OFF\n{len(mesh.vertices)} {len(mesh.faces)} 0"]
+        rows += [" ".join(map(repr, map(float, v))) for v in mesh.vertices]
+        rows += ["3 " + " ".join(map(str, f)) for f in mesh.faces]
+        path.write_text("\n".join(rows) + "\n")
+    else:
+        batten.write_mesh(mesh, path)
+    read = batten.read_cloud(path).points
+    assert len(read) == len(mesh.vertices)
+    assert np.allclose(np.linalg.norm(read, axis=1), 1, atol=1e-6)
+
+
+def test_las_and_the_data_of_the_project(tmp_path):
+    panel = batten.read_cloud(os.path.join(ROOT, "data", "panel.ply"))
+    assert len(panel) > 1000 and len(batten.read_cloud(os.path.join(ROOT, "data", "hull.xyz"))) > 1000
+    two = batten.read_cloud([os.path.join(ROOT, "data", "panel.ply")] * 2)
+    assert len(two) == 2 * len(panel) and panel.info["fields"]
+
+
+def test_columns_rows_and_boxes(tmp_path):
+    path = tmp_path / "rows.csv"
+    path.write_text("a,b,c,label\n1,2,3,1\n4,5,6,2\n7,8,9,1\nnan,1,1,1\n")
+    cloud = batten.read_cloud(path, columns={"x": "b", "y": 1, "z": "c"}, where={"label": 1})
+    assert np.array_equal(cloud.points, [[2, 1, 3], [8, 7, 9]])
+    assert cloud.info["non_finite"] == 1 and cloud.info["filtered"] == 1
+    assert len(batten.read_cloud(path, columns={"x": "a", "y": "b", "z": "c"}, box=[0, 0, 0, 5, 6, 7])) == 2
+    with pytest.raises(ValueError, match="nosuch"):
+        batten.read_cloud(path, columns={"x": "nosuch"})
+    with pytest.raises(ValueError, match="box"):
+        batten.read_cloud(path, box=[1, 2])
+
+
+@pytest.mark.parametrize("extension", ["json", "step", "stp", "iges", "igs"])
+@pytest.mark.parametrize("rational", [False, True])
+def test_geometry_comes_back(tmp_path, rng, extension, rational):
+    s, c = random_surface(rng, rational=rational), random_curve(rng, rational=rational)
+    path = tmp_path / f"shapes.{extension}"
+    batten.write_geometry([s, c], path, names=["face", "edge"], unit="inch")
+    shapes = batten.read_geometry(path)
+    read_s = next(one for one in shapes if isinstance(one, batten.Surface))
+    read_c = next(one for one in shapes if isinstance(one, batten.Curve))
+    assert sorted(shapes.names) == ["edge", "face"] and shapes.unit == "inch" and shapes.remarks == []
+    assert same_points(s, read_s, ITERATED) and same_points(c, read_c, ITERATED)
+    if extension == "json":
+        assert read_s == s and read_c == c
+
+
+def test_methods_write_the_same(tmp_path, rng):
+    s = random_surface(rng)
+    s.to_step(tmp_path / "a.step", name="lid", unit="m", schema="ap242")
+    s.to_iges(tmp_path / "a.iges", name="lid")
+    s.to_json(tmp_path / "a.json", name="lid")
+    for name in ("a.step", "a.iges", "a.json"):
+        read = batten.read_geometry(tmp_path / name)
+        assert read.names == ["lid"] and same_points(read[0], s, ITERATED)
+    assert batten.read_geometry(tmp_path / "a.step").unit == "m"
+    assert batten.read_geometry(tmp_path / "a.step", unit="mm")[0].control_points.max() == pytest.approx(1000 * s.control_points.max())
+
+
+def test_trims_come_back(tmp_path):
+    disc = batten.make.plane((4, 4)).trim(batten.make.circle(0.25, center=(0.5, 0.5)))[0]
+    for extension in ("json", "step", "iges"):
+        batten.write_geometry(disc, tmp_path / f"disc.{extension}")
+        (read,) = batten.read_geometry(tmp_path / f"disc.{extension}")
+        assert read.area == pytest.approx(np.pi, rel=1e-6)
+
+
+@pytest.mark.parametrize("extension", ["stl", "obj", "ply", "glb"])
+def test_meshes_are_written(tmp_path, extension):
+    s = batten.make.sphere(1)
+    s.to_mesh(tmp_path / f"a.{extension}", tolerance=0.05)
+    mesh = s.tessellate(0.05)
+    batten.write_mesh((mesh.vertices, mesh.faces), tmp_path / f"b.{extension}")
+    assert (tmp_path / f"a.{extension}").stat().st_size > 1000 and (tmp_path / f"b.{extension}").stat().st_size > 1000
+    if extension != "stl":
+        batten.write_mesh(mesh, tmp_path / f"c.{extension}", deviations=mesh.vertices[:, 2])
+
+
+@pytest.mark.parametrize(
+    "mesh, words",
+    [
+        ((np.zeros((3, 3)), [[0, 1, 3]]), "faces"),
+        ((np.zeros((3, 3)), [[0, 1, -1]]), "faces"),
+        ((np.zeros((3, 3)), [[0.0, 1, 2]]), "faces"),
+        ((np.zeros((3, 3)), [0, 1, 2]), "faces"),
+        ((np.zeros((3, 2)), [[0, 1, 2]]), "vertices"),
+        ((np.full((3, 3), np.nan), [[0, 1, 2]]), "vertices"),
+        (7, "mesh"),
+        ((1, 2, 3), "mesh"),
+    ],
+)
+def test_wrong_meshes_name_the_part(tmp_path, mesh, words):
+    with pytest.raises(ValueError, match=words):
+        batten.write_mesh(mesh, tmp_path / "m.ply")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_read_errors_say_file_and_line(tmp_path):
+    path = tmp_path / "a b: c.xyz"
+    path.write_text("1 2 3\n4 5 6\n7 eight 9\n")
+    with pytest.raises(batten.ReadError) as caught:
+        batten.read_cloud(path)
+    assert caught.value.file == str(path) and caught.value.line == 3 and "eight" in str(caught.value)
+    assert isinstance(caught.value, OSError)
+    with pytest.raises(batten.ReadError) as caught:
+        batten.read_cloud(tmp_path / "absent.ply")
+    assert caught.value.file == str(tmp_path / "absent.ply") and caught.value.line is None and caught.value.reason
+    with pytest.raises(batten.ReadError):
+        batten.fit_surface(str(tmp_path / "absent.ply"))
+    with pytest.raises(batten.ReadError):
+        batten.compare(tmp_path / "absent.step", np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd", "a.las", "a.stl", "a.obj", "a.step", "a.iges", "a.json"])
+@pytest.mark.parametrize("content", [b"", b"\0" * 1000, b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n", os.urandom(500)])
+def test_damaged_files_are_read_errors(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    read = batten.read_geometry if name.split(".")[1] in ("step", "iges", "json") else batten.read_cloud
+    with pytest.raises(batten.ReadError) as caught:
+        read(path)
+    assert caught.value.file == str(path)
+
+
+def test_unknown_formats_and_unwritable_places(tmp_path, rng):
+    s = random_surface(rng)
+    with pytest.raises(ValueError):
+        batten.write_geometry(s, tmp_path / "x.unknown")
+    with pytest.raises(ValueError):
+        batten.read_geometry(tmp_path / "x.3dm")
+    with pytest.raises(ValueError):
+        batten.write_geometry(s, tmp_path / "x.step", unit="furlong")
+    with pytest.raises(batten.WriteError) as caught:
+        s.to_json(tmp_path / "absent" / "x.json")
+    assert caught.value.file.endswith("x.json")
+    with pytest.raises(ValueError, match="geometry"):
+        batten.write_geometry([], tmp_path / "x.json")
+    with pytest.raises(ValueError, match="geometry"):
+        batten.write_geometry([3], tmp_path / "x.json")
+    with pytest.raises(ValueError, match="names"):
+        batten.write_geometry(s, tmp_path / "x.json", names=["a", "b"])
+    with pytest.raises(ValueError, match="path"):
+        batten.read_geometry(3)
+    assert [one.name for one in tmp_path.iterdir()] == []
+
+
+def test_paths_of_any_kind(tmp_path, rng):
+    s = random_surface(rng)
+    path = tmp_path / "Fläche 曲面.json"
+    s.to_json(path)
+    assert batten.read_geometry(str(path))[0] == s and batten.read_geometry(path)[0] == s
+    odd = os.fsencode(str(tmp_path)) + b"/\xff.json"
+    try:
+        s.to_json(os.fsdecode(odd))
+    except OSError:
+        pytest.skip("this file system keeps no such names")
+    assert batten.read_geometry(os.fsdecode(odd))[0] == s
+
+
+def test_json_is_that_of_the_program(tmp_path, rng):
+    s = random_surface(rng)
+    s.to_json(tmp_path / "s.json")
+    assert json.loads((tmp_path / "s.json").read_text())["shape"] == s.to_geomdl()["shape"]
