@@ -20,5 +20,11 @@ foreach(claim "libbatten0 libcholmod3" "libbatten0 libocct" "libbatten-dev libba
     message(FATAL_ERROR "${CMAKE_MATCH_1} does not depend on ${CMAKE_MATCH_2}")
   endif()
 endforeach()
+foreach(file man/man1/batten.1 man/man1/batten-fit-surface.1 bash-completion/completions/batten
+        zsh/vendor-completions/_batten fish/vendor_completions.d/batten.fish)
+  if(NOT EXISTS ${work}/root/usr/share/${file})
+    message(FATAL_ERROR "the packages hold no share/${file}")
+  endif()
+endforeach()
 run(${work}/root/usr/bin/batten make sphere -o ${work}/sphere.step --radius 2)
 run(${work}/root/usr/bin/batten convert ${work}/sphere.step ${work}/sphere.json)
