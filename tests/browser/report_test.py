@@ -164,7 +164,7 @@ class ReportTest(unittest.TestCase):
         x, y = box[0] + box[2] / 2, box[1] + box[3] / 2
         self.browser.pointer(("move", x, y), ("down",), ("move", x + 120, y + 40), ("up",))
         self.assertNotEqual(self.summary()["hash"], before)
-        self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
+        self.browser.run("[...document.querySelectorAll('.looks button')].find((b) => b.textContent === 'Reset').click()")
         self.assertEqual(self.summary()["hash"], before)
 
     def test_one_finger_turns_and_two_move_and_zoom(self):
@@ -187,7 +187,7 @@ class ReportTest(unittest.TestCase):
         self.browser.touch([far[0]], far, near)
         self.assertLess(self.summary()["inked"], turned["inked"], "two that meet go away")
         self.assertEqual(self.browser.run("return window.scrollY"), scrolled, "the page stays where it is")
-        self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
+        self.browser.run("[...document.querySelectorAll('.looks button')].find((b) => b.textContent === 'Reset').click()")
         self.assertEqual(self.summary()["hash"], start["hash"])
         self.browser.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
         self.assert_calm()
