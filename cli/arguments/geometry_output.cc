@@ -78,6 +78,7 @@ nlohmann::ordered_json SewingJson(const SewingReport& report) {
           {"solids", report.solids},
           {"shells", report.shells},
           {"loose", report.loose},
+          {"invalid", report.invalid},
           {"shared_edges", report.shared_edges},
           {"free_edges", report.free_edges},
           {"largest_gap", report.largest_gap},
@@ -89,10 +90,9 @@ nlohmann::ordered_json SewingJson(const SewingReport& report) {
 
 namespace {
 
-// "2 solids", "a shell"; empty for none.
-std::string Counted(size_t count, const std::string& one) {
-  if (count == 0) return "";
-  return count == 1 ? "a " + one : fmt::format("{} {}s", count, one);
+// "2 solids", or what one is; empty for none.
+std::string Counted(size_t count, const std::string& one, const std::string& many) {
+  return count == 0 ? "" : count == 1 ? one : fmt::format("{} {}", count, many);
 }
 
 }  // namespace
@@ -101,18 +101,22 @@ void TellSewing(const std::string& path,
                 const SewingReport& report,
                 const std::vector<GeometryBody>& read) {
   std::string made;
-  for (const std::string& some : {Counted(report.solids, "solid"),
-                                  Counted(report.shells, "open shell"),
-                                  Counted(report.loose, "surface by itself")}) {
+  for (const std::string& some :
+       {Counted(report.solids, "a solid", "solids"),
+        Counted(report.shells, "an open shell", "open shells"),
+        Counted(report.loose, "a surface by itself", "surfaces by themselves")}) {
     if (!some.empty()) made += (made.empty() ? "" : ", ") + some;
   }
-  std::string text =
-      fmt::format("{}: {} sewn into {}", path, Counted(report.surfaces, "surface"), made);
+  std::string text = fmt::format(
+      "{}: {} sewn into {}", path, Counted(report.surfaces, "a surface", "surfaces"), made);
   if (report.shared_edges > 0) {
     text += fmt::format(
         "; {} shared edges, the largest gap {:.3g}", report.shared_edges, report.largest_gap);
   }
   if (report.watertight()) return PrintNote(text + "; watertight");
+  if (report.invalid > 0) {
+    text += fmt::format("; {} of them would make no valid shape", report.invalid);
+  }
   text += fmt::format("; {} free edges: not watertight", report.free_edges);
   if (report.nearest_gap && *report.nearest_gap > 0) {
     text += fmt::format("; the nearest two are {:.3g} apart", *report.nearest_gap);

@@ -58,6 +58,7 @@ void Add(SewingReport& sum, const SewingReport& one) {
   sum.solids += one.solids;
   sum.shells += one.shells;
   sum.loose += one.loose;
+  sum.invalid += one.invalid;
   sum.shared_edges += one.shared_edges;
   sum.free_edges += one.free_edges;
   sum.largest_gap = std::max(sum.largest_gap, one.largest_gap);

@@ -141,13 +141,28 @@ std::vector<Piece> Apart(const std::vector<TopoDS_Face>& faces) {
   return pieces;
 }
 
-bool Whole(const std::vector<Piece>& pieces, size_t faces) {
+bool Complete(const std::vector<Piece>& pieces, size_t faces) {
   size_t count = 0;
-  for (const Piece& piece : pieces) {
-    count += piece.faces.size();
-    if (!BRepCheck_Analyzer(piece.shape).IsValid()) return false;
-  }
+  for (const Piece& piece : pieces) count += piece.faces.size();
   return count == faces;
+}
+
+// Takes pieces that are no valid shapes apart again, and returns how many faces that were.
+size_t LeaveInvalid(std::vector<Piece>& pieces, const std::vector<TopoDS_Face>& faces) {
+  std::vector<Piece> valid;
+  size_t count = 0;
+  for (Piece& piece : pieces) {
+    if (piece.faces.size() == 1 || BRepCheck_Analyzer(piece.shape).IsValid()) {
+      valid.push_back(std::move(piece));
+      continue;
+    }
+    for (const auto& face : piece.faces) {
+      valid.push_back({faces[face.second], {{faces[face.second], face.second}}});
+      ++count;
+    }
+  }
+  pieces = std::move(valid);
+  return count;
 }
 
 SewingReport ReportOf(const std::vector<Piece>& pieces) {
@@ -181,8 +196,10 @@ SewnFaces SewFaces(const std::vector<TopoDS_Face>& faces, double tolerance, bool
     if (Closed(piece)) piece.shape = SolidOf(ShellOf(piece));
   }
   if (solid) MakeVoids(sewn.pieces, tolerance);
-  if (!Whole(sewn.pieces, faces.size())) sewn.pieces = Apart(faces);
+  if (!Complete(sewn.pieces, faces.size())) sewn.pieces = Apart(faces);
+  const size_t invalid = LeaveInvalid(sewn.pieces, faces);
   sewn.report = ReportOf(sewn.pieces);
+  sewn.report.invalid = invalid;
   return sewn;
 }
 

@@ -25,7 +25,7 @@ struct SewnFaces {
 // Edges within the tolerance become one, and are cut where only parts of them meet. A closed shell
 // is a solid, its outside where its faces' normals point; of one solid (`solid`) closed shells that
 // lie in the largest are voids of it. Faces that would come out as an invalid shape are left as
-// they are. Throws Standard_Failure where OpenCASCADE does.
+// they are, and counted. Throws Standard_Failure where OpenCASCADE does.
 SewnFaces SewFaces(const std::vector<TopoDS_Face>& faces, double tolerance, bool solid);
 
 }  // namespace batten::internal

@@ -67,6 +67,7 @@ struct GeometryWriteOptions {
 struct SewingReport {
   size_t surfaces = 0;                       // that were to be sewn
   size_t solids = 0, shells = 0, loose = 0;  // closed shells, open ones, faces left by themselves
+  size_t invalid = 0;  // of the latter, those that would have come out as no valid shape
   size_t shared_edges = 0, free_edges = 0;
   double largest_gap = 0;  // between surfaces along a shared edge
   // The least distance from a free edge to another one; none where there are fewer than two.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
@@ -84,6 +86,25 @@ TEST(BrepTest, KeepsSolidsAndSaysNoUnit) {
   EXPECT_EQ(contents.bodies[0].shared_edges, 12u);
   EXPECT_EQ(contents.bodies[1].shared_edges, 2u);
   for (const GeometryBody& body : contents.bodies) EXPECT_TRUE(body.solid && body.watertight());
+}
+
+// Mirrored, as modellers do it.
+TEST(BrepTest, LeftHandedSurfacesAreRead) {
+  const TemporaryFolder folder;
+  const TopoDS_Shape drilled =
+      BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(4, 5, 6).Shape(),
+                      BRepPrimAPI_MakeCylinder(gp_Ax2({2, 2, 3}, {0, 0, 1}), 1, 8).Shape())
+          .Shape();
+  gp_Trsf mirror;
+  mirror.SetMirror(gp_Ax2({0, 0, 0}, {1, 0, 0}));
+  const TopoDS_Shape mirrored = BRepBuilderAPI_Transform(drilled, mirror, true).Shape();
+  const GeometryContents contents = ReadBrepContents(
+      Saved(folder, "a.brep", Text(mirrored, TopTools_FormatVersion_VERSION_1, false)));
+  ASSERT_EQ(contents.bodies.size(), 1u);
+  EXPECT_TRUE(contents.bodies[0].watertight());
+  const auto report =
+      WriteGeometry({folder.File("b.step"), contents.geometry, contents.names, contents.bodies});
+  EXPECT_TRUE(report && report->watertight());
 }
 
 TEST(BrepTest, WhatIsWrittenReadsBackAsItWas) {
