@@ -3,7 +3,6 @@
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
-#include <ShapeCustom.hxx>
 #include <Standard_Failure.hxx>
 #include <TopoDS_Shape.hxx>
 #include <istream>
@@ -23,8 +22,6 @@ GeometryContents TranslateBrep(std::string& text, const std::string& path) {
   TopoDS_Shape shape;
   BRepTools::Read(shape, stream, BRep_Builder());
   if (shape.IsNull()) throw ReadError(path, "is damaged: OpenCASCADE makes no shape of it");
-  // Unlike in STEP, planes and round surfaces may be left-handed here.
-  shape = ShapeCustom::DirectFaces(shape);
   GeometryContents contents;
   ShapeCollector(contents, {}, path).Add(shape);
   if (contents.geometry.empty()) throw ReadError(path, "holds no curves or surfaces");

@@ -6,6 +6,7 @@
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
+#include <Geom_ElementarySurface.hxx>
 #include <Geom_Plane.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_SphericalSurface.hxx>
@@ -56,8 +57,32 @@ Handle(Geom_BSplineSurface) AsBSpline(const Handle(Geom_Surface) & surface) {
   return Handle(Geom_BSplineSurface)::DownCast(surface);
 }
 
-NurbsSurface Untrimmed(const TopoDS_Face& face, const ParameterRectangle& box) {
-  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+Handle(Geom_Surface) BasisOf(const Handle(Geom_Surface) & surface) {
+  const auto part = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
+  return part.IsNull() ? surface : BasisOf(part->BasisSurface());
+}
+
+// A face's surface, right-handed where it is a plane or round: u runs the other way where it was
+// not, as .brep files may have it. Parameters of the face are turned by U.
+struct DirectSurface {
+  explicit DirectSurface(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
+    const auto elementary = Handle(Geom_ElementarySurface)::DownCast(BasisOf(surface));
+    if (elementary.IsNull() || elementary->Position().Direct()) return;
+    sum = elementary->UReversedParameter(0);
+    turned = true;
+    surface = elementary->UReversed();
+  }
+  double U(double u) const { return turned ? sum - u : u; }
+
+  Handle(Geom_Surface) surface;
+  double sum = 0;  // of u and the parameter it is turned into
+  bool turned = false;
+};
+
+NurbsSurface Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
+  const DirectSurface direct(face);
+  const Handle(Geom_Surface) surface = direct.surface;
+  if (direct.turned) box = {direct.U(box.u1), direct.U(box.u0), box.v0, box.v1};
   if (const auto exact = FromAnalytic(surface, box, SeamsOf(face))) return ToNurbs(*exact);
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
   const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
@@ -110,11 +135,6 @@ Mapping OfBSpline(const Handle(Geom_BSplineSurface) & surface, const ParameterRe
   const ParameterMap u(part.u0, part.u1, result.basis_u(), false);
   const ParameterMap v(part.v0, part.v1, result.basis_v(), false);
   return {std::move(result), u, v};
-}
-
-Handle(Geom_Surface) BasisOf(const Handle(Geom_Surface) & surface) {
-  const auto part = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
-  return part.IsNull() ? surface : BasisOf(part->BasisSurface());
 }
 
 Mapping OfOther(const Handle(Geom_Surface) & surface,
@@ -199,10 +219,22 @@ NurbsCurve<2> LoopOf(const std::vector<NurbsCurve<2>>& wire, const Mapping& mapp
   return Shut(Chained(std::move(pieces), sides, gap, false), sides, gap);
 }
 
+void Turn(const DirectSurface& direct, Wires& wires) {
+  for (auto& wire : wires) {
+    for (NurbsCurve<2>& curve : wire) {
+      Eigen::Matrix2Xd points = curve.control_points();
+      points.row(0) = points.row(0).unaryExpr([&](double u) { return direct.U(u); });
+      curve = NurbsCurve<2>(curve.basis(), points, curve.weights());
+    }
+  }
+}
+
 NurbsSurface Trimmed(const TopoDS_Face& face) {
-  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  const DirectSurface direct(face);
+  const Handle(Geom_Surface) surface = direct.surface;
   Wires wires = WiresOf(face);
   if (wires.empty()) throw std::invalid_argument("has no boundary");
+  if (direct.turned) Turn(direct, wires);
   MoveIntoDomain(*surface, wires);
   const ParameterRectangle box = BoxOf(wires);
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
