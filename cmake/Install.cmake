@@ -32,6 +32,13 @@ if(BATTEN_BUILD_PROGRAM)
   install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   install(FILES cli/terminal/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten
           COMPONENT program)
+  # zsh looks into site-functions below /usr/local, into vendor-completions below /usr.
+  foreach(folder site-functions vendor-completions)
+    install(FILES cli/terminal/batten.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${folder} RENAME _batten COMPONENT program)
+  endforeach()
+  install(FILES cli/terminal/batten.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
+          OPTIONAL FILES_MATCHING PATTERN *.1)
 endif()
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)

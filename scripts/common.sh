@@ -3,19 +3,30 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+# install_packages [LIST...]: scripts/packages.txt and the lists.
 install_packages() {
   local wanted missing=() have
-  wanted=$(sed -e 's/#.*//' scripts/packages.txt | tr -s ' \t\n' ' ')
+  wanted=$(cat scripts/packages.txt "$@" | sed -e 's/#.*//' | tr -s ' \t\n' ' ')
   have=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p') || true
   for package in $wanted; do
     grep -qx -- "$package" <<<"$have" || missing+=("$package")
   done
-  [ ${#missing[@]} -eq 0 ] && return
-  local as_root=""
-  [ "$(id -u)" -eq 0 ] || as_root=sudo
-  echo "installing: ${missing[*]}"
-  $as_root apt-get update -q
-  DEBIAN_FRONTEND=noninteractive $as_root apt-get install -q -y --no-install-recommends "${missing[@]}"
+  if [ ${#missing[@]} -gt 0 ]; then
+    local as_root=""
+    [ "$(id -u)" -eq 0 ] || as_root=sudo
+    echo "installing: ${missing[*]}"
+    $as_root apt-get update -q
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -q -y --no-install-recommends "${missing[@]}"
+  fi
+  pcl_headers
+}
+
+# The headers of PCL, from Debian's own package, which is unpacked into build/pcl and not installed: apt has checked its
+# signature. Nothing to do where libpcl-dev is installed.
+pcl_headers() {
+  compgen -G '/usr/include/pcl-*' >/dev/null || compgen -G 'build/pcl/usr/include/pcl-*' >/dev/null && return
+  mkdir -p build/pcl
+  (cd build/pcl && apt-get -q download libpcl-dev && dpkg-deb -x libpcl-dev_*.deb . && rm libpcl-dev_*.deb)
 }
 
 # build PRESET [target...]

@@ -53,8 +53,7 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       .add_option("--format",
                   arguments.format,
                   "Format of files whose name does not tell, or of '-' (pcd ply las obj stl off "
-                  "text; json step "
-                  "iges)")
+                  "text; json step iges brep)")
       ->type_name("FORMAT");
 }
 

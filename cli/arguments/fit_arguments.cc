@@ -120,9 +120,10 @@ void AddEveryFitsArguments(CLI::App& command,
   command
       .add_option("-o,--output",
                   a.out,
-                  a.curves ? "Where to write: .step .iges .json"
-                           : "Where to write: .step .iges .json, or triangles, within 1e-3 of the "
-                             "size and half the tolerance: .stl .obj .ply .glb")
+                  a.curves
+                      ? "Where to write: .step .iges .brep .json"
+                      : "Where to write: .step .iges .brep .json, or triangles, within 1e-3 of the "
+                        "size and half the tolerance: .stl .obj .ply .glb")
       ->required()
       ->type_name("OUT");
   command
@@ -279,7 +280,7 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
   if (NamesMesh(a_.out, out_format_)) {
     if (a_.curves) RefuseMesh();
   } else if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
-    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step or .iges" +
+    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step, .iges or .brep" +
                      (a_.curves ? "" : ", triangles as .stl, .obj, .ply or .glb"));
   }
   std::vector<std::string> outputs = a_.output.reports;
@@ -359,7 +360,7 @@ void FitFiles::Keep(const std::vector<Eigen::Index>& points) {
 
 void FitFiles::RefuseMesh() const {
   throw UsageError("-o " + a_.out +
-                   ": a curve has no triangles; it is written as .json, .step or .iges");
+                   ": a curve has no triangles; it is written as .json, .step, .iges or .brep");
 }
 
 std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {

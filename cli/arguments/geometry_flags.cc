@@ -10,7 +10,7 @@ namespace {
 
 void AddFormat(CLI::App& command, const char* flag, std::string& format, const char* help) {
   CLI::Option& option = *command.add_option(flag, format, help)->type_name("FORMAT");
-  Suggest(option, {"json", "step", "iges"});
+  Suggest(option, {"json", "step", "iges", "brep"});
 }
 
 }  // namespace

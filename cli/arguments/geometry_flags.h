@@ -25,6 +25,6 @@ void AddGeometryFormatFlag(CLI::App& command, std::string& format, const char* h
 void AddOutputFormatFlag(
     CLI::App& command,
     std::string& format,
-    const char* help = "Format of OUT where its name does not tell: json step iges");
+    const char* help = "Format of OUT where its name does not tell: json step iges brep");
 
 }  // namespace batten::internal

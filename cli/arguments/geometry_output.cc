@@ -3,13 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <variant>
 
+#include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -38,15 +41,93 @@ void AddGeometryOutput(CLI::App& command, GeometryOutput& output) {
   AddStepSchemaFlag(command, output.step_schema);
 }
 
+void AddSewFlag(CLI::App& command, GeometryOutput& output) {
+  command
+      .add_option_function<std::string>(
+          "--sew",
+          [&output](const std::string& text) {
+            output.sew = ParseNumber("--sew", text, Sign::kNotNegative);
+          },
+          "STEP and B-rep: surfaces whose edges are within T become shells, closed ones solids; 0: "
+          "none do [what shares edges in GEOMETRY stays sewn, within its own tolerance]")
+      ->type_name("T");
+}
+
+bool KeepsBodies(const std::string& path, const std::string& format, const GeometryOutput& output) {
+  const FileFormat to = FormatOf(path, format);
+  return (to == FileFormat::kStep || to == FileFormat::kBrep) && output.sew != 0.0;
+}
+
 GeometryContents ReadInUnit(const std::string& path,
                             const std::string& format,
                             const GeometryOutput& output,
-                            bool quiet) {
+                            bool quiet,
+                            bool keeps_bodies) {
   GeometryContents contents = ReadGeometryContents(path, {format, output.unit});
   if (!quiet) {
     for (const std::string& remark : contents.remarks) PrintWarning(path + ": " + remark);
+    if (!keeps_bodies && !contents.flattened.empty()) {
+      PrintWarning(path + ": " + contents.flattened);
+    }
   }
   return contents;
+}
+
+nlohmann::ordered_json SewingJson(const SewingReport& report) {
+  return {{"surfaces", report.surfaces},
+          {"solids", report.solids},
+          {"shells", report.shells},
+          {"loose", report.loose},
+          {"invalid", report.invalid},
+          {"shared_edges", report.shared_edges},
+          {"free_edges", report.free_edges},
+          {"largest_gap", report.largest_gap},
+          {"nearest_gap",
+           report.nearest_gap ? nlohmann::ordered_json(*report.nearest_gap)
+                              : nlohmann::ordered_json(nullptr)},
+          {"watertight", report.watertight()}};
+}
+
+namespace {
+
+// "2 solids", or what one is; empty for none.
+std::string Counted(size_t count, const std::string& one, const std::string& many) {
+  return count == 0 ? "" : count == 1 ? one : fmt::format("{} {}", count, many);
+}
+
+}  // namespace
+
+void TellSewing(const std::string& path,
+                const SewingReport& report,
+                const std::vector<GeometryBody>& read) {
+  std::string made;
+  for (const std::string& some :
+       {Counted(report.solids, "a solid", "solids"),
+        Counted(report.shells, "an open shell", "open shells"),
+        Counted(report.loose, "a surface by itself", "surfaces by themselves")}) {
+    if (!some.empty()) made += (made.empty() ? "" : ", ") + some;
+  }
+  std::string text = fmt::format(
+      "{}: {} sewn into {}", path, Counted(report.surfaces, "a surface", "surfaces"), made);
+  if (report.shared_edges > 0) {
+    text += fmt::format(
+        "; {} shared edges, the largest gap {:.3g}", report.shared_edges, report.largest_gap);
+  }
+  if (report.watertight()) return PrintNote(text + "; watertight");
+  if (report.invalid > 0) {
+    text += fmt::format("; {} of them would make no valid shape", report.invalid);
+  }
+  text += fmt::format("; {} free edges: not watertight", report.free_edges);
+  if (report.nearest_gap && *report.nearest_gap > 0) {
+    text += fmt::format("; the nearest two are {:.3g} apart", *report.nearest_gap);
+  }
+  size_t free_before = 0;
+  for (const GeometryBody& body : read) free_before += body.free_edges.size();
+  if (report.free_edges > free_before) {
+    PrintWarning(text);
+  } else {
+    PrintNote(text);
+  }
 }
 
 NamedSurfaces SurfacesAlone(const std::string& path,
@@ -78,6 +159,7 @@ GeometryWriteOptions WriteOptions(const std::string& format,
   options.format = format;
   if (!read.unit.empty()) options.unit = read.unit;
   options.step_schema = output.step_schema;
+  options.sew = output.sew;
   return options;
 }
 

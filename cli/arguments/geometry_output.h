@@ -3,6 +3,8 @@
 // a file that is not quite as it should be.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +19,31 @@ void AddStepSchemaFlag(CLI::App& command, std::string& schema);
 struct GeometryOutput {
   std::string unit;  // asked for; empty: that of what is read, mm where it says none
   std::string step_schema = GeometryWriteOptions().step_schema;
+  std::optional<double> sew = {};  // GeometryWriteOptions
 };
 // --unit and --step-schema. Refuses units and schemas there are not when they are parsed.
 void AddGeometryOutput(CLI::App& command, GeometryOutput& output);
 
-// Reads the file in the unit asked for, and warns of what it leaves open unless `quiet`.
+// --sew
+void AddSewFlag(CLI::App& command, GeometryOutput& output);
+
+// Whether what is written holds solids and shells, so that those that are read need not be lost.
+bool KeepsBodies(const std::string& path, const std::string& format, const GeometryOutput& output);
+
+// Reads the file in the unit asked for, and warns of what it leaves open unless `quiet`; and of
+// bodies that are lost unless `keeps_bodies`.
 GeometryContents ReadInUnit(const std::string& path,
                             const std::string& format,
                             const GeometryOutput& output,
-                            bool quiet);
+                            bool quiet,
+                            bool keeps_bodies = false);
+
+// What sewing came to, as "sewing" of a file's entry and as a sentence: a note, or a warning where
+// edges are free that were not in what was read.
+nlohmann::ordered_json SewingJson(const SewingReport& report);
+void TellSewing(const std::string& path,
+                const SewingReport& report,
+                const std::vector<GeometryBody>& read);
 
 // The surfaces among what was read, with their names. Warns of curves that are left out, and `why`;
 // throws ReadError where there is no surface.

@@ -165,6 +165,21 @@ Json Summary(const NurbsSurface& surface, double tolerance) {
   return info;
 }
 
+Json BodyJson(const GeometryBody& body) {
+  Json json;
+  if (!body.name.empty()) json["name"] = body.name;
+  json["kind"] = body.solid ? "solid" : "shell";
+  json["surfaces"] = body.surfaces;
+  json["shared_edges"] = body.shared_edges;
+  json["watertight"] = body.watertight();
+  json["free_edges"] = Json::array();
+  for (const FreeEdge& edge : body.free_edges) {
+    json["free_edges"].push_back(
+        {{"surface", edge.surface}, {"from", ToJson(edge.from, 3)}, {"to", ToJson(edge.to, 3)}});
+  }
+  return json;
+}
+
 void Print(const Json& object, const std::string& indent) {
   constexpr int kKeyWidth = 20;
   for (const auto& [key, value] : object.items()) {
@@ -190,6 +205,7 @@ Json SummaryOf(const GeometryContents& contents, double tolerance) {
   Json all = Json::object();
   if (!contents.unit.empty()) all["unit"] = contents.unit;
   if (!contents.remarks.empty()) all["remarks"] = contents.remarks;
+  for (const GeometryBody& body : contents.bodies) all["bodies"].push_back(BodyJson(body));
   const std::vector<Geometry>& geometry = contents.geometry;
   const auto named = [&](size_t k) {
     Json one;

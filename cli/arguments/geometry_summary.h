@@ -22,8 +22,10 @@ namespace batten::internal {
 //  shape: NameOf(ClassifyShape(…, {tolerance})); its parameters in the data's units and radians.
 nlohmann::ordered_json SummaryOf(const Geometry& geometry, double tolerance);
 
-// The summary of the only one with "name", "unit" and "remarks" where there are any; or {"unit",
-// "remarks", "surfaces", "curves", "results": […]} with "index" and "name".
+// The summary of the only one with "name", "unit", "remarks" and "bodies" where there are any; or
+// {"unit", "remarks", "bodies", "surfaces", "curves", "results": […]} with "index" and "name".
+// bodies: of every solid and shell {["name", ]"kind", "surfaces" by index, "shared_edges",
+// "watertight", "free_edges": [{"surface", "from", "to"}]}.
 nlohmann::ordered_json SummaryOf(const GeometryContents& contents, double tolerance);
 
 // An object a line for a key, then each of its "results"; objects inside are indented.

@@ -162,12 +162,46 @@ std::string OfSeveral(const Json& info) {
          Line("shapes", counts) + Line("size", Extent(box, info)) + lines;
 }
 
+// "(1, 2, 3)"
+std::string PlaceText(const Json& place) {
+  std::string text;
+  for (const Json& x : place) text += (text.empty() ? "(" : ", ") + Number(x, kDigitsOfMeasures);
+  return text + ")";
+}
+
+// A solid or shell, and its free edges, the first few.
+std::string OfBody(const Json& body) {
+  const Json& free = body["free_edges"];
+  const size_t surfaces = body["surfaces"].size();
+  std::string text = body.contains("name") ? "\"" + body["name"].get<std::string>() + "\", " : "";
+  text += fmt::format("{} surface{}, {} shared edges, ",
+                      surfaces,
+                      surfaces == 1 ? "" : "s",
+                      body["shared_edges"].get<size_t>());
+  text += free.empty()       ? "watertight"
+          : free.size() == 1 ? "not watertight: a free edge"
+                             : fmt::format("not watertight: {} free edges", free.size());
+  std::string lines = Line(body["kind"].get<std::string>().c_str(), text);
+  for (size_t k = 0; k < free.size() && k < kFew; ++k) {
+    lines += Line("  free edge",
+                  fmt::format("of surface {}, from {} to {}",
+                              free[k]["surface"].get<size_t>(),
+                              PlaceText(free[k]["from"]),
+                              PlaceText(free[k]["to"])));
+  }
+  if (free.size() > kFew) lines += fmt::format("  … {} more\n", free.size() - kFew);
+  return lines;
+}
+
 }  // namespace
 
 std::string ShortSummary(const Json& info) {
   std::string text = info.contains("results")  ? OfSeveral(info)
                      : info["kind"] == "cloud" ? OfCloud(info)
                                                : OfOne(info);
+  if (info.contains("bodies")) {
+    for (const Json& body : info["bodies"]) text += OfBody(body);
+  }
   if (info.contains("remarks")) {
     for (const Json& remark : info["remarks"]) text += Line("remark", remark);
   }

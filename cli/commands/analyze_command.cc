@@ -220,15 +220,17 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<AnalyzeArguments>();
   CLI::App& command =
       *app.add_subcommand("analyze", "What a curve or surface is, or how two of them meet");
-  command.add_option("GEOMETRY", a->first, "Curves or surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->first, "Curves or surfaces: .json .step .iges .brep")
+      ->required();
   command.add_option("GEOMETRY2",
                      a->second,
                      "A second one: C0 … C2 and G0 … G2 where they meet; the same one again: where "
                      "it closes");
   command.add_flag("--all", a->all, "Print every number, knots and domains too");
   AddTolerances(command, a);
-  AddGeometryFormatFlag(
-      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
+  AddGeometryFormatFlag(command,
+                        a->format,
+                        "Format of '-' or of a file whose name does not tell: json step iges brep");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Degree, size, length or area, range of curvature, and what shape it is: line,\n"

@@ -117,6 +117,9 @@ int RunCompare(const CompareArguments& a) {
   for (const std::string& remark : contents.remarks) {
     report.warnings.push_back(a.geometry + ": " + remark);
   }
+  if (!contents.flattened.empty()) {
+    report.warnings.push_back(a.geometry + ": " + contents.flattened);
+  }
   ThreadPool pool(a.work.threads);
   report.threads = pool.threads();
   clock.Enter(&StageSeconds::project);
@@ -212,7 +215,8 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<CompareArguments>();
   CLI::App& command =
       *app.add_subcommand("compare", "Measure how far points are from a curve or surface");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges .brep")
+      ->required();
   command
       .add_option(
           "CLOUD", a->clouds, std::string("Points: ") + kCloudFormats + "; several are one cloud")

@@ -17,8 +17,8 @@
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/short_forms.h"
-#include "cli/terminal/bash_completion.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/completion_scripts.h"
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/offered_words.h"
 
@@ -196,6 +196,7 @@ std::vector<std::string> FormatWords() {
                                  "json",
                                  "step",
                                  "iges",
+                                 "brep",
                                  "obj",
                                  "stl",
                                  "off",
@@ -327,17 +328,19 @@ void AddCompletionCommand(CLI::App& app, Action& action) {
   CLI::App& command = *app.add_subcommand(
       "completion", "Print the script that completes commands, flags and files in a shell");
   CLI::Option& option =
-      *command.add_option("SHELL", *shell, "The shell it is for: bash")->required();
-  Allow(option, {"bash"});
+      *command.add_option("SHELL", *shell, "The shell it is for: bash, zsh or fish")->required();
+  Allow(option, {"bash", "zsh", "fish"});
   command.footer(
       "An installed batten has it in place already. The script asks the program what can stand at\n"
       "the cursor: commands, flags, their words, files that can be read or written there.\n"
       "Examples:\n"
       "  source <(batten completion bash)\n"
-      "  batten completion bash > ~/.local/share/bash-completion/completions/batten");
-  command.callback([shell, &action] {  // the option writes to the word: it lives as long
-    action = [] {
-      std::fputs(BashCompletion(), stdout);
+      "  batten completion bash > ~/.local/share/bash-completion/completions/batten\n"
+      "  source <(batten completion zsh)\n"
+      "  batten completion fish > ~/.config/fish/completions/batten.fish");
+  command.callback([shell, &action] {
+    action = [shell] {
+      std::fputs(CompletionScript(*shell), stdout);
       return kDone;
     };
   });

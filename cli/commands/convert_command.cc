@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
@@ -59,6 +60,7 @@ int RunConvert(const ConvertArguments& a) {
     throw UsageError(a.in + " holds geometry: one such file at a time");
   }
   if (IsGeometryFormat(from) && NamesMesh(a.out, out_format)) {
+    if (a.output.sew) throw UsageError("--sew is of STEP and B-rep: a mesh holds no shells");
     return WriteMeshOf({.geometry = a.in,
                         .geometry_format = in_format,
                         .out = a.out,
@@ -75,12 +77,15 @@ int RunConvert(const ConvertArguments& a) {
     throw UsageError(a.in + " is geometry and " + a.out +
                      " a cloud: 'batten sample' makes points of it, 'batten tessellate' a mesh");
   }
+  if (IsCloudFormat(from) && a.output.sew) throw UsageError("--sew is of surfaces, not of points");
   if (!IsWritable(to)) {
     throw UsageError(a.out + ": points are written as .ply, .pcd, .xyz or .csv, not ." +
                      FormatName(to));
   }
   CheckWritable(a.out);
   nlohmann::ordered_json entry{{"path", a.out}};
+  std::optional<SewingReport> sewing;
+  std::vector<GeometryBody> bodies;
   if (IsCloudFormat(from)) {
     CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
     read.format = in_format;
@@ -92,15 +97,19 @@ int RunConvert(const ConvertArguments& a) {
     entry["non_finite"] = file.non_finite;
   } else {
     BeginReading({a.in}, a.flags.quiet);
-    GeometryContents contents = ReadInUnit(a.in, in_format, a.output, a.flags.quiet);
+    GeometryContents contents = ReadInUnit(
+        a.in, in_format, a.output, a.flags.quiet, KeepsBodies(a.out, out_format, a.output));
     const GeometryWriteOptions options = WriteOptions(out_format, a.output, contents);
-    if (contents.unit.empty() && from != FileFormat::kJson && to != FileFormat::kJson &&
-        !a.flags.quiet) {
+    const auto declares = [](FileFormat format) {
+      return format == FileFormat::kStep || format == FileFormat::kIges;
+    };
+    if (contents.unit.empty() && from != FileFormat::kJson && declares(to) && !a.flags.quiet) {
       PrintWarning(a.out + " declares " + options.unit + ": " + a.in +
                    " does not say its unit; say --unit");
     }
-    const GeometryFile file{a.out, std::move(contents.geometry), std::move(contents.names)};
-    WriteGeometry(file, options);
+    bodies = std::move(contents.bodies);
+    const GeometryFile file{a.out, std::move(contents.geometry), std::move(contents.names), bodies};
+    sewing = WriteGeometry(file, options);
     const std::vector<Geometry>& geometry = file.geometry;
     const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
       return std::holds_alternative<NurbsSurface>(one);
@@ -109,6 +118,7 @@ int RunConvert(const ConvertArguments& a) {
     entry["kind"] = all ? "surface" : surfaces == 0 ? "curve" : "mixed";
     entry["count"] = geometry.size();
     entry["unit"] = options.unit;
+    if (sewing) entry["sewing"] = SewingJson(*sewing);
   }
   ClearProgress();
   if (a.flags.json) {
@@ -121,6 +131,7 @@ int RunConvert(const ConvertArguments& a) {
                                 ? fmt::format(" of {} points", entry["points"].get<Eigen::Index>())
                                 : GeometryWords(entry)));
   }
+  if (sewing && !a.flags.quiet) TellSewing(a.out, *sewing, bodies);
   return kDone;
 }
 
@@ -138,10 +149,9 @@ void AddConvertCommand(CLI::App& app, Action& action) {
             a->in = files.front();
             a->out = files.back();
           },
-          std::string("What to read: .json .step .iges, or ") + kCloudFormats +
-              " (several are one cloud); then what to write: .json .step .iges, .stl .obj .ply "
-              ".glb, "
-              "or .ply .pcd .xyz .csv")
+          std::string("What to read: .json .step .iges .brep, or ") + kCloudFormats +
+              " (several are one cloud); then what to write: .json .step .iges .brep, .stl .obj "
+              ".ply .glb, or .ply .pcd .xyz .csv")
       ->required()
       ->expected(2, -1)
       ->type_name("IN... OUT");
@@ -151,15 +161,21 @@ void AddConvertCommand(CLI::App& app, Action& action) {
                   "Format of OUT where its name does not tell and --format is IN's")
       ->type_name("FORMAT");
   AddGeometryOutput(command, a->output);
+  AddSewFlag(command, a->output);
   AddCloudArguments(command, a->cloud);
   AddCommonFlags(command, a->flags);
   command.footer(
       "In STEP curves of the plane stand at z = 0, and periodic shapes are closed ones with "
       "clamped\n"
-      "knots; JSON keeps both as they are, bit by bit.\n"
+      "knots; JSON keeps both as they are, bit by bit. Solids and shells of STEP and B-rep\n"
+      "files stay sewn in those formats. B-rep is OpenCASCADE's own .brep, which FreeCAD reads: "
+      "no\n"
+      "names, no unit.\n"
       "Examples:\n"
       "  batten convert part.json part.step --unit mm --step-schema ap242\n"
       "  batten convert part-in-metres.iges part.step --unit mm\n"
+      "  batten convert faces.json part.step --sew 0.01\n"
+      "  batten convert part.brep part.step --unit mm\n"
       "  batten convert part.step part.stl\n"
       "  batten convert scan.pcd scan.ply --box 0,0,0,10,10,10\n"
       "  batten convert part.step - --format json\n"

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +46,7 @@ struct Edited {
   std::vector<Geometry> shapes;
   std::vector<std::string> names;  // pieces keep that of what they are cut from
   std::vector<std::string> shortfalls;
+  bool pieces = false;  // some shape has become several, or a curve
 };
 
 // Every operation on every shape there is by then.
@@ -61,6 +64,8 @@ Edited EditAll(const std::vector<EditOperation>& operations,
           edited.shapes.size() > 1 ? fmt::format(" (geometry of index {})", i) : "";
       try {
         EditOutcome outcome = ApplyEdit(operations[k], edited.shapes[i]);
+        edited.pieces = edited.pieces || outcome.pieces.size() != 1 ||
+                        outcome.pieces[0].index() != edited.shapes[i].index();
         std::move(outcome.pieces.begin(), outcome.pieces.end(), std::back_inserter(next));
         next_names.resize(next.size(), edited.names[i]);
         if (!outcome.shortfall.empty()) edited.shortfalls.push_back(outcome.shortfall + which);
@@ -86,13 +91,36 @@ std::string Numbered(const std::string& path, size_t number) {
 std::vector<GeometryFile> Outputs(const std::string& out,
                                   bool pieces,
                                   std::vector<Geometry> shapes,
-                                  std::vector<std::string> names) {
-  if (!pieces || out == "-") return {{out, std::move(shapes), std::move(names)}};
+                                  std::vector<std::string> names,
+                                  std::vector<GeometryBody> bodies) {
+  if (!pieces || out == "-") {
+    return {{out, std::move(shapes), std::move(names), std::move(bodies)}};
+  }
   std::vector<GeometryFile> files;
   for (size_t i = 0; i < shapes.size(); ++i) {
     files.push_back({Numbered(out, i + 1), {std::move(shapes[i])}, {std::move(names[i])}});
   }
   return files;
+}
+
+// The bodies of what was read, for what has become of it: their tolerance grows with it.
+std::vector<GeometryBody> BodiesAfter(const std::vector<Geometry>& before,
+                                      const Edited& after,
+                                      std::vector<GeometryBody> bodies) {
+  if (after.pieces) return {};
+  const auto size = [](const std::vector<Geometry>& shapes, const std::vector<size_t>& which) {
+    Eigen::AlignedBox3d box;
+    for (const size_t k : which) {
+      const Eigen::Matrix3Xd& net = std::get<NurbsSurface>(shapes[k]).control_points();
+      box.extend(net.rowwise().minCoeff()).extend(net.rowwise().maxCoeff());
+    }
+    return box.diagonal().norm();
+  };
+  for (GeometryBody& body : bodies) {
+    const double was = size(before, body.surfaces);
+    if (was > 0) body.tolerance *= std::max(1.0, size(after.shapes, body.surfaces) / was);
+  }
+  return bodies;
 }
 
 // Files written together are open together; the system's usual limit is a thousand.
@@ -120,17 +148,27 @@ int RunEdit(const EditArguments& a) {
 
   const Progress progress = MakeProgress(a.flags.quiet);
   BeginReading({a.geometry}, a.flags.quiet);
-  GeometryContents read = ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet);
-  Edited edited = EditAll(operations, std::move(read.geometry), std::move(read.names), progress);
+  const GeometryContents read = ReadInUnit(a.geometry,
+                                           a.format,
+                                           a.output,
+                                           a.flags.quiet,
+                                           !pieces && KeepsBodies(a.out, out_format, a.output));
+  Edited edited = EditAll(operations, read.geometry, read.names, progress);
+  std::vector<GeometryBody> bodies = BodiesAfter(read.geometry, edited, read.bodies);
   const std::vector<GeometryFile> files =
-      Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names));
+      Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names), std::move(bodies));
   MakeRoom(files.size());
   Report(progress, "write", 1);
-  WriteGeometryFiles(files, WriteOptions(out_format, a.output, read));
+  const std::vector<std::optional<SewingReport>> sewing =
+      WriteGeometryFiles(files, WriteOptions(out_format, a.output, read));
   ClearProgress();
 
   Json list = Json::array();
-  for (const GeometryFile& file : files) list.push_back(FileEntry(file));
+  for (size_t k = 0; k < files.size(); ++k) {
+    list.push_back(FileEntry(files[k]));
+    if (sewing[k]) list.back()["sewing"] = SewingJson(*sewing[k]);
+    if (sewing[k] && !a.flags.quiet) TellSewing(files[k].path, *sewing[k], read.bodies);
+  }
   if (a.flags.json) {
     fmt::print("{}\n", Json{{"files", list}}.dump(2, ' ', false, Json::error_handler_t::replace));
   } else if (!a.flags.quiet && a.out != "-") {
@@ -148,19 +186,21 @@ void AddEditCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<EditArguments>();
   CLI::App& command = *app.add_subcommand(
       "edit", "Change curves and surfaces: knots, degree, pieces, place, shape, extent");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges .brep")
+      ->required();
   CLI::Option& operations =
       *command.add_option("OP", a->operations, "Operations, applied in order (below)")->required();
   SuggestFor(operations, CompleteEditOperation);
-  command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
+  command.add_option("-o,--output", a->out, "Where to write: .step .iges .brep .json")
       ->required()
       ->type_name("OUT");
   AddGeometryFormatFlag(
       command,
       a->format,
-      "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
+      "Format of GEOMETRY where its name does not tell, or of '-': json step iges brep");
   AddOutputFormatFlag(command, a->out_format);
   AddGeometryOutput(command, a->output);
+  AddSewFlag(command, a->output);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Operations are written name:key=value,key=value; lists are separated by ';' or ','. On\n"

@@ -264,7 +264,8 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<EvaluateArguments>();
   CLI::App& command =
       *app.add_subcommand("evaluate", "Points, derivatives, normals and curvature at parameters");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges .brep")
+      ->required();
   command.add_option("--at", a->at, "Parameters u or u,v; may be given again")
       ->type_name("u[,v]")
       ->allow_extra_args(false);
@@ -281,8 +282,9 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
           "Derivatives up to this order; from 2 on curvature and torsion too")
       ->default_str("0")
       ->type_name("K");
-  AddGeometryFormatFlag(
-      command, a->format, "Format of '-' or of a file whose name does not tell: json step iges");
+  AddGeometryFormatFlag(command,
+                        a->format,
+                        "Format of '-' or of a file whose name does not tell: json step iges brep");
   AddCommonFlags(command, a->flags);
   command.footer(
       "Derivatives are from the right at knots and from the left at the upper end. A parameter\n"

@@ -103,7 +103,7 @@ void AddInfoCommand(CLI::App& app, Action& action) {
   command
       .add_option("FILE",
                   a->paths,
-                  std::string("Geometry (.json .step .iges), or a cloud (") + kCloudFormats +
+                  std::string("Geometry (.json .step .iges .brep), or a cloud (") + kCloudFormats +
                       "); several are one cloud")
       ->required();
   command.add_flag("--all", a->all, "Print every number, too");

@@ -69,7 +69,7 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
   auto a = std::make_shared<MakeCommandArguments>();
   CLI::App& command = *make.add_subcommand(kind.name, kind.what);
   kind.add_flags(command, a->shape);
-  command.add_option("-o,--output", a->out, "Where to write: .step .iges .json")
+  command.add_option("-o,--output", a->out, "Where to write: .step .iges .brep .json")
       ->required()
       ->type_name("OUT");
   AddOutputFormatFlag(command, a->out_format);

@@ -20,6 +20,7 @@
 #include "batten/io/read_error.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/completion.h"
+#include "cli/commands/manual_pages.h"
 #include "cli/commands/short_forms.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/exit_codes.h"
@@ -238,7 +239,8 @@ int RunProgram(int argc, char** argv) {
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten analyze part.step                          degree, area, curvature, which shape\n"
       "  batten COMMAND --help                             flags, defaults and more examples\n"
-      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; rows of\n"
+      "Lengths are in the data's unit, angles in degrees. A file's extension says its format; rows "
+      "of\n"
       "numbers are points under any name. '-' is standard input or output, with --format. --json "
       "makes\n"
       "the result one JSON object.\n"
@@ -276,6 +278,11 @@ int RunProgram(int argc, char** argv) {
     return Flushed(kDone);
   }
   try {
+    // Nor this: the build, and scripts/make-cli-pages, ask for the manual.
+    if (!typed.empty() && typed[0] == "__pages") {
+      WriteManualPages(app, {typed.begin() + 1, typed.end()});
+      return kDone;
+    }
     const std::vector<std::string> words = InFull(app, typed);
     KeepCommandLine(argc > 0 ? argv[0] : "batten", words);
     if (Parse(app, words) < 0) return Flushed(kDone);

@@ -272,7 +272,8 @@ void AddProjectCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<ProjectArguments>();
   CLI::App& command = *app.add_subcommand(
       "project", "Find the nearest point of a curve or surface to every point of a cloud");
-  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "Curves or surfaces: .json .step .iges .brep")
+      ->required();
   command
       .add_option("POINTS",
                   a->points,

@@ -70,7 +70,8 @@ void AddSampleCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<SampleArguments>();
   CLI::App& command = *app.add_subcommand(
       "sample", "Scatter points over a curve or surface, with noise and outliers");
-  command.add_option("GEOMETRY", a->geometry, "A curve or surface: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "A curve or surface: .json .step .iges .brep")
+      ->required();
   command.add_option("-o,--output", a->out, "Where to write: .ply .pcd .xyz .csv")
       ->required()
       ->type_name("CLOUD");

@@ -103,7 +103,7 @@ void AddSectionCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<SectionArguments>();
   CLI::App& command =
       *app.add_subcommand("section", "Cut surfaces with a plane: the curves where they meet it");
-  command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step")->required();
+  command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step .iges .brep")->required();
   command
       .add_option_function<std::string>(
           "--plane",
@@ -114,7 +114,7 @@ void AddSectionCommand(CLI::App& app, Action& action) {
           "The plane a x + b y + c z + d = 0")
       ->required()
       ->type_name("a,b,c,d");
-  command.add_option("-o,--output", a->out, "Where to write the curves: .step .stp .json")
+  command.add_option("-o,--output", a->out, "Where to write the curves: .step .iges .brep .json")
       ->required()
       ->type_name("OUT");
   command
@@ -128,7 +128,7 @@ void AddSectionCommand(CLI::App& app, Action& action) {
   AddGeometryFormatFlag(
       command,
       a->format,
-      "Format of GEOMETRY where its name does not tell, or of '-': json step iges");
+      "Format of GEOMETRY where its name does not tell, or of '-': json step iges brep");
   AddOutputFormatFlag(command, a->out_format);
   AddGeometryOutput(command, a->output);
   AddCommonFlags(command, a->flags);

@@ -20,7 +20,7 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
   auto a = std::make_shared<MeshRequest>();
   CLI::App& command =
       *app.add_subcommand("tessellate", "Turn surfaces, inside their trims, into a triangle mesh");
-  command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step .iges")->required();
+  command.add_option("GEOMETRY", a->geometry, "Surfaces: .json .step .iges .brep")->required();
   command.add_option("-o,--output", a->out, "Where to write: .stl .obj .ply .glb")
       ->required()
       ->type_name("MESH");

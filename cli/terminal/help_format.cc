@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "cli/terminal/cli11.h"
 
@@ -40,11 +41,45 @@ class WrappingFormatter : public CLI::Formatter {
                              get_column_width());
     return out.str();
   }
+
+  HelpEntry Entry(const CLI::Option* option, bool positional) const {
+    return {make_option_name(option, positional) + make_option_opts(option),
+            make_option_desc(option)};
+  }
 };
+
+const WrappingFormatter& FormatterOf(const CLI::App& command) {
+  return dynamic_cast<const WrappingFormatter&>(*command.get_formatter());
+}
 
 }  // namespace
 
 void WrapHelp(CLI::App& app) { app.formatter(std::make_shared<WrappingFormatter>()); }
+
+std::vector<HelpGroup> HelpGroups(const CLI::App& command) {
+  const WrappingFormatter& formatter = FormatterOf(command);
+  std::vector<HelpGroup> groups;
+  const auto add = [&](const std::string& heading, bool positional, const std::string& group) {
+    HelpGroup one{heading, {}};
+    for (const CLI::Option* option : command.get_options()) {
+      if (option->get_positional() != positional || option->get_group().empty()) continue;
+      if (!positional && option->get_group() != group) continue;
+      one.entries.push_back(formatter.Entry(option, positional));
+    }
+    if (!one.entries.empty()) groups.push_back(std::move(one));
+  };
+  add("Positionals", true, "");
+  for (const std::string& group : command.get_groups()) {
+    if (!group.empty()) add(group, false, group);
+  }
+  return groups;
+}
+
+std::string HelpUsage(const CLI::App& command, const std::string& full_name) {
+  const std::string usage = FormatterOf(command).make_usage(&command, full_name);
+  const std::string head = "Usage: ";
+  return usage.substr(head.size(), usage.find('\n') - head.size());
+}
 
 void GroupFlags(CLI::App& command,
                 const std::string& heading,

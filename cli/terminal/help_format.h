@@ -12,6 +12,19 @@ namespace batten::internal {
 // Descriptions in help, of the command and those added to it later, are wrapped at 100 columns.
 void WrapHelp(CLI::App& app);
 
+// What help says of flags or arguments, in the order in which it stands there.
+struct HelpEntry {
+  std::string name, text;  // "--loss LOSS=auto"; as it was given, lines unwrapped
+};
+struct HelpGroup {
+  std::string heading;  // "Options"
+  std::vector<HelpEntry> entries;
+};
+std::vector<HelpGroup> HelpGroups(const CLI::App& command);
+
+// "batten fit surface [OPTIONS] CLOUD..."
+std::string HelpUsage(const CLI::App& command, const std::string& full_name);
+
 // Flags that stand under a heading; those the command does not have are passed by.
 void GroupFlags(CLI::App& command,
                 const std::string& heading,

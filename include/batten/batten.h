@@ -99,6 +99,8 @@
 #include "batten/geometry/trim_loops.h"
 #include "batten/geometry/trim_region.h"
 #include "batten/io/atomic_file.h"
+#include "batten/io/brep_reader.h"
+#include "batten/io/brep_writer.h"
 #include "batten/io/cloud_options.h"
 #include "batten/io/deviation_colours.h"
 #include "batten/io/deviation_limit.h"

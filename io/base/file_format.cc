@@ -30,6 +30,7 @@ constexpr std::array kKnown{
     KnownWord{"off", FileFormat::kOff},    KnownWord{"json", FileFormat::kJson},
     KnownWord{"step", FileFormat::kStep},  KnownWord{"stp", FileFormat::kStep},
     KnownWord{"iges", FileFormat::kIges},  KnownWord{"igs", FileFormat::kIges},
+    KnownWord{"brep", FileFormat::kBrep},  KnownWord{"brp", FileFormat::kBrep},
 };
 
 struct UnsupportedWord {
@@ -43,7 +44,6 @@ constexpr std::array kUnsupported{
         "run `pdal translate scan.e57 scan.las`"},
     UnsupportedWord{"3dm", "export it as .step from Rhino"},
     UnsupportedWord{"g2", "export it as .step from a program that reads GoTools files"},
-    UnsupportedWord{"brep", "export it as .step from OpenCASCADE or FreeCAD"},
     UnsupportedWord{"glb", "a mesh, which 'batten tessellate' only writes; use .step or .json"},
 };
 
@@ -62,9 +62,8 @@ std::optional<FileFormat> Known(std::string_view word) {
 }
 
 const UnsupportedWord* Unsupported(std::string_view word) {
-  const auto found = std::find_if(kUnsupported.begin(), kUnsupported.end(), [&](const auto& one) {
-    return one.word == word;
-  });
+  const auto found = std::find_if(
+      kUnsupported.begin(), kUnsupported.end(), [&](const auto& one) { return one.word == word; });
   return found == kUnsupported.end() ? nullptr : &*found;
 }
 
@@ -83,15 +82,13 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
   }
   throw UsageError(
       subject + ": unknown format '" + word +
-      "'; known are pcd, ply, las, obj, stl, off, text, xyz, csv, json, step and iges (say which "
-      "with --format)");
+      "'; known are pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges and brep (say "
+      "which with --format)");
 }
 
 }  // namespace
 
-std::optional<FileFormat> FormatOfName(const std::string& path) {
-  return Known(ExtensionOf(path));
-}
+std::optional<FileFormat> FormatOfName(const std::string& path) { return Known(ExtensionOf(path)); }
 
 bool IsUnsupportedName(const std::string& path) {
   return Unsupported(ExtensionOf(path)) != nullptr;
@@ -105,7 +102,7 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
   const std::string extension = ExtensionOf(path);
   if (extension.empty()) {
     throw UsageError(path + ": the name does not say the format; say it with --format" +
-                     " (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges)");
+                     " (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges, brep)");
   }
   return FormatOfWord(extension, path);
 }
@@ -136,12 +133,15 @@ const char* FormatName(FileFormat format) {
       return "step";
     case FileFormat::kIges:
       return "iges";
+    case FileFormat::kBrep:
+      return "brep";
   }
   return "?";
 }
 
 bool IsGeometryFormat(FileFormat format) {
-  return format == FileFormat::kJson || format == FileFormat::kStep || format == FileFormat::kIges;
+  return format == FileFormat::kJson || format == FileFormat::kStep ||
+         format == FileFormat::kIges || format == FileFormat::kBrep;
 }
 
 bool IsCloudFormat(FileFormat format) { return !IsGeometryFormat(format); }

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "batten/io/atomic_file.h"
+#include "batten/io/brep_reader.h"
+#include "batten/io/brep_writer.h"
 #include "batten/io/geometry_json.h"
 #include "batten/io/iges_reader.h"
 #include "batten/io/iges_writer.h"
@@ -22,13 +24,13 @@ namespace batten {
 using namespace internal;
 namespace {
 
-enum class Format { kJson, kStep, kIges };
+enum class Format { kJson, kStep, kIges, kBrep };
 
 // From the format word, or else the extension.
 Format FormatOf(const std::string& path, const std::string& word) {
   std::string name = word;
   if (word.empty()) {
-    if (path == "-") throw UsageError("-: a format (json, step or iges) must be named");
+    if (path == "-") throw UsageError("-: a format (json, step, iges or brep) must be named");
     const std::string extension = std::filesystem::path(path).extension().string();
     if (extension.size() > 1) name = extension.substr(1);
   }
@@ -38,10 +40,12 @@ Format FormatOf(const std::string& path, const std::string& word) {
   if (name == "json") return Format::kJson;
   if (name == "step" || name == "stp") return Format::kStep;
   if (name == "iges" || name == "igs") return Format::kIges;
+  if (name == "brep" || name == "brp") return Format::kBrep;
   const std::string what =
       word.empty() ? (name.empty() ? "a name without an extension" : "the extension ." + name)
                    : "the format \"" + word + "\"";
-  throw UsageError(path + ": " + what + " is not one of geometry; use .json, .step or .iges");
+  throw UsageError(path + ": " + what +
+                   " is not one of geometry; use .json, .step, .iges or .brep");
 }
 
 GeometryContents ReadAny(const std::string& path, Format format) {
@@ -52,6 +56,8 @@ GeometryContents ReadAny(const std::string& path, Format format) {
       return ReadStepContents(path);
     case Format::kIges:
       return ReadIgesContents(path);
+    case Format::kBrep:
+      return ReadBrepContents(path);
   }
   return {};
 }
@@ -82,6 +88,13 @@ void ChangeUnit(GeometryContents& contents, const std::string& unit) {
   for (Geometry& one : contents.geometry) {
     one = std::visit([&](const auto& shape) { return Scaled(shape, times, over); }, one);
   }
+  for (GeometryBody& body : contents.bodies) {
+    body.tolerance *= times / over;
+    for (FreeEdge& edge : body.free_edges) {
+      edge.from *= times / over;
+      edge.to *= times / over;
+    }
+  }
 }
 
 }  // namespace
@@ -107,29 +120,40 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
   WriteGeometry(GeometryFile{path, geometry}, options);
 }
 
-void WriteGeometry(const GeometryFile& file, const GeometryWriteOptions& options) {
+std::optional<SewingReport> WriteGeometry(const GeometryFile& file,
+                                          const GeometryWriteOptions& options) {
   LengthUnitOf(options.unit);
   if (!file.names.empty() && file.names.size() != file.geometry.size()) {
     throw std::invalid_argument("WriteGeometry: there must be a name for every geometry, or none");
   }
-  switch (FormatOf(file.path, options.format)) {
+  const Format format = FormatOf(file.path, options.format);
+  const bool holds_shells = format == Format::kStep || format == Format::kBrep;
+  if (options.sew.value_or(0) > 0 && !holds_shells) {
+    throw UsageError(file.path + ": only .step and .brep hold surfaces that are sewn together");
+  }
+  switch (format) {
     case Format::kJson: {
       const std::string text = ToGeometryJson(file, options.unit);
       AtomicFile target(file.path);
       target.Write(text);
       target.Commit();
-      return;
+      break;
     }
     case Format::kStep:
       return WriteStep(file, options);
     case Format::kIges:
-      return WriteIges(file, options);
+      WriteIges(file, options);
+      break;
+    case Format::kBrep:
+      return WriteBrep(file, options);
   }
+  return std::nullopt;
 }
 
-void WriteGeometryFiles(const std::vector<GeometryFile>& files,
-                        const GeometryWriteOptions& options) {
-  if (files.size() == 1) return WriteGeometry(files[0], options);
+std::vector<std::optional<SewingReport>> WriteGeometryFiles(const std::vector<GeometryFile>& files,
+                                                            const GeometryWriteOptions& options) {
+  if (files.size() == 1) return {WriteGeometry(files[0], options)};
+  std::vector<std::optional<SewingReport>> reports;
   // Each is written whole under its temporary name; what is left for the end are renames.
   std::vector<std::unique_ptr<AtomicFile>> targets;
   for (const GeometryFile& file : files) {
@@ -137,13 +161,15 @@ void WriteGeometryFiles(const std::vector<GeometryFile>& files,
     const std::string& temporary = target.temporary_path();
     if (temporary.empty()) throw WriteError(file.path, "is not a file that can be replaced");
     try {
-      WriteGeometry(GeometryFile{temporary, file.geometry, file.names}, options);
+      reports.push_back(
+          WriteGeometry(GeometryFile{temporary, file.geometry, file.names, file.bodies}, options));
     } catch (const WriteError& error) {
       const std::string what = error.what(), prefix = temporary + ": ";
       throw WriteError(file.path, what.substr(what.find(prefix) == 0 ? prefix.size() : 0));
     }
   }
   for (const auto& target : targets) target->Commit();
+  return reports;
 }
 
 }  // namespace batten

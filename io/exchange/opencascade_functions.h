@@ -3,6 +3,7 @@
 // call, for OpenCASCADE takes longer to load than most commands take to run.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "batten/io/geometry_types.h"
@@ -16,9 +17,19 @@ struct OpenCascadeFunctions {
   // step_import.h
   GeometryContents (*import_step)(std::string text, const std::string& name);
   // step_export.h
-  std::string (*export_step)(const GeometryFile& file, const char* unit, const char* schema);
+  std::string (*export_step)(const GeometryFile& file,
+                             const char* unit,
+                             const char* schema,
+                             const std::optional<double>& sew,
+                             std::optional<SewingReport>& report);
   // iges_export.h
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
+  // brep_import.h
+  GeometryContents (*import_brep)(std::string text, const std::string& name);
+  // brep_export.h
+  std::string (*export_brep)(const GeometryFile& file,
+                             const std::optional<double>& sew,
+                             std::optional<SewingReport>& report);
 };
 
 // The functions of the module, which is loaded when it has not been yet, from any thread, and stays

@@ -7,6 +7,7 @@
 #include "batten/io/length_unit.h"
 #include "batten/io/read_error.h"
 #include "io/exchange/opencascade_functions.h"
+#include "io/exchange/sewing_request.h"
 #include "io/exchange/step_text.h"
 
 namespace batten {
@@ -28,13 +29,18 @@ void WriteStep(const std::vector<Geometry>& geometry,
   WriteStep(GeometryFile{path, geometry}, {.unit = unit});
 }
 
-void WriteStep(const GeometryFile& file, const GeometryWriteOptions& options) {
+std::optional<SewingReport> WriteStep(const GeometryFile& file,
+                                      const GeometryWriteOptions& options) {
   if (file.geometry.empty()) throw std::invalid_argument("WriteStep: there is no geometry");
   const char* unit = LengthUnitOf(options.unit).step;
   const char* schema = OcctSchema(options.step_schema);
+  CheckSewing(file, options);
+  std::optional<SewingReport> report;
   AtomicFile target(file.path);
-  target.Write(WithShortestReals(OpenCascade().export_step(file, unit, schema)));
+  target.Write(
+      WithShortestReals(OpenCascade().export_step(file, unit, schema, options.sew, report)));
   target.Commit();
+  return report;
 }
 
 }  // namespace batten

@@ -6,10 +6,15 @@
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
+#include <Geom_ElementarySurface.hxx>
 #include <Geom_Plane.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_SphericalSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -52,8 +57,32 @@ Handle(Geom_BSplineSurface) AsBSpline(const Handle(Geom_Surface) & surface) {
   return Handle(Geom_BSplineSurface)::DownCast(surface);
 }
 
-NurbsSurface Untrimmed(const TopoDS_Face& face, const ParameterRectangle& box) {
-  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+Handle(Geom_Surface) BasisOf(const Handle(Geom_Surface) & surface) {
+  const auto part = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
+  return part.IsNull() ? surface : BasisOf(part->BasisSurface());
+}
+
+// A face's surface, right-handed where it is a plane or round: u runs the other way where it was
+// not, as .brep files may have it. Parameters of the face are turned by U.
+struct DirectSurface {
+  explicit DirectSurface(const TopoDS_Face& face) : surface(BRep_Tool::Surface(face)) {
+    const auto elementary = Handle(Geom_ElementarySurface)::DownCast(BasisOf(surface));
+    if (elementary.IsNull() || elementary->Position().Direct()) return;
+    sum = elementary->UReversedParameter(0);
+    turned = true;
+    surface = elementary->UReversed();
+  }
+  double U(double u) const { return turned ? sum - u : u; }
+
+  Handle(Geom_Surface) surface;
+  double sum = 0;  // of u and the parameter it is turned into
+  bool turned = false;
+};
+
+NurbsSurface Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
+  const DirectSurface direct(face);
+  const Handle(Geom_Surface) surface = direct.surface;
+  if (direct.turned) box = {direct.U(box.u1), direct.U(box.u0), box.v0, box.v1};
   if (const auto exact = FromAnalytic(surface, box, SeamsOf(face))) return ToNurbs(*exact);
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
   const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
@@ -108,11 +137,6 @@ Mapping OfBSpline(const Handle(Geom_BSplineSurface) & surface, const ParameterRe
   return {std::move(result), u, v};
 }
 
-Handle(Geom_Surface) BasisOf(const Handle(Geom_Surface) & surface) {
-  const auto part = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
-  return part.IsNull() ? surface : BasisOf(part->BasisSurface());
-}
-
 Mapping OfOther(const Handle(Geom_Surface) & surface,
                 const ParameterRectangle& box,
                 const Seams& seams) {
@@ -152,35 +176,82 @@ void CheckMapping(const Geom_Surface& surface, const Mapping& mapping, const Wir
   }
 }
 
-NurbsCurve<2> LoopOf(const std::vector<NurbsCurve<2>>& wire, const Mapping& mapping) {
+// The least length of rows and columns of control points.
+double LeastExtent(const NurbsSurface& surface) {
+  const Eigen::Matrix3Xd& net = surface.control_points();
+  const Eigen::Index rows = surface.size_u(), columns = surface.size_v();
+  double along_u = 0, along_v = 0;
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    double length = 0;
+    for (Eigen::Index i = 1; i < rows; ++i) {
+      length += (net.col(i * columns + j) - net.col((i - 1) * columns + j)).norm();
+    }
+    along_u = std::max(along_u, length);
+  }
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    double length = 0;
+    for (Eigen::Index j = 1; j < columns; ++j) {
+      length += (net.col(i * columns + j) - net.col(i * columns + j - 1)).norm();
+    }
+    along_v = std::max(along_v, length);
+  }
+  return std::min(along_u, along_v);
+}
+
+// How far ends of a loop's pieces may be apart: what the tolerances of its corners, as edges that
+// were sewn over a gap have them, are worth in the domain.
+double LargestGap(const TopoDS_Face& face, const NurbsSurface& surface) {
+  constexpr double kWidest = 0.05;  // wider gaps would change the shape of the face
+  double tolerance = 0;
+  for (TopExp_Explorer corners(face, TopAbs_VERTEX); corners.More(); corners.Next()) {
+    tolerance = std::max(tolerance, BRep_Tool::Tolerance(TopoDS::Vertex(corners.Current())));
+  }
+  const double extent = LeastExtent(surface);
+  return extent > 0 ? std::clamp(2 * tolerance / extent, kCadGap, kWidest) : kCadGap;
+}
+
+NurbsCurve<2> LoopOf(const std::vector<NurbsCurve<2>>& wire, const Mapping& mapping, double gap) {
   const Eigen::Array2d sides = DomainSides(mapping.surface);
   std::vector<NurbsCurve<2>> pieces;
   for (const NurbsCurve<2>& curve : wire) {
     pieces.push_back(Mapped(curve, mapping.u, mapping.v, sides, kMapping));
   }
-  return Shut(Chained(std::move(pieces), sides, kCadGap, false), sides, kCadGap);
+  return Shut(Chained(std::move(pieces), sides, gap, false), sides, gap);
+}
+
+void Turn(const DirectSurface& direct, Wires& wires) {
+  for (auto& wire : wires) {
+    for (NurbsCurve<2>& curve : wire) {
+      Eigen::Matrix2Xd points = curve.control_points();
+      points.row(0) = points.row(0).unaryExpr([&](double u) { return direct.U(u); });
+      curve = NurbsCurve<2>(curve.basis(), points, curve.weights());
+    }
+  }
 }
 
 NurbsSurface Trimmed(const TopoDS_Face& face) {
-  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  const DirectSurface direct(face);
+  const Handle(Geom_Surface) surface = direct.surface;
   Wires wires = WiresOf(face);
   if (wires.empty()) throw std::invalid_argument("has no boundary");
+  if (direct.turned) Turn(direct, wires);
   MoveIntoDomain(*surface, wires);
   const ParameterRectangle box = BoxOf(wires);
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
   const Mapping mapping =
       bspline.IsNull() ? OfOther(surface, box, SeamsOf(face)) : OfBSpline(bspline, box);
   CheckMapping(*surface, mapping, wires);
+  const double gap = LargestGap(face, mapping.surface);
   std::vector<NurbsCurve<2>> loops;
   for (size_t i = 0; i < wires.size(); ++i) {
     try {
-      loops.push_back(LoopOf(wires[i], mapping));
+      loops.push_back(LoopOf(wires[i], mapping, gap));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("loop " + std::to_string(i + 1) + ": " + error.what());
     }
   }
   try {
-    return WithTurnedLoops(mapping.surface, std::move(loops), kCadGap);
+    return WithTurnedLoops(mapping.surface, std::move(loops), gap);
   } catch (const LoopError& error) {
     throw std::invalid_argument("loop " + std::to_string(error.loop() + 1) + " " + error.what());
   }

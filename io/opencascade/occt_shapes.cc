@@ -10,12 +10,14 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "batten/io/read_error.h"
+#include "io/opencascade/body_edges.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/occt_exact.h"
 #include "io/opencascade/occt_face.h"
@@ -65,12 +67,38 @@ void CheckRange(const Geometry& geometry, const std::string& what, const std::st
 }  // namespace
 
 void ShapeCollector::Add(const TopoDS_Shape& root) {
-  for (TopExp_Explorer faces(root, TopAbs_FACE); faces.More(); faces.Next()) {
-    AddFace(TopoDS::Face(faces.Current()));
-  }
+  AddFaces(root, nullptr);
   for (TopExp_Explorer edges(root, TopAbs_EDGE, TopAbs_FACE); edges.More(); edges.Next()) {
     AddEdge(TopoDS::Edge(edges.Current()));
   }
+}
+
+// In the order of an explorer's visits.
+void ShapeCollector::AddFaces(const TopoDS_Shape& shape, Body* body) {
+  const TopAbs_ShapeEnum type = shape.ShapeType();
+  if (type == TopAbs_FACE) {
+    const TopoDS_Face face = TopoDS::Face(shape);
+    AddFace(face);
+    if (body == nullptr) return;
+    body->faces.push_back(face);
+    body->surfaces.push_back(contents_.geometry.size() - 1);
+    return;
+  }
+  if (type > TopAbs_FACE) return;
+  if (body == nullptr && (type == TopAbs_SOLID || type == TopAbs_SHELL)) return AddBody(shape);
+  for (TopoDS_Iterator parts(shape); parts.More(); parts.Next()) AddFaces(parts.Value(), body);
+}
+
+// Shells of one face share nothing.
+void ShapeCollector::AddBody(const TopoDS_Shape& shape) {
+  Body body;
+  for (TopoDS_Iterator parts(shape); parts.More(); parts.Next()) AddFaces(parts.Value(), &body);
+  const bool solid = shape.ShapeType() == TopAbs_SOLID;
+  if (body.faces.empty() || (body.faces.size() == 1 && !solid)) return;
+  GeometryBody one = BodyOf(body.faces, body.surfaces);
+  one.solid = solid;
+  if (names_) one.name = names_(shape);
+  contents_.bodies.push_back(std::move(one));
 }
 
 void ShapeCollector::AddFace(const TopoDS_Face& face) {
@@ -91,13 +119,27 @@ template <typename Convert>
 void ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert) {
   try {
     contents_.geometry.emplace_back(convert());
-    contents_.names.push_back(names_.Of(shape));
+    contents_.names.push_back(names_ ? names_(shape) : "");
   } catch (const std::invalid_argument& error) {
     throw ReadError(path_, name + ": " + error.what());
   } catch (const Standard_Failure& failure) {
     throw ReadError(path_, name + " can't be turned into NURBS: " + failure.GetMessageString());
   }
   CheckRange(contents_.geometry.back(), name, path_);
+}
+
+std::string WhatIsFlattened(const GeometryContents& contents, int placed_parts) {
+  const auto solids = std::count_if(
+      contents.bodies.begin(), contents.bodies.end(), [](const auto& body) { return body.solid; });
+  if (solids == 0 && placed_parts == 0) return "";
+  const std::string parts = "an assembly of " + std::to_string(placed_parts) + " placed parts";
+  const std::string bodies = solids == 1 ? "a solid" : std::to_string(solids) + " solids";
+  return (placed_parts == 0 ? bodies
+          : solids == 0     ? parts
+                            : parts + " with " + bodies) +
+         (placed_parts == 0 && solids > 1 ? " are" : " is") + std::string(" flattened: ") +
+         std::to_string(contents.geometry.size()) +
+         " surfaces and curves where they stand, each by itself";
 }
 
 }  // namespace batten::internal

@@ -5,35 +5,47 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/io/geometry_types.h"
-#include "io/opencascade/step_names.h"
 
 namespace batten::internal {
 
 // Adds to `contents` every face of the roots of a file, then every edge outside faces, with their
-// names. Throws
-// ReadError naming `path` and the face or edge that can't be turned into NURBS or holds coordinates
-// above 1e150.
+// names, and the solids and shells that faces are of. Throws ReadError naming `path` and the face
+// or edge that can't be turned into NURBS or holds coordinates above 1e150.
 class ShapeCollector {
  public:
-  ShapeCollector(GeometryContents& contents, const StepNames& names, const std::string& path)
-      : contents_(contents), names_(names), path_(path) {}
+  using NameOf = std::function<std::string(const TopoDS_Shape& shape)>;
+  ShapeCollector(GeometryContents& contents, NameOf names, const std::string& path)
+      : contents_(contents), names_(std::move(names)), path_(path) {}
 
   void Add(const TopoDS_Shape& root);
 
  private:
+  // The faces of one body, with the surfaces they have become.
+  struct Body {
+    std::vector<TopoDS_Face> faces;
+    std::vector<size_t> surfaces;
+  };
+  void AddFaces(const TopoDS_Shape& shape, Body* body);
+  void AddBody(const TopoDS_Shape& shape);
   void AddFace(const TopoDS_Face& face);
   void AddEdge(const TopoDS_Edge& edge);
   template <typename Convert>
   void Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert);
 
   GeometryContents& contents_;
-  const StepNames& names_;
+  NameOf names_;
   const std::string& path_;
   int faces_ = 0, edges_ = 0;
 };
+
+// What is lost in separate surfaces and curves, in a sentence: solids, and parts that an assembly
+// places; empty: nothing.
+std::string WhatIsFlattened(const GeometryContents& contents, int placed_parts);
 
 }  // namespace batten::internal

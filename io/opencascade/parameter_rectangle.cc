@@ -5,6 +5,7 @@
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <algorithm>
@@ -95,9 +96,11 @@ std::optional<ParameterRectangle> RectangleOf(const TopoDS_Face& face) {
 
 Seams SeamsOf(const TopoDS_Face& face) {
   Seams seams;
+  // An edge with a curve on either side may bound the face on one of them alone.
+  TopTools_MapOfShape once;
   for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
     const TopoDS_Edge& edge = TopoDS::Edge(edges.Current());
-    if (!BRep_Tool::IsClosed(edge, face)) continue;
+    if (!BRep_Tool::IsClosed(edge, face) || once.Add(edge)) continue;
     double first = 0, last = 0;
     const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
     if (curve.IsNull()) continue;

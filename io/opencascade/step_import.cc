@@ -8,9 +8,7 @@
 #include <StepData_UndefinedEntity.hxx>
 #include <StepGeom_CartesianPoint.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
-#include <TopExp_Explorer.hxx>
 #include <istream>
-#include <streambuf>
 #include <string_view>
 #include <utility>
 
@@ -21,17 +19,10 @@
 #include "io/opencascade/step_model.h"
 #include "io/opencascade/step_names.h"
 #include "io/opencascade/step_units.h"
+#include "io/opencascade/text_buffer.h"
 
 namespace batten::internal {
 namespace {
-
-// Text in memory as a stream, without a copy.
-class TextBuffer : public std::streambuf {
- public:
-  explicit TextBuffer(std::string& text) {
-    setg(text.data(), text.data(), text.data() + text.size());
-  }
-};
 
 // What a file without curves and surfaces holds instead.
 std::string WhyEmpty(const Handle(StepData_StepModel) & model) {
@@ -56,24 +47,13 @@ std::string WhyEmpty(const Handle(StepData_StepModel) & model) {
   return none;
 }
 
-// What of a file is lost in separate surfaces and curves, in a sentence; empty: nothing.
-std::string WhatIsFlattened(const STEPControl_Reader& reader, size_t kept) {
-  int solids = 0, placed = 0;
-  for (int i = 1; i <= reader.NbShapes(); ++i) {
-    for (TopExp_Explorer one(reader.Shape(i), TopAbs_SOLID); one.More(); one.Next()) ++solids;
-  }
-  const Handle(StepData_StepModel) model = reader.StepModel();
+// How many parts an assembly places.
+int PlacedParts(const Handle(StepData_StepModel) & model) {
+  int placed = 0;
   for (int i = 1; i <= model->NbEntities(); ++i) {
     placed += !Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i)).IsNull();
   }
-  if (solids == 0 && placed == 0) return "";
-  const std::string parts = "an assembly of " + std::to_string(placed) + " placed parts";
-  const std::string bodies = solids == 1 ? "a solid" : std::to_string(solids) + " solids";
-  return (placed == 0   ? bodies
-          : solids == 0 ? parts
-                        : parts + " with " + bodies) +
-         (placed == 0 && solids > 1 ? " are" : " is") + std::string(" flattened: ") +
-         std::to_string(kept) + " surfaces and curves where they stand, each by itself";
+  return placed;
 }
 
 GeometryContents Translate(std::string& text, const std::string& path) {
@@ -91,13 +71,11 @@ GeometryContents Translate(std::string& text, const std::string& path) {
   GeometryContents contents;
   contents.unit = units.name;
   contents.remarks = units.remarks;
-  ShapeCollector collector(contents, names, path);
+  ShapeCollector collector(
+      contents, [&names](const TopoDS_Shape& shape) { return names.Of(shape); }, path);
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
   if (contents.geometry.empty()) throw ReadError(path, WhyEmpty(reader.StepModel()));
-  if (std::string flattened = WhatIsFlattened(reader, contents.geometry.size());
-      !flattened.empty()) {
-    contents.remarks.push_back(std::move(flattened));
-  }
+  contents.flattened = WhatIsFlattened(contents, PlacedParts(reader.StepModel()));
   if (OnlyLines(contents.geometry)) {
     contents.remarks.push_back("it holds only lines: they are curves of degree 1");
   }

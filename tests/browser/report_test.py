@@ -11,6 +11,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -163,7 +164,7 @@ class ReportTest(unittest.TestCase):
         x, y = box[0] + box[2] / 2, box[1] + box[3] / 2
         self.browser.pointer(("move", x, y), ("down",), ("move", x + 120, y + 40), ("up",))
         self.assertNotEqual(self.summary()["hash"], before)
-        self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
+        self.browser.run("[...document.querySelectorAll('.looks button')].find((b) => b.textContent === 'Reset').click()")
         self.assertEqual(self.summary()["hash"], before)
 
     def test_one_finger_turns_and_two_move_and_zoom(self):
@@ -186,7 +187,7 @@ class ReportTest(unittest.TestCase):
         self.browser.touch([far[0]], far, near)
         self.assertLess(self.summary()["inked"], turned["inked"], "two that meet go away")
         self.assertEqual(self.browser.run("return window.scrollY"), scrolled, "the page stays where it is")
-        self.browser.run("[...document.querySelectorAll('.looks button')].pop().click()")
+        self.browser.run("[...document.querySelectorAll('.looks button')].find((b) => b.textContent === 'Reset').click()")
         self.assertEqual(self.summary()["hash"], start["hash"])
         self.browser.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
         self.assert_calm()
@@ -286,6 +287,50 @@ class ReportTest(unittest.TestCase):
         self.assertEqual((shown["buttons"], shown["sliders"]), (0, 0))
         for part in ("paper", "legend", "bars", "command", "table"):
             self.assertGreater(shown[part], 0, part)
+
+    def test_the_png_button_saves_the_view_with_axes_scale_and_legend(self):
+        # How many pixels of a part of the picture are not white.
+        inked = """
+          const image = new Image();
+          image.src = arguments[0];
+          await image.decode();
+          const canvas = document.createElement("canvas"), c = canvas.getContext("2d", { willReadFrequently: true });
+          canvas.width = image.width;
+          canvas.height = image.height;
+          c.drawImage(image, 0, 0);
+          const count = (x, y, w, h) => {
+            const p = c.getImageData(x, y, w, h).data;
+            let n = 0;
+            for (let i = 0; i < p.length; i += 4) n += p[i] < 250 || p[i + 1] < 250 || p[i + 2] < 250;
+            return n / (w * h);
+          };
+          return { width: image.width, height: image.height, all: count(0, 0, image.width, image.height),
+                   axes: count(20, image.height - 170, 150, 150), scale: count(image.width - 340, image.height - 80, 320, 70),
+                   legend: count(image.width - 220, 30, 200, 300) };"""
+        for name, overlay in (("panel.html", True), ("oval.html", False)):
+            self.open(name)
+            before = self.summary()
+            picture = self.browser.run("return battenReport.picture()")
+            seen = self.browser.run("return (async function () {" + inked + "}).apply(null, arguments)", picture)
+            self.assertEqual((seen["width"], seen["height"]), (1920, 1152))
+            self.assertGreater(seen["all"], 0.005, name)
+            self.assertLess(seen["all"], 0.95, name)
+            for part in ("axes", "scale") if overlay else ():
+                self.assertGreater(seen[part], 0.003, f"{name}: {part}")
+            if self.browser.run("return document.querySelector('.legend').style.display !== 'none'"):
+                self.assertGreater(seen["legend"], 0.05, f"{name}: legend")
+            self.assertEqual(self.summary(), before, "the view is as it was")
+            self.assert_calm()
+        self.browser.devtools("Browser.setDownloadBehavior", behavior="allow", downloadPath=os.path.abspath(self.work))
+        saved = os.path.join(self.work, "oval.png")
+        if os.path.exists(saved):
+            os.remove(saved)
+        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'PNG').click()")
+        end = time.time() + 20
+        while not os.path.exists(saved) and time.time() < end:
+            time.sleep(0.1)
+        with open(saved, "rb") as file:
+            self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
 
     def test_without_webgl_it_says_so_and_keeps_its_figures(self):
         with webdriver.Browser(flags=webdriver.NO_GL) as browser:

@@ -115,7 +115,7 @@ TEST_F(CompletionTest, WordsOfFlagsAreThoseTheProgramTakes) {
   EXPECT_THAT(Offered({"fit", "curve", "a.xyz", "--unit", "in"}), ElementsAre("in", "inch"));
   EXPECT_THAT(Offered({"convert", "--format", "s"}), Contains("step"));
   EXPECT_THAT(Offered({"fit", "surface", "--tolerance", ""}), IsEmpty());
-  EXPECT_THAT(Offered({"completion", ""}), ElementsAre("bash"));
+  EXPECT_THAT(Offered({"completion", ""}), ElementsAre("bash", "fish", "zsh"));
   // Every word of a closed list is taken, others are not.
   const std::string cloud = folder_.With("cloud.xyz", ToText(WavySheet(30)));
   for (const char* const flag :
@@ -211,11 +211,13 @@ TEST_F(CompletionTest, NothingTypedMakesItFail) {
 }
 
 TEST_F(CompletionTest, TheScriptIsTheOneThatIsInstalled) {
-  std::ifstream file(std::string(BATTEN_SOURCE_DIR) + "/cli/terminal/batten.bash");
-  std::ostringstream text;
-  text << file.rdbuf();
-  EXPECT_EQ(Batten({"completion", "bash"}).out, text.str());
-  EXPECT_EQ(Batten({"completion", "fish"}).code, 2);
+  for (const std::string shell : {"bash", "zsh", "fish"}) {
+    std::ifstream file(std::string(BATTEN_SOURCE_DIR) + "/cli/terminal/batten." + shell);
+    std::ostringstream text;
+    text << file.rdbuf();
+    EXPECT_EQ(Batten({"completion", shell}).out, text.str());
+  }
+  EXPECT_EQ(Batten({"completion", "csh"}).code, 2);
   EXPECT_THAT(Batten({"completion", "bsh"}).err, ::testing::HasSubstr("'bash'"));
 }
 

@@ -433,8 +433,8 @@ TEST_F(EditTest, FilesThatCanNotBeUsedAreRefusedBeforeTheWork) {
     EXPECT_EQ(folder_.Entries(), before);
     return run.err;
   };
-  EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.brep"), "reverse"}, 2),
-              HasSubstr(".brep"));
+  EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.g2"), "reverse"}, 2),
+              HasSubstr(".g2"));
   EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.xyz"), "reverse"}, 2),
               HasSubstr(".xyz"));
   EXPECT_THAT(refused({"edit", parabola_, "-o", folder_.File("x.json")}, 2), HasSubstr("OP"));

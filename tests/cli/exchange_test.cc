@@ -146,11 +146,105 @@ TEST_F(ExchangeTest, OddFilesAreReadAndSaidToBeOdd) {
   EXPECT_THAT(run.err, AllOf(HasSubstr("no unit of length"), HasSubstr("holds only lines")));
   EXPECT_EQ(Contents("out.step").unit, "inch");
   EXPECT_EQ(RunJson({"info", odd})["remarks"].size(), 2u);
-  for (const char* name : {"a.3dm", "a.g2", "a.brep"}) {
+  for (const char* name : {"a.3dm", "a.g2"}) {
     const ProgramRun refused = Batten({"info", folder_.With(name, "x")});
     EXPECT_EQ(refused.code, 2);
     EXPECT_THAT(refused.err, HasSubstr("export it as .step"));
   }
+}
+
+class SewTest : public ExchangeTest {
+ protected:
+  // The sides of a unit cube but the one at x = 1, which is `gap` beside.
+  SewTest() {
+    const auto side = [&](Eigen::Vector3d at, Eigen::Vector3d u, Eigen::Vector3d v) {
+      sides_.emplace_back(MakeBilinear(at, at + u, at + v, at + u + v));
+    };
+    const Eigen::Vector3d o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    for (const Eigen::Vector3d& at : {o, z}) side(at, x, y);
+    for (const Eigen::Vector3d& at : {o, y}) side(at, x, z);
+    side(o, y, z);
+    side(x + kGap * x, y, z);
+    WriteGeometry({folder_.File("cube.json"), sides_});
+  }
+
+  static constexpr double kGap = 0.01;
+  std::vector<Geometry> sides_;
+};
+
+TEST_F(SewTest, SaysWhatCameOfIt) {
+  const std::string cube = folder_.File("cube.json"), step = folder_.File("cube.step");
+  ProgramRun run = Batten({"convert", cube, step, "--sew", "0.001", "--json"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("warning"),
+                    HasSubstr("8 free edges: not watertight"),
+                    HasSubstr("the nearest two are 0.01 apart")));
+  Json sewing = Json::parse(run.out)["files"][0]["sewing"];
+  EXPECT_EQ(sewing["watertight"], false);
+  EXPECT_EQ(sewing["free_edges"], 8);
+  EXPECT_EQ(sewing["loose"], 1);
+  EXPECT_NEAR(sewing["nearest_gap"].get<double>(), kGap, 1e-9);
+  run = Batten({"analyze", step});
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("5 surfaces, 8 shared edges, not watertight: 4 free edges"),
+                    HasSubstr("free edge"),
+                    HasSubstr("from (1, ")));
+
+  run = Batten({"convert", cube, step, "--sew", "0.02", "--json"});
+  EXPECT_THAT(run.err, AllOf(HasSubstr("watertight"), Not(HasSubstr("warning"))));
+  sewing = Json::parse(run.out)["files"][0]["sewing"];
+  EXPECT_EQ(sewing["watertight"], true);
+  EXPECT_EQ(sewing["solids"], 1);
+  EXPECT_NEAR(sewing["largest_gap"].get<double>(), kGap, 1e-6);
+  run = Batten({"analyze", step});
+  EXPECT_THAT(run.out, HasSubstr("6 surfaces, 12 shared edges, watertight"));
+  EXPECT_EQ(RunJson({"info", step})["bodies"][0]["kind"], "solid");
+}
+
+TEST_F(SewTest, SolidsAreFlattenedOnlyWhereTheFormatHoldsNone) {
+  const std::string step = folder_.File("cube.step");
+  ASSERT_EQ(Batten({"convert", folder_.File("cube.json"), step, "--sew", "0.02"}).code, 0);
+  for (const char* name : {"again.step", "again.brep"}) {
+    const ProgramRun run = Batten({"convert", step, folder_.File(name)});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, AllOf(HasSubstr("sewn into a solid"), Not(HasSubstr("flattened"))));
+    EXPECT_EQ(Contents(name).bodies.size(), 1u) << name;
+  }
+  const ProgramRun moved =
+      Batten({"edit", step, "-o", folder_.File("moved.step"), "scale:100", "translate:1,2,3"});
+  EXPECT_THAT(moved.err, HasSubstr("sewn into a solid"));
+  EXPECT_TRUE(Contents("moved.step").bodies.at(0).watertight());
+  for (const char* name : {"again.json", "again.iges", "again.stl"}) {
+    EXPECT_THAT(Batten({"convert", step, folder_.File(name)}).err,
+                HasSubstr("a solid is flattened"));
+  }
+  const ProgramRun apart = Batten({"convert", step, folder_.File("apart.step"), "--sew", "0"});
+  EXPECT_THAT(apart.err, HasSubstr("flattened"));
+  EXPECT_TRUE(Contents("apart.step").bodies.empty());
+}
+
+TEST_F(SewTest, IsRefusedWhereThereIsNothingToSew) {
+  const std::string cube = folder_.File("cube.json");
+  for (const char* name : {"x.json", "x.iges", "x.stl"}) {
+    const ProgramRun run = Batten({"convert", cube, folder_.File(name), "--sew", "0.1"});
+    EXPECT_EQ(run.code, 2) << name;
+  }
+  EXPECT_EQ(Batten({"convert", cube, folder_.File("x.step"), "--sew", "-1"}).code, 2);
+}
+
+TEST_F(ExchangeTest, BrepIsReadAndWritten) {
+  const ProgramRun written = Batten({"convert", folder_.File("part.step"), folder_.File("a.brep")});
+  EXPECT_EQ(written.code, 0) << written.err;
+  EXPECT_EQ(RunJson({"info", folder_.File("a.brep")})["surfaces"], 2);
+  const ProgramRun back = Batten({"convert", folder_.File("a.brep"), folder_.File("b.step")});
+  EXPECT_THAT(back.err, HasSubstr("does not say its unit; say --unit"));
+  EXPECT_EQ(Contents("b.step").unit, "mm");
+  const std::string text = folder_.Text("a.brep");
+  const ProgramRun cut =
+      Batten({"info", folder_.With("cut.brep", text.substr(0, text.size() / 2))});
+  EXPECT_EQ(cut.code, 1);
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("cut.brep: line "), HasSubstr("the file ends where")));
 }
 
 }  // namespace batten::internal::exchange_test

@@ -199,7 +199,7 @@ TEST_F(UsageTest, FormatsThatAreNotReadSayWhatToDo) {
     const std::string name = std::string("scan.") + extension;
     ExpectUsageError({"fit", "surface", name, "-o", folder_.File("out.step")}, {name, extension});
   }
-  for (const char* extension : {"3dm", "g2", "brep"}) {
+  for (const char* extension : {"3dm", "g2"}) {
     ExpectUsageError({"convert", std::string("part.") + extension, folder_.File("out.step")},
                      {extension});
   }

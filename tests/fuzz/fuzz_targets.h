@@ -42,6 +42,9 @@ void FuzzIgesEntities(std::string_view bytes);
 void FuzzStepSyntax(std::string_view bytes);
 void FuzzStep(std::string_view bytes);
 
+// The whole reader of OpenCASCADE's own B-rep.
+void FuzzBrep(std::string_view bytes);
+
 // The file that FuzzIgesEntities reads.
 std::string LaidOutIges(std::string_view entities);
 

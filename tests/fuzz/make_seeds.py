@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Writes the seeds of the fuzzers into seeds/<target>/: small files, valid and nearly valid.
 
-The seeds of `step` come from `batten convert` of the json seeds of their names. Crashes that were found stand beside them as found-<what>; this script leaves those alone.
+The seeds of `step` come from `batten convert` of the json seeds of their names, those of `brep` from those, and from OpenCASCADE's primitives. Crashes that were found stand beside them as found-<what>; this script leaves those alone.
 """
 import json
 import pathlib

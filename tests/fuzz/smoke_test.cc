@@ -172,5 +172,6 @@ TEST(FuzzSmokeTest, IgesEntitiesAreReadOrRefused) {
 TEST(FuzzSmokeTest, StepSyntaxIsAcceptedOrRefused) { Smoke("step_syntax", FuzzStepSyntax, 2000); }
 // OpenCASCADE behind it takes milliseconds a file, and some memory once.
 TEST(FuzzSmokeTest, StepIsReadOrRefused) { Smoke("step", FuzzStep, 60); }
+TEST(FuzzSmokeTest, BrepIsReadOrRefused) { Smoke("brep", FuzzBrep, 300); }
 
 }  // namespace batten::internal::smoke_test

@@ -2,6 +2,7 @@
 // Curves and surfaces from and to files.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,16 @@ void WriteGeometry(const std::vector<Geometry>& geometry,
                    const std::string& path,
                    const GeometryWriteOptions& options = {});
 
-// The same with names, which every format keeps: JSON as "name", STEP as the name of the product
-// and of its face or curve, IGES as a name property and, cut to eight characters, as a label.
-void WriteGeometry(const GeometryFile& file, const GeometryWriteOptions& options = {});
+// The same with names, which every format but B-rep keeps: JSON as "name", STEP as the name of the
+// product and of its face or curve, IGES as a name property and, cut to eight characters, as a
+// label. STEP and B-rep are sewn as step_writer.h says, and what came of it is returned. Throws
+// UsageError where options.sew is above 0 and the format holds no shells.
+std::optional<SewingReport> WriteGeometry(const GeometryFile& file,
+                                          const GeometryWriteOptions& options = {});
 
-// Writes every file, or none: nothing appears before all are written. Throws as WriteGeometry.
-void WriteGeometryFiles(const std::vector<GeometryFile>& files,
-                        const GeometryWriteOptions& options = {});
+// Writes every file, or none: nothing appears before all are written. What sewing came to, of each.
+// Throws as WriteGeometry.
+std::vector<std::optional<SewingReport>> WriteGeometryFiles(
+    const std::vector<GeometryFile>& files, const GeometryWriteOptions& options = {});
 
 }  // namespace batten

@@ -2,6 +2,7 @@
 // Curves and surfaces as a STEP file.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,12 @@ void WriteStep(const std::vector<Geometry>& geometry,
                const std::string& unit = "mm");
 
 // The same with names, of the product and of its face or curve; products without one are
-// "batten-1", "batten-2", …. Throws UsageError for an unknown schema as well.
-void WriteStep(const GeometryFile& file, const GeometryWriteOptions& options);
+// "batten-1", "batten-2", …. Surfaces are sewn where options.sew says so: those of one body, and
+// those of none, each set by itself; what shares edges then is one shell, and a solid where the
+// shell is closed, with voids where closed shells of one body lie in another. What sewing came to
+// is returned; nothing where nothing was to be sewn. Throws UsageError for an unknown schema as
+// well, std::invalid_argument for bodies that name surfaces there are not or share one.
+std::optional<SewingReport> WriteStep(const GeometryFile& file,
+                                      const GeometryWriteOptions& options);
 
 }  // namespace batten

@@ -7,6 +7,7 @@
 //   setLimit(value)    half the range of colours
 //   show(name)         "space" or "plan" where curves have both
 //   renderNow()        draws at once
+//   picture()          a promise of the picture that the button PNG saves, as a data: URL
 //   pixels()           { width, height, data } of the drawing as RGBA bytes
 // <html data-batten-ready="ms"> says that all is drawn, and when after the page's start.
 
@@ -97,6 +98,7 @@ function buildReport() {
     },
     show: (name) => stage.show(name),
     renderNow: () => { if (stage.view) stage.view.renderNow(); },
+    picture: async () => (stage.view ? (await pictureOf(stage)).toDataURL("image/png") : null),
     pixels: () => (stage.view ? stage.view.pixels() : null),
   };
   document.documentElement.dataset.battenReady = String(Math.round(performance.now()));

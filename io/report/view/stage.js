@@ -79,6 +79,7 @@ class Stage {
       }
     }
     looks.append(pressButton("Reset", null, () => view.setView("all"), "Show all, as at the beginning (0)"));
+    looks.append(pressButton("PNG", null, () => savePicture(this), "Save the view as a picture"));
     this.top.append(looks);
     this.switches = layerSwitches(view.layers, (name, on) => this.setLayer(name, on));
     const settings = html("div", "settings");

@@ -37,6 +37,8 @@ TEST(FileFormatTest, GoesByTheExtensionInAnyCase) {
   EXPECT_EQ(FormatOf("a.json"), FileFormat::kJson);
   EXPECT_EQ(FormatOf("a.igs"), FileFormat::kIges);
   EXPECT_EQ(FormatOf("a.IGES"), FileFormat::kIges);
+  EXPECT_EQ(FormatOf("a.brep"), FileFormat::kBrep);
+  EXPECT_EQ(FormatOf("a.BRP"), FileFormat::kBrep);
   for (const char* path : {"a.txt",
                            "a.asc",
                            "a.pts",
@@ -69,7 +71,8 @@ TEST(FileFormatTest, EveryNameIsAWordForItself) {
                             FileFormat::kOff,
                             FileFormat::kJson,
                             FileFormat::kStep,
-                            FileFormat::kIges}) {
+                            FileFormat::kIges,
+                            FileFormat::kBrep}) {
     EXPECT_EQ(FormatOf("-", FormatName(format)), format);
     EXPECT_NE(IsCloudFormat(format), IsGeometryFormat(format));
     EXPECT_TRUE(IsReadable(format));
@@ -94,7 +97,6 @@ TEST(FileFormatTest, SaysWhatToDoWithWhatItCantRead) {
   EXPECT_THAT(Advice("scan.E57"), AllOf(HasSubstr("export"), HasSubstr(".las")));
   EXPECT_THAT(Advice("part.3dm"), HasSubstr("Rhino"));
   EXPECT_THAT(Advice("part.g2"), HasSubstr(".step"));
-  EXPECT_THAT(Advice("part.brep"), HasSubstr(".step"));
   EXPECT_THAT(Advice("a.glb"), HasSubstr("'batten tessellate' only writes"));
   EXPECT_THAT(Advice("a.foo"), HasSubstr("--format"));
   EXPECT_THAT(Advice("a"), HasSubstr("--format"));

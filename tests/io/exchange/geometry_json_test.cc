@@ -382,13 +382,13 @@ TEST(GeometryFileTest, ChoosesTheFormatByExtensionOrByName) {
   EXPECT_TRUE(ReadGeometry(folder.File("a.txt"), {.format = "json"}) == geometry);
   EXPECT_THROW(ReadGeometry(folder.File("a.txt")), UsageError);
   EXPECT_THROW(ReadGeometry("-"), UsageError);
-  EXPECT_THROW(WriteGeometry(geometry, folder.File("a.brep")), UsageError);
+  EXPECT_THROW(WriteGeometry(geometry, folder.File("a.g2")), UsageError);
   EXPECT_THROW(WriteGeometry(geometry, folder.File("a"), {.format = "xml"}), UsageError);
   try {
     WriteGeometry(geometry, folder.File("a.3dm"));
     FAIL() << "nothing was thrown";
   } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("use .json, .step or .iges"));
+    EXPECT_THAT(error.what(), HasSubstr("use .json, .step, .iges or .brep"));
   }
   EXPECT_EQ(folder.Entries(), 2);
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The edges of faces: which are shared, which are free. Not installed; includes OpenCASCADE.
+#pragma once
+
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <vector>
+
+#include "batten/io/geometry_types.h"
+
+namespace batten::internal {
+
+struct EdgeOfFaces {
+  TopoDS_Edge edge;
+  std::vector<size_t> faces;  // by their places in the list, each once; of a seam one
+  bool seam = false;          // on both sides of one face
+
+  bool free() const { return faces.size() == 1 && !seam; }
+};
+
+// Every edge that is not a point, once.
+std::vector<EdgeOfFaces> FaceEdges(const std::vector<TopoDS_Face>& faces);
+
+// A body of faces that have become these surfaces.
+GeometryBody BodyOf(const std::vector<TopoDS_Face>& faces, const std::vector<size_t>& surfaces);
+
+}  // namespace batten::internal
