@@ -139,6 +139,38 @@ std::vector<QuadBlock> MotorcycleBlocks(const QuadTopology& mesh) {
   return blocks;
 }
 
+std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
+                                       const std::vector<QuadBlock>& blocks) {
+  std::vector<BlockPlace> places(mesh.faces());
+  for (int b = 0; b < static_cast<int>(blocks.size()); ++b) {
+    const std::vector<int> cells = CellsOf(mesh, blocks[b]);
+    for (int k = 0; k < static_cast<int>(cells.size()); ++k) {
+      places[cells[k] >> 2] = {b, k / blocks[b].along, k % blocks[b].along, cells[k]};
+    }
+  }
+  return places;
+}
+
+Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place) {
+  constexpr double kQuarters = 4;
+  const double u = place.u / 2, v = place.v / 2;
+  Eigen::Vector2d in_cell;
+  switch ((place.patch - face.half_edge) & 3) {
+    case 0:
+      in_cell << u, v;
+      break;
+    case 1:
+      in_cell << 1 - v, u;
+      break;
+    case 2:
+      in_cell << 1 - u, 1 - v;
+      break;
+    default:
+      in_cell << v, 1 - u;
+  }
+  return kQuarters * (Eigen::Vector2d(face.column, face.row) + in_cell);
+}
+
 std::vector<QuadBlock> SingleBlocks(const QuadTopology& mesh) {
   std::vector<QuadBlock> blocks;
   for (int face = 0; face < mesh.faces(); ++face) blocks.push_back({4 * face, 1, 1});

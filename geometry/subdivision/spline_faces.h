@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/geometry/solid_model.h"
+#include "geometry/subdivision/limit_surface.h"
 #include "geometry/subdivision/quad_topology.h"
 
 namespace batten::internal {
@@ -24,6 +25,16 @@ std::vector<QuadBlock> MotorcycleBlocks(const QuadTopology& mesh);
 
 // One block for each face.
 std::vector<QuadBlock> SingleBlocks(const QuadTopology& mesh);
+
+// Where each face of a mesh lies in the blocks: that of cell (column, row), u along `half_edge`.
+struct BlockPlace {
+  int block = -1, column = 0, row = 0;
+  int half_edge = 0;
+};
+std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks);
+
+// The parameters of a place of the limit surface on the face of its block, as SplineSolid makes it.
+Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place);
 
 // The limit surface over the blocks, each one bicubic B-spline: exact, but for the quarter of a
 // quarter of a face beside a vertex of other than four edges, where SmoothCorner makes tangent

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
 
@@ -17,6 +18,11 @@ struct OpenCascadeFunctions {
   GeometryContents (*import_step)(std::string text, const std::string& name);
   // step_export.h
   std::string (*export_step)(const GeometryFile& file, const char* unit, const char* schema);
+  // solid_export.h
+  std::string (*export_solid)(const SolidModel& solid,
+                              const std::string& path,
+                              const char* unit,
+                              const char* schema);
   // iges_export.h
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
 };

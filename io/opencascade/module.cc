@@ -2,12 +2,13 @@
 // The module libbatten_opencascade.so hands out its functions.
 #include "io/exchange/opencascade_functions.h"
 #include "io/opencascade/iges_export.h"
+#include "io/opencascade/solid_export.h"
 #include "io/opencascade/step_export.h"
 #include "io/opencascade/step_import.h"
 
 extern "C" __attribute__((visibility("default"))) const batten::internal::OpenCascadeFunctions*
 batten_opencascade_functions() {
   using namespace batten::internal;
-  static constexpr OpenCascadeFunctions kFunctions = {ImportStep, ExportStep, ExportIges};
+  static constexpr OpenCascadeFunctions kFunctions = {ImportStep, ExportStep, ExportSolid, ExportIges};
   return &kFunctions;
 }

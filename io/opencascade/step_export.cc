@@ -1,42 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "io/opencascade/step_export.h"
 
-#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <Interface_Static.hxx>
 #include <Precision.hxx>
 #include <STEPConstruct.hxx>
-#include <STEPControl_Controller.hxx>
 #include <STEPControl_Writer.hxx>
 #include <ShapeFix_ShapeTolerance.hxx>
 #include <Standard_Failure.hxx>
 #include <StepBasic_Product.hxx>
-#include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
-#include <StepData_StepWriter.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopoDS_Shape.hxx>
 #include <Transfer_FinderProcess.hxx>
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <locale>
 #include <optional>
-#include <sstream>
 #include <utility>
 #include <variant>
 
 #include "batten/geometry/exact_shape.h"
 #include "batten/io/read_error.h"
 #include "geometry/numeric/number_text.h"
-#include "io/base/time_stamp.h"
 #include "io/exchange/closed_form.h"
 #include "io/exchange/geometry_names.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/occt_exact.h"
 #include "io/opencascade/occt_session.h"
+#include "io/opencascade/step_output.h"
 #include "io/opencascade/trimmed_face.h"
 
 namespace batten::internal {
@@ -98,18 +91,6 @@ TopoDS_Shape ValidShape(const Geometry& geometry) {
   return shape;
 }
 
-void SetHeader(const Handle(StepData_StepModel) & model) {
-  APIHeaderSection_MakeHeader header(model);
-  header.SetName(Text("batten"));
-  header.SetTimeStamp(Text(TimeStamp("%Y-%m-%dT%H:%M:%S")));
-  header.SetAuthorValue(1, Text("batten"));
-  header.SetOrganizationValue(1, Text(""));
-  header.SetPreprocessorVersion(Text("batten"));
-  header.SetOriginatingSystem(Text("batten"));
-  header.SetAuthorisation(Text(""));
-  header.SetDescriptionValue(1, Text("NURBS fitted by batten"));
-}
-
 std::string NameOf(const GeometryFile& file, size_t index) {
   return index < file.names.size() ? CleanName(file.names[index]) : "";
 }
@@ -139,11 +120,7 @@ void NameItem(const STEPControl_Writer& writer,
 }
 
 std::string ToStep(const GeometryFile& file, const char* unit, const char* schema) {
-  STEPControl_Controller::Init();
-  Interface_Static::SetCVal("write.step.schema", schema);
-  Interface_Static::SetCVal("write.step.unit", unit);
-  Interface_Static::SetCVal("xstep.cascade.unit", unit);
-  Interface_Static::SetCVal("write.step.product.name", "batten");
+  BeginStep(unit, schema);
   STEPControl_Writer writer;
   for (size_t i = 0; i < file.geometry.size(); ++i) {
     const TopoDS_Shape shape = ValidShape(ClosedForm(file.geometry[i]));
@@ -154,17 +131,8 @@ std::string ToStep(const GeometryFile& file, const char* unit, const char* schem
     }
     NameItem(writer, shape, NameOf(file, i));
   }
-  const Handle(StepData_StepModel) model = writer.Model();
-  SetHeader(model);
-  NameProducts(model, file);
-  StepData_StepWriter text(model);
-  text.FloatWriter().SetFormat("%.16E");
-  text.FloatWriter().SetZeroSuppress(false);
-  text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  if (!text.Print(stream)) throw Standard_Failure("OpenCASCADE does not write the model");
-  return std::move(stream).str();
+  NameProducts(writer.Model(), file);
+  return StepTextOf(writer);
 }
 
 }  // namespace
