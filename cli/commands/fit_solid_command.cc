@@ -3,15 +3,21 @@
 // out.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
+#include "batten/fitting/solid_layout.h"
+#include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
+#include "batten/io/reconstruct_surface.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
@@ -24,8 +30,11 @@
 namespace batten::internal {
 namespace {
 
+constexpr double kMostInvented = 0.15;  // of the area
+
 struct FitSolidArguments : FitArguments {
-  std::string quads, layout_out;
+  std::string quads, layout_out, mesh_out;
+  int faces = 0;
   bool keep_outliers = false, every_face = false;
 };
 
@@ -52,15 +61,66 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.edge_angle * 180 / std::numbers::pi);
 }
 
+// The surface from whose size and shape a layout is made: the faces of the file, or a surface about
+// its points.
+ClosedSurface SurfaceOf(const FitSolidArguments& a, const FitFiles& files, const PointCloud& cloud) {
+  const auto& path = a.clouds.front();
+  if (a.clouds.size() == 1 && MayHoldFaces(path) && a.cloud.format.empty()) {
+    const PolygonMesh mesh = ReadPolygons(path);
+    if (!mesh.faces.empty()) {
+      ClosedSurface closed = files.Explained([&] { return CloseSurface(mesh.vertices, mesh.faces); });
+      if (closed.filled > 0) {
+        PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
+                                 path, closed.filled, closed.filled == 1 ? " is" : "s are",
+                                 100 * closed.filled_share));
+      }
+      return closed;
+    }
+  }
+  ReconstructedSurface made =
+      files.Explained([&] { return ReconstructSurface(cloud, kMostInvented, a.work.threads); });
+  if (made.invented_share > 0) {
+    PrintWarning(fmt::format("{:.1f} % of the surface have no points within three spacings",
+                             100 * made.invented_share));
+  }
+  return made.closed;
+}
+
+// A layout's faces where none are asked for: a control point for so many points, within bounds that
+// keep fits below a minute.
+int ChosenFaces(Eigen::Index points) {
+  constexpr Eigen::Index kPointsEach = 6, kLeast = 60, kMost = 2500;
+  return int(std::clamp(points / kPointsEach, kLeast, kMost));
+}
+
 int RunFitSolid(const FitSolidArguments& a) {
-  if (a.quads.empty()) NotYet("fit solid without --quads LAYOUT");
   SolidFitOptions options = ToFitSolidOptions(a);
-  FitFiles files(a, {a.quads});
+  FitFiles files(a, a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
   if (NamesMesh(a.out, a.out_format)) NotYet("the mesh of a solid as -o");
-  if (!a.layout_out.empty()) CheckWritable(a.layout_out);
-  const QuadMesh layout = ReadQuadMesh(a.quads);
+  for (const std::string& path : {a.layout_out, a.mesh_out}) {
+    if (!path.empty()) CheckWritable(path);
+  }
+  if (!a.quads.empty() && (a.faces > 0 || !a.mesh_out.empty())) {
+    throw UsageError("--faces and --mesh-out are of a layout that is made, --quads gives one");
+  }
+  QuadMesh layout;
+  if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
   const PointCloud& cloud = files.Read(false);
   options.shift = files.shift();
+  if (a.quads.empty()) {
+    const ClosedSurface closed = SurfaceOf(a, files, cloud);
+    if (!a.mesh_out.empty()) {
+      TriangleMesh mesh;
+      mesh.vertices = closed.surface.vertices.colwise() - options.shift;
+      mesh.parameters = Eigen::Matrix2Xd::Zero(2, mesh.vertices.cols());
+      mesh.normals = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
+      mesh.triangles = closed.surface.triangles;
+      WriteMesh(mesh, a.mesh_out);
+    }
+    const int faces = a.faces > 0 ? a.faces : ChosenFaces(cloud.size());
+    layout = files.Explained(
+        [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
+  }
   SolidFit fit = files.Explained([&] { return FitSolid(cloud, layout, options); });
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
@@ -85,8 +145,26 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   command
       .add_option("--quads",
                   a->quads,
-                  "The layout: a closed mesh of quadrilaterals near the points, .obj .off .ply")
+                  "The layout: a closed mesh of quadrilaterals near the points, .obj .off .ply [made]")
       ->type_name("LAYOUT");
+  command
+      .add_option_function<std::string>(
+          "--faces",
+          [a](const std::string& text) {
+            const double number = ParseNumber("--faces", text, Sign::kPositive);
+            constexpr double kMost = 20000;
+            if (number != std::floor(number) || number < 6 || number > kMost) {
+              throw UsageError("--faces: '" + text + "' is not a whole number from 6 to 20000");
+            }
+            a->faces = int(number);
+          },
+          "About how many quadrilaterals the layout that is made has [one for 6 points, 60 to 2500]")
+      ->type_name("N");
+  command
+      .add_option("--mesh-out",
+                  a->mesh_out,
+                  "Where to write the closed surface from which the layout is made: .ply .obj .stl .glb")
+      ->type_name("M");
   command
       .add_option("--layout-out",
                   a->layout_out,
@@ -104,13 +182,16 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                    a->every_face,
                    "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
-  GroupFlags(command, "Which shape", {"--quads", "--every-face"});
-  GroupFlags(command, "What is written", {"--layout-out"});
+  GroupFlags(command, "Which shape", {"--quads", "--faces", "--every-face"});
+  GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"
-      "  batten fit solid scan.ply -o part.step --quads layout.obj\n"
-      "  batten fit solid scan.xyz -o part.step --quads layout.obj --report part-report.json\n"
-      "The layout may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
+      "  batten fit solid scan.ply -o part.step\n"
+      "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
+      "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
+      "The layout is made from the faces of the file, repaired where they nearly close, or else from a\n"
+      "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
+      "extraordinary vertices, and the solid a face for every few of its own. One that is given may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
       "the points. It is closed, each edge between two faces, faces counter-clockwise seen from outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
       "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"

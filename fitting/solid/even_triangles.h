@@ -3,8 +3,8 @@
 #pragma once
 
 #include "batten/fitting/progress.h"
-#include "batten/fitting/solid_layout.h"
-#include "fitting/solid/triangle_surface.h"
+#include "batten/geometry/triangle_surface.h"
+#include "fitting/solid/surface_projector.h"
 
 namespace batten::internal {
 

@@ -247,7 +247,6 @@ class SolidFitter {
     report.geometry.degree = {3, 3};
     report.geometry.control_points = {static_cast<int>(surface.control_points.cols())};
     report.geometry.closed = {true, true};
-    report.geometry.count = static_cast<int>(solid.faces.size());
     report.iterations = surface.rounds;
     report.threads = pool_.threads();
     const bool kept = report.error.out_of_tolerance == 0;

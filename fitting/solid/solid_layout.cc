@@ -15,7 +15,7 @@
 #include "batten/fitting/refused_data.h"
 #include "fitting/solid/even_triangles.h"
 #include "fitting/solid/matching_kernel.h"
-#include "fitting/solid/triangle_surface.h"
+#include "fitting/solid/surface_projector.h"
 
 namespace batten {
 using namespace internal;

@@ -41,7 +41,7 @@ Eigen::Matrix3Xd VertexNormals(const QuadTopology& mesh, const Eigen::Matrix3Xd&
 
 // Patches that turn over, or nearly, from one sample to the next.
 std::vector<int> FoldedPatches(const LimitSurface& surface, int patches, ThreadPool& pool) {
-  constexpr std::array kPlaces = {0.02, 0.15, 0.4, 0.7, 0.98};
+  constexpr std::array kPlaces = {0.02, 0.3, 0.65, 0.98};
   constexpr auto kCount = int(kPlaces.size());
   constexpr double kLeast = 0.1;  // cosine: sound patches turn by less from sample to sample
   std::vector<char> folded(std::size_t(patches), 0);
@@ -93,7 +93,7 @@ class Fitter {
       return std::move(fit_);
     }
     constexpr double kStiffest = 1, kStep = 0.1, kSoftest = 1e-6;
-    constexpr int kRounds = 6, kLastRounds = 12;
+    constexpr int kRounds = 5, kLastRounds = 12;
     constexpr double kWorse = 1.02;
     double least = std::numeric_limits<double>::infinity();
     LimitSurfaceFit best;
@@ -169,6 +169,7 @@ class Fitter {
   void Rounds(int count, bool some) {
     constexpr int kRefuse = 4;  // failed steps in a row
     fit_.feet = Feet(fit_.control_points, {});
+    folded_ = FoldedPatches(LimitSurface(stencils_, fit_.control_points), stencils_.patches(), pool_);
     double damping = kFirstDamping;
     int failed = 0;
     for (int round = 0; round < count; ++round) {
@@ -199,6 +200,7 @@ class Fitter {
       failed = 0;
       const bool settled = its > cost * (1 - kStillFalls);
       fit_.control_points = tried;
+      folded_ = unfolded_;
       fit_.feet = std::move(feet);
       fit_.rounds.push_back({.stage = "joint",
                              .control_points_u = static_cast<int>(tried.cols()),
@@ -214,18 +216,21 @@ class Fitter {
 
   // Shortens the step where patches would fold, until none does that did not before; false where
   // that does not help.
-  bool Unfolded(Eigen::Matrix3Xd& step) const {
+  bool Unfolded(Eigen::Matrix3Xd& step) {
     constexpr int kTries = 8;
     const auto folded_at = [&](const Eigen::Matrix3Xd& points) {
       return FoldedPatches(LimitSurface(stencils_, points), stencils_.patches(), pool_);
     };
-    const std::vector<int> before = folded_at(fit_.control_points);
+    const std::vector<int>& before = folded_;
     for (int round = 0; round < kTries; ++round) {
       std::vector<int> fresh;
       const std::vector<int> after = folded_at(fit_.control_points + step);
       std::set_difference(
           after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(fresh));
-      if (fresh.empty()) return true;
+      if (fresh.empty()) {
+        unfolded_ = after;
+        return true;
+      }
       std::vector<bool> shortened(std::size_t(step.cols()), false);
       for (const int patch : fresh) {
         for (const int vertex : stencils_.Support(patch)) shortened[std::size_t(vertex)] = true;
@@ -260,6 +265,7 @@ class Fitter {
   ThreadPool& pool_;
   SurfaceSystem system_;
   LimitSurfaceFit fit_;
+  std::vector<int> folded_, unfolded_;  // patches: of the control points, of the step tried last
   Stopwatch watch_;
 };
 

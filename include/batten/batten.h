@@ -3,6 +3,7 @@
 #pragma once
 
 #include "batten/fitting/approximate_grid.h"
+#include "batten/fitting/closed_surface.h"
 #include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_rows.h"
 #include "batten/fitting/cloud_statistics.h"
@@ -47,6 +48,7 @@
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/sample_geometry.h"
 #include "batten/fitting/smooth_by.h"
+#include "batten/fitting/solid_layout.h"
 #include "batten/fitting/solid_options.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/statistics.h"
@@ -98,6 +100,7 @@
 #include "batten/geometry/tessellate.h"
 #include "batten/geometry/thread_pool.h"
 #include "batten/geometry/transform.h"
+#include "batten/geometry/triangle_surface.h"
 #include "batten/geometry/trim_loops.h"
 #include "batten/geometry/trim_region.h"
 #include "batten/io/atomic_file.h"
@@ -115,6 +118,7 @@
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
+#include "batten/io/reconstruct_surface.h"
 #include "batten/io/report_html.h"
 #include "batten/io/report_json.h"
 #include "batten/io/report_scene.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/subdivision/limit_surface.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +12,7 @@
 #include "refusal.h"
 #include "tolerances.h"
 
-namespace batten::internal {
-namespace {
+namespace batten::internal::limit_surface_test {
 
 QuadTopology TopologyOf(const QuadMesh& mesh) {
   return QuadTopology(mesh.faces, static_cast<int>(mesh.vertices.cols()));
@@ -167,26 +167,21 @@ TEST(QuadTopologyTest, RefinementKeepsTheEulerNumber) {
   EXPECT_NEAR(CheckQuadMesh(Cube()).volume, 8, kRounding);
 }
 
-std::string RefusalOf(const QuadMesh& mesh) {
-  try {
-    CheckQuadMesh(mesh);
-  } catch (const std::invalid_argument& refusal) {
-    return refusal.what();
-  }
-  return "";
+std::string RefusalOfMesh(const QuadMesh& mesh) {
+  return RefusalOf([&] { CheckQuadMesh(mesh); });
 }
 
 TEST(QuadTopologyTest, NamesWhatIsWrong) {
   using testing::HasSubstr;
   QuadMesh open = Cube();
   open.faces.conservativeResize(4, 5);
-  EXPECT_THAT(RefusalOf(open), HasSubstr("the mesh is open: the edge from vertex"));
+  EXPECT_THAT(RefusalOfMesh(open), HasSubstr("the mesh is open: the edge from vertex"));
   QuadMesh turned = Cube();
   turned.faces.col(2).reverseInPlace();
-  EXPECT_THAT(RefusalOf(turned), HasSubstr("turned differently"));
+  EXPECT_THAT(RefusalOfMesh(turned), HasSubstr("turned differently"));
   QuadMesh inside_out = Cube();
   for (int f = 0; f < 6; ++f) inside_out.faces.col(f).reverseInPlace();
-  EXPECT_THAT(RefusalOf(inside_out), HasSubstr("clockwise seen from outside"));
+  EXPECT_THAT(RefusalOfMesh(inside_out), HasSubstr("clockwise seen from outside"));
   QuadMesh pinched;
   pinched.vertices.resize(3, 15);
   pinched.vertices << Cube().vertices, (Cube().vertices.colwise() + Eigen::Vector3d(2, 2, 2)).rightCols(7);
@@ -194,14 +189,13 @@ TEST(QuadTopologyTest, NamesWhatIsWrong) {
   // The second cube's first vertex is the last of the first one.
   const Eigen::Matrix4Xi second = Cube().faces.unaryExpr([](int v) { return v == 0 ? 7 : v + 7; });
   pinched.faces << Cube().faces, second;
-  EXPECT_THAT(RefusalOf(pinched), HasSubstr("at vertex 8 several sheets touch"));
+  EXPECT_THAT(RefusalOfMesh(pinched), HasSubstr("at vertex 8 several sheets touch"));
   QuadMesh twice = Cube();
   twice.faces(1, 0) = twice.faces(0, 0);
-  EXPECT_THAT(RefusalOf(twice), HasSubstr("face 1 has vertex 1 twice"));
+  EXPECT_THAT(RefusalOfMesh(twice), HasSubstr("face 1 has vertex 1 twice"));
   QuadMesh missing = Cube();
   missing.faces(1, 3) = 8;
-  EXPECT_THAT(RefusalOf(missing), HasSubstr("face 4 names a vertex that is not there"));
+  EXPECT_THAT(RefusalOfMesh(missing), HasSubstr("face 4 names a vertex that is not there"));
 }
 
-}  // namespace
-}  // namespace batten::internal
+}  // namespace batten::internal::limit_surface_test

@@ -47,10 +47,9 @@ inline QuadMesh Torus(int n, int m, double radius = 2, double tube = 1) {
   return torus;
 }
 
-// Two pyramids of n faces each cut into quadrilaterals, base to base: two vertices of n edges, and
-// n of valence 4, 2n of valence 3 and more.
+// A prism of 2n sides: top and bottom are n quadrilaterals about a vertex of n edges; the vertices on
+// their rims have three and four.
 inline QuadMesh Prism(int n) {
-  // Top and bottom n-gons with a middle each, cut into n quadrilaterals, and n sides cut in two.
   QuadMesh prism;
   prism.vertices.resize(3, 4 * n + 2);
   prism.faces.resize(4, 4 * n);

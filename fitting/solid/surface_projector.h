@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Faces of a file as a closed surface of triangles.
+// Places on a surface of triangles.
 #pragma once
 
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
 
-#include "batten/fitting/solid_layout.h"
+#include "batten/geometry/triangle_surface.h"
 
 namespace batten::internal {
 
