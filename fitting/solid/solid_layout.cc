@@ -16,6 +16,7 @@
 #include "fitting/solid/even_triangles.h"
 #include "fitting/solid/matching_kernel.h"
 #include "fitting/solid/surface_projector.h"
+#include "geometry/subdivision/catmull_clark.h"
 
 namespace batten {
 using namespace internal;
@@ -85,6 +86,20 @@ class QuadImprover {
     for (int q = 0; q < int(quads_.size()); ++q) {
       for (const int v : quads_[std::size_t(q)]) around_[std::size_t(v)].push_back(q);
     }
+  }
+
+  // Moves vertices to the middle of their faces', on the surface.
+  void Smooth(int rounds) {
+    for (int k = 0; k < rounds; ++k) Smooth();
+  }
+
+  // Of the worst face.
+  double LeastSquareness() const {
+    double least = 1;
+    for (const Quad& quad : quads_) {
+      if (quad[0] >= 0) least = std::min(least, Squareness(points_, quad));
+    }
+    return least;
   }
 
   void Improve() {
@@ -323,31 +338,74 @@ class QuadImprover {
 
 }  // namespace
 
+namespace {
+
+// Angles of 14° to 166° at least: where a coarse layout does not follow the shape, faces fold.
+constexpr double kEven = 0.15;
+
+int EulerOf(const QuadMesh& mesh) {
+  return static_cast<int>(mesh.vertices.cols()) - static_cast<int>(mesh.faces.cols());
+}
+
+// A layout of about so many faces; throws std::invalid_argument where none of that Euler number comes
+// out.
+QuadMesh PairedLayout(const TriangleSurface& surface,
+                      const SurfaceProjector& projector,
+                      double faces,
+                      int euler,
+                      double least_squareness,
+                      const Progress& progress) {
+  // Two triangles to a face; those of even size have edges of this length.
+  const double length = std::sqrt(2 * AreaOf(surface) / (std::sqrt(3.0) * faces));
+  const TriangleSurface even = EvenTriangles(surface, projector, length, progress);
+  QuadImprover improver(even.vertices, Paired(even), projector);
+  improver.Improve();
+  if (improver.LeastSquareness() < least_squareness) throw RefusedData("a face is too uneven");
+  QuadMesh layout = improver.Mesh();
+  CheckQuadMesh(layout);
+  if (EulerOf(layout) != euler) throw RefusedData("its genus differs from the surface's");
+  return layout;
+}
+
+// The layout with every face cut in four, on the surface; faces that come out uneven are refused.
+QuadMesh Finer(const QuadMesh& layout, const SurfaceProjector& projector) {
+  const SubdividedMesh finer =
+      Subdivided(QuadTopology(layout.faces, static_cast<int>(layout.vertices.cols())));
+  Eigen::Matrix3Xd points = Combined(finer.stencils, layout.vertices);
+  for (Eigen::Index v = 0; v < points.cols(); ++v) points.col(v) = projector.Nearest(points.col(v));
+  std::vector<Quad> quads;
+  for (const auto face : finer.topology.corners().colwise()) {
+    quads.push_back({face[0], face[1], face[2], face[3]});
+  }
+  QuadImprover improver(points, std::move(quads), projector);
+  constexpr int kSmoothings = 10;
+  improver.Smooth(kSmoothings);
+  if (improver.LeastSquareness() < kEven) throw RefusedData("a face is too uneven");
+  QuadMesh mesh = improver.Mesh();
+  CheckQuadMesh(mesh);
+  return mesh;
+}
+
+}  // namespace
+
 QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& progress) {
   if (faces < 6) throw RefusedData("a layout of fewer than six faces closes nothing");
   const SurfaceProjector projector(surface);
-  const auto genus = [](int vertices, int edges, int count) { return vertices - edges + count; };
-  const int euler = genus(int(surface.vertices.cols()), int(surface.triangles.cols()) * 3 / 2,
-                          int(surface.triangles.cols()));
-  // Two triangles to a face; those of even size have edges of this length.
-  const double area = AreaOf(surface);
+  // V − E + F of a closed surface of triangles is V − F/2, of quadrilaterals V − F.
+  const int euler = static_cast<int>(surface.vertices.cols() - surface.triangles.cols() / 2);
   std::string why;
-  constexpr int kTries = 3;
-  for (int attempt = 0; attempt < kTries; ++attempt) {
-    // A finer layout where a coarse one fails.
-    const double wanted = faces * std::pow(1.5, attempt);
-    const double length = std::sqrt(2 * area / (std::sqrt(3.0) * wanted));
-    const TriangleSurface even = EvenTriangles(surface, projector, length, progress);
-    Report(progress, "layout", 0.6);
-    QuadImprover improver(even.vertices, Paired(even), projector);
-    Report(progress, "layout", 0.9);
-    improver.Improve();
-    QuadMesh layout = improver.Mesh();
+  // A coarse layout cut finer has fewer extraordinary vertices, where its faces are fine enough for
+  // the shape; a layout finer than asked for may be where those are not.
+  for (const double coarse : {16.0, 4.0, 1.0, 0.6}) {
+    constexpr double kAny = -3;     // least of all squarenesses; the fit judges
+    constexpr double kFewest = 40;  // faces of a coarse layout
+    if (coarse > 1 && faces / coarse < kFewest) continue;
+    Report(progress, "layout", 0.0);
     try {
-      const QuadMeshSummary summary = CheckQuadMesh(layout);
-      const int its = genus(int(layout.vertices.cols()), 2 * int(layout.faces.cols()), int(layout.faces.cols()));
-      if (its == euler) return layout;
-      why = "it has genus " + std::to_string(summary.genus);
+      QuadMesh layout = PairedLayout(surface, projector, faces / coarse, euler,
+                                     coarse > 1 ? kEven : kAny, progress);
+      for (double cut = coarse; cut > 1; cut /= 4) layout = Finer(layout, projector);
+      return layout;
     } catch (const std::invalid_argument& fault) {
       why = fault.what();
     }

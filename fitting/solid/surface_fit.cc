@@ -94,21 +94,26 @@ class Fitter {
     }
     constexpr double kStiffest = 1, kStep = 0.1, kSoftest = 1e-6;
     constexpr int kRounds = 5, kLastRounds = 12;
-    constexpr double kWorse = 1.02;
+    constexpr double kWorse = 1.03;
+    struct Level {
+      double smoothing, score;
+      Eigen::Matrix3Xd control_points;
+    };
+    std::vector<Level> levels;
     double least = std::numeric_limits<double>::infinity();
-    LimitSurfaceFit best;
     for (double smoothing = kStiffest; smoothing >= kSoftest; smoothing *= kStep) {
       fit_.smoothing = smoothing;
       Rounds(kRounds, true);
-      const double score = MeanSquare(fit_.feet, true);
-      if (score > least * kWorse) break;
-      if (score >= least) continue;
-      least = score;
-      best = fit_;
+      levels.push_back({smoothing, MeanSquare(fit_.feet, true), fit_.control_points});
+      if (levels.back().score > least * kWorse) break;
+      least = std::min(least, levels.back().score);
     }
-    std::vector<RoundSummary> rounds = std::move(fit_.rounds);
-    fit_ = std::move(best);
-    fit_.rounds = std::move(rounds);
+    // The stiffest that is as good as the best but for chance.
+    const auto chosen = std::find_if(levels.begin(), levels.end(), [&](const Level& level) {
+      return level.score <= least * kWorse;
+    });
+    fit_.smoothing = chosen->smoothing;
+    fit_.control_points = chosen->control_points;
     Rounds(kLastRounds, false);
     return std::move(fit_);
   }
@@ -217,7 +222,7 @@ class Fitter {
   // Shortens the step where patches would fold, until none does that did not before; false where
   // that does not help.
   bool Unfolded(Eigen::Matrix3Xd& step) {
-    constexpr int kTries = 8;
+    constexpr int kTries = 5;
     const auto folded_at = [&](const Eigen::Matrix3Xd& points) {
       return FoldedPatches(LimitSurface(stencils_, points), stencils_.patches(), pool_);
     };

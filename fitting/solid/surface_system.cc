@@ -2,6 +2,7 @@
 #include "fitting/solid/surface_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -184,13 +185,42 @@ Eigen::Matrix3Xd Pulled(const std::vector<int>& begin,
 }  // namespace
 
 Eigen::Matrix3Xd SurfaceSystem::Step(const Eigen::Matrix3Xd& control_points) {
-  factor_->factorize(matrix_);
-  if (factor_->info() != Eigen::Success) {
-    throw std::runtime_error("the points do not determine the surface");
-  }
   const Eigen::Matrix3Xd right =
       right_ - Pulled(column_begin_, block_row_, energy_, control_points);
-  return factor_->solve(right.reshaped()).reshaped(3, vertices_);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(3 * vertices_);
+  if (!factored_ || !Iterate(right.reshaped(), step)) {
+    factor_->factorize(matrix_);
+    factored_ = factor_->info() == Eigen::Success;
+    if (!factored_) throw std::runtime_error("the points do not determine the surface");
+    step = factor_->solve(right.reshaped());
+  }
+  return step.reshaped(3, vertices_);
+}
+
+// Conjugate gradients, preconditioned by the last factor: from one round to the next the system
+// changes little, and a factorisation costs a hundred solutions. [Hestenes & Stiefel 1952]
+bool SurfaceSystem::Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const {
+  constexpr int kMost = 25;
+  constexpr double kExact = 1e-6;  // relative: steps are followed by others
+  const auto matrix = matrix_.selfadjointView<Eigen::Lower>();
+  Eigen::VectorXd residual = right;
+  Eigen::VectorXd preconditioned = factor_->solve(residual);
+  Eigen::VectorXd way = preconditioned;
+  double norm = residual.dot(preconditioned);
+  const double enough = kExact * kExact * norm;
+  for (int round = 0; round < kMost && norm > 0; ++round) {
+    const Eigen::VectorXd product = matrix * way;
+    const double length = norm / way.dot(product);
+    if (!std::isfinite(length)) return false;
+    x += length * way;
+    residual -= length * product;
+    preconditioned = factor_->solve(residual);
+    const double next = residual.dot(preconditioned);
+    if (next <= enough) return true;
+    way = preconditioned + (next / norm) * way;
+    norm = next;
+  }
+  return !(norm > 0);
 }
 
 double SurfaceSystem::Energy(const Eigen::Matrix3Xd& control_points) const {

@@ -55,6 +55,7 @@ class SurfaceSystem {
   void MakeDifferences();
   void AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness);
   int BlockOf(int row, int column) const;  // row ≥ column
+  bool Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const;
 
   const LimitStencils& stencils_;
   int vertices_;
@@ -72,6 +73,7 @@ class SurfaceSystem {
   Eigen::Matrix3Xd right_;
   Eigen::SparseMatrix<double> matrix_;
   std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> factor_;
+  bool factored_ = false;    // at some time, perhaps of a system before
   double energy_trace_ = 0;  // of P with factors one
 };
 

@@ -8,6 +8,9 @@
 namespace batten::internal {
 namespace {
 
+// Refined nets that are kept for every vertex: three places in a thousand are nearer to it.
+constexpr int kKeptLevels = 5;
+
 // The tensor products of two directions' weights for S, S_u, S_v, S_uu, S_uv, S_vv.
 Eigen::Matrix<double, 16, 6> TensorWeights(double u, double v, double scale) {
   const CubicWeights a = UniformCubic(u), b = UniformCubic(v);
@@ -153,9 +156,9 @@ LimitSurface::LimitSurface(const LimitStencils& stencils, const Eigen::Matrix3Xd
       net.col(Eigen::Index(k)) = finer_points_.col(places[k]);
     }
     std::vector<Eigen::Matrix3Xd>& levels = rings_[vertex];
-    levels.resize(ExtraordinaryRing::kFinest + 1);
-    for (int level = 1; level <= ExtraordinaryRing::kFinest; ++level) {
-      levels[level] = net * ring.Refined(level).transpose();
+    levels.push_back(net);
+    for (int level = 1; level <= kKeptLevels; ++level) {
+      levels.push_back(net * ring.Refined(level).transpose());
     }
   }
 }
@@ -168,7 +171,7 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
     for (int k = 0; k < 16; ++k) points.col(k) = finer_points_.col(patch.places[k]);
   } else {
     const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v);
-    const Eigen::Matrix3Xd& net = rings_[patch.vertex][piece.level];
+    const std::vector<Eigen::Matrix3Xd>& levels = rings_[patch.vertex];
     const RingPlaces& fine = patch.ring->fine();
     const int per_sector = fine.rings * (fine.rings + 1);
     for (int k = 0; k < 16; ++k) {
@@ -176,7 +179,11 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
       const int at = piece.places[k];
       const int turned =
           at == 0 ? 0 : 1 + (at - 1 + patch.sector * per_sector) % (fine.size() - 1);
-      points.col(k) = net.col(turned);
+      if (piece.level <= kKeptLevels) {
+        points.col(k) = levels[piece.level].col(turned);
+      } else {
+        points.col(k) = levels[0] * patch.ring->Refined(piece.level).row(turned).transpose();
+      }
     }
     u = piece.u;
     v = piece.v;

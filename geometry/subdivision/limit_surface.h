@@ -84,7 +84,7 @@ class LimitSurface {
  private:
   const LimitStencils& stencils_;
   Eigen::Matrix3Xd finer_points_;
-  // The refined nets of every vertex with a ring, sector 0 first, by level.
+  // The net of every vertex with a ring, sector 0 first, and some of the refined ones, by level.
   std::vector<std::vector<Eigen::Matrix3Xd>> rings_;
 };
 

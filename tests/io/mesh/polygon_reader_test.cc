@@ -83,7 +83,7 @@ TEST(PolygonReaderTest, SaysWhereAFileIsWrong) {
   EXPECT_THAT(error("e.ply", "ply\nformat ascii 1.0\n"), HasSubstr("ends in its header"));
   EXPECT_THAT(error("f.ply",
                     "ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\n"
-                    "end_header\nabcd"),
+                    "end_header\nab"),
               HasSubstr("ends before its last element"));
   const std::string triangle = folder.With("q.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(ErrorOf([&] { ReadQuadMesh(triangle); }), HasSubstr("face 1 has 3 vertices"));
