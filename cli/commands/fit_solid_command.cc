@@ -49,7 +49,8 @@ SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
 
 std::string SolidWords(const SolidFit& fit) {
   return fmt::format(
-      "a watertight solid of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
+      "a watertight solid of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area "
+      "{:.6g}; faces meet "
       "within {:.2g} and {:.2g}°",
       fit.solid.faces.size(),
       fit.solid.edges.size(),
@@ -61,19 +62,27 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.edge_angle * 180 / std::numbers::pi);
 }
 
-// The surface from whose size and shape a layout is made: the faces of the file, or a surface about
-// its points.
-ClosedSurface SurfaceOf(const FitSolidArguments& a, const FitFiles& files, const PointCloud& cloud) {
+// The surface from whose size and shape a layout is made: the faces of the file, which are
+// `measured` themselves, or a surface about its points.
+ClosedSurface SurfaceOf(const FitSolidArguments& a,
+                        const FitFiles& files,
+                        const PointCloud& cloud,
+                        bool& measured) {
+  measured = false;
   const auto& path = a.clouds.front();
   if (a.clouds.size() == 1 && MayHoldFaces(path) && a.cloud.format.empty()) {
     const PolygonMesh mesh = ReadPolygons(path);
     if (!mesh.faces.empty()) {
-      ClosedSurface closed = files.Explained([&] { return CloseSurface(mesh.vertices, mesh.faces); });
+      ClosedSurface closed =
+          files.Explained([&] { return CloseSurface(mesh.vertices, mesh.faces); });
       if (closed.filled > 0) {
         PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
-                                 path, closed.filled, closed.filled == 1 ? " is" : "s are",
+                                 path,
+                                 closed.filled,
+                                 closed.filled == 1 ? " is" : "s are",
                                  100 * closed.filled_share));
       }
+      measured = true;
       return closed;
     }
   }
@@ -88,14 +97,17 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a, const FitFiles& files, const
 
 // A layout's faces where none are asked for: a control point for so many points, within bounds that
 // keep fits below a minute.
-int ChosenFaces(Eigen::Index points) {
-  constexpr Eigen::Index kPointsEach = 6, kLeast = 60, kMost = 2500;
-  return int(std::clamp(points / kPointsEach, kLeast, kMost));
+int ChosenFaces(Eigen::Index points, bool measured) {
+  // Vertices of a mesh stand where its shape asks for them, and have less noise than points.
+  const Eigen::Index each = measured ? 4 : 6;
+  constexpr Eigen::Index kLeast = 60, kMost = 2500;
+  return int(std::clamp(points / each, kLeast, kMost));
 }
 
 int RunFitSolid(const FitSolidArguments& a) {
   SolidFitOptions options = ToFitSolidOptions(a);
-  FitFiles files(a, a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
+  FitFiles files(a,
+                 a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
   if (NamesMesh(a.out, a.out_format)) NotYet("the mesh of a solid as -o");
   for (const std::string& path : {a.layout_out, a.mesh_out}) {
     if (!path.empty()) CheckWritable(path);
@@ -105,10 +117,18 @@ int RunFitSolid(const FitSolidArguments& a) {
   }
   QuadMesh layout;
   if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
-  const PointCloud& cloud = files.Read(false);
+  PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (a.quads.empty()) {
-    const ClosedSurface closed = SurfaceOf(a, files, cloud);
+    bool measured = false;
+    const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
+    if (measured) {
+      TriangleSurface local = closed.surface;
+      local.vertices.colwise() -= cloud.origin();
+      cloud.set_normals(NormalsNear(local, cloud.points()));
+      // A vertex on a sharp edge is no outlier.
+      options.keep_outliers = true;
+    }
     if (!a.mesh_out.empty()) {
       TriangleMesh mesh;
       mesh.vertices = closed.surface.vertices.colwise() - options.shift;
@@ -117,7 +137,7 @@ int RunFitSolid(const FitSolidArguments& a) {
       mesh.triangles = closed.surface.triangles;
       WriteMesh(mesh, a.mesh_out);
     }
-    const int faces = a.faces > 0 ? a.faces : ChosenFaces(cloud.size());
+    const int faces = a.faces > 0 ? a.faces : ChosenFaces(cloud.size(), measured);
     layout = files.Explained(
         [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
   }
@@ -138,14 +158,16 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<FitSolidArguments>();
   CLI::App& command = *fit.add_subcommand(
       "solid", "Fit a watertight solid of smooth faces to the points of a whole body");
-  AddEveryFitsArguments(command,
-                        *a,
-                        "CLOUD",
-                        "auto none; auto leaves out the outliers of the cloud, none takes all points");
+  AddEveryFitsArguments(
+      command,
+      *a,
+      "CLOUD",
+      "auto none; auto leaves out the outliers of the cloud, none takes all points");
   command
-      .add_option("--quads",
-                  a->quads,
-                  "The layout: a closed mesh of quadrilaterals near the points, .obj .off .ply [made]")
+      .add_option(
+          "--quads",
+          a->quads,
+          "The layout: a closed mesh of quadrilaterals near the points, .obj .off .ply [made]")
       ->type_name("LAYOUT");
   command
       .add_option_function<std::string>(
@@ -158,12 +180,14 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
             }
             a->faces = int(number);
           },
-          "About how many quadrilaterals the layout that is made has [one for 6 points, 60 to 2500]")
+          "About how many quadrilaterals the layout that is made has [one for 6 points or 4 "
+          "vertices of a mesh, 60 to 2500]")
       ->type_name("N");
   command
-      .add_option("--mesh-out",
-                  a->mesh_out,
-                  "Where to write the closed surface from which the layout is made: .ply .obj .stl .glb")
+      .add_option(
+          "--mesh-out",
+          a->mesh_out,
+          "Where to write the closed surface from which the layout is made: .ply .obj .stl .glb")
       ->type_name("M");
   command
       .add_option("--layout-out",
@@ -178,9 +202,10 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                ->type_name("L"),
           {"auto"});
   command.add_flag("--keep-outliers", a->keep_outliers, "All points count");
-  command.add_flag("--every-face",
-                   a->every_face,
-                   "A face for each of the layout's; else as few as its extraordinary vertices allow");
+  command.add_flag(
+      "--every-face",
+      a->every_face,
+      "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
   GroupFlags(command, "Which shape", {"--quads", "--faces", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
@@ -189,13 +214,17 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "  batten fit solid scan.ply -o part.step\n"
       "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
       "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
-      "The layout is made from the faces of the file, repaired where they nearly close, or else from a\n"
+      "The layout is made from the faces of the file, repaired where they nearly close, or else "
+      "from a\n"
       "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
-      "extraordinary vertices, and the solid a face for every few of its own. One that is given may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
-      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from outside.\n"
+      "extraordinary vertices, and the solid a face for every few of its own. One that is given "
+      "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
+      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from "
+      "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
       "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
-      "gets its name the solid is found closed, valid, without folds and the same when it is read back;\n"
+      "gets its name the solid is found closed, valid, without folds and the same when it is read "
+      "back;\n"
       "else nothing is written, and the reason is said.\n"
       "Exit code 3 says the solid is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return RunFitSolid(*a); }; });

@@ -12,7 +12,9 @@
 
 namespace batten::internal {
 
-Eigen::Matrix3Xd OutwardNormals(const NeighbourIndex& index, const Eigen::Matrix3Xd& points, int k) {
+Eigen::Matrix3Xd OutwardNormals(const NeighbourIndex& index,
+                                const Eigen::Matrix3Xd& points,
+                                int k) {
   const Eigen::Index count = points.cols();
   k = static_cast<int>(std::min<Eigen::Index>(k, count));
   Eigen::Matrix3Xd normals = EstimateNormals(index, points, points, k);

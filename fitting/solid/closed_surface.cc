@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
 #include "geometry/numeric/number_text.h"
 
@@ -47,7 +48,8 @@ class Closer {
     std::set<Triangle> known;
     for (const std::vector<int>& face : faces) {
       for (std::size_t k = 1; k + 1 < face.size(); ++k) {
-        Triangle triangle = {place[std::size_t(face[0])], place[std::size_t(face[k])],
+        Triangle triangle = {place[std::size_t(face[0])],
+                             place[std::size_t(face[k])],
                              place[std::size_t(face[k + 1])]};
         Triangle sorted = triangle;
         std::sort(sorted.begin(), sorted.end());
@@ -69,9 +71,9 @@ class Closer {
     Fill();
     closed_.filled_share = 1 - area / Area();
     if (closed_.filled_share > most_filled) {
-      throw RefusedData("the surface is open: its " + std::to_string(closed_.filled) +
-                        " holes would be " + NumberText(std::round(closed_.filled_share * 1000) / 10) +
-                        " % of its area");
+      throw RefusedData(
+          "the surface is open: its " + std::to_string(closed_.filled) + " holes would be " +
+          NumberText(std::round(closed_.filled_share * 1000) / 10) + " % of its area");
     }
     TurnOutwards();
     ClosedSurface closed = std::move(closed_);
@@ -281,6 +283,22 @@ ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled) {
   return internal::Closer(vertices, faces).Close(most_filled);
+}
+
+Eigen::Matrix3Xd NormalsNear(const TriangleSurface& surface, const Eigen::Matrix3Xd& points) {
+  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
+  for (const auto t : surface.triangles.colwise()) {
+    const Eigen::Vector3d a = surface.vertices.col(t[0]);
+    const Eigen::Vector3d b = surface.vertices.col(t[1]) - a, c = surface.vertices.col(t[2]) - a;
+    const Eigen::Vector3d normal = b.cross(c);
+    for (const int v : t) normals.col(v) += normal;
+  }
+  for (Eigen::Index v = 0; v < normals.cols(); ++v) normals.col(v).stableNormalize();
+  const std::vector<int> nearest = NeighbourIndex(surface.vertices).Nearest(points, 1);
+  Eigen::Matrix3Xd found(3, points.cols());
+  for (Eigen::Index k = 0; k < points.cols(); ++k)
+    found.col(k) = normals.col(nearest[std::size_t(k)]);
+  return found;
 }
 
 }  // namespace batten

@@ -50,7 +50,8 @@ class EvenMesh {
     }
     surface.vertices.resize(3, Eigen::Index(places.size()));
     surface.triangles.resize(3, Eigen::Index(kept.size()));
-    for (std::size_t k = 0; k < places.size(); ++k) surface.vertices.col(Eigen::Index(k)) = places[k];
+    for (std::size_t k = 0; k < places.size(); ++k)
+      surface.vertices.col(Eigen::Index(k)) = places[k];
     for (std::size_t k = 0; k < kept.size(); ++k) {
       surface.triangles.col(Eigen::Index(k)) << kept[k][0], kept[k][1], kept[k][2];
     }
@@ -91,7 +92,8 @@ class EvenMesh {
 
   std::vector<int> Neighbours(int v) const {
     std::vector<int> found;
-    for (const int t : around_[std::size_t(v)]) found.push_back(After(triangles_[std::size_t(t)], v));
+    for (const int t : around_[std::size_t(v)])
+      found.push_back(After(triangles_[std::size_t(t)], v));
     return found;
   }
 
@@ -118,7 +120,8 @@ class EvenMesh {
         around_.emplace_back();
         RemoveTriangle(left);
         RemoveTriangle(right);
-        for (const Triangle& t : {Triangle{a, m, c}, {m, b, c}, {b, m, d}, {m, a, d}}) AddTriangle(t);
+        for (const Triangle& t : {Triangle{a, m, c}, {m, b, c}, {b, m, d}, {m, a, d}})
+          AddTriangle(t);
         more = true;
       }
     }
@@ -141,7 +144,8 @@ class EvenMesh {
     const std::vector<int> of_a = Neighbours(a), of_b = Neighbours(b);
     int common = 0;
     for (const int v : of_a) common += std::find(of_b.begin(), of_b.end(), v) != of_b.end();
-    if (common != 2 || around_[std::size_t(c)].size() < 4 || around_[std::size_t(d)].size() < 4) return;
+    if (common != 2 || around_[std::size_t(c)].size() < 4 || around_[std::size_t(d)].size() < 4)
+      return;
     if (of_a.size() + of_b.size() < 7) return;
     const Eigen::Vector3d middle = (At(a) + At(b)) / 2;
     for (const int end : {a, b}) {
@@ -151,7 +155,8 @@ class EvenMesh {
         const int p = After(triangle, end), q = After(triangle, p);
         const Eigen::Vector3d after = (At(p) - middle).cross(At(q) - middle);
         constexpr double kTurn = 0.3;  // cosine
-        if (after.dot(NormalOf(triangle)) < kTurn * after.norm() * NormalOf(triangle).norm()) return;
+        if (after.dot(NormalOf(triangle)) < kTurn * after.norm() * NormalOf(triangle).norm())
+          return;
         if ((At(p) - middle).norm() > longest) return;
       }
     }

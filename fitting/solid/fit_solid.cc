@@ -83,8 +83,11 @@ class SolidFitter {
     CheckNear(stencils);
     clock_.Enter(&StageSeconds::optimize);
     const LimitSurfaceFit surface =
-        FitLimitSurface(stencils, ControlPointsThrough(mesh, layout_.vertices), data_,
-                        {options_.smoothing, options_.max_iterations, options_.progress}, pool_);
+        FitLimitSurface(stencils,
+                        ControlPointsThrough(mesh, layout_.vertices),
+                        data_,
+                        {options_.smoothing, options_.max_iterations, options_.progress},
+                        pool_);
     clock_.Enter(&StageSeconds::trim);
     const std::vector<QuadBlock> blocks =
         options_.merge_faces ? MotorcycleBlocks(mesh) : SingleBlocks(mesh);
@@ -103,8 +106,8 @@ class SolidFitter {
     place_ = merged.place;
     data_.points = merged.cloud.points();
     const auto count = data_.points.cols();
-    data_.weights = merged.cloud.weights().size() > 0 ? merged.cloud.weights()
-                                                      : Eigen::VectorXd::Ones(count);
+    data_.weights =
+        merged.cloud.weights().size() > 0 ? merged.cloud.weights() : Eigen::VectorXd::Ones(count);
     // Every control point asks for a point, so that none is left to the fairness alone.
     if (count < layout_.vertices.cols()) {
       throw RefusedData("there are " + std::to_string(count) + " different points for " +
@@ -113,8 +116,10 @@ class SolidFitter {
     }
     const NeighbourIndex index(data_.points, pool_);
     const CloudStatistics statistics =
-        MeasureCloud(data_.points, index,
-                     {.seed = options_.seed, .find_outliers = !options_.keep_outliers}, pool_,
+        MeasureCloud(data_.points,
+                     index,
+                     {.seed = options_.seed, .find_outliers = !options_.keep_outliers},
+                     pool_,
                      options_.progress);
     TakeNormals(merged.cloud, index, data_);
     data_.noise = statistics.noise;
@@ -136,16 +141,15 @@ class SolidFitter {
   // Refuses a layout of another body, or in other coordinates.
   void CheckNear(const LimitStencils& stencils) {
     const LimitSurface surface(stencils, layout_.vertices);
-    const std::vector<LimitFoot> feet = FeetOn(surface, stencils.patches(), data_.points,
-                                                 Eigen::Matrix3Xd(3, 0), false, {}, pool_);
+    const std::vector<LimitFoot> feet =
+        FeetOn(surface, stencils.patches(), data_.points, Eigen::Matrix3Xd(3, 0), false, {}, pool_);
     std::vector<double> distances;
     for (std::size_t k = 0; k < feet.size(); ++k) {
       distances.push_back((feet[k].point - data_.points.col(Eigen::Index(k))).norm());
     }
     const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
-    const double size =
-        (fit_.report.input.box_max - fit_.report.input.box_min).maxCoeff();
+    const double size = (fit_.report.input.box_max - fit_.report.input.box_min).maxCoeff();
     if (!(*middle <= kApart * size)) {
       throw RefusedData("the layout lies apart from the points: half of them are farther than " +
                         NumberText(*middle) + " from it; it has to be in the same coordinates");
@@ -161,8 +165,7 @@ class SolidFitter {
     if (!(audit.volume > 0)) throw RefusedData("the faces do not enclose a volume");
     if (audit.turn > kFold) {
       throw RefusedData("a face folds over (normals turn by " + Degrees(audit.turn) +
-                        " within a sixth of a quarter of the layout's face): the layout is too coarse or "
-                        "uneven there");
+                        " from one sample to the next): the layout is too coarse or uneven there");
     }
     constexpr double kSmooth = 1e-3;  // radians; construction leaves rounding
     if (audit.edge_angle > kSmooth) {
@@ -180,9 +183,13 @@ class SolidFitter {
                const LimitStencils& stencils,
                const LimitSurfaceFit& surface) {
     // Feet anew, without regard to normals: what is reported is the distance from the solid.
-    const std::vector<LimitFoot> feet =
-        FeetOn(LimitSurface(stencils, surface.control_points), stencils.patches(), data_.points,
-               Eigen::Matrix3Xd(3, 0), false, {}, pool_);
+    const std::vector<LimitFoot> feet = FeetOn(LimitSurface(stencils, surface.control_points),
+                                               stencils.patches(),
+                                               data_.points,
+                                               Eigen::Matrix3Xd(3, 0),
+                                               false,
+                                               {},
+                                               pool_);
     const std::vector<BlockPlace> places = PlacesInBlocks(mesh, blocks);
     Eigen::VectorXd distances(data_.points.cols());
     Eigen::Matrix2Xd parameters(2, distances.size());
@@ -191,7 +198,8 @@ class SolidFitter {
         const LimitPlace& place = feet[std::size_t(k)].place;
         const BlockPlace& face = places[std::size_t(place.patch >> 2)];
         Eigen::Vector2d at = ParametersInBlock(face, place);
-        distances[k] = DistanceFrom(solid.faces[std::size_t(face.block)].surface, data_.points.col(k), at);
+        distances[k] =
+            DistanceFrom(solid.faces[std::size_t(face.block)].surface, data_.points.col(k), at);
         parameters.col(k) = at;
       }
     });
@@ -204,7 +212,8 @@ class SolidFitter {
       fit_.residuals[k] = distances[merged];
       fit_.outliers[k] = set_aside_[merged];
       fit_.parameters.col(k) = parameters.col(merged);
-      fit_.faces[std::size_t(k)] = places[std::size_t(feet[std::size_t(merged)].place.patch >> 2)].block;
+      fit_.faces[std::size_t(k)] =
+          places[std::size_t(feet[std::size_t(merged)].place.patch >> 2)].block;
     }
   }
 
@@ -260,6 +269,11 @@ class SolidFitter {
                     "layout may"};
     }
     report.termination = TerminationOf(report.end.code);
+    if (report.error.p95 > report.input.spacing) {
+      report.warnings.push_back(
+          "one point in twenty is farther from the solid than points are from one another: the "
+          "layout is too coarse, or of another shape");
+    }
     report.seconds = clock_.Seconds();
   }
 

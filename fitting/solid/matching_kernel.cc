@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Alone in its translation unit, and C++17: LEMON 1.3 calls members of std::allocator that C++20 took
-// away.
+// Alone in its translation unit, and C++17: LEMON 1.3 calls members of std::allocator that C++20
+// took away.
 #include "fitting/solid/matching_kernel.h"
 
 #pragma GCC diagnostic push
@@ -24,8 +24,8 @@ std::vector<int> PerfectMatching(int nodes,
     const auto edge = graph.addEdge(node[std::size_t(edges[k][0])], node[std::size_t(edges[k][1])]);
     weight[edge] = weights[k];
   }
-  lemon::MaxWeightedPerfectMatching<lemon::SmartGraph, lemon::SmartGraph::EdgeMap<int>> matching(graph,
-                                                                                                  weight);
+  lemon::MaxWeightedPerfectMatching<lemon::SmartGraph, lemon::SmartGraph::EdgeMap<int>> matching(
+      graph, weight);
   std::vector<int> chosen;
   if (!matching.run()) return chosen;
   for (int k = 0; k < int(edges.size()); ++k) {

@@ -28,8 +28,8 @@ using Quad = std::array<int, 4>;
 // is flat or folded over.
 double Squareness(const Eigen::Matrix3Xd& points, const Quad& quad) {
   double worst = 0;
-  Eigen::Vector3d normal = (points.col(quad[2]) - points.col(quad[0]))
-                               .cross(points.col(quad[3]) - points.col(quad[1]));
+  Eigen::Vector3d normal =
+      (points.col(quad[2]) - points.col(quad[0])).cross(points.col(quad[3]) - points.col(quad[1]));
   for (std::size_t k = 0; k < 4; ++k) {
     const Eigen::Vector3d at = points.col(quad[k]);
     const Eigen::Vector3d next = points.col(quad[(k + 1) % 4]) - at;
@@ -72,17 +72,23 @@ std::vector<Quad> Paired(const TriangleSurface& surface) {
     }
   }
   std::vector<Quad> paired;
-  for (const int e : PerfectMatching(count, edges, weights)) paired.push_back(quads[std::size_t(e)]);
+  for (const int e : PerfectMatching(count, edges, weights))
+    paired.push_back(quads[std::size_t(e)]);
   if (paired.empty()) throw RefusedData("the triangles can't be paired");
   return paired;
 }
 
-// A mesh of quadrilaterals whose edges turn and whose faces collapse until fewer vertices have other
-// than four. [Docampo-Sánchez & Haimes 2019]
+// A mesh of quadrilaterals whose edges turn and whose faces collapse until fewer vertices have
+// other than four. [Docampo-Sánchez & Haimes 2019]
 class QuadImprover {
  public:
-  QuadImprover(const Eigen::Matrix3Xd& points, std::vector<Quad> quads, const SurfaceProjector& projector)
-      : projector_(projector), points_(points), quads_(std::move(quads)), around_(std::size_t(points.cols())) {
+  QuadImprover(const Eigen::Matrix3Xd& points,
+               std::vector<Quad> quads,
+               const SurfaceProjector& projector)
+      : projector_(projector),
+        points_(points),
+        quads_(std::move(quads)),
+        around_(std::size_t(points.cols())) {
     for (int q = 0; q < int(quads_.size()); ++q) {
       for (const int v : quads_[std::size_t(q)]) around_[std::size_t(v)].push_back(q);
     }
@@ -134,7 +140,8 @@ class QuadImprover {
     }
     mesh.vertices.resize(3, Eigen::Index(kept.size()));
     mesh.faces.resize(4, Eigen::Index(faces.size()));
-    for (std::size_t k = 0; k < kept.size(); ++k) mesh.vertices.col(Eigen::Index(k)) = points_.col(kept[k]);
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      mesh.vertices.col(Eigen::Index(k)) = points_.col(kept[k]);
     for (std::size_t k = 0; k < faces.size(); ++k) {
       mesh.faces.col(Eigen::Index(k)) << faces[k][0], faces[k][1], faces[k][2], faces[k][3];
     }
@@ -243,7 +250,8 @@ class QuadImprover {
     for (const int f : around_[std::size_t(c)]) {
       if (f == q) continue;
       for (const int v : quads_[std::size_t(f)]) {
-        if (v != b && v != c && v != d && std::find(near.begin(), near.end(), v) != near.end()) return false;
+        if (v != b && v != c && v != d && std::find(near.begin(), near.end(), v) != near.end())
+          return false;
       }
     }
     const Eigen::Vector3d old_a = points_.col(a), old_c = points_.col(c);
@@ -286,8 +294,8 @@ class QuadImprover {
     // The hexagon b, c, d, a, e, f.
     const std::array<int, 6> ring = {b, one[2], one[3], a, two[2], two[3]};
     const auto gain = [&](int p, int r) {
-      return Off(Valence(a)) + Off(Valence(b)) + Off(Valence(p)) + Off(Valence(r)) - Off(Valence(a) - 1) -
-             Off(Valence(b) - 1) - Off(Valence(p) + 1) - Off(Valence(r) + 1);
+      return Off(Valence(a)) + Off(Valence(b)) + Off(Valence(p)) + Off(Valence(r)) -
+             Off(Valence(a) - 1) - Off(Valence(b) - 1) - Off(Valence(p) + 1) - Off(Valence(r) + 1);
     };
     const int first = gain(ring[1], ring[4]), second = gain(ring[2], ring[5]);
     for (const bool forward : first >= second ? std::array{true, false} : std::array{false, true}) {
@@ -347,8 +355,8 @@ int EulerOf(const QuadMesh& mesh) {
   return static_cast<int>(mesh.vertices.cols()) - static_cast<int>(mesh.faces.cols());
 }
 
-// A layout of about so many faces; throws std::invalid_argument where none of that Euler number comes
-// out.
+// A layout of about so many faces; throws std::invalid_argument where none of that Euler number
+// comes out.
 QuadMesh PairedLayout(const TriangleSurface& surface,
                       const SurfaceProjector& projector,
                       double faces,
@@ -402,8 +410,8 @@ QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& pro
     if (coarse > 1 && faces / coarse < kFewest) continue;
     Report(progress, "layout", 0.0);
     try {
-      QuadMesh layout = PairedLayout(surface, projector, faces / coarse, euler,
-                                     coarse > 1 ? kEven : kAny, progress);
+      QuadMesh layout = PairedLayout(
+          surface, projector, faces / coarse, euler, coarse > 1 ? kEven : kAny, progress);
       for (double cut = coarse; cut > 1; cut /= 4) layout = Finer(layout, projector);
       return layout;
     } catch (const std::invalid_argument& fault) {

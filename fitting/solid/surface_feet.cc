@@ -12,8 +12,9 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kGrid = 3;         // samples a patch in each direction
-constexpr int kCandidates = 16;  // samples looked at: two walls nearer than a sample apart share them
+constexpr int kGrid = 3;  // samples a patch in each direction
+constexpr int kCandidates =
+    16;  // samples looked at: two walls nearer than a sample apart share them
 constexpr int kSteps = 12;
 constexpr std::ptrdiff_t kBlock = 256;  // points
 
@@ -92,12 +93,12 @@ struct Samples {
 }  // namespace
 
 std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
-                                int patches,
-                                const Eigen::Matrix3Xd& points,
-                                const Eigen::Matrix3Xd& normals,
-                                bool oriented,
-                                const std::vector<LimitFoot>& from,
-                                ThreadPool& pool) {
+                              int patches,
+                              const Eigen::Matrix3Xd& points,
+                              const Eigen::Matrix3Xd& normals,
+                              bool oriented,
+                              const std::vector<LimitFoot>& from,
+                              ThreadPool& pool) {
   std::vector<LimitFoot> feet = from;
   std::unique_ptr<Samples> samples;
   std::vector<int> nearest;

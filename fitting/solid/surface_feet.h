@@ -22,11 +22,11 @@ inline constexpr double kLeastCosine = 0.5;  // 60°: on a thin wall the other s
 // The feet of points with normals (zero: none; `oriented`: their signs count). With feet to begin
 // from they are followed, else the nearest places of a grid of samples with such a normal are.
 std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
-                                int patches,
-                                const Eigen::Matrix3Xd& points,
-                                const Eigen::Matrix3Xd& normals,
-                                bool oriented,
-                                const std::vector<LimitFoot>& from,
-                                ThreadPool& pool);
+                              int patches,
+                              const Eigen::Matrix3Xd& points,
+                              const Eigen::Matrix3Xd& normals,
+                              bool oriented,
+                              const std::vector<LimitFoot>& from,
+                              ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -22,8 +22,8 @@ namespace {
 constexpr double kFirstDamping = 0.1, kLeastDamping = 0.01, kMostDamping = 10;
 constexpr double kStillFalls = 1e-3;  // relative fall of the sum of squares in two rounds
 
-// Stiffness against uneven faces: it moves places along the surface, which hardly changes its shape,
-// and keeps faces from folding.
+// Stiffness against uneven faces: it moves places along the surface, which hardly changes its
+// shape, and keeps faces from folding.
 constexpr double kStretch = 0.01;
 
 // Of the control mesh, from the faces around.
@@ -94,23 +94,33 @@ class Fitter {
     }
     constexpr double kStiffest = 1, kStep = 0.1, kSoftest = 1e-6;
     constexpr int kRounds = 5, kLastRounds = 12;
-    constexpr double kWorse = 1.03;
+    constexpr double kChance = 1;     // standard errors
+    constexpr std::size_t kIdle = 2;  // softer levels without a gain before the end
     struct Level {
-      double smoothing, score;
+      double smoothing, mean;
+      Eigen::VectorXd squares;  // of the points left out
       Eigen::Matrix3Xd control_points;
     };
+    // How much worse one level is than another, in standard errors of the difference point by point.
+    const auto worse = [](const Level& one, const Level& other) {
+      const Eigen::ArrayXd difference = (one.squares - other.squares).array();
+      const double mean = difference.mean();
+      const double variance = (difference - mean).square().mean() / double(difference.size());
+      return mean / std::sqrt(std::max(variance, std::numeric_limits<double>::min()));
+    };
     std::vector<Level> levels;
-    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = 0;
     for (double smoothing = kStiffest; smoothing >= kSoftest; smoothing *= kStep) {
       fit_.smoothing = smoothing;
       Rounds(kRounds, true);
-      levels.push_back({smoothing, MeanSquare(fit_.feet, true), fit_.control_points});
-      if (levels.back().score > least * kWorse) break;
-      least = std::min(least, levels.back().score);
+      const Eigen::VectorXd squares = SquaresLeftOut();
+      levels.push_back({smoothing, squares.mean(), squares, fit_.control_points});
+      if (levels.back().mean < levels[best].mean) best = levels.size() - 1;
+      if (worse(levels.back(), levels[best]) > kChance || levels.size() > best + kIdle) break;
     }
     // The stiffest that is as good as the best but for chance.
     const auto chosen = std::find_if(levels.begin(), levels.end(), [&](const Level& level) {
-      return level.score <= least * kWorse;
+      return worse(level, levels[best]) <= kChance;
     });
     fit_.smoothing = chosen->smoothing;
     fit_.control_points = chosen->control_points;
@@ -122,9 +132,13 @@ class Fitter {
   // Gives normals without a sign that of the surface the fit begins from; where they contradict it,
   // as estimates at thin ridges do, its own normal.
   void Orient() {
-    const std::vector<LimitFoot> feet =
-        FeetOn(LimitSurface(stencils_, fit_.control_points), stencils_.patches(), data_.points,
-               Eigen::Matrix3Xd(3, 0), false, {}, pool_);
+    const std::vector<LimitFoot> feet = FeetOn(LimitSurface(stencils_, fit_.control_points),
+                                               stencils_.patches(),
+                                               data_.points,
+                                               Eigen::Matrix3Xd(3, 0),
+                                               false,
+                                               {},
+                                               pool_);
     for (std::size_t k = 0; k < feet.size(); ++k) {
       auto normal = data_.normals.col(Eigen::Index(k));
       const double cosine = normal.dot(feet[k].normal);
@@ -153,6 +167,19 @@ class Fitter {
     return weight > 0 ? sum / weight : 0;
   }
 
+  // Weighted squares of the points left out.
+  Eigen::VectorXd SquaresLeftOut() const {
+    std::vector<double> squares;
+    for (std::size_t k = 0; k < fit_.feet.size(); ++k) {
+      const auto i = Eigen::Index(k);
+      if (!(data_.weights[i] > 0) || !LeftOut(k)) continue;
+      const LimitFoot& foot = fit_.feet[k];
+      squares.push_back(data_.weights[i] * (foot.point - data_.points.col(i)).squaredNorm());
+    }
+    if (squares.empty()) squares.push_back(0);
+    return Eigen::Map<const Eigen::VectorXd>(squares.data(), Eigen::Index(squares.size()));
+  }
+
   std::vector<SurfaceDemand> Demands(bool some) const {
     std::vector<SurfaceDemand> demands;
     for (std::size_t k = 0; k < fit_.feet.size(); ++k) {
@@ -165,22 +192,30 @@ class Fitter {
   }
 
   std::vector<LimitFoot> Feet(const Eigen::Matrix3Xd& points,
-                                const std::vector<LimitFoot>& from) const {
-    return FeetOn(LimitSurface(stencils_, points), stencils_.patches(), data_.points, data_.normals,
-                  data_.oriented, from, pool_);
+                              const std::vector<LimitFoot>& from) const {
+    return FeetOn(LimitSurface(stencils_, points),
+                  stencils_.patches(),
+                  data_.points,
+                  data_.normals,
+                  data_.oriented,
+                  from,
+                  pool_);
   }
 
   // Steps at one smoothing; `some`: without the points left out.
   void Rounds(int count, bool some) {
     constexpr int kRefuse = 4;  // failed steps in a row
     fit_.feet = Feet(fit_.control_points, {});
-    folded_ = FoldedPatches(LimitSurface(stencils_, fit_.control_points), stencils_.patches(), pool_);
+    folded_ =
+        FoldedPatches(LimitSurface(stencils_, fit_.control_points), stencils_.patches(), pool_);
     double damping = kFirstDamping;
     int failed = 0;
     for (int round = 0; round < count; ++round) {
       Report(settings_.progress, "fit", double(round) / count);
       const std::vector<SurfaceDemand> demands = Demands(some);
-      system_.Assemble(demands, damping, fit_.control_points,
+      system_.Assemble(demands,
+                       damping,
+                       fit_.control_points,
                        VertexNormals(stencils_.mesh(), fit_.control_points),
                        {fit_.smoothing, std::max(fit_.smoothing, kStretch)});
       const double cost = Cost(fit_.feet, fit_.control_points, some);
@@ -249,9 +284,7 @@ class Fitter {
   }
 
   // A point that finds no foot costs as the mean of the others: steps are not taken to lose points.
-  double Cost(const std::vector<LimitFoot>& feet,
-              const Eigen::Matrix3Xd& points,
-              bool some) const {
+  double Cost(const std::vector<LimitFoot>& feet, const Eigen::Matrix3Xd& points, bool some) const {
     double sum = 0, weight = 0, all = 0;
     for (std::size_t k = 0; k < feet.size(); ++k) {
       if (!Counts(k, some)) continue;

@@ -62,9 +62,10 @@ Eigen::Vector3d SurfaceProjector::Nearest(const Eigen::Vector3d& p) const {
   for (const int v : search_->index.Nearest(p, count)) {
     for (const int t : around_[std::size_t(v)]) {
       const auto corner = surface_.triangles.col(t);
-      const Eigen::Vector3d place =
-          NearestOnTriangle(p, surface_.vertices.col(corner[0]), surface_.vertices.col(corner[1]),
-                            surface_.vertices.col(corner[2]));
+      const Eigen::Vector3d place = NearestOnTriangle(p,
+                                                      surface_.vertices.col(corner[0]),
+                                                      surface_.vertices.col(corner[1]),
+                                                      surface_.vertices.col(corner[2]));
       const double square = (place - p).squaredNorm();
       if (square >= least) continue;
       least = square;

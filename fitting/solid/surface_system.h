@@ -27,9 +27,9 @@ struct Stiffness {
   double bending = 0, stretch = 0;
 };
 
-// The sparse system (A + P) Δ = r for a step Δ of all control points: A from demands, P the discrete
-// thin-plate energy of the control mesh, its second differences weighed along the vertex's normal
-// by one factor and across it by the other. The pattern is made once.
+// The sparse system (A + P) Δ = r for a step Δ of all control points: A from demands, P the
+// discrete thin-plate energy of the control mesh, its second differences weighed along the vertex's
+// normal by one factor and across it by the other. The pattern is made once.
 class SurfaceSystem {
  public:
   explicit SurfaceSystem(const LimitStencils& stencils);
@@ -59,10 +59,10 @@ class SurfaceSystem {
 
   const LimitStencils& stencils_;
   int vertices_;
-  std::vector<int> column_begin_, block_row_;         // lower triangle of 3 × 3 blocks by columns
-  std::vector<std::vector<int>> patch_blocks_;        // for a ≥ b of each support: its block
-  std::vector<Eigen::Matrix3d> blocks_;               // A
-  std::vector<Eigen::Matrix3d> energy_;               // P
+  std::vector<int> column_begin_, block_row_;   // lower triangle of 3 × 3 blocks by columns
+  std::vector<std::vector<int>> patch_blocks_;  // for a ≥ b of each support: its block
+  std::vector<Eigen::Matrix3d> blocks_;         // A
+  std::vector<Eigen::Matrix3d> energy_;         // P
   struct Difference {
     int vertex;  // whose normal counts
     double weight;

@@ -52,10 +52,10 @@ class ExtraordinaryRing {
 
   // The bicubic piece that holds the parameters (u, v) of sector 0, in [0,1]².
   struct Piece {
-    int level;                    // of the refined net
-    std::array<int, 16> places;   // in it: 4 × 4, along v fastest
-    double u, v;                  // in the piece
-    double scale;                 // d(piece's parameter) / d(u), a power of two
+    int level;                   // of the refined net
+    std::array<int, 16> places;  // in it: 4 × 4, along v fastest
+    double u, v;                 // in the piece
+    double scale;                // d(piece's parameter) / d(u), a power of two
   };
   Piece PieceAt(double u, double v) const;
 

@@ -36,8 +36,10 @@ std::vector<int> PlainPlaces(const QuadTopology& mesh, int h) {
     for (int j = 0; j < 3; ++j) {
       const int cell = rows[j];
       const int next = QuadTopology::Next(cell);
-      const int corner[4] = {mesh.Origin(cell), mesh.Origin(QuadTopology::Previous(cell)),
-                             mesh.Origin(next), mesh.Origin(QuadTopology::Next(next))};
+      const int corner[4] = {mesh.Origin(cell),
+                             mesh.Origin(QuadTopology::Previous(cell)),
+                             mesh.Origin(next),
+                             mesh.Origin(QuadTopology::Next(next))};
       for (int k = 0; k < 4; ++k) places[4 * (i + k / 2) + j + k % 2] = corner[k];
     }
   }
@@ -54,8 +56,8 @@ std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPla
       int cell = column;
       for (int j = 0; j <= places.rings; ++j) {
         // The last row and column are far corners of the cells before.
-        vertices[places.At(k, i + 1, j)] = mesh.Origin(
-            j < places.rings ? QuadTopology::Next(cell) : QuadTopology::Across(cell));
+        vertices[places.At(k, i + 1, j)] =
+            mesh.Origin(j < places.rings ? QuadTopology::Next(cell) : QuadTopology::Across(cell));
         if (j + 1 < places.rings) cell = mesh.Up(cell);
       }
       if (i + 1 < places.rings) column = mesh.Right(column);
@@ -109,7 +111,8 @@ void LimitStencils::MakePatch(int p) {
     number = static_cast<int>(patch.support.size());
     patch.support.push_back(vertex);
   }
-  patch.stencils = Eigen::MatrixXd::Zero(Eigen::Index(patch.places.size()), Eigen::Index(column.size()));
+  patch.stencils =
+      Eigen::MatrixXd::Zero(Eigen::Index(patch.places.size()), Eigen::Index(column.size()));
   for (std::size_t k = 0; k < patch.places.size(); ++k) {
     if (!counts[k]) continue;
     for (StencilMatrix::InnerIterator it(finer_.stencils, patch.places[k]); it; ++it) {
@@ -149,8 +152,7 @@ LimitSurface::LimitSurface(const LimitStencils& stencils, const Eigen::Matrix3Xd
   rings_.resize(finer.vertices());
   for (const int vertex : stencils.ring_vertices_) {
     const ExtraordinaryRing& ring = ExtraordinaryRing::Of(finer.Valence(vertex));
-    const std::vector<int> places =
-        RingVertices(finer, finer.Outgoing(vertex), ring.coarse());
+    const std::vector<int> places = RingVertices(finer, finer.Outgoing(vertex), ring.coarse());
     Eigen::Matrix3Xd net(3, ring.coarse().size());
     for (std::size_t k = 0; k < places.size(); ++k) {
       net.col(Eigen::Index(k)) = finer_points_.col(places[k]);
@@ -177,8 +179,7 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
     for (int k = 0; k < 16; ++k) {
       // Sector 0 of the patch is another one of the vertex.
       const int at = piece.places[k];
-      const int turned =
-          at == 0 ? 0 : 1 + (at - 1 + patch.sector * per_sector) % (fine.size() - 1);
+      const int turned = at == 0 ? 0 : 1 + (at - 1 + patch.sector * per_sector) % (fine.size() - 1);
       if (piece.level <= kKeptLevels) {
         points.col(k) = levels[piece.level].col(turned);
       } else {
@@ -193,10 +194,7 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
   return {jet.col(0), jet.col(1), jet.col(2), jet.col(3), jet.col(4), jet.col(5)};
 }
 
-LimitPlace LimitSurface::Moved(const LimitPlace& from,
-                               double du,
-                               double dv,
-                               int crossings) const {
+LimitPlace LimitSurface::Moved(const LimitPlace& from, double du, double dv, int crossings) const {
   const QuadTopology& finer = stencils_.finer_.topology;
   LimitPlace place = from;
   for (;; --crossings) {
@@ -221,7 +219,10 @@ LimitPlace LimitSurface::Moved(const LimitPlace& from,
     du *= 1 - share;
     dv *= 1 - share;
     // In the frame of the side: s along it, t inwards. Across, s runs the other way and t outwards.
-    const double s = side == 0 ? place.u : side == 1 ? place.v : side == 2 ? 1 - place.u : 1 - place.v;
+    const double s = side == 0   ? place.u
+                     : side == 1 ? place.v
+                     : side == 2 ? 1 - place.u
+                                 : 1 - place.v;
     const double ds = side == 0 ? du : side == 1 ? dv : side == 2 ? -du : -dv;
     const double dt = side == 0 ? dv : side == 1 ? -du : side == 2 ? -dv : du;
     const int beside = finer.Twin(4 * place.patch + side);

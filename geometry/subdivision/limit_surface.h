@@ -25,8 +25,8 @@ struct LimitPlace {
 // half-edge h, the face's lower left corner at i = j = 1.
 std::vector<int> PlainPlaces(const QuadTopology& mesh, int h);
 
-// The vertices of a net about the origin of a half-edge, sector 0 to the left of it, by place; those
-// inside the net have four edges.
+// The vertices of a net about the origin of a half-edge, sector 0 to the left of it, by place;
+// those inside the net have four edges.
 std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPlaces& places);
 
 // The stencils of a mesh, whatever its points are. Exact: a patch is a uniform bicubic B-spline or,

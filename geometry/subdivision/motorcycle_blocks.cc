@@ -76,7 +76,10 @@ std::vector<int> CellsOf(const QuadTopology& mesh, const QuadBlock& block) {
 }
 
 // Whether the block is beside itself, in which case its face would close on itself.
-bool MeetsItself(const QuadTopology& mesh, const QuadBlock& block, std::vector<int>& owner, int name) {
+bool MeetsItself(const QuadTopology& mesh,
+                 const QuadBlock& block,
+                 std::vector<int>& owner,
+                 int name) {
   const std::vector<int> cells = CellsOf(mesh, block);
   for (const int cell : cells) owner[cell >> 2] = name;
   const auto at = [&](int a, int b) { return cells[std::size_t(a) * block.along + b]; };

@@ -107,7 +107,8 @@ Equations NearLimit(const RingPlaces& corner) {
   const ExtraordinaryRing& ring = ExtraordinaryRing::Of(n);
   Eigen::MatrixXd outer(kFunctions * kFunctions, corner.size());
   for (int i = 0; i < kFunctions; ++i) {
-    for (int j = 0; j < kFunctions; ++j) outer.row(kFunctions * i + j) = OuterCoefficient(corner, i, j);
+    for (int j = 0; j < kFunctions; ++j)
+      outer.row(kFunctions * i + j) = OuterCoefficient(corner, i, j);
   }
   // A column of the net seen from sector k.
   const auto turned = [&](int place, int k) {
@@ -139,7 +140,8 @@ Equations NearLimit(const RingPlaces& corner) {
                 equations.rows(row, corner.At(k, i, j)) += value;
               } else {
                 for (int place = 0; place < corner.size(); ++place) {
-                  equations.right(row, turned(place, k)) -= value * outer(kFunctions * i + j, place);
+                  equations.right(row, turned(place, k)) -=
+                      value * outer(kFunctions * i + j, place);
                 }
               }
             }

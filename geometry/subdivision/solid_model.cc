@@ -88,8 +88,8 @@ void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
       const double c = surface.basis_v().knots()[q], d = surface.basis_v().knots()[q + 1];
       for (int i = 0; i < kPlaces; ++i) {
         for (int j = 0; j < kPlaces; ++j) {
-          const SurfaceJet jet = surface.JetAt(a + (b - a) * rule.nodes[i],
-                                               c + (d - c) * rule.nodes[j]);
+          const SurfaceJet jet =
+              surface.JetAt(a + (b - a) * rule.nodes[i], c + (d - c) * rule.nodes[j]);
           const Eigen::Vector3d normal = jet.du.cross(jet.dv);
           const double weight = rule.weights[i] * rule.weights[j] * (b - a) * (d - c);
           audit.volume += weight * jet.point.dot(normal) / 3;
@@ -107,10 +107,13 @@ SolidModel SolidModel::Translated(const Eigen::Vector3d& shift) const {
   moved.vertices = vertices.colwise() + shift;
   for (const SolidEdge& edge : edges) {
     Eigen::Matrix3Xd points = edge.curve.control_points().colwise() + shift;
-    moved.edges.push_back({NurbsCurve<3>(edge.curve.basis(), std::move(points), edge.curve.weights()),
-                           edge.start, edge.end});
+    moved.edges.push_back(
+        {NurbsCurve<3>(edge.curve.basis(), std::move(points), edge.curve.weights()),
+         edge.start,
+         edge.end});
   }
-  for (const SolidFace& face : faces) moved.faces.push_back({face.surface.Translated(shift), face.loop});
+  for (const SolidFace& face : faces)
+    moved.faces.push_back({face.surface.Translated(shift), face.loop});
   return moved;
 }
 

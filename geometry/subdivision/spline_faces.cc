@@ -43,7 +43,8 @@ class RefinedNet {
     if (coefficients.cols() == 0) {
       const std::vector<int> places = RingVertices(fine_.topology, first, corner.net());
       Eigen::Matrix3Xd net(3, Eigen::Index(places.size()));
-      for (std::size_t k = 0; k < places.size(); ++k) net.col(Eigen::Index(k)) = points_.col(places[k]);
+      for (std::size_t k = 0; k < places.size(); ++k)
+        net.col(Eigen::Index(k)) = points_.col(places[k]);
       coefficients = net * corner.mask().transpose();
     }
     int sector = 0;
@@ -90,7 +91,9 @@ class BlockFace {
         cells_v_(kQuarters * block.along) {
     CollectCells(RefinedNet::CellOf(block.first));
     const int u = cells_u_ - 1, v = cells_v_ - 1;
-    corner_ = {Cell(0, 0), QuadTopology::Next(Cell(u, 0)), QuadTopology::Across(Cell(u, v)),
+    corner_ = {Cell(0, 0),
+               QuadTopology::Next(Cell(u, 0)),
+               QuadTopology::Across(Cell(u, v)),
                QuadTopology::Previous(Cell(0, v))};
     std::array<bool, 4> odd;
     for (int k = 0; k < 4; ++k) odd[k] = Odd(k);
@@ -135,8 +138,10 @@ class BlockFace {
     if (high_u && high_v && Odd(2)) return net_.Corner(corner_[2], from_u, from_v);
     if (low_u && high_v && Odd(3)) return net_.Corner(corner_[3], from_v, i);
     const int a = CellOfFunction(knots_u_, i, cells_u_), b = CellOfFunction(knots_v_, j, cells_v_);
-    const auto in_u = UniformCubicBlossom(knots_u_[i + 1] - a, knots_u_[i + 2] - a, knots_u_[i + 3] - a);
-    const auto in_v = UniformCubicBlossom(knots_v_[j + 1] - b, knots_v_[j + 2] - b, knots_v_[j + 3] - b);
+    const auto in_u =
+        UniformCubicBlossom(knots_u_[i + 1] - a, knots_u_[i + 2] - a, knots_u_[i + 3] - a);
+    const auto in_v =
+        UniformCubicBlossom(knots_v_[j + 1] - b, knots_v_[j + 2] - b, knots_v_[j + 3] - b);
     const std::vector<int> places = PlainPlaces(mesh_, Cell(a, b));
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (int p = 0; p < 4; ++p) {
@@ -174,7 +179,8 @@ class SolidMaker {
     for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) TakeCorners(b);
     for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) MakeLoop(b);
     solid_.vertices.resize(3, Eigen::Index(corners_.size()));
-    for (std::size_t k = 0; k < corners_.size(); ++k) solid_.vertices.col(Eigen::Index(k)) = corners_[k];
+    for (std::size_t k = 0; k < corners_.size(); ++k)
+      solid_.vertices.col(Eigen::Index(k)) = corners_[k];
     return std::move(solid_);
   }
 
@@ -259,8 +265,8 @@ class SolidMaker {
     const int origin = vertex_[mesh_.Origin(first)];
     const int target = vertex_[mesh_.Origin(QuadTopology::Next(last))];
     const int edge = static_cast<int>(solid_.edges.size());
-    solid_.edges.push_back({Segment(whole, from, to), with_curve ? origin : target,
-                            with_curve ? target : origin});
+    solid_.edges.push_back(
+        {Segment(whole, from, to), with_curve ? origin : target, with_curve ? target : origin});
     edge_[first] = {edge, with_curve};
     return with_curve ? SolidCoedge{edge, false, low, high} : SolidCoedge{edge, true, high, low};
   }

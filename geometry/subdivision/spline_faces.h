@@ -31,7 +31,8 @@ struct BlockPlace {
   int block = -1, column = 0, row = 0;
   int half_edge = 0;
 };
-std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks);
+std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
+                                       const std::vector<QuadBlock>& blocks);
 
 // The parameters of a place of the limit surface on the face of its block, as SplineSolid makes it.
 Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place);

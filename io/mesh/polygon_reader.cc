@@ -81,7 +81,8 @@ class Words {
     double value = 0;
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !(std::abs(value) <= kFarthest)) {
+    if (error != std::errc() || end != word.data() + word.size() ||
+        !(std::abs(value) <= kFarthest)) {
       Refuse("expected a coordinate, found '" + std::string(word.substr(0, 40)) + "'");
     }
     return value;
@@ -185,8 +186,8 @@ class CornerJoiner {
   void Add(const std::array<double, 9>& corners) {
     std::vector<int> face;
     for (int k = 0; k < 3; ++k) {
-      const std::array<double, 3> place = {corners[3 * k] + 0.0, corners[3 * k + 1] + 0.0,
-                                           corners[3 * k + 2] + 0.0};
+      const std::array<double, 3> place = {
+          corners[3 * k] + 0.0, corners[3 * k + 1] + 0.0, corners[3 * k + 2] + 0.0};
       const auto [found, fresh] = known_.try_emplace(place, static_cast<int>(known_.size()));
       if (fresh) numbers_.insert(numbers_.end(), place.begin(), place.end());
       face.push_back(found->second);
@@ -217,7 +218,8 @@ PolygonMesh ReadStlPolygons(std::string_view text, const std::string& path) {
       std::copy(single.begin(), single.end(), corners.begin());
       for (const double value : corners) {
         if (!(std::abs(value) <= kFarthest)) {
-          throw ReadError::AtByte(path, std::int64_t(kHead + kRecord * k), "a corner is not finite");
+          throw ReadError::AtByte(
+              path, std::int64_t(kHead + kRecord * k), "a corner is not finite");
         }
       }
       joiner.Add(corners);
@@ -267,9 +269,10 @@ class PlyPolygons {
     body_ = words_.rest();
     for (const PlyPart& part : parts_) {
       const auto is = [&](const char* name) {
-        return std::find_if(part.fields.begin(), part.fields.end(), [&](const PlyField& field) {
-                 return field.name == name;
-               }) - part.fields.begin();
+        return std::find_if(part.fields.begin(),
+                            part.fields.end(),
+                            [&](const PlyField& field) { return field.name == name; }) -
+               part.fields.begin();
       };
       const std::array axes = {is("x"), is("y"), is("z")};
       const auto corners = std::min(is("vertex_indices"), is("vertex_index"));
@@ -399,8 +402,9 @@ PolygonMesh ReadPolygons(const std::string& path) {
   for (std::size_t k = 0; k < mesh.faces.size(); ++k) {
     for (const int vertex : mesh.faces[k]) {
       if (vertex >= mesh.vertices.cols()) {
-        throw ReadError(path, fmt::format("face {} names vertex {} of {}", k + 1, vertex + 1,
-                                          mesh.vertices.cols()));
+        throw ReadError(
+            path,
+            fmt::format("face {} names vertex {} of {}", k + 1, vertex + 1, mesh.vertices.cols()));
       }
     }
   }
@@ -409,14 +413,17 @@ PolygonMesh ReadPolygons(const std::string& path) {
 
 QuadMesh ReadQuadMesh(const std::string& path) {
   const PolygonMesh read = ReadPolygons(path);
-  if (read.faces.empty()) throw ReadError(path, "holds no faces: a layout is a mesh of quadrilaterals");
+  if (read.faces.empty())
+    throw ReadError(path, "holds no faces: a layout is a mesh of quadrilaterals");
   QuadMesh mesh;
   mesh.vertices = read.vertices;
   mesh.faces.resize(4, Eigen::Index(read.faces.size()));
   for (std::size_t k = 0; k < read.faces.size(); ++k) {
     if (read.faces[k].size() != 4) {
-      throw ReadError(path, fmt::format("face {} has {} vertices: all faces of a layout have four",
-                                        k + 1, read.faces[k].size()));
+      throw ReadError(path,
+                      fmt::format("face {} has {} vertices: all faces of a layout have four",
+                                  k + 1,
+                                  read.faces[k].size()));
     }
     std::copy(read.faces[k].begin(), read.faces[k].end(), mesh.faces.col(Eigen::Index(k)).begin());
   }

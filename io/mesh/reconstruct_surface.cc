@@ -36,7 +36,8 @@ const PoissonFunctions& LoadPoisson() {
     }
     const char* const said = dlerror();
     std::error_code unknown;
-    if (said != nullptr && (reason.empty() || std::filesystem::exists(file, unknown))) reason = said;
+    if (said != nullptr && (reason.empty() || std::filesystem::exists(file, unknown)))
+      reason = said;
   }
   throw std::runtime_error(std::string("a surface about points needs the module ") + kModule +
                            ", which does not load (" + reason +
@@ -53,7 +54,8 @@ std::vector<std::vector<int>> LargestPart(const PoissonSurface& surface) {
   std::vector<int> root(std::size_t(surface.vertices.cols()));
   for (std::size_t v = 0; v < root.size(); ++v) root[v] = int(v);
   const auto find = [&](int v) {
-    while (root[std::size_t(v)] != v) v = root[std::size_t(v)] = root[std::size_t(root[std::size_t(v)])];
+    while (root[std::size_t(v)] != v)
+      v = root[std::size_t(v)] = root[std::size_t(root[std::size_t(v)])];
     return v;
   };
   for (const std::vector<int>& face : surface.faces) {
@@ -97,7 +99,9 @@ double InventedShare(const TriangleSurface& surface,
 
 using namespace internal;
 
-ReconstructedSurface ReconstructSurface(const PointCloud& cloud, double most_invented, int threads) {
+ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
+                                        double most_invented,
+                                        int threads) {
   ThreadPool pool(threads);
   const MergedCloud merged = MergeDuplicates(cloud);
   if (merged.cloud.size() < 50) {
@@ -106,14 +110,14 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud, double most_inv
   }
   const NeighbourIndex all(merged.cloud.points(), pool);
   const CloudStatistics statistics = MeasureCloud(merged.cloud.points(), all, {}, pool);
-  const PointCloud kept = statistics.outlier_count > 0
-                              ? merged.cloud.Subset(!statistics.outliers)
-                              : merged.cloud;
+  const PointCloud kept =
+      statistics.outlier_count > 0 ? merged.cloud.Subset(!statistics.outliers) : merged.cloud;
   const Eigen::Matrix3Xd& points = kept.points();
   const NeighbourIndex index(points, pool);
   constexpr int kNeighbours = 12;
   const bool given = kept.normals().cols() == points.cols() && !kept.normals().isZero();
-  const Eigen::Matrix3Xd normals = given ? kept.normals() : OutwardNormals(index, points, kNeighbours);
+  const Eigen::Matrix3Xd normals =
+      given ? kept.normals() : OutwardNormals(index, points, kNeighbours);
   const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
   const double size = (high - low).maxCoeff();
   if (!(size > 0)) throw RefusedData("the points have no extent");

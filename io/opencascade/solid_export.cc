@@ -120,8 +120,8 @@ class SolidBuilder {
         Fail("an edge and its place on a face run at different speeds");
       }
       const Eigen::Vector2d along = way / length, origin = coedge.from - basis.lower() * along;
-      const Handle(Geom2d_Line) line = new Geom2d_Line(gp_Pnt2d(origin[0], origin[1]),
-                                                       gp_Dir2d(along[0], along[1]));
+      const Handle(Geom2d_Line) line =
+          new Geom2d_Line(gp_Pnt2d(origin[0], origin[1]), gp_Dir2d(along[0], along[1]));
       builder_.UpdateEdge(edge, line, made, Precision::Confusion());
       builder_.Add(wire, edge.Oriented(coedge.reversed ? TopAbs_REVERSED : TopAbs_FORWARD));
     }
@@ -167,7 +167,8 @@ Census CensusOf(const std::vector<TopoDS_Solid>& solids, const std::string& what
 Census Reread(const std::string& text) {
   std::istringstream stream(text);
   STEPControl_Reader reader;
-  if (reader.ReadStream("batten", stream) != IFSelect_RetDone) Fail("what is written can't be read");
+  if (reader.ReadStream("batten", stream) != IFSelect_RetDone)
+    Fail("what is written can't be read");
   reader.TransferRoots();
   std::vector<TopoDS_Solid> solids;
   for (int k = 1; k <= reader.NbShapes(); ++k) {

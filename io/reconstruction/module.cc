@@ -15,7 +15,9 @@
 namespace batten::internal {
 namespace {
 
-PoissonSurface Reconstruct(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals, int depth) {
+PoissonSurface Reconstruct(const Eigen::Matrix3Xd& points,
+                           const Eigen::Matrix3Xd& normals,
+                           int depth) {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointNormal>>();
   for (Eigen::Index k = 0; k < points.cols(); ++k) {

@@ -13,7 +13,8 @@ using ::testing::HasSubstr;
 
 std::string SphereText(int count, double least_z = -2) {
   std::string text;
-  for (const auto p : SpherePoints(count, 0.003).colwise()) {
+  const Eigen::Matrix3Xd points = SpherePoints(count, 0.003);
+  for (const auto p : points.colwise()) {
     if (p[2] < least_z) continue;
     text += std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
   }
@@ -23,8 +24,17 @@ std::string SphereText(int count, double least_z = -2) {
 TEST(FitSolidCommandTest, NeedsNothingButThePoints) {
   const TemporaryFolder folder;
   const std::string cloud = folder.With("ball.xyz", SphereText(2000));
-  const ProgramRun run = Batten({"fit", "solid", cloud, "-o", folder.File("ball.step"), "--faces", "100",
-                                 "--mesh-out", folder.File("mesh.ply"), "--layout-out", folder.File("q.obj"),
+  const ProgramRun run = Batten({"fit",
+                                 "solid",
+                                 cloud,
+                                 "-o",
+                                 folder.File("ball.step"),
+                                 "--faces",
+                                 "100",
+                                 "--mesh-out",
+                                 folder.File("mesh.ply"),
+                                 "--layout-out",
+                                 folder.File("q.obj"),
                                  "--json"});
   ASSERT_EQ(run.code, 0) << run.err;
   const Json report = Json::parse(run.out);
@@ -40,11 +50,20 @@ TEST(FitSolidCommandTest, TakesTheFacesOfAMeshAndALayout) {
   const TemporaryFolder folder;
   WriteQuadMesh(CubeSphere(4), folder.File("ball.obj"));
   WriteQuadMesh(CubeSphere(2), folder.File("layout.obj"));
-  EXPECT_EQ(Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File("a.step"), "--quiet"}).code, 0);
-  const ProgramRun given = Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File("b.step"),
-                                   "--quads", folder.File("layout.obj")});
+  EXPECT_EQ(
+      Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File("a.step"), "--quiet"})
+          .code,
+      0);
+  const ProgramRun given = Batten({"fit",
+                                   "solid",
+                                   folder.File("ball.obj"),
+                                   "-o",
+                                   folder.File("b.step"),
+                                   "--quads",
+                                   folder.File("layout.obj")});
   EXPECT_EQ(given.code, 0);
-  EXPECT_THAT(given.err, HasSubstr("a watertight solid of 6 faces, 12 edges and 8 vertices, genus 0"));
+  EXPECT_THAT(given.err,
+              HasSubstr("a watertight solid of 6 faces, 12 edges and 8 vertices, genus 0"));
   EXPECT_THAT(folder.Text("a.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
 }
 
@@ -67,7 +86,8 @@ TEST(FitSolidCommandTest, RefusesWithAReasonAndWithoutAFile) {
   WriteQuadMesh(open, folder.File("open.obj"));
   EXPECT_THAT(refusal({folder.File("open.obj")}, 1), HasSubstr("the surface is open"));
   const std::string ball = folder.With("ball.xyz", SphereText(1000));
-  EXPECT_THAT(refusal({ball, "--quads", folder.File("open.obj")}, 1), HasSubstr("the mesh is open"));
+  EXPECT_THAT(refusal({ball, "--quads", folder.File("open.obj")}, 1),
+              HasSubstr("the mesh is open"));
   EXPECT_THAT(refusal({ball, "--faces", "3"}, 2), HasSubstr("--faces"));
 }
 

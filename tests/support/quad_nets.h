@@ -47,8 +47,8 @@ inline QuadMesh Torus(int n, int m, double radius = 2, double tube = 1) {
   return torus;
 }
 
-// A prism of 2n sides: top and bottom are n quadrilaterals about a vertex of n edges; the vertices on
-// their rims have three and four.
+// A prism of 2n sides: top and bottom are n quadrilaterals about a vertex of n edges; the vertices
+// on their rims have three and four.
 inline QuadMesh Prism(int n) {
   QuadMesh prism;
   prism.vertices.resize(3, 4 * n + 2);

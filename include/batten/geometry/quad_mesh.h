@@ -17,8 +17,8 @@ struct QuadMesh {
 // What a closed mesh of quadrilaterals is like, as a surface.
 struct QuadMeshSummary {
   int components = 0;
-  int genus = 0;                  // summed over the components
-  int extraordinary = 0;          // vertices that do not have four edges
+  int genus = 0;          // summed over the components
+  int extraordinary = 0;  // vertices that do not have four edges
   int least_valence = 0, greatest_valence = 0;
   double volume = 0;  // of the polyhedron with faces cut into four at their middles; signed
 };

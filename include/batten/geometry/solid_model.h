@@ -43,13 +43,13 @@ struct SolidModel {
 
 // How well the faces of a solid meet.
 struct SolidAudit {
-  double gap = 0;          // greatest distance of the two faces of an edge, and of either from it
-  double edge_angle = 0;   // greatest angle of normals across an edge, radians
+  double gap = 0;         // greatest distance of the two faces of an edge, and of either from it
+  double edge_angle = 0;  // greatest angle of normals across an edge, radians
   Eigen::Vector3d edge_angle_at = Eigen::Vector3d::Zero();
-  double turn = 0;         // greatest angle of neighbouring samples' normals inside a face
-  double volume = 0;       // enclosed, by quadrature over the faces
+  double turn = 0;    // greatest angle of neighbouring samples' normals inside a face
+  double volume = 0;  // enclosed, by quadrature over the faces
   double area = 0;
-  int open_edges = 0;      // that do not belong to two faces in opposite directions
+  int open_edges = 0;  // that do not belong to two faces in opposite directions
 };
 
 // Samples every edge at `samples` even places of each knot span, 2^-1 … 2^-12 of the first and last

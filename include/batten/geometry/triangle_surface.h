@@ -6,8 +6,8 @@
 
 namespace batten {
 
-// Vertices (columns, the data's units) and triangles of three vertex indices each, counter-clockwise
-// seen from outside.
+// Vertices (columns, the data's units) and triangles of three vertex indices each,
+// counter-clockwise seen from outside.
 struct TriangleSurface {
   Eigen::Matrix3Xd vertices;
   Eigen::Matrix3Xi triangles;

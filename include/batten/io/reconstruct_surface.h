@@ -10,8 +10,8 @@
 namespace batten {
 
 struct ReconstructedSurface {
-  ClosedSurface closed;        // in the cloud's world coordinates
-  double invented_share = 0;   // of its area: farther than three spacings from all points
+  ClosedSurface closed;       // in the cloud's world coordinates
+  double invented_share = 0;  // of its area: farther than three spacings from all points
 };
 
 // Screened Poisson reconstruction by PCL, from the cloud's normals or else from planes through

@@ -69,13 +69,16 @@ TEST(FitSolidTest, ReportsTheDistancesFromItsFaces) {
 
 TEST(FitSolidTest, MovesAndGrowsWithItsData) {
   const Eigen::Matrix3Xd points = SpherePoints(1500, 0.01);
-  const SolidFit fit = FitSolid(PointCloud(points), CubeSphere(1), {.smoothing = 1e-3, .threads = 1});
+  const SolidFit fit =
+      FitSolid(PointCloud(points), CubeSphere(1), {.smoothing = 1e-3, .threads = 1});
   QuadMesh layout = CubeSphere(1);
   const Eigen::Vector3d away(1000, -2000, 3000);
   layout.vertices = (64 * layout.vertices).colwise() + away;
-  const SolidFit large = FitSolid(PointCloud::FromWorld((64 * points).colwise() + away), layout,
+  const SolidFit large = FitSolid(PointCloud::FromWorld((64 * points).colwise() + away),
+                                  layout,
                                   {.smoothing = 1e-3, .shift = away, .threads = 1});
-  EXPECT_NEAR(large.audit.volume, 64.0 * 64 * 64 * fit.audit.volume, kHalfDigits * large.audit.volume);
+  EXPECT_NEAR(
+      large.audit.volume, 64.0 * 64 * 64 * fit.audit.volume, kHalfDigits * large.audit.volume);
   const Eigen::Matrix3Xd moved = 64 * fit.control_mesh.vertices;
   EXPECT_LE((large.control_mesh.vertices - moved).cwiseAbs().maxCoeff(), 64 * kHalfDigits);
 }
@@ -84,7 +87,8 @@ TEST(FitSolidTest, OtherThreadsGiveTheSameSolid) {
   const PointCloud cloud(SpherePoints(1500, 0.01));
   const SolidFit one = FitSolid(cloud, CubeSphere(1), {.threads = 1});
   const SolidFit three = FitSolid(cloud, CubeSphere(1), {.threads = 3});
-  EXPECT_LE((one.control_mesh.vertices - three.control_mesh.vertices).cwiseAbs().maxCoeff(), kIterated);
+  EXPECT_LE((one.control_mesh.vertices - three.control_mesh.vertices).cwiseAbs().maxCoeff(),
+            kIterated);
 }
 
 TEST(FitSolidTest, OutliersDoNotCount) {

@@ -45,14 +45,16 @@ TEST(CloseSurfaceTest, JoinsCornersAndClosesHoles) {
   const ClosedSurface closed = CloseSurface(corners, faces);
   EXPECT_EQ(closed.filled, 1);
   EXPECT_EQ(closed.genus, 0);
-  EXPECT_NEAR(closed.filled_share, 1.0 / double(mesh.faces.cols()), 0.5 / double(mesh.faces.cols()));
+  EXPECT_NEAR(
+      closed.filled_share, 1.0 / double(mesh.faces.cols()), 0.5 / double(mesh.faces.cols()));
 }
 
 TEST(CloseSurfaceTest, SaysWhyItCantBeClosed) {
   const QuadMesh sphere = CubeSphere(2);
   std::vector<std::vector<int>> half = FacesOf(sphere);
   half.resize(half.size() / 2);
-  EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, half); }), HasSubstr("the surface is open"));
+  EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, half); }),
+              HasSubstr("the surface is open"));
   std::vector<std::vector<int>> fin = FacesOf(sphere);
   fin.push_back({fin[0][0], fin[0][1], fin.back()[2]});
   EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, fin); }), HasSubstr("not manifold"));
@@ -73,7 +75,8 @@ TEST(CloseSurfaceTest, SaysWhyItCantBeClosed) {
 }
 
 TEST(LayoutOfTest, IsAllQuadrilateralsOfTheSurfacesGenus) {
-  for (const QuadMesh& mesh : {CubeSphere(4), Refined(Refined(Torus(12, 8))), Refined(Refined(Refined(Cube())))}) {
+  for (const QuadMesh& mesh :
+       {CubeSphere(4), Refined(Refined(Torus(12, 8))), Refined(Refined(Refined(Cube())))}) {
     const ClosedSurface closed = Closed(mesh);
     for (const int faces : {60, 250, 900}) {
       const QuadMesh layout = LayoutOf(closed.surface, faces);

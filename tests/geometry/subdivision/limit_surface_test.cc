@@ -19,9 +19,11 @@ QuadTopology TopologyOf(const QuadMesh& mesh) {
 }
 
 const std::vector<QuadMesh>& Meshes() {
-  static const std::vector<QuadMesh> meshes = {
-      Shaken(Cube(), 0.2, 1), Shaken(Torus(4, 5), 0.1, 2), Shaken(Prism(5), 0.1, 3),
-      Shaken(Prism(8), 0.1, 4), Refined(Shaken(Prism(3), 0.1, 5))};
+  static const std::vector<QuadMesh> meshes = {Shaken(Cube(), 0.2, 1),
+                                               Shaken(Torus(4, 5), 0.1, 2),
+                                               Shaken(Prism(5), 0.1, 3),
+                                               Shaken(Prism(8), 0.1, 4),
+                                               Refined(Shaken(Prism(3), 0.1, 5))};
   return meshes;
 }
 
@@ -126,7 +128,8 @@ TEST(LimitSurfaceTest, MeetsTheLimitPointOfAVertex) {
       for (int k = 0, h = 4 * face; k < n; ++k, h = topology.Turned(h)) {
         const int next = QuadTopology::Next(h);
         limit += (4 * mesh.vertices.col(topology.Origin(next)) +
-                  mesh.vertices.col(topology.Origin(QuadTopology::Next(next)))) / (n * (n + 5.0));
+                  mesh.vertices.col(topology.Origin(QuadTopology::Next(next)))) /
+                 (n * (n + 5.0));
       }
       // Evaluation ends 20 refinements beside the vertex, each of which shrinks its surroundings by
       // the subdominant eigenvalue. [Peters & Reif 2008, eq. 6.2]
@@ -143,8 +146,13 @@ TEST(LimitSurfaceTest, StepsAcrossBordersGoOnStraight) {
     const LimitSurface surface(stencils, mesh.vertices);
     for (int patch = 0; patch < stencils.patches(); ++patch) {
       for (const auto& [du, dv] : {std::pair{0.1, 0.0}, {-0.1, 0.01}, {0.02, 0.1}, {0.01, -0.1}}) {
-        const LimitPlace from{patch, du > 0.05 ? 0.999 : du < -0.05 ? 0.001 : 0.4,
-                              dv > 0.05 ? 0.999 : dv < -0.05 ? 0.001 : 0.4};
+        const LimitPlace from{patch,
+                              du > 0.05    ? 0.999
+                              : du < -0.05 ? 0.001
+                                           : 0.4,
+                              dv > 0.05    ? 0.999
+                              : dv < -0.05 ? 0.001
+                                           : 0.4};
         const LimitPlace there = surface.Moved(from, 0.02 * du, 0.02 * dv);
         EXPECT_NE(there.patch, patch);
         const SurfaceJet jet = surface.JetAt(from);
@@ -184,7 +192,8 @@ TEST(QuadTopologyTest, NamesWhatIsWrong) {
   EXPECT_THAT(RefusalOfMesh(inside_out), HasSubstr("clockwise seen from outside"));
   QuadMesh pinched;
   pinched.vertices.resize(3, 15);
-  pinched.vertices << Cube().vertices, (Cube().vertices.colwise() + Eigen::Vector3d(2, 2, 2)).rightCols(7);
+  pinched.vertices << Cube().vertices,
+      (Cube().vertices.colwise() + Eigen::Vector3d(2, 2, 2)).rightCols(7);
   pinched.faces.resize(4, 12);
   // The second cube's first vertex is the last of the first one.
   const Eigen::Matrix4Xi second = Cube().faces.unaryExpr([](int v) { return v == 0 ? 7 : v + 7; });

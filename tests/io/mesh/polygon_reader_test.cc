@@ -29,7 +29,8 @@ std::string ErrorOf(const Call& call) {
 TEST(PolygonReaderTest, ReadsEveryFormatsFaces) {
   const TemporaryFolder folder;
   const std::string obj = folder.With(
-      "a.obj", "# two\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2 3//4 -1\nf 1 2 3\n");
+      "a.obj",
+      "# two\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2 3//4 -1\nf 1 2 3\n");
   const std::string off =
       folder.With("a.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2 255 0 0\n");
   const std::string ply = folder.With(
@@ -79,12 +80,14 @@ TEST(PolygonReaderTest, SaysWhereAFileIsWrong) {
   EXPECT_THAT(error("a.obj", "v 0 0 0\nf 1 2 3\n"), HasSubstr("names vertex 2 of 1"));
   EXPECT_THAT(error("b.obj", "v 0 0 x\n"), HasSubstr("line 1: expected a coordinate, found 'x'"));
   EXPECT_THAT(error("c.obj", "v 0 0 0\nf 1 1\n"), HasSubstr("line 2: a face has fewer than three"));
-  EXPECT_THAT(error("d.off", "OFF\n1000000000 3 0\n0 0 0\n"), HasSubstr("ends before its last vertex"));
+  EXPECT_THAT(error("d.off", "OFF\n1000000000 3 0\n0 0 0\n"),
+              HasSubstr("ends before its last vertex"));
   EXPECT_THAT(error("e.ply", "ply\nformat ascii 1.0\n"), HasSubstr("ends in its header"));
-  EXPECT_THAT(error("f.ply",
-                    "ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\n"
-                    "end_header\nab"),
-              HasSubstr("ends before its last element"));
+  EXPECT_THAT(
+      error("f.ply",
+            "ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\n"
+            "end_header\nab"),
+      HasSubstr("ends before its last element"));
   const std::string triangle = folder.With("q.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(ErrorOf([&] { ReadQuadMesh(triangle); }), HasSubstr("face 1 has 3 vertices"));
   EXPECT_THROW(ReadPolygons(folder.With("a.xyz", "0 0 0\n")), UsageError);

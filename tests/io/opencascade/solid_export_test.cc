@@ -60,7 +60,8 @@ TEST(SolidExportTest, SeveralBodiesAreSeveralSolids) {
   WriteSolid(SolidOf(two), folder.File("a.step"));
   const std::string text = folder.Text("a.step");
   std::size_t solids = 0;
-  for (std::size_t at = 0; (at = text.find("MANIFOLD_SOLID_BREP(", at)) != text.npos; ++at) ++solids;
+  for (std::size_t at = 0; (at = text.find("MANIFOLD_SOLID_BREP(", at)) != text.npos; ++at)
+    ++solids;
   EXPECT_EQ(solids, 2u);
 }
 
@@ -86,8 +87,8 @@ TEST(SolidExportTest, LeavesNoFileOfWhatIsNoSolid) {
     edge.curve = NurbsCurve<3>(edge.curve.basis(), -edge.curve.control_points());
   }
   for (SolidFace& face : inside_out.faces) {
-    face.surface = NurbsSurface(face.surface.basis_u(), face.surface.basis_v(),
-                                -face.surface.control_points());
+    face.surface = NurbsSurface(
+        face.surface.basis_u(), face.surface.basis_v(), -face.surface.control_points());
   }
   EXPECT_THAT(error(inside_out), HasSubstr("can't become a solid"));
   EXPECT_EQ(folder.Text("bad.step"), "");
