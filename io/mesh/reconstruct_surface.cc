@@ -131,7 +131,8 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
   if (poisson.faces.empty()) throw RefusedData("no closed surface comes out about the points");
   const Eigen::Matrix3Xd vertices = (poisson.vertices * size).colwise() + middle;
   ReconstructedSurface result;
-  result.closed = CloseSurface(vertices, LargestPart(poisson));
+  // What is closed here is invented as what the reconstruction closes: both are judged below.
+  result.closed = CloseSurface(vertices, LargestPart(poisson), 1.0);
   constexpr double kReach = 3;  // spacings
   result.invented_share =
       InventedShare(result.closed.surface, index, points, kReach * statistics.spacing);
