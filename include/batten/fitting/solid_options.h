@@ -19,7 +19,7 @@ struct SolidFitOptions {
   std::optional<double> tolerance = std::nullopt;  // distance in the data's units, > 0; only judged
   // Fairness relative to the data, ≥ 0; absent: by generalised cross-validation.
   std::optional<double> smoothing = std::nullopt;
-  int max_iterations = 40;     // ≥ 1: of foot points and control points in turn
+  int max_iterations = 40;     // ≥ 1: steps, where smoothing is given
   bool keep_outliers = false;  // all points count
   bool merge_faces = true;     // as few faces as the layout allows; else one for each of its own
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
