@@ -13,6 +13,7 @@
 #include "batten/io/mesh_writer.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
+#include "batten/io/solid_writer.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
 #include "cli/arguments/mesh_output.h"
@@ -364,6 +365,10 @@ void FitFiles::RefuseMesh() const {
 }
 
 std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
+  if (solid_ != nullptr) {
+    WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+    return "";
+  }
   if (!NamesMesh(a_.out, out_format_)) {
     WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";

@@ -12,6 +12,7 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
+#include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
 #include "cli/arguments/cleaning.h"
@@ -145,6 +146,9 @@ class FitFiles {
 
   Eigen::Vector3d shift() const;
 
+  // What is written is this solid, whose faces are the geometries; it outlives Write.
+  void KeepSolid(const SolidModel& solid) { solid_ = &solid; }
+
   // Writes everything and returns the exit code. Of several geometries `owners` names that of each
   // point's foot.
   int Write(const std::vector<Geometry>& geometry,
@@ -171,6 +175,7 @@ class FitFiles {
   double read_seconds_ = 0;
   Cleaning cleaning_;
   Eigen::Index cleaned_ = 0;
+  const SolidModel* solid_ = nullptr;
 };
 
 }  // namespace batten::internal

@@ -235,6 +235,7 @@ int RunProgram(int argc, char** argv) {
       "Curves, exact shapes, changes:\n"
       "  batten fit curve section.xyz -o section.step      one or several curves along points\n"
       "  batten fit primitive bore.xyz -o bore.step --kind cylinder\n"
+      "  batten fit solid body.ply -o body.step --quads layout.obj\n"
       "  batten make cylinder -o pin.step --radius 3 --height 20\n"
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten analyze part.step                          degree, area, curvature, which shape\n"
@@ -256,6 +257,7 @@ int RunProgram(int argc, char** argv) {
   AddFitSurfaceCommand(fit, action);
   AddFitCurveCommand(fit, action);
   AddFitPrimitiveCommand(fit, action);
+  AddFitSolidCommand(fit, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);

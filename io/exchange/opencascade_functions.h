@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
 
@@ -22,6 +23,11 @@ struct OpenCascadeFunctions {
                              const char* schema,
                              const std::optional<double>& sew,
                              std::optional<SewingReport>& report);
+  // solid_export.h
+  std::string (*export_solid)(const SolidModel& solid,
+                              const std::string& path,
+                              const char* unit,
+                              const char* schema);
   // iges_export.h
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
   // brep_import.h

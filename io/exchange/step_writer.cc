@@ -8,20 +8,11 @@
 #include "batten/io/read_error.h"
 #include "io/exchange/opencascade_functions.h"
 #include "io/exchange/sewing_request.h"
+#include "io/exchange/step_schema.h"
 #include "io/exchange/step_text.h"
 
 namespace batten {
 using namespace internal;
-namespace {
-
-// The word OpenCASCADE knows an application protocol by.
-const char* OcctSchema(const std::string& schema) {
-  if (schema == "ap214") return "AP214IS";
-  if (schema == "ap242") return "AP242DIS";
-  throw UsageError("STEP schema \"" + schema + "\" is not one of ap214, ap242");
-}
-
-}  // namespace
 
 void WriteStep(const std::vector<Geometry>& geometry,
                const std::string& path,

@@ -4,6 +4,7 @@
 #include "io/opencascade/brep_export.h"
 #include "io/opencascade/brep_import.h"
 #include "io/opencascade/iges_export.h"
+#include "io/opencascade/solid_export.h"
 #include "io/opencascade/step_export.h"
 #include "io/opencascade/step_import.h"
 
@@ -11,6 +12,6 @@ extern "C" __attribute__((visibility("default"))) const batten::internal::OpenCa
 batten_opencascade_functions() {
   using namespace batten::internal;
   static constexpr OpenCascadeFunctions kFunctions = {
-      ImportStep, ExportStep, ExportIges, ImportBrep, ExportBrep};
+      ImportStep, ExportStep, ExportSolid, ExportIges, ImportBrep, ExportBrep};
   return &kFunctions;
 }

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// batten fit solid: points of a whole body in, a watertight solid of smooth faces and its report
+// out.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/closed_surface.h"
+#include "batten/fitting/fit_solid.h"
+#include "batten/fitting/solid_layout.h"
+#include "batten/io/mesh_writer.h"
+#include "batten/io/polygon_reader.h"
+#include "batten/io/read_error.h"
+#include "batten/io/reconstruct_surface.h"
+#include "cli/arguments/fit_arguments.h"
+#include "cli/arguments/mesh_output.h"
+#include "cli/commands/commands.h"
+#include "cli/terminal/cli11.h"
+#include "cli/terminal/help_format.h"
+#include "cli/terminal/offered_words.h"
+#include "cli/terminal/parse_values.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kMostInvented = 0.15;  // of the area
+
+struct FitSolidArguments : FitArguments {
+  std::string quads, layout_out, mesh_out;
+  int faces = 0;
+  bool keep_outliers = false, every_face = false;
+};
+
+SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
+  SolidFitOptions options;
+  options.tolerance = a.tolerance;
+  options.smoothing = ToSmoothing(a.smoothing);
+  options.keep_outliers = a.keep_outliers;
+  options.merge_faces = !a.every_face;
+  return WithWork(std::move(options), a);
+}
+
+std::string SolidWords(const SolidFit& fit) {
+  return fmt::format(
+      "a watertight solid of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area "
+      "{:.6g}; faces meet "
+      "within {:.2g} and {:.2g}°",
+      fit.solid.faces.size(),
+      fit.solid.edges.size(),
+      fit.solid.vertices.cols(),
+      fit.layout.genus,
+      fit.audit.volume,
+      fit.audit.area,
+      fit.audit.gap,
+      fit.audit.edge_angle * 180 / std::numbers::pi);
+}
+
+// The surface from whose size and shape a layout is made: the faces of the file, which are
+// `measured` themselves, or a surface about its points.
+ClosedSurface SurfaceOf(const FitSolidArguments& a,
+                        const FitFiles& files,
+                        const PointCloud& cloud,
+                        bool& measured) {
+  measured = false;
+  const auto& path = a.clouds.front();
+  if (a.clouds.size() == 1 && MayHoldFaces(path) && a.cloud.format.empty()) {
+    const PolygonMesh mesh = ReadPolygons(path);
+    if (!mesh.faces.empty()) {
+      ClosedSurface closed =
+          files.Explained([&] { return CloseSurface(mesh.vertices, mesh.faces); });
+      if (closed.filled > 0) {
+        PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
+                                 path,
+                                 closed.filled,
+                                 closed.filled == 1 ? " is" : "s are",
+                                 100 * closed.filled_share));
+      }
+      measured = true;
+      return closed;
+    }
+  }
+  ReconstructedSurface made =
+      files.Explained([&] { return ReconstructSurface(cloud, kMostInvented, a.work.threads); });
+  if (made.invented_share > 0) {
+    PrintWarning(fmt::format("{:.1f} % of the surface have no points within three spacings",
+                             100 * made.invented_share));
+  }
+  return made.closed;
+}
+
+// A layout's faces where none are asked for: a control point for so many points, within bounds that
+// keep fits below a minute.
+int ChosenFaces(Eigen::Index points, bool measured) {
+  // Vertices of a mesh stand where its shape asks for them, and have less noise than points.
+  const Eigen::Index each = measured ? 4 : 6;
+  constexpr Eigen::Index kLeast = 60, kMost = 2500;
+  return int(std::clamp(points / each, kLeast, kMost));
+}
+
+int RunFitSolid(const FitSolidArguments& a) {
+  SolidFitOptions options = ToFitSolidOptions(a);
+  FitFiles files(a,
+                 a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
+  if (NamesMesh(a.out, a.out_format)) NotYet("the mesh of a solid as -o");
+  for (const std::string& path : {a.layout_out, a.mesh_out}) {
+    if (!path.empty()) CheckWritable(path);
+  }
+  if (!a.quads.empty() && (a.faces > 0 || !a.mesh_out.empty())) {
+    throw UsageError("--faces and --mesh-out are of a layout that is made, --quads gives one");
+  }
+  QuadMesh layout;
+  if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
+  PointCloud cloud = files.Read(false);
+  options.shift = files.shift();
+  if (a.quads.empty()) {
+    bool measured = false;
+    const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
+    if (measured) {
+      TriangleSurface local = closed.surface;
+      local.vertices.colwise() -= cloud.origin();
+      cloud.set_normals(NormalsNear(local, cloud.points()));
+      // A vertex on a sharp edge is no outlier.
+      options.keep_outliers = true;
+    }
+    if (!a.mesh_out.empty()) {
+      TriangleMesh mesh;
+      mesh.vertices = closed.surface.vertices.colwise() - options.shift;
+      mesh.parameters = Eigen::Matrix2Xd::Zero(2, mesh.vertices.cols());
+      mesh.normals = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
+      mesh.triangles = closed.surface.triangles;
+      WriteMesh(mesh, a.mesh_out);
+    }
+    const int faces = a.faces > 0 ? a.faces : ChosenFaces(cloud.size(), measured);
+    layout = files.Explained(
+        [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
+  }
+  SolidFit fit = files.Explained([&] { return FitSolid(cloud, layout, options); });
+  std::vector<Geometry> faces;
+  for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
+  files.KeepSolid(fit.solid);
+  if (!a.layout_out.empty()) WriteQuadMesh(fit.control_mesh, a.layout_out);
+  const int code =
+      files.Write(faces, fit.residuals, fit.parameters, fit.outliers, fit.report, fit.faces);
+  if (!a.flags.quiet) PrintNote(a.out + ": " + SolidWords(fit));
+  return code;
+}
+
+}  // namespace
+
+void AddFitSolidCommand(CLI::App& fit, Action& action) {
+  auto a = std::make_shared<FitSolidArguments>();
+  CLI::App& command = *fit.add_subcommand(
+      "solid", "Fit a watertight solid of smooth faces to the points of a whole body");
+  AddEveryFitsArguments(
+      command,
+      *a,
+      "CLOUD",
+      "auto none; auto leaves out the outliers of the cloud, none takes all points");
+  command
+      .add_option(
+          "--quads",
+          a->quads,
+          "The layout: a closed mesh of quadrilaterals near the points, .obj .off .ply [made]")
+      ->type_name("LAYOUT");
+  command
+      .add_option_function<std::string>(
+          "--faces",
+          [a](const std::string& text) {
+            const double number = ParseNumber("--faces", text, Sign::kPositive);
+            constexpr double kMost = 20000;
+            if (number != std::floor(number) || number < 6 || number > kMost) {
+              throw UsageError("--faces: '" + text + "' is not a whole number from 6 to 20000");
+            }
+            a->faces = int(number);
+          },
+          "About how many quadrilaterals the layout that is made has [one for 6 points or 4 "
+          "vertices of a mesh, 60 to 2500]")
+      ->type_name("N");
+  command
+      .add_option(
+          "--mesh-out",
+          a->mesh_out,
+          "Where to write the closed surface from which the layout is made: .ply .obj .stl .glb")
+      ->type_name("M");
+  command
+      .add_option("--layout-out",
+                  a->layout_out,
+                  "Where to write the control mesh of the surface, a subdivision mesh: .obj")
+      ->type_name("Q.obj");
+  Suggest(*command
+               .add_option("--smoothing",
+                           a->smoothing,
+                           "Fairness relative to the data: auto (by points left out) or a number")
+               ->capture_default_str()
+               ->type_name("L"),
+          {"auto"});
+  command.add_flag("--keep-outliers", a->keep_outliers, "All points count");
+  command.add_flag(
+      "--every-face",
+      a->every_face,
+      "A face for each of the layout's; else as few as its extraordinary vertices allow");
+  GroupFitFlags(command);
+  GroupFlags(command, "Which shape", {"--quads", "--faces", "--every-face"});
+  GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
+  command.footer(
+      "Examples:\n"
+      "  batten fit solid scan.ply -o part.step\n"
+      "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
+      "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
+      "The layout is made from the faces of the file, repaired where they nearly close, or else "
+      "from a\n"
+      "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
+      "extraordinary vertices, and the solid a face for every few of its own. One that is given "
+      "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
+      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from "
+      "outside.\n"
+      "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
+      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
+      "gets its name the solid is found closed, valid, without folds and the same when it is read "
+      "back;\n"
+      "else nothing is written, and the reason is said.\n"
+      "Exit code 3 says the solid is written but the tolerance is not reached.");
+  command.callback([a, &action] { action = [a] { return RunFitSolid(*a); }; });
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Control points of a limit surface from points.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/progress.h"
+#include "batten/geometry/thread_pool.h"
+#include "fitting/solid/surface_feet.h"
+#include "geometry/subdivision/limit_surface.h"
+
+namespace batten::internal {
+
+struct SurfaceData {
+  Eigen::Matrix3Xd points, normals;  // normals: unit, or zero where there is none
+  bool oriented = false;             // the signs of normals count
+  Eigen::VectorXd weights;           // zero: does not count
+  double noise = 0;                  // standard deviation, zero where not known
+};
+
+struct SurfaceFitSettings {
+  std::optional<double> smoothing;  // λ over the data's scale; absent: cross-validated
+  int max_iterations = 40;
+  Progress progress;
+};
+
+struct LimitSurfaceFit {
+  Eigen::Matrix3Xd control_points;
+  std::vector<LimitFoot> feet;  // of all points
+  std::vector<RoundSummary> rounds;
+  double smoothing = 0;  // λ over the data's scale, given or chosen
+};
+
+// Fits the surface from these control points on; see FitSolid. Damping by the tangential distance
+// is the point-distance matrix restricted to the tangent plane: the foot points, eliminated, add
+// nothing to the gradient. It falls where steps succeed and rises where they fail.
+LimitSurfaceFit FitLimitSurface(const LimitStencils& stencils,
+                                const Eigen::Matrix3Xd& start,
+                                const SurfaceData& data,
+                                const SurfaceFitSettings& settings,
+                                ThreadPool& pool);
+
+// Control points near those of a mesh whose limit surface passes near its vertices.
+Eigen::Matrix3Xd ControlPointsThrough(const QuadTopology& mesh, const Eigen::Matrix3Xd& vertices);
+
+}  // namespace batten::internal

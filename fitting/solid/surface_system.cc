@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/solid/surface_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace batten::internal {
+
+SurfaceSystem::SurfaceSystem(const LimitStencils& stencils)
+    : stencils_(stencils), vertices_(stencils.mesh().vertices()) {
+  MakePattern();
+  MakeDifferences();
+}
+
+void SurfaceSystem::MakePattern() {
+  std::vector<std::set<int>> rows(vertices_);
+  for (int patch = 0; patch < stencils_.patches(); ++patch) {
+    const auto support = stencils_.Support(patch);
+    for (std::size_t b = 0; b < support.size(); ++b) {
+      rows[support[b]].insert(support.begin() + std::ptrdiff_t(b), support.end());
+    }
+  }
+  column_begin_.assign(1, 0);
+  for (const std::set<int>& column : rows) {
+    block_row_.insert(block_row_.end(), column.begin(), column.end());
+    column_begin_.push_back(static_cast<int>(block_row_.size()));
+  }
+  blocks_.assign(block_row_.size(), Eigen::Matrix3d::Zero());
+  energy_ = blocks_;
+  patch_blocks_.resize(stencils_.patches());
+  for (int patch = 0; patch < stencils_.patches(); ++patch) {
+    const auto support = stencils_.Support(patch);
+    for (std::size_t a = 0; a < support.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        patch_blocks_[patch].push_back(BlockOf(support[a], support[b]));
+      }
+    }
+  }
+  // Columns 3v + c hold the rows of their blocks from the diagonal on.
+  std::vector<int> counts(3 * vertices_);
+  for (int v = 0; v < vertices_; ++v) {
+    const int below = 3 * (column_begin_[v + 1] - column_begin_[v]);
+    for (int c = 0; c < 3; ++c) counts[3 * v + c] = below - c;
+  }
+  matrix_.resize(3 * vertices_, 3 * vertices_);
+  matrix_.reserve(counts);
+  for (int v = 0; v < vertices_; ++v) {
+    for (int c = 0; c < 3; ++c) {
+      for (int k = column_begin_[v]; k < column_begin_[v + 1]; ++k) {
+        for (int r = block_row_[k] == v ? c : 0; r < 3; ++r) {
+          matrix_.insert(3 * block_row_[k] + r, 3 * v + c) = 1;
+        }
+      }
+    }
+  }
+  matrix_.makeCompressed();
+  factor_ = std::make_unique<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>>();
+  factor_->analyzePattern(matrix_);
+}
+
+int SurfaceSystem::BlockOf(int row, int column) const {
+  const auto begin = block_row_.begin() + column_begin_[column];
+  const auto end = block_row_.begin() + column_begin_[column + 1];
+  return static_cast<int>(std::lower_bound(begin, end, row) - block_row_.begin());
+}
+
+// Second differences over vertices of four edges, the distance from the mean of the neighbours over
+// others, and the twist of every face twice: on a grid the bending energy of a thin plate.
+void SurfaceSystem::MakeDifferences() {
+  const QuadTopology& mesh = stencils_.mesh();
+  const auto add = [&](int vertex, std::vector<std::pair<int, double>> row, double weight) {
+    std::sort(row.begin(), row.end());
+    Difference difference{vertex, weight, std::move(row), {}};
+    for (std::size_t a = 0; a < difference.row.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        difference.blocks.push_back(BlockOf(difference.row[a].first, difference.row[b].first));
+      }
+      energy_trace_ += 3 * weight * difference.row[a].second * difference.row[a].second;
+    }
+    differences_.push_back(std::move(difference));
+  };
+  for (int v = 0; v < vertices_; ++v) {
+    std::vector<int> around;
+    int h = mesh.Outgoing(v);
+    for (int k = 0; k < mesh.Valence(v); ++k, h = mesh.Turned(h)) {
+      around.push_back(mesh.Origin(QuadTopology::Next(h)));
+    }
+    if (around.size() == 4) {
+      add(v, {{around[0], 1}, {v, -2}, {around[2], 1}}, 1);
+      add(v, {{around[1], 1}, {v, -2}, {around[3], 1}}, 1);
+      continue;
+    }
+    std::vector<std::pair<int, double>> row = {{v, -1}};
+    for (const int other : around) row.emplace_back(other, 1.0 / double(around.size()));
+    constexpr double kOfFour = 8;  // what two second differences weigh on a bowl
+    add(v, row, kOfFour);
+  }
+  for (int face = 0; face < mesh.faces(); ++face) {
+    const auto corner = mesh.corners().col(face);
+    add(corner[0], {{corner[0], 1}, {corner[1], -1}, {corner[2], 1}, {corner[3], -1}}, 2);
+  }
+}
+
+void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness) {
+  double data_trace = 0;
+  for (int v = 0; v < vertices_; ++v) data_trace += blocks_[column_begin_[v]].trace();
+  const double scale = data_trace / energy_trace_;
+  std::fill(energy_.begin(), energy_.end(), Eigen::Matrix3d::Zero());
+  for (const Difference& difference : differences_) {
+    const Eigen::Vector3d normal = normals.col(difference.vertex);
+    const Eigen::Matrix3d metric =
+        scale * difference.weight *
+        (stiffness.stretch * Eigen::Matrix3d::Identity() +
+         (stiffness.bending - stiffness.stretch) * normal * normal.transpose());
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < difference.row.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        energy_[difference.blocks[at++]] +=
+            difference.row[a].second * difference.row[b].second * metric;
+      }
+    }
+  }
+}
+
+void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
+                             double tangential,
+                             const Eigen::Matrix3Xd& control_points,
+                             const Eigen::Matrix3Xd& normals,
+                             const Stiffness& stiffness) {
+  std::fill(blocks_.begin(), blocks_.end(), Eigen::Matrix3d::Zero());
+  right_ = Eigen::Matrix3Xd::Zero(3, vertices_);
+  for (const SurfaceDemand& demand : demands) {
+    if (!(demand.weight > 0)) continue;
+    const Eigen::VectorXd weights = stencils_.WeightsAt(demand.place, 1);
+    const auto support = stencils_.Support(demand.place.patch);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (std::size_t a = 0; a < support.size(); ++a) {
+      point += weights[Eigen::Index(a)] * control_points.col(support[a]);
+    }
+    const Eigen::Matrix3d along = demand.normal * demand.normal.transpose();
+    const Eigen::Matrix3d metric =
+        demand.weight * (along + tangential * (Eigen::Matrix3d::Identity() - along));
+    const Eigen::Vector3d pull = metric * (demand.target - point);
+    const std::vector<int>& blocks = patch_blocks_[demand.place.patch];
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < support.size(); ++a) {
+      right_.col(support[a]) += weights[Eigen::Index(a)] * pull;
+      const Eigen::Matrix3d row = weights[Eigen::Index(a)] * metric;
+      for (std::size_t b = 0; b <= a; ++b) blocks_[blocks[at++]] += weights[Eigen::Index(b)] * row;
+    }
+  }
+  AssembleEnergy(normals, stiffness);
+  double* value = matrix_.valuePtr();
+  for (int v = 0; v < vertices_; ++v) {
+    for (int c = 0; c < 3; ++c) {
+      for (int k = column_begin_[v]; k < column_begin_[v + 1]; ++k) {
+        for (int r = block_row_[k] == v ? c : 0; r < 3; ++r) {
+          *value++ = blocks_[k](r, c) + energy_[k](r, c);
+        }
+      }
+    }
+  }
+}
+
+namespace {
+
+// P times points.
+Eigen::Matrix3Xd Pulled(const std::vector<int>& begin,
+                        const std::vector<int>& rows,
+                        const std::vector<Eigen::Matrix3d>& energy,
+                        const Eigen::Matrix3Xd& points) {
+  Eigen::Matrix3Xd pulled = Eigen::Matrix3Xd::Zero(3, points.cols());
+  for (int v = 0; v < points.cols(); ++v) {
+    for (int k = begin[v]; k < begin[v + 1]; ++k) {
+      pulled.col(rows[k]) += energy[k] * points.col(v);
+      if (rows[k] != v) pulled.col(v) += energy[k] * points.col(rows[k]);
+    }
+  }
+  return pulled;
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd SurfaceSystem::Step(const Eigen::Matrix3Xd& control_points) {
+  const Eigen::Matrix3Xd right =
+      right_ - Pulled(column_begin_, block_row_, energy_, control_points);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(3 * vertices_);
+  if (!factored_ || !Iterate(right.reshaped(), step)) {
+    factor_->factorize(matrix_);
+    factored_ = factor_->info() == Eigen::Success;
+    if (!factored_) throw std::runtime_error("the points do not determine the surface");
+    step = factor_->solve(right.reshaped());
+  }
+  return step.reshaped(3, vertices_);
+}
+
+// Conjugate gradients, preconditioned by the last factor: from one round to the next the system
+// changes little, and a factorisation costs a hundred solutions. [Hestenes & Stiefel 1952]
+bool SurfaceSystem::Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const {
+  constexpr int kMost = 25;
+  constexpr double kExact = 1e-6;  // relative: steps are followed by others
+  const auto matrix = matrix_.selfadjointView<Eigen::Lower>();
+  Eigen::VectorXd residual = right;
+  Eigen::VectorXd preconditioned = factor_->solve(residual);
+  Eigen::VectorXd way = preconditioned;
+  double norm = residual.dot(preconditioned);
+  const double enough = kExact * kExact * norm;
+  for (int round = 0; round < kMost && norm > 0; ++round) {
+    const Eigen::VectorXd product = matrix * way;
+    const double length = norm / way.dot(product);
+    if (!std::isfinite(length)) return false;
+    x += length * way;
+    residual -= length * product;
+    preconditioned = factor_->solve(residual);
+    const double next = residual.dot(preconditioned);
+    if (next <= enough) return true;
+    way = preconditioned + (next / norm) * way;
+    norm = next;
+  }
+  return !(norm > 0);
+}
+
+double SurfaceSystem::Energy(const Eigen::Matrix3Xd& control_points) const {
+  return control_points.cwiseProduct(Pulled(column_begin_, block_row_, energy_, control_points))
+      .sum();
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Normal equations for the control points of a limit surface.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "geometry/subdivision/limit_surface.h"
+
+namespace batten::internal {
+
+// A point's demand on the surface: (S(place) − target)ᵀ W (S(place) − target), W of the normal n is
+// weight · (n nᵀ + tangential (I − n nᵀ)).
+struct SurfaceDemand {
+  LimitPlace place;
+  Eigen::Vector3d target, normal;
+  double weight = 1;
+};
+
+// How stiff the control mesh is, relative to the data: against bending, which the shape has, and
+// against uneven faces, which it need not have.
+struct Stiffness {
+  double bending = 0, stretch = 0;
+};
+
+// The sparse system (A + P) Δ = r for a step Δ of all control points: A from demands, P the
+// discrete thin-plate energy of the control mesh, its second differences weighed along the vertex's
+// normal by one factor and across it by the other. The pattern is made once.
+class SurfaceSystem {
+ public:
+  explicit SurfaceSystem(const LimitStencils& stencils);
+
+  // Sets A and the right side Σ Wᵀ(target − S) of the demands, and P, for the surface of these
+  // control points; normals are those of the vertices. Factors relative to tr(A) over the trace of
+  // a P of factors one.
+  void Assemble(const std::vector<SurfaceDemand>& demands,
+                double tangential,
+                const Eigen::Matrix3Xd& control_points,
+                const Eigen::Matrix3Xd& normals,
+                const Stiffness& stiffness);
+
+  // The step from these control points: what A asks for less the pull of P. Throws
+  // std::runtime_error where the system is singular.
+  Eigen::Matrix3Xd Step(const Eigen::Matrix3Xd& control_points);
+
+  // The energy of control points, by the P of the last Assemble.
+  double Energy(const Eigen::Matrix3Xd& control_points) const;
+
+ private:
+  void MakePattern();
+  void MakeDifferences();
+  void AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness);
+  int BlockOf(int row, int column) const;  // row ≥ column
+  bool Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const;
+
+  const LimitStencils& stencils_;
+  int vertices_;
+  std::vector<int> column_begin_, block_row_;   // lower triangle of 3 × 3 blocks by columns
+  std::vector<std::vector<int>> patch_blocks_;  // for a ≥ b of each support: its block
+  std::vector<Eigen::Matrix3d> blocks_;         // A
+  std::vector<Eigen::Matrix3d> energy_;         // P
+  struct Difference {
+    int vertex;  // whose normal counts
+    double weight;
+    std::vector<std::pair<int, double>> row;
+    std::vector<int> blocks;  // for a ≥ b of the row, by vertices: its block
+  };
+  std::vector<Difference> differences_;
+  Eigen::Matrix3Xd right_;
+  Eigen::SparseMatrix<double> matrix_;
+  std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> factor_;
+  bool factored_ = false;    // at some time, perhaps of a system before
+  double energy_trace_ = 0;  // of P with factors one
+};
+
+}  // namespace batten::internal

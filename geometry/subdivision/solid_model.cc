@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "batten/geometry/solid_model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "geometry/numeric/gauss_rule.h"
+
+namespace batten {
+namespace {
+
+double AngleOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// Places in a domain: so many in every span, and towards both of its ends.
+std::vector<double> PlacesOf(const SplineBasis& basis, int samples) {
+  std::vector<double> places;
+  const double lower = basis.lower(), upper = basis.upper();
+  for (const int span : basis.Spans()) {
+    const double a = basis.knots()[span], b = basis.knots()[span + 1];
+    for (int k = 0; k < samples; ++k) places.push_back(a + (b - a) * k / samples);
+  }
+  places.push_back(upper);
+  constexpr int kHalvings = 12;
+  const double first = basis.knots()[basis.Spans().front() + 1] - lower;
+  const double last = upper - basis.knots()[basis.Spans().back()];
+  for (int k = 1; k <= kHalvings; ++k) {
+    places.push_back(lower + std::ldexp(first, -k));
+    places.push_back(upper - std::ldexp(last, -k));
+  }
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  return places;
+}
+
+Eigen::Vector3d NormalOf(const NurbsSurface& surface, double u, double v) {
+  const SurfaceJet jet = surface.JetAt(u, v);
+  return jet.du.cross(jet.dv).stableNormalized();
+}
+
+void AuditEdge(const SolidModel& solid,
+               const SolidEdge& edge,
+               const std::array<std::pair<int, const SolidCoedge*>, 2>& uses,
+               int samples,
+               SolidAudit& audit) {
+  const SplineBasis& basis = edge.curve.basis();
+  for (const double t : PlacesOf(basis, samples)) {
+    const double share = (t - basis.lower()) / (basis.upper() - basis.lower());
+    const Eigen::Vector3d on_curve = edge.curve.At(t);
+    std::array<Eigen::Vector3d, 2> normal;
+    for (int k = 0; k < 2; ++k) {
+      const NurbsSurface& surface = solid.faces[uses[k].first].surface;
+      const SolidCoedge& coedge = *uses[k].second;
+      const Eigen::Vector2d at = coedge.from + share * (coedge.to - coedge.from);
+      const SurfaceJet jet = surface.JetAt(at[0], at[1]);
+      audit.gap = std::max(audit.gap, (jet.point - on_curve).norm());
+      normal[k] = jet.du.cross(jet.dv).stableNormalized();
+    }
+    const double angle = AngleOf(normal[0], normal[1]);
+    if (angle <= audit.edge_angle) continue;
+    audit.edge_angle = angle;
+    audit.edge_angle_at = on_curve;
+  }
+}
+
+void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
+  const std::vector<double> u = PlacesOf(surface.basis_u(), samples);
+  const std::vector<double> v = PlacesOf(surface.basis_v(), samples);
+  std::vector<Eigen::Vector3d> before, row(v.size());
+  for (const double a : u) {
+    for (std::size_t j = 0; j < v.size(); ++j) {
+      row[j] = NormalOf(surface, a, v[j]);
+      if (j > 0) audit.turn = std::max(audit.turn, AngleOf(row[j], row[j - 1]));
+      if (!before.empty()) audit.turn = std::max(audit.turn, AngleOf(row[j], before[j]));
+    }
+    before = row;
+  }
+  // S·(S_u × S_v) has degree 8 in each direction: five places integrate it exactly.
+  constexpr int kPlaces = 5;
+  const internal::GaussRule rule = internal::GaussLegendre(kPlaces);
+  for (const int p : surface.basis_u().Spans()) {
+    for (const int q : surface.basis_v().Spans()) {
+      const double a = surface.basis_u().knots()[p], b = surface.basis_u().knots()[p + 1];
+      const double c = surface.basis_v().knots()[q], d = surface.basis_v().knots()[q + 1];
+      for (int i = 0; i < kPlaces; ++i) {
+        for (int j = 0; j < kPlaces; ++j) {
+          const SurfaceJet jet =
+              surface.JetAt(a + (b - a) * rule.nodes[i], c + (d - c) * rule.nodes[j]);
+          const Eigen::Vector3d normal = jet.du.cross(jet.dv);
+          const double weight = rule.weights[i] * rule.weights[j] * (b - a) * (d - c);
+          audit.volume += weight * jet.point.dot(normal) / 3;
+          audit.area += weight * normal.norm();
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+SolidModel SolidModel::Translated(const Eigen::Vector3d& shift) const {
+  SolidModel moved;
+  moved.vertices = vertices.colwise() + shift;
+  for (const SolidEdge& edge : edges) {
+    Eigen::Matrix3Xd points = edge.curve.control_points().colwise() + shift;
+    moved.edges.push_back(
+        {NurbsCurve<3>(edge.curve.basis(), std::move(points), edge.curve.weights()),
+         edge.start,
+         edge.end});
+  }
+  for (const SolidFace& face : faces)
+    moved.faces.push_back({face.surface.Translated(shift), face.loop});
+  return moved;
+}
+
+SolidAudit AuditSolid(const SolidModel& solid, int samples) {
+  SolidAudit audit;
+  std::vector<std::vector<std::pair<int, const SolidCoedge*>>> uses(solid.edges.size());
+  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
+    AuditFace(solid.faces[f].surface, samples, audit);
+    for (const SolidCoedge& coedge : solid.faces[f].loop) {
+      uses[std::size_t(coedge.edge)].emplace_back(static_cast<int>(f), &coedge);
+    }
+  }
+  for (std::size_t e = 0; e < uses.size(); ++e) {
+    const auto& use = uses[e];
+    if (use.size() != 2 || use[0].second->reversed == use[1].second->reversed) {
+      ++audit.open_edges;
+      continue;
+    }
+    AuditEdge(solid, solid.edges[e], {use[0], use[1]}, samples, audit);
+  }
+  return audit;
+}
+
+}  // namespace batten

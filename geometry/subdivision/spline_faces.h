@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// A Catmull-Clark surface as bicubic B-spline faces that share their edges.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "batten/geometry/solid_model.h"
+#include "geometry/subdivision/limit_surface.h"
+#include "geometry/subdivision/quad_topology.h"
+
+namespace batten::internal {
+
+// A block of faces of a mesh, `across` × `along`: the face of half-edge `first` is the lowest one,
+// u runs along that half-edge over `across` faces, v over `along`.
+struct QuadBlock {
+  int first = 0;
+  int across = 1, along = 1;
+};
+
+// Blocks that cover a mesh, as few as lines traced from vertices of other than four edges leave:
+// each line ends where it meets another. Lines go on by turns, one face each. Components without
+// such vertices get two crossing lines. [motorcycle graph: Eppstein, Goodrich, Kim & Tamstorf 2008]
+std::vector<QuadBlock> MotorcycleBlocks(const QuadTopology& mesh);
+
+// One block for each face.
+std::vector<QuadBlock> SingleBlocks(const QuadTopology& mesh);
+
+// Where each face of a mesh lies in the blocks: that of cell (column, row), u along `half_edge`.
+struct BlockPlace {
+  int block = -1, column = 0, row = 0;
+  int half_edge = 0;
+};
+std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
+                                       const std::vector<QuadBlock>& blocks);
+
+// The parameters of a place of the limit surface on the face of its block, as SplineSolid makes it.
+Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place);
+
+// The limit surface over the blocks, each one bicubic B-spline: exact, but for the quarter of a
+// quarter of a face beside a vertex of other than four edges, where SmoothCorner makes tangent
+// planes continuous. Parameters count quarters of faces. Sides of blocks are cut into edges where
+// blocks beside them end. Control points are columns, one for each vertex; corners of blocks that
+// are not vertices of four edges must be corners only.
+SolidModel SplineSolid(const QuadTopology& mesh,
+                       const Eigen::Matrix3Xd& control_points,
+                       const std::vector<QuadBlock>& blocks);
+
+}  // namespace batten::internal

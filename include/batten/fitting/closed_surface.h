@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Faces of a file as a closed surface of triangles.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "batten/geometry/triangle_surface.h"
+
+namespace batten {
+
+// A closed surface made of faces that were not quite one, and what was done to them.
+struct ClosedSurface {
+  TriangleSurface surface;
+  int joined = 0;           // vertices at the place of another
+  int dropped = 0;          // faces without area, or there twice
+  int turned = 0;           // faces turned round
+  int filled = 0;           // holes closed
+  double filled_share = 0;  // of the area
+  int components = 0, genus = 0;
+};
+
+// Joins vertices at one place, cuts faces into triangles, drops those without area or twice there,
+// turns faces alike and outwards, parts surfaces that touch at a vertex only, and closes holes by
+// triangles about their middles. Throws RefusedData, naming it, where more than two faces meet at
+// an edge, a surface has one side only, no face is left, or holes are more than `most_filled` of
+// the area.
+ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
+                           const std::vector<std::vector<int>>& faces,
+                           double most_filled = 0.15);
+
+// Unit normals at points: those of the surface, from the triangles about it, at the vertex nearest
+// to each.
+Eigen::Matrix3Xd NormalsNear(const TriangleSurface& surface, const Eigen::Matrix3Xd& points);
+
+}  // namespace batten

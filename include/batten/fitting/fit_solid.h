@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Fits one smooth closed surface to the points of a whole body and makes a solid of it.
+#pragma once
+
+#include "batten/fitting/point_cloud.h"
+#include "batten/fitting/solid_options.h"
+
+namespace batten {
+
+// Fits a Catmull–Clark surface whose control mesh has the layout's faces: least Σ w ((S − q)·n)² at
+// foot points with normals within 60° of the points' (the cloud's normals, else estimated ones
+// without a sign), and a thin-plate energy weighed by generalised cross-validation. Gauss–Newton
+// steps over the control points with foot points eliminated, damped by the tangential distance.
+// Outliers of the cloud do not count. [Litke, Levin & Schröder 2001; Cheng, Wang, Qin, Wong, Yang
+// & Liu 2007]
+//
+// The faces are bicubic B-splines: the surface itself but near vertices of other than four edges,
+// where their coefficients make tangent planes continuous. The distances reported are from these
+// faces.
+//
+// The layout is in the cloud's world coordinates. Throws RefusedData, with a sentence for the user,
+// where the layout is no closed mesh of quadrilaterals (CheckQuadMesh) or lies apart from the
+// points, where there are fewer points than its vertices ask for, and where the faces that come out
+// turn over or do not enclose a volume; Cancelled when progress stops it.
+SolidFit FitSolid(const PointCloud& cloud,
+                  const QuadMesh& layout,
+                  const SolidFitOptions& options = {});
+
+}  // namespace batten

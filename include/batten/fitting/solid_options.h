@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Options and result of fitting a solid of smooth spline faces.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "batten/fitting/fit_report.h"
+#include "batten/fitting/point_mask.h"
+#include "batten/fitting/progress.h"
+#include "batten/geometry/quad_mesh.h"
+#include "batten/geometry/solid_model.h"
+
+namespace batten {
+
+struct SolidFitOptions {
+  std::optional<double> tolerance = std::nullopt;  // distance in the data's units, > 0; only judged
+  // Fairness relative to the data, ≥ 0; absent: by generalised cross-validation.
+  std::optional<double> smoothing = std::nullopt;
+  int max_iterations = 40;     // ≥ 1: steps, where smoothing is given
+  bool keep_outliers = false;  // all points count
+  bool merge_faces = true;     // as few faces as the layout allows; else one for each of its own
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
+  std::uint64_t seed = 1;                           // of samples for spacing and noise
+  int threads = 0;                                  // 0: all cores
+  Progress progress = nullptr;
+};
+
+// Throws std::invalid_argument naming the field whose value breaks its rule.
+void Check(const SolidFitOptions& options);
+
+struct SolidFit {
+  SolidModel solid;            // in world coordinates less options.shift
+  SolidAudit audit;            // of it
+  QuadMesh control_mesh;       // of the surface, with the layout's faces, in the same coordinates
+  QuadMeshSummary layout;      // of the layout
+  Eigen::VectorXd residuals;   // of every point: signed along the normal
+  Eigen::MatrixXd parameters;  // 2 × m, of its foot
+  std::vector<int> faces;      // on which of the solid's faces that is
+  PointMask outliers;          // points that did not count
+  FitReport report;
+};
+
+}  // namespace batten

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include "batten/io/reconstruct_surface.h"
+
+#include <dlfcn.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/neighbours.h"
+#include "batten/fitting/refused_data.h"
+#include "fitting/neighbours/oriented_normals.h"
+#include "io/exchange/opencascade_module.h"
+#include "io/mesh/poisson_functions.h"
+
+namespace batten {
+namespace internal {
+namespace {
+
+constexpr const char* kModule = "libbatten_reconstruction.so";
+constexpr const char* kTable = "batten_reconstruction_functions";
+
+const PoissonFunctions& LoadPoisson() {
+  std::string reason;
+  for (const std::string& folder : OpenCascadeFolders()) {
+    const std::string file = (std::filesystem::path(folder) / kModule).string();
+    if (void* const module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+      if (void* const table = dlsym(module, kTable)) {
+        return *reinterpret_cast<const PoissonFunctions* (*)()>(table)();
+      }
+    }
+    const char* const said = dlerror();
+    std::error_code unknown;
+    if (said != nullptr && (reason.empty() || std::filesystem::exists(file, unknown)))
+      reason = said;
+  }
+  throw std::runtime_error(std::string("a surface about points needs the module ") + kModule +
+                           ", which does not load (" + reason +
+                           "); set BATTEN_MODULES to the folder that holds it");
+}
+
+const PoissonFunctions& Poisson() {
+  static const PoissonFunctions& functions = LoadPoisson();
+  return functions;
+}
+
+// The faces of the part with most of them.
+std::vector<std::vector<int>> LargestPart(const PoissonSurface& surface) {
+  std::vector<int> root(std::size_t(surface.vertices.cols()));
+  for (std::size_t v = 0; v < root.size(); ++v) root[v] = int(v);
+  const auto find = [&](int v) {
+    while (root[std::size_t(v)] != v)
+      v = root[std::size_t(v)] = root[std::size_t(root[std::size_t(v)])];
+    return v;
+  };
+  for (const std::vector<int>& face : surface.faces) {
+    for (const int v : face) root[std::size_t(find(v))] = find(face[0]);
+  }
+  std::vector<int> size(root.size(), 0);
+  for (const std::vector<int>& face : surface.faces) ++size[std::size_t(find(face[0]))];
+  const int largest = int(std::max_element(size.begin(), size.end()) - size.begin());
+  std::vector<std::vector<int>> kept;
+  for (const std::vector<int>& face : surface.faces) {
+    if (find(face[0]) == largest) kept.push_back(face);
+  }
+  return kept;
+}
+
+double InventedShare(const TriangleSurface& surface,
+                     const NeighbourIndex& index,
+                     const Eigen::Matrix3Xd& points,
+                     double reach) {
+  const Eigen::Index count = surface.triangles.cols();
+  Eigen::Matrix3Xd middles(3, count);
+  Eigen::VectorXd areas(count);
+  for (Eigen::Index t = 0; t < count; ++t) {
+    const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
+    const Eigen::Vector3d b = surface.vertices.col(surface.triangles(1, t));
+    const Eigen::Vector3d c = surface.vertices.col(surface.triangles(2, t));
+    middles.col(t) = (a + b + c) / 3;
+    areas[t] = (b - a).cross(c - a).norm();
+  }
+  const std::vector<int> nearest = index.Nearest(middles, 1);
+  double invented = 0;
+  for (Eigen::Index t = 0; t < count; ++t) {
+    const double distance = (points.col(nearest[std::size_t(t)]) - middles.col(t)).norm();
+    if (distance > reach) invented += areas[t];
+  }
+  return invented / areas.sum();
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
+                                        double most_invented,
+                                        int threads) {
+  ThreadPool pool(threads);
+  const MergedCloud merged = MergeDuplicates(cloud);
+  if (merged.cloud.size() < 50) {
+    throw RefusedData("there are only " + std::to_string(merged.cloud.size()) +
+                      " different points: too few for a closed surface about them");
+  }
+  const NeighbourIndex all(merged.cloud.points(), pool);
+  const CloudStatistics statistics = MeasureCloud(merged.cloud.points(), all, {}, pool);
+  const PointCloud kept =
+      statistics.outlier_count > 0 ? merged.cloud.Subset(!statistics.outliers) : merged.cloud;
+  const Eigen::Matrix3Xd& points = kept.points();
+  const NeighbourIndex index(points, pool);
+  constexpr int kNeighbours = 12;
+  const bool given = kept.normals().cols() == points.cols() && !kept.normals().isZero();
+  const Eigen::Matrix3Xd normals =
+      given ? kept.normals() : OutwardNormals(index, points, kNeighbours);
+  const Eigen::Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
+  const double size = (high - low).maxCoeff();
+  if (!(size > 0)) throw RefusedData("the points have no extent");
+  const Eigen::Vector3d middle = (low + high) / 2;
+  // PCL's cube is 1.25 times the points' box.
+  constexpr double kCube = 1.25;
+  const int depth =
+      std::clamp(int(std::lround(std::log2(kCube * size / statistics.spacing))), 4, 9);
+  const PoissonSurface poisson =
+      Poisson().reconstruct((points.colwise() - middle) / size, normals, depth);
+  if (poisson.faces.empty()) throw RefusedData("no closed surface comes out about the points");
+  const Eigen::Matrix3Xd vertices = (poisson.vertices * size).colwise() + middle;
+  ReconstructedSurface result;
+  // What is closed here is invented as what the reconstruction closes: both are judged below.
+  result.closed = CloseSurface(vertices, LargestPart(poisson), 1.0);
+  constexpr double kReach = 3;  // spacings
+  result.invented_share =
+      InventedShare(result.closed.surface, index, points, kReach * statistics.spacing);
+  if (result.invented_share > most_invented) {
+    throw RefusedData("the points do not go all round a body: " +
+                      std::to_string(int(std::lround(100 * result.invented_share))) +
+                      " % of a closed surface about them would have no points near it");
+  }
+  result.closed.surface.vertices.colwise() += cloud.origin();
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "io/opencascade/solid_export.h"
+
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom2d_Line.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Precision.hxx>
+#include <STEPControl_Reader.hxx>
+#include <STEPControl_Writer.hxx>
+#include <ShapeFix_ShapeTolerance.hxx>
+#include <Standard_Failure.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepData_StepModel.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <TopoDS_Wire.hxx>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "batten/io/read_error.h"
+#include "io/opencascade/occt_convert.h"
+#include "io/opencascade/occt_session.h"
+#include "io/opencascade/step_output.h"
+
+namespace batten::internal {
+namespace {
+
+[[noreturn]] void Fail(const std::string& reason) { throw Standard_Failure(reason.c_str()); }
+
+// Which faces hang together by edges.
+std::vector<int> ShellsOf(const SolidModel& solid) {
+  std::vector<int> first_face(solid.edges.size(), -1), parent(solid.faces.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int face) {
+    while (parent[size_t(face)] != face) face = parent[size_t(face)];
+    return face;
+  };
+  for (int face = 0; face < static_cast<int>(solid.faces.size()); ++face) {
+    for (const SolidCoedge& coedge : solid.faces[size_t(face)].loop) {
+      int& first = first_face[size_t(coedge.edge)];
+      if (first < 0) first = face;
+      parent[size_t(root(face))] = root(first);
+    }
+  }
+  std::vector<int> shells;
+  for (int face = 0; face < static_cast<int>(parent.size()); ++face) shells.push_back(root(face));
+  return shells;
+}
+
+class SolidBuilder {
+ public:
+  explicit SolidBuilder(const SolidModel& solid) : solid_(solid) {
+    for (Eigen::Index k = 0; k < solid.vertices.cols(); ++k) {
+      const Eigen::Vector3d p = solid.vertices.col(k);
+      TopoDS_Vertex vertex;
+      builder_.MakeVertex(vertex, gp_Pnt(p.x(), p.y(), p.z()), Precision::Confusion());
+      vertices_.push_back(vertex);
+    }
+    for (const SolidEdge& edge : solid.edges) edges_.push_back(ToEdge(edge));
+  }
+
+  std::vector<TopoDS_Solid> Build() {
+    const std::vector<int> shell_of = ShellsOf(solid_);
+    std::vector<TopoDS_Shell> shells(solid_.faces.size());
+    for (size_t face = 0; face < solid_.faces.size(); ++face) {
+      TopoDS_Shell& shell = shells[size_t(shell_of[face])];
+      if (shell.IsNull()) builder_.MakeShell(shell);
+      builder_.Add(shell, ToFace(solid_.faces[face]));
+    }
+    std::vector<TopoDS_Solid> solids;
+    for (TopoDS_Shell& shell : shells) {
+      if (shell.IsNull()) continue;
+      shell.Closed(true);
+      TopoDS_Solid solid;
+      builder_.MakeSolid(solid);
+      builder_.Add(solid, shell);
+      solids.push_back(solid);
+    }
+    return solids;
+  }
+
+ private:
+  TopoDS_Edge ToEdge(const SolidEdge& edge) {
+    TopoDS_Edge made;
+    builder_.MakeEdge(made, ToOcct(edge.curve), Precision::Confusion());
+    builder_.Add(made, vertices_.at(size_t(edge.start)).Oriented(TopAbs_FORWARD));
+    builder_.Add(made, vertices_.at(size_t(edge.end)).Oriented(TopAbs_REVERSED));
+    builder_.Range(made, edge.curve.basis().lower(), edge.curve.basis().upper());
+    return made;
+  }
+
+  TopoDS_Face ToFace(const SolidFace& face) {
+    TopoDS_Face made;
+    builder_.MakeFace(made, ToOcct(face.surface), Precision::Confusion());
+    TopoDS_Wire wire;
+    builder_.MakeWire(wire);
+    for (const SolidCoedge& coedge : face.loop) {
+      const TopoDS_Edge& edge = edges_.at(size_t(coedge.edge));
+      const SplineBasis& basis = solid_.edges[size_t(coedge.edge)].curve.basis();
+      const Eigen::Vector2d way = coedge.to - coedge.from;
+      const double length = basis.upper() - basis.lower();
+      // A line's parameter is its length.
+      constexpr double kSame = 1e-12;
+      if (!(std::abs(way.norm() - length) <= kSame * length)) {
+        Fail("an edge and its place on a face run at different speeds");
+      }
+      const Eigen::Vector2d along = way / length, origin = coedge.from - basis.lower() * along;
+      const Handle(Geom2d_Line) line =
+          new Geom2d_Line(gp_Pnt2d(origin[0], origin[1]), gp_Dir2d(along[0], along[1]));
+      builder_.UpdateEdge(edge, line, made, Precision::Confusion());
+      builder_.Add(wire, edge.Oriented(coedge.reversed ? TopAbs_REVERSED : TopAbs_FORWARD));
+    }
+    wire.Closed(true);
+    builder_.Add(made, wire);
+    return made;
+  }
+
+  const SolidModel& solid_;
+  BRep_Builder builder_;
+  std::vector<TopoDS_Vertex> vertices_;
+  std::vector<TopoDS_Edge> edges_;
+};
+
+// What has to be the same in the file.
+struct Census {
+  int solids = 0, faces = 0, edges = 0;
+  double volume = 0;
+};
+
+Census CensusOf(const std::vector<TopoDS_Solid>& solids, const std::string& what) {
+  Census census;
+  for (const TopoDS_Solid& solid : solids) {
+    if (!BRepCheck_Analyzer(solid).IsValid()) Fail(what + " is not valid to OpenCASCADE");
+    TopTools_IndexedDataMapOfShapeListOfShape uses;
+    TopExp::MapShapesAndAncestors(solid, TopAbs_EDGE, TopAbs_FACE, uses);
+    for (int k = 1; k <= uses.Extent(); ++k) {
+      if (uses(k).Extent() != 2) Fail("an edge of " + what + " does not belong to two faces");
+    }
+    TopTools_IndexedMapOfShape faces;
+    TopExp::MapShapes(solid, TopAbs_FACE, faces);
+    GProp_GProps properties;
+    BRepGProp::VolumeProperties(solid, properties);
+    if (!(properties.Mass() > 0)) Fail(what + " is inside out");
+    census.solids += 1;
+    census.faces += faces.Extent();
+    census.edges += uses.Extent();
+    census.volume += properties.Mass();
+  }
+  return census;
+}
+
+Census Reread(const std::string& text) {
+  std::istringstream stream(text);
+  STEPControl_Reader reader;
+  if (reader.ReadStream("batten", stream) != IFSelect_RetDone)
+    Fail("what is written can't be read");
+  reader.TransferRoots();
+  std::vector<TopoDS_Solid> solids;
+  for (int k = 1; k <= reader.NbShapes(); ++k) {
+    for (TopExp_Explorer one(reader.Shape(k), TopAbs_SOLID); one.More(); one.Next()) {
+      solids.push_back(TopoDS::Solid(one.Current()));
+    }
+  }
+  return CensusOf(solids, "the solid read back");
+}
+
+void NameProducts(const Handle(StepData_StepModel) & model) {
+  int count = 0;
+  for (int k = 1; k <= model->NbEntities(); ++k) {
+    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(k));
+    if (product.IsNull()) continue;
+    const std::string name = "batten-" + std::to_string(++count);
+    product->SetId(Text(name));
+    product->SetName(Text(name));
+  }
+}
+
+std::string ToStep(const SolidModel& solid, const char* unit, const char* schema) {
+  const std::vector<TopoDS_Solid> solids = SolidBuilder(solid).Build();
+  const double size =
+      (solid.vertices.rowwise().maxCoeff() - solid.vertices.rowwise().minCoeff()).norm();
+  // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
+  for (const TopoDS_Solid& one : solids) {
+    for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {
+      tolerance *= 10;
+      if (!(tolerance <= 1e-6 * size)) break;
+      ShapeFix_ShapeTolerance().SetTolerance(one, tolerance);
+    }
+  }
+  const Census made = CensusOf(solids, "the solid");
+  BeginStep(unit, schema);
+  STEPControl_Writer writer;
+  for (const TopoDS_Solid& one : solids) {
+    if (writer.Transfer(one, STEPControl_ManifoldSolidBrep) != IFSelect_RetDone) {
+      Fail("OpenCASCADE does not translate the solid");
+    }
+  }
+  NameProducts(writer.Model());
+  std::string text = StepTextOf(writer);
+  const Census read = Reread(text);
+  constexpr double kSameVolume = 1e-6;
+  if (read.solids != made.solids || read.faces != made.faces || read.edges != made.edges ||
+      !(std::abs(read.volume - made.volume) <= kSameVolume * made.volume)) {
+    Fail("what is read back is not what was written");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ExportSolid(const SolidModel& solid,
+                        const std::string& path,
+                        const char* unit,
+                        const char* schema) {
+  try {
+    const OcctSession session;
+    return ToStep(solid, unit, schema);
+  } catch (const Standard_Failure& failure) {
+    throw WriteError(path, std::string("can't become a solid: ") + failure.GetMessageString());
+  }
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Laws of `batten fit solid`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "batten/io/polygon_reader.h"
+#include "body_clouds.h"
+#include "test_clouds.h"
+
+namespace batten::internal::fit_solid_command_test {
+
+using ::testing::HasSubstr;
+
+std::string SphereText(int count, double least_z = -2) {
+  std::string text;
+  const Eigen::Matrix3Xd points = SpherePoints(count, 0.003);
+  for (const auto p : points.colwise()) {
+    if (p[2] < least_z) continue;
+    text += std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+  }
+  return text;
+}
+
+TEST(FitSolidCommandTest, NeedsNothingButThePoints) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.With("ball.xyz", SphereText(2000));
+  const ProgramRun run = Batten({"fit",
+                                 "solid",
+                                 cloud,
+                                 "-o",
+                                 folder.File("ball.step"),
+                                 "--faces",
+                                 "100",
+                                 "--mesh-out",
+                                 folder.File("mesh.ply"),
+                                 "--layout-out",
+                                 folder.File("q.obj"),
+                                 "--json"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const Json report = Json::parse(run.out);
+  EXPECT_EQ(report["geometry"]["kind"], "solid");
+  EXPECT_LE(report["error"]["rms"].get<double>(), 0.006);
+  EXPECT_THAT(folder.Text("ball.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
+  EXPECT_THAT(run.err, HasSubstr("a watertight solid of"));
+  EXPECT_GT(ReadPolygons(folder.File("mesh.ply")).faces.size(), 100u);
+  EXPECT_EQ(CheckQuadMesh(ReadQuadMesh(folder.File("q.obj"))).genus, 0);
+}
+
+TEST(FitSolidCommandTest, TakesTheFacesOfAMeshAndALayout) {
+  const TemporaryFolder folder;
+  WriteQuadMesh(CubeSphere(4), folder.File("ball.obj"));
+  WriteQuadMesh(CubeSphere(2), folder.File("layout.obj"));
+  EXPECT_EQ(
+      Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File("a.step"), "--quiet"})
+          .code,
+      0);
+  const ProgramRun given = Batten({"fit",
+                                   "solid",
+                                   folder.File("ball.obj"),
+                                   "-o",
+                                   folder.File("b.step"),
+                                   "--quads",
+                                   folder.File("layout.obj")});
+  EXPECT_EQ(given.code, 0);
+  EXPECT_THAT(given.err,
+              HasSubstr("a watertight solid of 6 faces, 12 edges and 8 vertices, genus 0"));
+  EXPECT_THAT(folder.Text("a.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
+}
+
+TEST(FitSolidCommandTest, RefusesWithAReasonAndWithoutAFile) {
+  const TemporaryFolder folder;
+  const std::string out = folder.File("no.step");
+  const auto refusal = [&](std::vector<std::string> words, int code) {
+    words.insert(words.begin(), {"fit", "solid"});
+    words.insert(words.end(), {"-o", out});
+    const ProgramRun run = Batten(words);
+    EXPECT_EQ(run.code, code) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_EQ(folder.Text("no.step"), "");
+    return run.err;
+  };
+  const std::string bowl = folder.With("bowl.xyz", SphereText(3000, 0.2));
+  EXPECT_THAT(refusal({bowl}, 1), HasSubstr("the points do not go all round a body"));
+  QuadMesh open = CubeSphere(2);
+  open.faces.conservativeResize(4, 50);
+  WriteQuadMesh(open, folder.File("open.obj"));
+  EXPECT_THAT(refusal({folder.File("open.obj")}, 1), HasSubstr("the surface is open"));
+  const std::string ball = folder.With("ball.xyz", SphereText(1000));
+  EXPECT_THAT(refusal({ball, "--quads", folder.File("open.obj")}, 1),
+              HasSubstr("the mesh is open"));
+  EXPECT_THAT(refusal({ball, "--faces", "3"}, 2), HasSubstr("--faces"));
+}
+
+}  // namespace batten::internal::fit_solid_command_test

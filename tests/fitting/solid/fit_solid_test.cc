@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/fit_solid.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "batten/fitting/refused_data.h"
+#include "body_clouds.h"
+#include "refusal.h"
+#include "tolerances.h"
+
+namespace batten::internal::fit_solid_test {
+
+using ::testing::HasSubstr;
+
+constexpr double kVolume = 4 * std::numbers::pi / 3, kArea = 4 * std::numbers::pi;
+
+double RmsFromSphere(const SolidModel& solid) {
+  double sum = 0;
+  int count = 0;
+  for (const SolidFace& face : solid.faces) {
+    const SplineBasis &u = face.surface.basis_u(), &v = face.surface.basis_v();
+    for (int i = 0; i < 10; ++i) {
+      for (int j = 0; j < 10; ++j, ++count) {
+        const double radius = face.surface
+                                  .At(u.lower() + (u.upper() - u.lower()) * (i + 0.5) / 10,
+                                      v.lower() + (v.upper() - v.lower()) * (j + 0.5) / 10)
+                                  .norm();
+        sum += (radius - 1) * (radius - 1);
+      }
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(FitSolidTest, MakesASmoothBallOfNoisyPoints) {
+  constexpr double kNoise = 0.01;
+  constexpr int kPoints = 4000;
+  const QuadMesh layout = CubeSphere(2);
+  const SolidFit fit = FitSolid(PointCloud(SpherePoints(kPoints, kNoise)), layout, {.threads = 1});
+  EXPECT_EQ(fit.solid.faces.size(), 6u);
+  EXPECT_EQ(fit.audit.open_edges, 0);
+  EXPECT_LE(fit.audit.gap, kRounding);
+  EXPECT_LE(fit.audit.edge_angle, kIterated);
+  // The mean radius is known to noise / sqrt(points), the volume to three times that: 5 of these.
+  EXPECT_NEAR(fit.audit.volume, kVolume, 5 * 3 * kVolume * kNoise / std::sqrt(kPoints));
+  EXPECT_NEAR(fit.audit.area, kArea, 0.01 * kArea);
+  // At most as much as a free normal of every control point takes in, half as much again.
+  const double limit = kNoise * std::sqrt(double(layout.vertices.cols()) / kPoints);
+  EXPECT_LE(RmsFromSphere(fit.solid), 1.5 * limit);
+  EXPECT_NEAR(fit.report.error.rms, kNoise, 0.1 * kNoise);
+  EXPECT_EQ(fit.layout.genus, 0);
+  EXPECT_EQ(fit.residuals.size(), kPoints);
+}
+
+TEST(FitSolidTest, ReportsTheDistancesFromItsFaces) {
+  const Eigen::Matrix3Xd points = SpherePoints(2000, 0.01);
+  const SolidFit fit = FitSolid(PointCloud(points), CubeSphere(2), {.threads = 1});
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const NurbsSurface& face = fit.solid.faces[std::size_t(fit.faces[std::size_t(k)])].surface;
+    const Eigen::Vector3d foot = face.At(fit.parameters(0, k), fit.parameters(1, k));
+    EXPECT_NEAR((points.col(k) - foot).norm(), std::abs(fit.residuals[k]), kRounding);
+    // Positive outside.
+    EXPECT_EQ(fit.residuals[k] > 0, points.col(k).norm() > foot.norm());
+  }
+}
+
+TEST(FitSolidTest, MovesAndGrowsWithItsData) {
+  const Eigen::Matrix3Xd points = SpherePoints(1500, 0.01);
+  const SolidFit fit =
+      FitSolid(PointCloud(points), CubeSphere(1), {.smoothing = 1e-3, .threads = 1});
+  QuadMesh layout = CubeSphere(1);
+  const Eigen::Vector3d away(1000, -2000, 3000);
+  layout.vertices = (64 * layout.vertices).colwise() + away;
+  const SolidFit large = FitSolid(PointCloud::FromWorld((64 * points).colwise() + away),
+                                  layout,
+                                  {.smoothing = 1e-3, .shift = away, .threads = 1});
+  EXPECT_NEAR(
+      large.audit.volume, 64.0 * 64 * 64 * fit.audit.volume, kHalfDigits * large.audit.volume);
+  const Eigen::Matrix3Xd moved = 64 * fit.control_mesh.vertices;
+  EXPECT_LE((large.control_mesh.vertices - moved).cwiseAbs().maxCoeff(), 64 * kHalfDigits);
+}
+
+TEST(FitSolidTest, OtherThreadsGiveTheSameSolid) {
+  const PointCloud cloud(SpherePoints(1500, 0.01));
+  const SolidFit one = FitSolid(cloud, CubeSphere(1), {.threads = 1});
+  const SolidFit three = FitSolid(cloud, CubeSphere(1), {.threads = 3});
+  EXPECT_LE((one.control_mesh.vertices - three.control_mesh.vertices).cwiseAbs().maxCoeff(),
+            kIterated);
+}
+
+TEST(FitSolidTest, OutliersDoNotCount) {
+  Eigen::Matrix3Xd points = SpherePoints(4000, 0.005);
+  for (Eigen::Index k = 0; k < points.cols(); k += 20) points.col(k) *= 1.3 + 0.01 * double(k % 7);
+  const SolidFit fit = FitSolid(PointCloud(points), CubeSphere(2), {.threads = 1});
+  EXPECT_GE(fit.outliers.count(), 180);
+  EXPECT_LE(RmsFromSphere(fit.solid), 0.005);
+}
+
+TEST(FitSolidTest, RefusesLayoutsByName) {
+  const PointCloud cloud(SpherePoints(1500, 0.01));
+  const auto refusal = [&](const QuadMesh& layout) {
+    return RefusalOf([&] { FitSolid(cloud, layout, {.threads = 1}); });
+  };
+  QuadMesh open = CubeSphere(1);
+  open.faces.conservativeResize(4, open.faces.cols() - 1);
+  EXPECT_THAT(refusal(open), HasSubstr("the mesh is open"));
+  QuadMesh turned = CubeSphere(1);
+  for (Eigen::Index f = 0; f < turned.faces.cols(); ++f) turned.faces.col(f).reverseInPlace();
+  EXPECT_THAT(refusal(turned), HasSubstr("clockwise seen from outside"));
+  QuadMesh apart = CubeSphere(1);
+  apart.vertices.row(0).array() += 3;
+  EXPECT_THAT(refusal(apart), HasSubstr("the layout lies apart from the points"));
+  EXPECT_THAT(refusal(CubeSphere(4)), HasSubstr("a coarser layout is needed"));
+  EXPECT_THROW(FitSolid(cloud, CubeSphere(1), {.tolerance = -1.0}), std::invalid_argument);
+}
+
+}  // namespace batten::internal::fit_solid_test

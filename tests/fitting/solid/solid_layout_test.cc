@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/solid_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "batten/fitting/closed_surface.h"
+#include "batten/fitting/refused_data.h"
+#include "body_clouds.h"
+#include "refusal.h"
+#include "tolerances.h"
+
+namespace batten::internal::solid_layout_test {
+
+using ::testing::HasSubstr;
+
+ClosedSurface Closed(const QuadMesh& mesh) { return CloseSurface(mesh.vertices, FacesOf(mesh)); }
+
+TEST(CloseSurfaceTest, TurnsFacesOutwardsAndKeepsTheGenus) {
+  QuadMesh mesh = Refined(Torus(12, 8));
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); f += 3) mesh.faces.col(f).reverseInPlace();
+  const ClosedSurface closed = Closed(mesh);
+  EXPECT_EQ(closed.genus, 1);
+  EXPECT_EQ(closed.components, 1);
+  EXPECT_EQ(closed.filled, 0);
+  EXPECT_GT(closed.turned, 0);
+  double volume = 0;
+  for (const auto t : closed.surface.triangles.colwise()) {
+    const Eigen::Matrix3Xd& p = closed.surface.vertices;
+    volume += p.col(t[0]).cross(p.col(t[1])).dot(p.col(t[2])) / 6;
+  }
+  EXPECT_GT(volume, 0);
+}
+
+TEST(CloseSurfaceTest, JoinsCornersAndClosesHoles) {
+  const QuadMesh mesh = CubeSphere(3);
+  // Every face with corners of its own, one left out.
+  Eigen::Matrix3Xd corners(3, 4 * mesh.faces.cols());
+  std::vector<std::vector<int>> faces;
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    for (int k = 0; k < 4; ++k) corners.col(4 * f + k) = mesh.vertices.col(mesh.faces(k, f));
+    const int at = static_cast<int>(4 * f);
+    if (f > 0) faces.push_back({at, at + 1, at + 2, at + 3});
+  }
+  const ClosedSurface closed = CloseSurface(corners, faces);
+  EXPECT_EQ(closed.filled, 1);
+  EXPECT_EQ(closed.genus, 0);
+  EXPECT_NEAR(
+      closed.filled_share, 1.0 / double(mesh.faces.cols()), 0.5 / double(mesh.faces.cols()));
+}
+
+TEST(CloseSurfaceTest, SaysWhyItCantBeClosed) {
+  const QuadMesh sphere = CubeSphere(2);
+  std::vector<std::vector<int>> half = FacesOf(sphere);
+  half.resize(half.size() / 2);
+  EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, half); }),
+              HasSubstr("the surface is open"));
+  std::vector<std::vector<int>> fin = FacesOf(sphere);
+  fin.push_back({fin[0][0], fin[0][1], fin.back()[2]});
+  EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, fin); }), HasSubstr("not manifold"));
+  EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, {}); }), HasSubstr("no faces"));
+  // A strip with a half turn.
+  Eigen::Matrix3Xd band(3, 12);
+  std::vector<std::vector<int>> moebius;
+  for (int k = 0; k < 6; ++k) {
+    const double a = std::numbers::pi * k / 3;
+    const Eigen::Vector3d out(std::cos(a), std::sin(a), 0), up(0, 0, 1);
+    const Eigen::Vector3d across = std::cos(a / 2) * up + std::sin(a / 2) * out;
+    band.col(2 * k) = 3 * out + across;
+    band.col(2 * k + 1) = 3 * out - across;
+    const int next = k < 5 ? 2 * k + 2 : 1, other = k < 5 ? 2 * k + 3 : 0;
+    moebius.push_back({2 * k, 2 * k + 1, other, next});
+  }
+  EXPECT_THAT(RefusalOf([&] { CloseSurface(band, moebius); }), HasSubstr("one side only"));
+}
+
+TEST(LayoutOfTest, IsAllQuadrilateralsOfTheSurfacesGenus) {
+  for (const QuadMesh& mesh :
+       {CubeSphere(4), Refined(Refined(Torus(12, 8))), Refined(Refined(Refined(Cube())))}) {
+    const ClosedSurface closed = Closed(mesh);
+    for (const int faces : {60, 250, 900}) {
+      const QuadMesh layout = LayoutOf(closed.surface, faces);
+      const QuadMeshSummary summary = CheckQuadMesh(layout);
+      EXPECT_EQ(summary.genus, closed.genus);
+      EXPECT_GE(summary.least_valence, 3);
+      EXPECT_LE(summary.greatest_valence, 7);
+      EXPECT_GE(layout.faces.cols(), faces / 2);
+      EXPECT_LE(layout.faces.cols(), 2 * faces);
+    }
+  }
+}
+
+TEST(LayoutOfTest, LiesOnTheSurface) {
+  const QuadMesh layout = LayoutOf(Closed(CubeSphere(5)).surface, 300);
+  // Chords of the sphere's own triangles.
+  EXPECT_LE((layout.vertices.colwise().norm().array() - 1).abs().maxCoeff(), 2e-3);
+}
+
+TEST(LayoutOfTest, IsTheSameEveryTime) {
+  const ClosedSurface closed = Closed(CubeSphere(4));
+  const QuadMesh one = LayoutOf(closed.surface, 200), two = LayoutOf(closed.surface, 200);
+  EXPECT_EQ(one.faces, two.faces);
+  EXPECT_EQ(one.vertices, two.vertices);
+}
+
+}  // namespace batten::internal::solid_layout_test

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/subdivision/spline_faces.h"
+
+#include <gtest/gtest.h>
+
+#include "geometry/subdivision/limit_surface.h"
+#include "geometry/subdivision/smooth_corner.h"
+#include "quad_nets.h"
+#include "tolerances.h"
+
+namespace batten::internal::spline_faces_test {
+
+QuadTopology TopologyOf(const QuadMesh& mesh) {
+  return QuadTopology(mesh.faces, static_cast<int>(mesh.vertices.cols()));
+}
+
+const std::vector<QuadMesh>& Meshes() {
+  static const std::vector<QuadMesh> meshes = {Shaken(Cube(), 0.2, 1),
+                                               Shaken(Torus(4, 5), 0.1, 2),
+                                               Shaken(Prism(5), 0.1, 3),
+                                               Shaken(Prism(6), 0.05, 6),
+                                               Shaken(Prism(8), 0.02, 4),
+                                               Refined(Shaken(Prism(3), 0.1, 5)),
+                                               Refined(Refined(Shaken(Cube(), 0.2, 9)))};
+  return meshes;
+}
+
+// 1e-9 of a radian: rounding of normals where the parameters' directions are 1 : 50.
+constexpr double kSmooth = 1e-9;
+
+TEST(SplineSolidTest, IsClosedAndSmoothOverEveryEdge) {
+  for (const QuadMesh& mesh : Meshes()) {
+    const QuadTopology topology = TopologyOf(mesh);
+    for (const auto& blocks : {SingleBlocks(topology), MotorcycleBlocks(topology)}) {
+      const SolidModel solid = SplineSolid(topology, mesh.vertices, blocks);
+      const SolidAudit audit = AuditSolid(solid);
+      EXPECT_EQ(audit.open_edges, 0);
+      EXPECT_LE(audit.gap, kRounding * 10);
+      EXPECT_LE(audit.edge_angle, kSmooth);
+      EXPECT_GT(audit.volume, 0);
+    }
+  }
+}
+
+TEST(SplineSolidTest, FewerFacesAreTheSameSolid) {
+  for (const QuadMesh& mesh : Meshes()) {
+    const QuadTopology topology = TopologyOf(mesh);
+    const SolidModel many = SplineSolid(topology, mesh.vertices, SingleBlocks(topology));
+    const SolidModel few = SplineSolid(topology, mesh.vertices, MotorcycleBlocks(topology));
+    EXPECT_LE(few.faces.size(), many.faces.size());
+    const SolidAudit a = AuditSolid(many), b = AuditSolid(few);
+    EXPECT_NEAR(a.volume, b.volume, kRounding * 10 * a.volume);
+    EXPECT_NEAR(a.area, b.area, 1e-5 * a.area);
+    // Of closed surfaces: V − E + F is that of the mesh.
+    const auto euler = [](const SolidModel& solid) {
+      return static_cast<int>(solid.vertices.cols()) - static_cast<int>(solid.edges.size()) +
+             static_cast<int>(solid.faces.size());
+    };
+    EXPECT_EQ(euler(few), topology.vertices() - topology.edges() + topology.faces());
+  }
+}
+
+// Away from corners of other than four edges faces are the limit surface itself.
+TEST(SplineSolidTest, FollowsTheLimitSurface) {
+  for (const QuadMesh& mesh : Meshes()) {
+    const QuadTopology topology = TopologyOf(mesh);
+    const LimitStencils stencils(topology);
+    const LimitSurface surface(stencils, mesh.vertices);
+    const SolidModel solid = SplineSolid(topology, mesh.vertices, SingleBlocks(topology));
+    for (int face = 0; face < topology.faces(); ++face) {
+      for (const auto& [u, v] : {std::pair{0.5, 0.5}, {0.26, 0.1}, {0.1, 0.3}, {0.6, 0.97}}) {
+        const Eigen::Vector3d expected = surface.At(LimitStencils::PlaceOnFace(face, u, v));
+        const Eigen::Vector3d found = solid.faces[face].surface.At(4 * u, 4 * v);
+        EXPECT_LE((found - expected).norm(), kRounding * 10);
+      }
+      const Eigen::Vector3d corner = surface.At(LimitStencils::PlaceOnFace(face, 0.05, 0.05));
+      EXPECT_LE((solid.faces[face].surface.At(0.2, 0.2) - corner).norm(), 0.05);
+    }
+  }
+}
+
+TEST(SmoothCornerTest, KeepsConstants) {
+  for (const int valence : {3, 5, 6, 7, 8, 11}) {
+    const SmoothCorner corner(valence);
+    const Eigen::VectorXd sums = corner.mask().rowwise().sum();
+    EXPECT_LE((sums.array() - 1).abs().maxCoeff(), kIterated) << valence;
+  }
+}
+
+TEST(MotorcycleBlocksTest, CoverEveryFaceOnceAndMergeRegularOnes) {
+  for (const QuadMesh& mesh : Meshes()) {
+    const QuadTopology topology = TopologyOf(mesh);
+    int covered = 0;
+    for (const QuadBlock& block : MotorcycleBlocks(topology)) covered += block.across * block.along;
+    EXPECT_EQ(covered, topology.faces());
+  }
+  const QuadMesh fine = Refined(Refined(Cube()));
+  EXPECT_EQ(MotorcycleBlocks(TopologyOf(fine)).size(), 6u);
+}
+
+}  // namespace batten::internal::spline_faces_test
