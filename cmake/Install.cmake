@@ -19,7 +19,8 @@ if(BATTEN_SHARED)
   install(FILES ${PROJECT_BINARY_DIR}/batten.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endif()
 install(FILES include/batten/pcl.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten COMPONENT development)
-install(TARGETS batten_opencascade batten_reconstruction LIBRARY DESTINATION ${BATTEN_MODULE_DIR} COMPONENT runtime)
+install(TARGETS batten_opencascade LIBRARY DESTINATION ${BATTEN_MODULE_DIR} COMPONENT runtime)
+install(TARGETS batten_reconstruction LIBRARY DESTINATION ${BATTEN_MODULE_DIR} COMPONENT reconstruction)
 
 configure_package_config_file(cmake/battenConfig.cmake.in ${PROJECT_BINARY_DIR}/battenConfig.cmake
                               INSTALL_DESTINATION ${package_dir})

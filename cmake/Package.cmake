@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-# Debian packages: `cpack -G DEB` in the build folder makes libbatten0, libbatten-dev, batten and python3-batten.
+# Debian packages: `cpack -G DEB` in the build folder makes libbatten0, libbatten0-reconstruction, libbatten-dev, batten and
+# python3-batten.
 set(CPACK_PACKAGE_VENDOR "The batten authors")
 set(CPACK_PACKAGE_CONTACT "The batten authors <batten@localhost>")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL runtime development program)
+set(CPACK_COMPONENTS_ALL runtime reconstruction development program)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION math)
@@ -20,6 +21,11 @@ batten_package(RUNTIME libbatten${PROJECT_VERSION_MAJOR} "NURBS from measured po
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+# By itself: PCL's surfaces need VTK, 80 packages more.
+batten_package(RECONSTRUCTION libbatten${PROJECT_VERSION_MAJOR}-reconstruction "NURBS from measured points: solids from points alone")
+set(CPACK_DEBIAN_RECONSTRUCTION_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RECONSTRUCTION_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}")
+set(CPACK_DEBIAN_RECONSTRUCTION_PACKAGE_SECTION libs)
 batten_package(DEVELOPMENT libbatten-dev "NURBS from measured points: headers and static libraries")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}, libeigen3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libceres-dev, libpcl-dev, libfmt-dev, liblzf-dev")
@@ -27,6 +33,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 batten_package(PROGRAM batten "NURBS from measured points: the program")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libbatten${PROJECT_VERSION_MAJOR} ${same_version}")  # for the module
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libbatten${PROJECT_VERSION_MAJOR}-reconstruction ${same_version}")
 if(BATTEN_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
   batten_package(PYTHON python3-batten "NURBS from measured points: the Python module")
