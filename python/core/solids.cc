@@ -145,8 +145,7 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     }
     closed = std::move(made.closed);
   }
-  const int faces =
-      task.faces > 0 ? task.faces : LayoutFaces(cloud.size(), task.mesh.has_value());
+  const int faces = task.faces > 0 ? task.faces : LayoutFaces(cloud.size(), task.mesh.has_value());
   const QuadMesh layout = LayoutOf(closed.surface, faces, task.options.progress);
   return FitSolid(cloud, layout, task.options);
 }
@@ -161,8 +160,7 @@ SolidPtr FitOneSolid(const PointsPtr& points,
   Check(task.options);
   keywords.Take("faces", task.faces);
   task.chooses_outliers = !keywords.Has("keep_outliers");
-  if (points->cloud.dimension() == 2)
-    throw py::value_error("points: a solid needs x, y and z");
+  if (points->cloud.dimension() == 2) throw py::value_error("points: a solid needs x, y and z");
   if (layout) task.layout = QuadsOf(*layout);
   if (mesh) task.mesh = PolygonsOf(*mesh, "points");
   auto [fit, warnings] = Watched(
@@ -230,13 +228,13 @@ void BindSolids(py::module_& m) {
                                const auto& vertices = self.cast<const Solid&>().solid.vertices;
                                return View(vertices.data(), {vertices.cols(), 3}, self);
                              })
-      .def_property_readonly(
-          "control_mesh",
-          [](const py::object& self) {
-            const QuadMesh& mesh = self.cast<const Solid&>().control_mesh;
-            return py::make_tuple(View(mesh.vertices.data(), {mesh.vertices.cols(), 3}, self),
-                                  View(mesh.faces.data(), {mesh.faces.cols(), 4}, self));
-          })
+      .def_property_readonly("control_mesh",
+                             [](const py::object& self) {
+                               const QuadMesh& mesh = self.cast<const Solid&>().control_mesh;
+                               return py::make_tuple(
+                                   View(mesh.vertices.data(), {mesh.vertices.cols(), 3}, self),
+                                   View(mesh.faces.data(), {mesh.faces.cols(), 4}, self));
+                             })
       .def("summary", &Summary)
       .def("write_step",
            [](const SolidPtr& fit,
