@@ -3,7 +3,6 @@
 // out.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -95,15 +94,6 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a,
   return made.closed;
 }
 
-// A layout's faces where none are asked for: a control point for so many points, within bounds that
-// keep fits below a minute.
-int ChosenFaces(Eigen::Index points, bool measured) {
-  // Vertices of a mesh stand where its shape asks for them, and have less noise than points.
-  const Eigen::Index each = measured ? 4 : 6;
-  constexpr Eigen::Index kLeast = 60, kMost = 2500;
-  return int(std::clamp(points / each, kLeast, kMost));
-}
-
 int RunFitSolid(const FitSolidArguments& a) {
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
@@ -137,7 +127,7 @@ int RunFitSolid(const FitSolidArguments& a) {
       mesh.triangles = closed.surface.triangles;
       WriteMesh(mesh, a.mesh_out);
     }
-    const int faces = a.faces > 0 ? a.faces : ChosenFaces(cloud.size(), measured);
+    const int faces = a.faces > 0 ? a.faces : LayoutFaces(cloud.size(), measured);
     layout = files.Explained(
         [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
   }

@@ -421,4 +421,11 @@ QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& pro
   throw RefusedData("no layout of quadrilaterals comes out (" + why + "): give one");
 }
 
+int LayoutFaces(Eigen::Index points, bool measured) {
+  // Vertices of a mesh stand where its shape asks for them, and have less noise than points.
+  const Eigen::Index each = measured ? 4 : 6;
+  constexpr Eigen::Index kLeast = 60, kMost = 2500;  // beyond, a fit takes more than a minute
+  return int(std::clamp(points / each, kLeast, kMost));
+}
+
 }  // namespace batten

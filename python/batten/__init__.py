@@ -13,7 +13,7 @@ from ._cloud import Cloud, Statistics
 from ._core import version as __version__
 from ._curve import Curve
 from ._errors import Cancelled, FitRefused, ReadError, WriteError
-from ._files import Shapes, read_cloud, read_geometry, write_cloud, write_geometry, write_mesh
+from ._files import Sewing, Shapes, read_cloud, read_geometry, write_cloud, write_geometry, write_mesh
 from ._fits import (
     cloud_parts,
     compare,
@@ -22,13 +22,14 @@ from ._fits import (
     fit_grid,
     fit_parts,
     fit_primitive,
+    fit_solid,
     fit_surface,
     interpolate_curve,
 )
 from ._friends import from_geomdl, to_geomdl
 from ._geometry import Closest, Geometry, Knot, Removal
 from ._optimize import Optimized, ResidualTerm, optimize
-from ._results import Comparison, CurveFit, Fit, PrimitiveFit, SurfaceFit
+from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit
 from ._surface import Curvature, Mesh, Surface
 
 __all__ = [
@@ -49,7 +50,10 @@ __all__ = [
     "ReadError",
     "Removal",
     "ResidualTerm",
+    "Sewing",
     "Shapes",
+    "Solid",
+    "SolidFit",
     "Statistics",
     "Surface",
     "SurfaceFit",
@@ -61,6 +65,7 @@ __all__ = [
     "fit_grid",
     "fit_parts",
     "fit_primitive",
+    "fit_solid",
     "fit_surface",
     "from_geomdl",
     "interpolate_curve",

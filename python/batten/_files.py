@@ -2,13 +2,13 @@
 """Clouds, geometry and meshes from and to files."""
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Path, doubles, finite, is_path, path_bytes, plain
+from ._arrays import Path, doubles, finite, is_path, number, path_bytes, plain
 from ._cloud import Cloud, cloud_of
 from ._geometry import Geometry, _body_of, wrap_all
 from ._progress import callback
@@ -31,6 +31,39 @@ class Shapes(List[Geometry]):
     names: List[str]
     unit: str
     remarks: List[str]
+
+
+class Sewing(NamedTuple):
+    """What sewing made of surfaces.
+
+    Attributes
+    ----------
+    surfaces : int
+        That were to be sewn.
+    solids, shells, loose : int
+        Closed shells, open ones, and surfaces left by themselves.
+    invalid : int
+        Of the loose ones those that would have come out as no valid shape.
+    shared_edges, free_edges : int
+        Edges of two surfaces, and of one alone.
+    largest_gap : float
+        Between surfaces along a shared edge, in the data's units.
+    nearest_gap : float or None
+        Least distance from a free edge to another one.
+    watertight : bool
+        A solid at least, and no free edge.
+    """
+
+    surfaces: int
+    solids: int
+    shells: int
+    loose: int
+    invalid: int
+    shared_edges: int
+    free_edges: int
+    largest_gap: float
+    nearest_gap: Optional[float]
+    watertight: bool
 
 
 def read_cloud(
@@ -114,14 +147,14 @@ def write_cloud(points: Any, path: Path, *, format: str = "", **attributes: Any)
 
 
 def read_geometry(path: Path, *, format: str = "", unit: str = "") -> Shapes:
-    """Reads curves and surfaces: STEP, IGES, JSON of geomdl's form.
+    """Reads curves and surfaces: STEP, IGES, B-rep of OpenCASCADE, JSON of geomdl's form.
 
     Parameters
     ----------
     path : path-like
         The extension says the format.
     format : str
-        'step', 'iges' or 'json' where it does not.
+        'step', 'iges', 'brep' or 'json' where it does not.
     unit : str
         What coordinates are turned into; the file's own when empty.
 
@@ -153,8 +186,9 @@ def write_geometry(
     unit: str = "mm",
     names: Optional[Sequence[str]] = None,
     schema: str = "ap214",
-) -> None:
-    """Writes curves and surfaces as STEP, IGES or JSON, whole or not at all.
+    sew: Optional[float] = None,
+) -> Optional[Sewing]:
+    """Writes curves and surfaces as STEP, IGES, B-rep or JSON, whole or not at all.
 
     Parameters
     ----------
@@ -163,19 +197,33 @@ def write_geometry(
     path : path-like
         The extension says the format.
     format : str
-        'step', 'iges' or 'json' where it does not.
+        'step', 'iges', 'brep' or 'json' where it does not.
     unit : str
         Of the coordinates: declared, never scaled.
     names : sequence of str, optional
-        Of each.
+        Of each; B-rep keeps none.
     schema : str
         Of STEP: 'ap214' or 'ap242'.
+    sew : float, optional
+        STEP and B-rep: surfaces whose edges are within this distance, in the data's units, become shells, closed ones
+        solids.
+
+    Returns
+    -------
+    Sewing or None
+        What sewing came to; None where nothing was to be sewn.
 
     Raises
     ------
     WriteError
         Naming the file.
+    ValueError
+        Naming the keyword.
     """
+    if sew is not None:
+        sew = number("sew", sew)
+        if not 0 <= sew < float("inf"):
+            raise ValueError(f"sew: {sew} is not a distance")
     shapes = [geometry] if isinstance(geometry, Geometry) else list(geometry)
     bodies = [_body_of("geometry", one) for one in shapes]
     if not bodies:
@@ -183,7 +231,8 @@ def write_geometry(
     labels = [] if names is None else [str(name) for name in names]
     if labels and len(labels) != len(bodies):
         raise ValueError(f"names: {len(labels)} for {len(bodies)} geometries")
-    _core.write_geometry(bodies, path_bytes("path", path), labels, str(format), str(unit), str(schema))
+    report = _core.write_geometry(bodies, path_bytes("path", path), labels, str(format), str(unit), str(schema), sew)
+    return None if report is None else Sewing(*report)
 
 
 def write_mesh(

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import Path, finite, is_path, one_of, plain, whole
+from ._arrays import Path, finite, is_path, one_of, path_bytes, plain, whole
 from ._cloud import Cloud, cloud_of, from_file
 from ._curve import Curve
 from ._geometry import Geometry, _body_of
 from ._optimize import ResidualTerm, checked_terms
 from ._progress import callback
-from ._results import Comparison, CurveFit, PrimitiveFit, SurfaceFit
+from ._results import Comparison, CurveFit, PrimitiveFit, SolidFit, SurfaceFit
 from ._surface import Surface
 
 Progress = Union[Callable[[str, float], Any], bool, None]
@@ -426,6 +426,142 @@ def fit_primitive(
     with callback(progress) as tell:
         values = _keywords(cloud, shift, unit, "batten.fit_primitive", options)
         return PrimitiveFit(_core.fit_primitive(cloud._points, values, tell))
+
+
+def fit_solid(
+    points: Any,
+    *,
+    layout: Any = None,
+    faces: Optional[int] = None,
+    tolerance: Optional[float] = None,
+    smoothing: Union[float, str, None] = None,
+    max_iterations: int = 40,
+    keep_outliers: Optional[bool] = None,
+    merge_faces: bool = True,
+    normals: Optional[ArrayLike] = None,
+    weights: Optional[ArrayLike] = None,
+    shift: Union[str, ArrayLike, None] = None,
+    unit: str = "mm",
+    seed: int = 1,
+    threads: int = 0,
+    progress: Progress = None,
+) -> SolidFit:
+    """Fits one watertight solid of smooth faces to the points of a whole body.
+
+    One subdivision surface over a layout of quadrilaterals is fitted to all points and turned into bicubic faces with
+    continuous tangent planes that share their edges.
+
+    Parameters
+    ----------
+    points : array_like of shape (N, 3), Cloud, path-like or a sequence of paths, or (vertices, faces)
+        All round the body, in the data's units. Of a mesh, or a file that holds faces, the faces say what the body is;
+        small holes are closed. Points alone get a Poisson reconstruction.
+    layout : (array_like of shape (V, 3), array_like of int, shape (F, 4)) or path-like, optional
+        A closed mesh of quadrilaterals near the points, counter-clockwise seen from outside; made when None.
+    faces : int, optional
+        About how many quadrilaterals the layout that is made has, 6 … 20000; None: one for 6 points, or 4 vertices of a
+        mesh, 60 to 2500.
+    tolerance : float, optional
+        Distance in the data's units; only judged.
+    smoothing : float or 'auto', optional
+        Fairness relative to the data; None: by points left out.
+    max_iterations : int
+        Steps, where smoothing is given.
+    keep_outliers : bool, optional
+        All points count; None: where a layout is made of a mesh.
+    merge_faces : bool
+        As few faces as the layout allows; else one for each of its own.
+    normals : array_like of shape (N, 3), optional
+        Of the points, outwards; a mesh has its own.
+    weights : array_like of shape (N,), optional
+        Of the points, positive.
+    shift : array_like of shape (3,) or 'local', optional
+        Subtracted from the coordinates of the result.
+    unit : str
+        Of the data.
+    seed : int
+        Chooses samples.
+    threads : int
+        0: all cores.
+    progress : callable or bool, optional
+        ``progress(stage, fraction)`` with the stages 'layout', 'prepare' and 'fit', or True for a bar. Where it
+        returns False there is no result.
+
+    Returns
+    -------
+    SolidFit
+        solid, residuals (N,), parameters (N, 2) on the faces `owners`, outliers (N,), summary, report, to_step.
+
+    Raises
+    ------
+    FitRefused
+        Points that do not go all round, a mesh that is open or not manifold, a layout that is no closed mesh of
+        quadrilaterals or lies elsewhere, faces that come out folded.
+    ReadError
+        A file that can't be used.
+    ValueError
+        Naming the keyword.
+    """
+    if layout is not None and faces is not None:
+        raise ValueError("faces: not beside layout, which has its own")
+    if faces is not None and not 6 <= whole("faces", faces) <= 20000:
+        raise ValueError(f"faces: {faces} is not in [6, 20000]")
+    mesh = _mesh_of("points", points)
+    if mesh is not None:
+        if normals is not None:
+            raise ValueError("normals: not beside faces, which have their own")
+        cloud = cloud_of("points", mesh[0], weights=weights)
+    else:
+        cloud = cloud_of("points", points, normals=normals, weights=weights)
+        if layout is None and from_file(points):
+            paths = [points] if is_path(points) else list(points)
+            mesh = _core.read_faces(path_bytes("points", paths[0]), False) if len(paths) == 1 else None
+    if is_path(layout):
+        try:
+            quads = _core.read_faces(path_bytes("layout", layout), True)
+        except ValueError as error:
+            raise ValueError(f"layout: {error}") from None
+    else:
+        quads = _mesh_of("layout", layout)
+        if layout is not None and quads is None:
+            raise ValueError("layout: (vertices, faces) or a path are needed")
+    options = {
+        "faces": faces,
+        "tolerance": tolerance,
+        "smoothing": smoothing,
+        "max_iterations": max_iterations,
+        "keep_outliers": keep_outliers,
+        "merge_faces": merge_faces,
+        "seed": seed,
+        "threads": threads,
+    }
+    with callback(progress) as tell:
+        values = _keywords(cloud, shift, unit, "batten.fit_solid", options)
+        return SolidFit(_core.fit_solid(cloud._points, values, mesh, quads, tell))
+
+
+def _mesh_of(name: str, given: Any) -> Optional[Tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]]:
+    """Vertices, corners of all faces and their numbers, of (vertices, faces) or what has both; None of what is no mesh."""
+    if hasattr(given, "vertices") and hasattr(given, "faces"):  # a Mesh, or trimesh's
+        vertices, faces = given.vertices, given.faces
+    elif isinstance(given, tuple) and len(given) == 2 and not any(map(is_path, given)):
+        vertices, faces = given
+    else:
+        return None
+    try:
+        rows = plain(f"{name}: faces", faces)
+        lists = [rows] if rows.ndim == 2 else None
+    except ValueError:  # of several sizes
+        if not isinstance(faces, (list, tuple)):
+            raise
+        lists = [plain(f"{name}: faces", [face]) for face in faces]
+    if lists is None or any(one.ndim != 2 or one.dtype.kind == "f" for one in lists):
+        raise ValueError(f"{name}: faces as rows of indices are needed")
+    if any(one.size and not 0 <= one.min() <= one.max() < 2**31 for one in lists):
+        raise ValueError(f"{name}: an index is not of a vertex")
+    sizes = np.concatenate([np.full(len(one), one.shape[1], dtype=np.int32) for one in lists])
+    corners = np.concatenate([np.ascontiguousarray(one, dtype=np.int32).reshape(-1) for one in lists])
+    return finite(f"{name}: vertices", vertices, None, 3), corners, sizes
 
 
 def fit_grid(

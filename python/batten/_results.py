@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -267,6 +267,94 @@ class PrimitiveFit(Fit):
         """Its radius, axis, centre …, lengths in the data's units and angles in radians, with standard deviations and
         covariance, as under ``geometry``, ``primitive`` in the report."""
         return dict(self.report["geometry"]["primitive"])
+
+
+class Solid(NamedTuple):
+    """A solid: faces that share their edges and vertices, their normals outwards.
+
+    Attributes
+    ----------
+    faces : list of Surface
+        Bicubic, with continuous tangent planes over every edge.
+    edges : list of Curve
+        Each of two faces.
+    vertices : ndarray of shape (V, 3)
+        Where edges end.
+    genus : int
+        How many handles: 0 of a ball, 1 of a torus.
+    volume : float
+        Enclosed, in the data's units to the third.
+    area : float
+        Of all faces, in the data's units squared.
+    """
+
+    faces: List[Surface]
+    edges: List[Curve]
+    vertices: Floats
+    genus: int
+    volume: float
+    area: float
+
+
+class SolidFit(Fit):
+    """The result of fitting a watertight solid."""
+
+    __slots__ = ()
+    _fit: _core.Solid
+
+    def __init__(self, fit: _core.Solid) -> None:
+        super().__init__(fit)
+
+    def __repr__(self) -> str:
+        s = self.summary
+        words = f"{s['faces']} faces, {s['edges']} edges, {s['vertices']} vertices, genus {s['genus']}"
+        return f"<SolidFit: watertight, {words}; {self._fit.line}>"
+
+    @property
+    def solid(self) -> Solid:
+        """The solid, in the coordinates of the points less `shift`."""
+        s = self._fit.summary()
+        edges = [Curve._of(body) for body in self._fit.edges]
+        return Solid(self.faces, edges, self._fit.vertices, s["genus"], s["volume"], s["area"])
+
+    @property
+    def faces(self) -> List[Surface]:
+        """The faces of the solid, their normals outwards."""
+        return [Surface._of(body) for body in self._fit.bodies]
+
+    @property
+    def owners(self) -> NDArray[np.int32]:
+        """The number of the face each point's foot is on, shape (N,). Read-only; no copy."""
+        return self._fit.owners
+
+    @property
+    def control_mesh(self) -> Tuple[Floats, NDArray[np.int32]]:
+        """Vertices (V, 3) and faces (F, 4) of the Catmull-Clark surface that was fitted, which has the layout's faces.
+        Read-only; no copy."""
+        return self._fit.control_mesh
+
+    @property
+    def summary(self) -> Dict[str, Any]:
+        """What ``batten fit solid`` says of it: faces, edges, vertices, genus, bodies, extraordinary vertices of the
+        layout, watertight, volume, area; gap and angle, the greatest distance and the greatest angle in radians at
+        which faces meet; rms and max of the distances; warnings."""
+        return self._fit.summary()
+
+    def to_step(self, path: Path, *, unit: Optional[str] = None, schema: str = "ap214") -> None:  # type: ignore[override]
+        """Writes a MANIFOLD_SOLID_BREP, whole or not at all: first it is found closed, valid and the same when read
+        back.
+
+        Parameters
+        ----------
+        path : path-like
+            Any extension.
+        unit : str, optional
+            Of the coordinates; that of the fit.
+        schema : str
+            'ap214' or 'ap242'.
+        """
+        self._fit.write_step(path_bytes("path", path), str(unit or self._fit.unit), str(schema))
+        self._file, self._report = str(path), None
 
 
 class Comparison(Fit):

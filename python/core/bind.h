@@ -15,6 +15,7 @@ void BindSections(pybind11::module_& m);
 void BindClouds(pybind11::module_& m);
 void BindFiles(pybind11::module_& m);
 void BindFits(pybind11::module_& m);
+void BindSolids(pybind11::module_& m);
 void BindResults(pybind11::module_& m);
 void BindComparison(pybind11::module_& m);
 void BindOptimize(pybind11::module_& m);

@@ -18,17 +18,12 @@
 #include "python/core/bind.h"
 #include "python/core/body.h"
 #include "python/core/cloud.h"
+#include "python/core/exchange.h"
 #include "python/core/options.h"
 #include "python/core/watch.h"
 
 namespace batten::python {
 namespace {
-
-// OpenCASCADE keeps its readers and writers in variables of the process.
-std::mutex& ExchangeMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 CloudReadOptions ReadOptionsOf(const py::dict& values) {
   const Keywords k(values);
@@ -79,22 +74,38 @@ PointsPtr Read(const std::vector<std::string>& paths,
 }
 
 py::tuple Contents(GeometryContents contents) {
+  if (!contents.flattened.empty()) contents.remarks.push_back(contents.flattened);
   return py::make_tuple(
       MakeBodies(std::move(contents.geometry)), contents.names, contents.unit, contents.remarks);
 }
 
-void Write(const std::vector<BodyPtr>& bodies,
-           const std::string& path,
-           const std::vector<std::string>& names,
-           const std::string& format,
-           const std::string& unit,
-           const std::string& schema) {
+// What sewing came to, in the order of batten.Sewing; None where nothing was sewn.
+py::object SewingOf(const std::optional<SewingReport>& report) {
+  if (!report) return py::none();
+  return py::make_tuple(report->surfaces,
+                        report->solids,
+                        report->shells,
+                        report->loose,
+                        report->invalid,
+                        report->shared_edges,
+                        report->free_edges,
+                        report->largest_gap,
+                        report->nearest_gap,
+                        report->watertight());
+}
+
+py::object Write(const std::vector<BodyPtr>& bodies,
+                 const std::string& path,
+                 const std::vector<std::string>& names,
+                 const std::string& format,
+                 const std::string& unit,
+                 const std::string& schema,
+                 const std::optional<double>& sew) {
   const GeometryFile file{path, GeometriesOf(bodies), names};
-  Watched([=](Watch&) {
+  return SewingOf(Watched([=](Watch&) {
     const std::lock_guard lock(ExchangeMutex());
-    WriteGeometry(file, {format, unit, schema});
-    return true;
-  });
+    return WriteGeometry(file, {format, unit, schema, sew});
+  }));
 }
 
 // One mesh as arrays: (vertices, faces, parameters or None, normals or None, deviations or None)

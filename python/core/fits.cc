@@ -7,10 +7,9 @@
 #include "batten/fitting/fit_primitive.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/interpolate_cloud.h"
-#include "batten/fitting/refused_data.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
-#include "python/core/errors.h"
+#include "python/core/explained.h"
 #include "python/core/fit.h"
 #include "python/core/options.h"
 #include "python/core/terms.h"
@@ -18,32 +17,6 @@
 
 namespace batten::python {
 namespace {
-
-const char* KeywordThatHelps(Remedy remedy) {
-  switch (remedy) {
-    case Remedy::kNone:
-      return "";
-    case Remedy::kFitPart:
-      return "cloud_parts(points)";
-    case Remedy::kFlatten:
-      return "base='sheet'";
-    case Remedy::kClosingByData:
-      return "closed='auto'";
-  }
-  return "";
-}
-
-// Past the check of the options, what the library throws is said of the points.
-template <typename Function>
-auto Explained(const Function& fit) {
-  try {
-    return fit();
-  } catch (const RefusedData& refusal) {
-    throw Refused(refusal.what(), KeywordThatHelps(refusal.remedy()));
-  } catch (const std::invalid_argument& error) {
-    throw Refused(Reason(error.what()), "");
-  }
-}
 
 // Options that may be copied by the thread that works while Python goes on.
 FitPtr SurfaceFitOf(const PointsPtr& points, const Keywords& keywords, SurfaceFit fit) {

@@ -21,6 +21,7 @@ PYBIND11_MODULE(_core, m) {
   BindFiles(m);
   BindFits(m);
   BindResults(m);
+  BindSolids(m);
   BindComparison(m);
   BindOptimize(m);
   m.def("await_all", &AwaitAll);

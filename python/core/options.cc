@@ -397,6 +397,26 @@ GridFitOptions GridOptionsOf(const Keywords& k) {
   return options;
 }
 
+SolidFitOptions SolidOptionsOf(const Keywords& k) {
+  SolidFitOptions options;
+  k.Take("tolerance", options.tolerance);
+  const bool automatic = k.Has("smoothing") && PyUnicode_Check(k.Value("smoothing").ptr());
+  if (!automatic) {
+    k.Take("smoothing", options.smoothing);
+  } else if (k.Word("smoothing") != "auto") {
+    Keywords::Refuse("smoothing", "'" + k.Word("smoothing") + "' is neither a number nor 'auto'");
+  }
+  constexpr double kMost = 1e12;  // beyond, the points drown in rounding
+  if (options.smoothing && *options.smoothing > kMost)
+    Keywords::Refuse("smoothing", "more than 1e12");
+  k.Take("max_iterations", options.max_iterations);
+  k.Take("keep_outliers", options.keep_outliers);
+  k.Take("merge_faces", options.merge_faces);
+  k.Take("seed", options.seed);
+  TakeWork(k, options);
+  return options;
+}
+
 CloudInterpolationOptions InterpolationOptionsOf(const Keywords& k) {
   CloudInterpolationOptions options;
   k.Take("degree", options.degree);

@@ -16,6 +16,7 @@
 #include "batten/fitting/interpolate_cloud.h"
 #include "batten/fitting/optimize.h"
 #include "batten/fitting/primitive_options.h"
+#include "batten/fitting/solid_options.h"
 #include "batten/fitting/surface_options.h"
 
 namespace batten::python {
@@ -77,6 +78,7 @@ SurfaceFitOptions SurfaceOptionsOf(const Keywords& keywords);
 CurveFitOptions CurveOptionsOf(const Keywords& keywords);
 PrimitiveFitOptions PrimitiveOptionsOf(const Keywords& keywords);
 GridFitOptions GridOptionsOf(const Keywords& keywords);
+SolidFitOptions SolidOptionsOf(const Keywords& keywords);
 CloudInterpolationOptions InterpolationOptionsOf(const Keywords& keywords);
 OptimizeOptions OptimizeOptionsOf(const Keywords& keywords);
 

@@ -69,7 +69,7 @@ def test_columns_rows_and_boxes(tmp_path):
         batten.read_cloud(path, box=[1, 2])
 
 
-@pytest.mark.parametrize("extension", ["json", "step", "stp", "iges", "igs"])
+@pytest.mark.parametrize("extension", ["json", "step", "stp", "iges", "igs", "brep", "brp"])
 @pytest.mark.parametrize("rational", [False, True])
 def test_geometry_comes_back(tmp_path, rng, extension, rational):
     s, c = random_surface(rng, rational=rational), random_curve(rng, rational=rational)
@@ -78,7 +78,9 @@ def test_geometry_comes_back(tmp_path, rng, extension, rational):
     shapes = batten.read_geometry(path)
     read_s = next(one for one in shapes if isinstance(one, batten.Surface))
     read_c = next(one for one in shapes if isinstance(one, batten.Curve))
-    assert sorted(shapes.names) == ["edge", "face"] and shapes.unit == "inch" and shapes.remarks == []
+    says = not extension.startswith("br")  # B-rep knows neither names nor units
+    assert sorted(shapes.names) == (["edge", "face"] if says else ["", ""])
+    assert shapes.unit == ("inch" if says else "") and shapes.remarks == []
     assert same_points(s, read_s, ITERATED) and same_points(c, read_c, ITERATED)
     if extension == "json":
         assert read_s == s and read_c == c
@@ -96,9 +98,46 @@ def test_methods_write_the_same(tmp_path, rng):
     assert batten.read_geometry(tmp_path / "a.step", unit="mm")[0].control_points.max() == pytest.approx(1000 * s.control_points.max())
 
 
+def cube(gap=0.0):
+    """Six faces about the unit cube, each moved out of it by the gap."""
+    middle = np.full(3, 0.5)
+    for axis in range(3):
+        a, b, c = np.roll(np.eye(3), -axis, axis=0)
+        for side in (0, 1):
+            corners = [side * a, side * a + b, side * a + c, side * a + b + c]
+            out = gap * (2 * side - 1) * a
+            yield batten.make.bilinear(*(corner + out - middle for corner in corners))
+
+
+@pytest.mark.parametrize("extension", ["step", "brep"])
+def test_surfaces_are_sewn(tmp_path, extension):
+    path = tmp_path / f"cube.{extension}"
+    faces = list(cube())
+    report = batten.write_geometry(faces, path, sew=1e-6)
+    assert report == batten.Sewing(6, 1, 0, 0, 0, 12, 0, report.largest_gap, None, True) and report.largest_gap < 1e-12
+    read = batten.read_geometry(path)
+    assert len(read) == 6 and any("flattened" in words for words in read.remarks)
+    box = batten.write_geometry(faces[:5], path, sew=1e-6)
+    assert (box.solids, box.shells, box.shared_edges, box.free_edges, box.watertight) == (0, 1, 8, 4, False)
+    apart = batten.write_geometry(list(cube(1e-3)), path, sew=1e-6)
+    assert apart.loose == 6 and apart.free_edges == 24 and apart.nearest_gap == pytest.approx(np.sqrt(2) * 1e-3)
+    near = batten.write_geometry(list(cube(1e-3)), path, sew=1e-2)
+    assert near.watertight and 0 < near.largest_gap <= 2e-3
+    assert not any("flattened" in words for words in (batten.write_geometry(faces, path, sew=0), batten.read_geometry(path))[1].remarks)
+
+
+@pytest.mark.parametrize("sew", [-1, "wide", float("nan"), float("inf"), True])
+def test_wrong_sewing_is_named(tmp_path, sew):
+    with pytest.raises(ValueError, match="sew"):
+        batten.write_geometry(list(cube()), tmp_path / "a.step", sew=sew)
+    with pytest.raises(ValueError):
+        batten.write_geometry(list(cube()), tmp_path / "a.iges", sew=1e-3)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_trims_come_back(tmp_path):
     disc = batten.make.plane((4, 4)).trim(batten.make.circle(0.25, center=(0.5, 0.5)))[0]
-    for extension in ("json", "step", "iges"):
+    for extension in ("json", "step", "iges", "brep"):
         batten.write_geometry(disc, tmp_path / f"disc.{extension}")
         (read,) = batten.read_geometry(tmp_path / f"disc.{extension}")
         assert read.area == pytest.approx(np.pi, rel=1e-6)
@@ -150,12 +189,12 @@ def test_read_errors_say_file_and_line(tmp_path):
         batten.compare(tmp_path / "absent.step", np.zeros((3, 3)))
 
 
-@pytest.mark.parametrize("name", ["a.ply", "a.pcd", "a.las", "a.stl", "a.obj", "a.step", "a.iges", "a.json"])
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd", "a.las", "a.stl", "a.obj", "a.step", "a.iges", "a.brep", "a.json"])
 @pytest.mark.parametrize("content", [b"", b"\0" * 1000, b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n", os.urandom(500)])
 def test_damaged_files_are_read_errors(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)
-    read = batten.read_geometry if name.split(".")[1] in ("step", "iges", "json") else batten.read_cloud
+    read = batten.read_geometry if name.split(".")[1] in ("step", "iges", "brep", "json") else batten.read_cloud
     with pytest.raises(batten.ReadError) as caught:
         read(path)
     assert caught.value.file == str(path)

@@ -98,6 +98,8 @@ FUNCTIONS = {
     "fit_curve": (batten.fit_curve, 1),
     "fit_primitive": (batten.fit_primitive, 2),
     "fit_grid": (batten.fit_grid, 2),
+    "fit_solid": (batten.fit_solid, 1),
+    "layout": (lambda layout: batten.fit_solid(np.eye(3), layout=layout), 1),
     "interpolate_curve": (batten.interpolate_curve, 1),
     "compare": (batten.compare, 2),
     "optimize": (batten.optimize, 3),

@@ -44,7 +44,9 @@ def test_types(tmp_path):
         assert words.lower() in note.lower()
 
 
-ALLOWED = "Floats Pair Four Tell Contents Body Body.__init__ Points Points.__init__ Fit Fit.__init__".split()
+ALLOWED = (
+    "Floats Pair Four Tell Contents Faces SewingNumbers Body Body.__init__ Points Points.__init__ Fit Fit.__init__ Solid Solid.__init__"
+).split()
 
 
 @pytest.mark.skipif(not MYPY, reason="the stubs are not checked: mypy is not installed")

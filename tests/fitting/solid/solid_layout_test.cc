@@ -90,6 +90,16 @@ TEST(LayoutOfTest, IsAllQuadrilateralsOfTheSurfacesGenus) {
   }
 }
 
+TEST(LayoutFacesTest, GrowWithThePointsWithinBounds) {
+  for (const bool measured : {false, true}) {
+    EXPECT_EQ(LayoutFaces(0, measured), LayoutFaces(100, measured));
+    EXPECT_EQ(LayoutFaces(100000, measured), LayoutFaces(Eigen::Index(1) << 40, measured));
+    EXPECT_EQ(2 * LayoutFaces(3000, measured), LayoutFaces(6000, measured));
+  }
+  // A vertex of a mesh carries more than a point.
+  EXPECT_LT(LayoutFaces(3000, false), LayoutFaces(3000, true));
+}
+
 TEST(LayoutOfTest, LiesOnTheSurface) {
   const QuadMesh layout = LayoutOf(Closed(CubeSphere(5)).surface, 300);
   // Chords of the sphere's own triangles.
