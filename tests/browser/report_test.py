@@ -47,6 +47,15 @@ def helix_points(path):
             file.write(f"{30 * math.cos(9 * t):.6f} {30 * math.sin(9 * t):.6f} {40 * t + 0.01 * math.sin(211 * t):.6f}\n")
 
 
+def two_sheets(path):
+    with open(path, "w") as file:
+        for x0, count in ((0, 40), (100, 20)):
+            for i in range(count):
+                for j in range(count):
+                    x, y = i + 0.3 * math.sin(7 * j), j + 0.3 * math.sin(5 * i)
+                    file.write(f"{x0 + x:.6f} {y:.6f} {0.01 * x * x + 0.002 * math.sin(97 * i + 31 * j):.6f}\n")
+
+
 class ReportTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -55,6 +64,7 @@ class ReportTest(unittest.TestCase):
         cls.work = work
         curve_points(os.path.join(work, "oval.xy"))
         helix_points(os.path.join(work, "helix.xyz"))
+        two_sheets(os.path.join(work, "sheets.xyz"))
         panel = os.path.join(source, "data/panel.ply")
 
         def run(*arguments):
@@ -66,6 +76,8 @@ class ReportTest(unittest.TestCase):
         run("fit", "curve", "oval.xy", "-o", "oval.step", "--report", "oval.html")
         run("fit", "curve", "helix.xyz", "-o", "helix.step", "--tolerance", "0.0001", "--report", "helix.html")
         run("compare", "panel.step", panel, "--report", "compare.html")
+        run("fit", "surface", "sheets.xyz", "-o", "sheet.step", "--part", "1", "--report", "part.html")
+        run("fit", "surface", "sheets.xyz", "-o", "sheets.step", "--part", "all", "--report", "parts.html")
         cls.browser = webdriver.Browser()
 
     @classmethod
@@ -221,6 +233,23 @@ class ReportTest(unittest.TestCase):
             self.assertIn(title, text)
         self.assertNotIn("NaN", text)
         self.assertNotIn("undefined", text)
+
+    def test_every_figure_has_a_value(self):
+        for name in ("panel.html", "oval.html", "helix.html", "compare.html", "part.html", "parts.html"):
+            self.open(name)
+            text = self.browser.run("return document.querySelector('main').textContent")
+            self.assertIsNone(re.search(r"undefined|NaN|null|Infinity|\[object", text), name)
+
+    def test_parts_of_the_cloud_and_of_the_geometry_are_told_apart(self):
+        tables = """return [...document.querySelectorAll("section")].filter((s) => s.querySelector("h2")).map((s) =>
+          [s.querySelector("h2").textContent, [...s.querySelectorAll("tbody tr")].map((r) => [...r.children].map((c) => c.textContent))])"""
+        for name, used in (("part.html", ["yes", "no"]), ("parts.html", ["yes", "yes"])):
+            self.open(name)
+            found = dict(self.browser.run(tables))
+            cloud = found["Parts of the cloud"]
+            self.assertEqual([row[-1] for row in cloud], used, name)
+            self.assertEqual([int(re.sub(r"\D", "", row[1])) for row in cloud], [1600, 400], name)
+            self.assertNotIn("Parts", found, "no errors by geometry where none are told")
 
     def test_the_histogram_has_a_bar_for_every_count_and_lines_at_the_tolerance(self):
         self.open("panel.html")

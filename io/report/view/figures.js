@@ -62,6 +62,15 @@ function netText(data) {
   return joined(g.control_points, several ? " + " : undefined);
 }
 
+// The report's parts are of the geometry, with errors, or of the cloud, with a share of it.
+function partsOfGeometry(report) {
+  return (report.parts || []).filter((part) => part.share === undefined);
+}
+
+function partsOfCloud(report) {
+  return (report.parts || []).filter((part) => part.share !== undefined);
+}
+
 // [label, value, unit or note] of the figures at the top.
 function keyFigures(data) {
   const r = data.report, e = r.error || {}, g = r.geometry || {}, input = r.input || {};
@@ -74,8 +83,9 @@ function keyFigures(data) {
   if (data.tolerance !== null) figures.push(["in tolerance", percent(e.within_tolerance), ""]);
   figures.push(["points used", count(input.used), input.points !== input.used ? "of " + count(input.points) : ""]);
   figures.push(["outliers", count(input.outliers), ""]);
-  if ((r.parts || []).length > 1) {
-    figures.push(["parts", count(r.parts.length), ""]);
+  const parts = partsOfGeometry(r).length;
+  if (parts > 1) {
+    figures.push(["parts", count(parts), ""]);
     return figures;
   }
   figures.push(["control points", netText(data), ""]);
@@ -149,7 +159,7 @@ function deviationTable(data) {
 
 // Of several geometries, how far the points nearest to each are.
 function partsTable(data) {
-  const parts = data.report.parts || [];
+  const parts = partsOfGeometry(data.report);
   if (parts.length < 2) return null;
   const scale = lengthScale(data);
   const unit = data.unit ? " [" + data.unit + "]" : "";
@@ -161,6 +171,18 @@ function partsTable(data) {
     if (data.tolerance !== null) row.push(count(part.out_of_tolerance));
     return row;
   }), heads);
+}
+
+function cloudPartsTable(data) {
+  const parts = partsOfCloud(data.report);
+  if (parts.length === 0) return null;
+  const world = worldWriter(data);
+  const unit = data.unit ? " [" + data.unit + "]" : "";
+  return table("Parts of the cloud", parts.map((part, i) => [
+    String(i + 1), count(part.points), percent(part.share),
+    part.box[1].map((v, d) => world(v - part.box[0][d])).join("\u2009\u00d7\u2009"),
+    part.used ? "yes" : part.refused ? "refused: " + part.refused : "no",
+  ]), ["points", "of all", "size" + unit, "used"]);
 }
 
 function vector(values, write) {
