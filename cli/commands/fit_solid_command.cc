@@ -13,6 +13,7 @@
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/solid_layout.h"
+#include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
@@ -47,10 +48,11 @@ SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
 }
 
 std::string SolidWords(const SolidFit& fit) {
+  const int bodies = fit.layout.components;
   return fmt::format(
-      "a watertight solid of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area "
-      "{:.6g}; faces meet "
+      "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
       "within {:.2g} and {:.2g}°",
+      bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
       fit.solid.vertices.cols(),
@@ -94,11 +96,27 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a,
   return made.closed;
 }
 
+// What readers of STEP can't tell from a point would be drawn without end.
+void RefuseTinyBody(const FitFiles& files, const PointCloud& cloud) {
+  const double size =
+      (cloud.points().rowwise().maxCoeff() - cloud.points().rowwise().minCoeff()).norm();
+  constexpr double kLeast = 1e-4;
+  if (size < kLeast) {
+    files.Refuse(fmt::format(
+        "the body measures {:g}, and readers of STEP take points within 1e-7 for one: use a "
+        "smaller unit",
+        size));
+  }
+}
+
 int RunFitSolid(const FitSolidArguments& a) {
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
   if (NamesMesh(a.out, a.out_format)) NotYet("the mesh of a solid as -o");
+  if (FormatOf(a.out, a.out_format) != FileFormat::kStep)
+    throw UsageError("-o " + a.out +
+                     ": a solid is written as .step; batten convert makes .brep of it");
   for (const std::string& path : {a.layout_out, a.mesh_out}) {
     if (!path.empty()) CheckWritable(path);
   }
@@ -109,6 +127,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
+  RefuseTinyBody(files, cloud);
   if (a.quads.empty()) {
     bool measured = false;
     const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
@@ -127,7 +146,10 @@ int RunFitSolid(const FitSolidArguments& a) {
       mesh.triangles = closed.surface.triangles;
       WriteMesh(mesh, a.mesh_out);
     }
-    const int faces = a.faces > 0 ? a.faces : LayoutFaces(cloud.size(), measured);
+    const int faces =
+        a.faces > 0
+            ? a.faces
+            : LayoutFaces(measured ? closed.surface.vertices.cols() : cloud.size(), measured);
     layout = files.Explained(
         [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
   }

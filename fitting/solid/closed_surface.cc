@@ -76,6 +76,7 @@ class Closer {
           NumberText(std::round(closed_.filled_share * 1000) / 10) + " % of its area");
     }
     TurnOutwards();
+    RefuseBodiesInOneAnother();
     ClosedSurface closed = std::move(closed_);
     closed.surface.vertices.resize(3, Eigen::Index(points_.size()));
     for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -257,6 +258,22 @@ class Closer {
     }
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       if (volumes[std::size_t(part_[t])] < 0) std::swap(triangles_[t][1], triangles_[t][2]);
+    }
+  }
+
+  // Of bodies one may be a cavity of another, or run through it: then all of them are no solids.
+  void RefuseBodiesInOneAnother() const {
+    std::vector<Eigen::AlignedBox3d> boxes(std::size_t(closed_.components));
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      for (const int v : triangles_[t])
+        boxes[std::size_t(part_[t])].extend(points_[std::size_t(v)]);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t j = i + 1; j < boxes.size(); ++j) {
+        if (!boxes[i].intersects(boxes[j])) continue;
+        throw RefusedData("the faces are " + std::to_string(boxes.size()) +
+                          " bodies, of which two lie in one another or touch: a hollow body, or "
+                          "several that meet, are not fitted; keep one");
+      }
     }
   }
 

@@ -15,23 +15,10 @@
 #include "fitting/neighbours/normals.h"
 #include "fitting/solid/surface_fit.h"
 #include "geometry/numeric/number_text.h"
-#include "geometry/numeric/reject.h"
 #include "geometry/subdivision/spline_faces.h"
 
 namespace batten {
 using namespace internal;
-
-void Check(const SolidFitOptions& options) {
-  const std::string function = "SolidFitOptions";
-  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
-    Reject(function, "tolerance must be positive");
-  }
-  if (options.smoothing && !(*options.smoothing >= 0 && std::isfinite(*options.smoothing))) {
-    Reject(function, "smoothing must not be negative");
-  }
-  if (options.max_iterations < 1) Reject(function, "max_iterations must be at least 1");
-  if (!options.shift.allFinite()) Reject(function, "shift must be finite");
-}
 
 namespace {
 

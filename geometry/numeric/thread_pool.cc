@@ -11,6 +11,10 @@
 
 namespace batten {
 
+namespace {
+constexpr int kMostThreads = 1024;  // the system's limit ends the process
+}  // namespace
+
 struct ThreadPool::State {
   std::mutex mutex;
   std::condition_variable wake, done;
@@ -47,6 +51,7 @@ struct ThreadPool::State {
 
 ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
   if (threads <= 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  threads = std::min(threads, kMostThreads);
   for (int i = 1; i < threads; ++i) {
     state_->workers.emplace_back([state = state_.get()] {
       std::unique_lock lock(state->mutex);

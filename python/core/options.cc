@@ -192,11 +192,15 @@ void TakeConditions(const Keywords& k, SurfaceFitOptions& options) {
   }
 }
 
+constexpr int kMostThreads = 1024;
+
 // Fields that every fit has.
 template <typename Options>
 void TakeWork(const Keywords& k, Options& options) {
   k.Take("shift", options.shift);
   k.Take("threads", options.threads);
+  if (options.threads < 0 || options.threads > kMostThreads)
+    Keywords::Refuse("threads", "is " + std::to_string(options.threads) + ", not from 0 to 1024");
 }
 
 }  // namespace

@@ -91,4 +91,46 @@ TEST(FitSolidCommandTest, RefusesWithAReasonAndWithoutAFile) {
   EXPECT_THAT(refusal({ball, "--faces", "3"}, 2), HasSubstr("--faces"));
 }
 
+// Bodies apart are as many solids; one in another, or through it, is no solid of its own.
+TEST(FitSolidCommandTest, BodiesAreToldAndKeptApart) {
+  const TemporaryFolder folder;
+  const auto pair = [&](double scale, double move) {
+    const QuadMesh one = CubeSphere(4);
+    QuadMesh both = one;
+    const Eigen::Index n = one.vertices.cols(), f = one.faces.cols();
+    both.vertices.conservativeResize(3, 2 * n);
+    both.vertices.rightCols(n) = (scale * one.vertices).colwise() + Eigen::Vector3d(move, 0, 0);
+    both.faces.conservativeResize(4, 2 * f);
+    both.faces.rightCols(f) = one.faces.array() + static_cast<int>(n);
+    WriteQuadMesh(both, folder.File("two.obj"));
+    return Batten({"fit", "solid", folder.File("two.obj"), "-o", folder.File("two.step")});
+  };
+  const ProgramRun apart = pair(1, 5);
+  EXPECT_EQ(apart.code, 0) << apart.err;
+  EXPECT_THAT(apart.err, HasSubstr("2 watertight solids of"));
+  for (const auto& [scale, move] : {std::pair(0.5, 0.0), std::pair(1.0, 1.0)}) {
+    const ProgramRun run = pair(scale, move);
+    EXPECT_EQ(run.code, 1) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("2 bodies, of which two lie in one another"));
+  }
+}
+
+TEST(FitSolidCommandTest, TinyBodiesAndOtherFormatsAreRefusedBeforeTheFit) {
+  const TemporaryFolder folder;
+  QuadMesh ball = CubeSphere(4);
+  WriteQuadMesh(ball, folder.File("ball.obj"));
+  for (const char* out : {"ball.brep", "ball.iges", "ball.json"}) {
+    const ProgramRun run =
+        Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File(out)});
+    EXPECT_EQ(run.code, 2);
+    EXPECT_THAT(run.err, HasSubstr("a solid is written as .step"));
+  }
+  ball.vertices *= 1e-5;
+  WriteQuadMesh(ball, folder.File("tiny.obj"));
+  const ProgramRun run =
+      Batten({"fit", "solid", folder.File("tiny.obj"), "-o", folder.File("tiny.step")});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("use a smaller unit"));
+}
+
 }  // namespace batten::internal::fit_solid_command_test

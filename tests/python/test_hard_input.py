@@ -166,3 +166,15 @@ def test_core_objects_are_not_made_by_hand():
     for kind in (batten._core.Body, batten._core.Points, batten._core.Fit):
         with pytest.raises(TypeError):
             kind()
+
+
+@pytest.mark.parametrize("threads", [-1, 1025, 10**6])
+def test_threads_without_number(threads):
+    with pytest.raises(ValueError, match="threads"):
+        batten.fit_surface(np.random.default_rng(1).random((500, 3)), threads=threads)
+
+
+def test_very_many_threads_are_fewer():
+    torus = batten.make.torus(3, 1)
+    points = np.random.default_rng(1).normal(size=(2000, 3))
+    assert np.array_equal(torus.closest(points, threads=10**6).distances, torus.closest(points, threads=1).distances)

@@ -24,7 +24,7 @@ struct ClosedSurface {
 // turns faces alike and outwards, parts surfaces that touch at a vertex only, and closes holes by
 // triangles about their middles. Throws RefusedData, naming it, where more than two faces meet at
 // an edge, a surface has one side only, no face is left, or holes are more than `most_filled` of
-// the area.
+// the area, or the boxes of two bodies overlap.
 ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled = 0.15);
