@@ -12,6 +12,7 @@
 
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/solid_layout.h"
 #include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
@@ -87,8 +88,14 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a,
       return closed;
     }
   }
-  ReconstructedSurface made =
-      files.Explained([&] { return ReconstructSurface(cloud, kMostInvented, a.work.threads); });
+  ReconstructedSurface made = files.Explained([&] {
+    try {
+      return ReconstructSurface(cloud, kMostInvented, a.work.threads);
+    } catch (const RefusedData& refusal) {
+      if (refusal.remedy() != Remedy::kFitPart) throw;
+      throw RefusedData(refusal.what() + std::string(" (--box, --where)"));  // there is no --part
+    }
+  });
   if (made.invented_share > 0) {
     PrintWarning(fmt::format("{:.1f} % of the surface have no points within three spacings",
                              100 * made.invented_share));
@@ -149,7 +156,9 @@ int RunFitSolid(const FitSolidArguments& a) {
     const int faces =
         a.faces > 0
             ? a.faces
-            : LayoutFaces(measured ? closed.surface.vertices.cols() : cloud.size(), measured);
+            : LayoutFaces(measured ? closed.surface.vertices.cols()
+                                   : cloud.size() - MergeDuplicates(cloud).duplicates,
+                          measured);
     layout = files.Explained(
         [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
   }
@@ -161,7 +170,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   const int code =
       files.Write(faces, fit.residuals, fit.parameters, fit.outliers, fit.report, fit.faces);
   if (!a.flags.quiet) PrintNote(a.out + ": " + SolidWords(fit));
-  return code;
+  return fit.report.end.code == EndCode::kStructuredResiduals ? kToleranceMissed : code;
 }
 
 }  // namespace
@@ -229,16 +238,17 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
       "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
-      "extraordinary vertices, and the solid a face for every few of its own. One that is given "
+      "extraordinary vertices, and the solid a face for every few of its own. One that is given\n"
       "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
-      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from "
+      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from\n"
       "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
       "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
       "gets its name the solid is found closed, valid, without folds and the same when it is read "
       "back;\n"
       "else nothing is written, and the reason is said.\n"
-      "Exit code 3 says the solid is written but the tolerance is not reached.");
+      "Exit code 3 says the solid is written, but the tolerance is not reached, or one point in\n"
+      "twenty is farther from it than points are from one another.");
   command.callback([a, &action] { action = [a] { return RunFitSolid(*a); }; });
 }
 

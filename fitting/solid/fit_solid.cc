@@ -139,7 +139,7 @@ class SolidFitter {
     const double size = (fit_.report.input.box_max - fit_.report.input.box_min).maxCoeff();
     if (!(*middle <= kApart * size)) {
       throw RefusedData("the layout lies apart from the points: half of them are farther than " +
-                        NumberText(*middle) + " from it; it has to be in the same coordinates");
+                        NumberText(*middle) + " from it; it has to be in the same coordinates, and fine enough for the shape");
     }
   }
 
@@ -246,21 +246,23 @@ class SolidFitter {
     report.iterations = surface.rounds;
     report.threads = pool_.threads();
     const bool kept = report.error.out_of_tolerance == 0;
+    const bool far = report.error.p95 > report.input.spacing;
+    constexpr const char* kFar =
+        "one point in twenty is farther from the solid than points are from one another: the "
+        "layout is too coarse, or of another shape";
     if (options_.tolerance && kept) {
       report.end = {EndCode::kToleranceReached, "every point is within the tolerance"};
     } else if (report.error.rms <= 1.2 * report.input.noise) {
       report.end = {EndCode::kNoiseReached, "the residuals are the noise of the points"};
+    } else if (far) {
+      report.end = {EndCode::kStructuredResiduals, kFar};
     } else {
       report.end = {EndCode::kCrossValidated,
                     "softer surfaces over this layout do not meet points left out better; a finer "
                     "layout may"};
     }
     report.termination = TerminationOf(report.end.code);
-    if (report.error.p95 > report.input.spacing) {
-      report.warnings.push_back(
-          "one point in twenty is farther from the solid than points are from one another: the "
-          "layout is too coarse, or of another shape");
-    }
+    if (far) report.warnings.push_back(kFar);
     report.seconds = clock_.Seconds();
   }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
@@ -72,27 +73,69 @@ std::vector<std::vector<int>> LargestPart(const PoissonSurface& surface) {
   return kept;
 }
 
+// Of the area, what lies farther than `reach` from all points, or else has on it the normals of
+// none of the nearest: the other side of a sheet. Which side is the sheet's is for the greater part
+// to say, so that normals may all point inwards.
 double InventedShare(const TriangleSurface& surface,
                      const NeighbourIndex& index,
                      const Eigen::Matrix3Xd& points,
+                     const Eigen::Matrix3Xd& normals,
                      double reach) {
   const Eigen::Index count = surface.triangles.cols();
-  Eigen::Matrix3Xd middles(3, count);
-  Eigen::VectorXd areas(count);
+  Eigen::Matrix3Xd middles(3, count), areas(3, count);
   for (Eigen::Index t = 0; t < count; ++t) {
     const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
     const Eigen::Vector3d b = surface.vertices.col(surface.triangles(1, t));
     const Eigen::Vector3d c = surface.vertices.col(surface.triangles(2, t));
     middles.col(t) = (a + b + c) / 3;
-    areas[t] = (b - a).cross(c - a).norm();
+    areas.col(t) = (b - a).cross(c - a);
   }
-  const std::vector<int> nearest = index.Nearest(middles, 1);
-  double invented = 0;
+  constexpr int kNearest = 8;  // a thin body's other wall is among them
+  const std::vector<int> nearest = index.Nearest(middles, kNearest);
+  double far = 0, all = 0, against = 0, along = 0;
   for (Eigen::Index t = 0; t < count; ++t) {
-    const double distance = (points.col(nearest[std::size_t(t)]) - middles.col(t)).norm();
-    if (distance > reach) invented += areas[t];
+    const double area = areas.col(t).norm();
+    all += area;
+    const int* const first = &nearest[std::size_t(t * kNearest)];
+    if ((points.col(*first) - middles.col(t)).norm() > reach) {
+      far += area;
+      continue;
+    }
+    int outwards = 0;
+    for (int k = 0; k < kNearest; ++k) outwards += normals.col(first[k]).dot(areas.col(t)) > 0;
+    if (outwards == 0) against += area;
+    if (outwards == kNearest) along += area;
   }
-  return invented / areas.sum();
+  return (far + std::min(against, along)) / all;
+}
+
+// Refuses points of which parts with more than one in twenty lie apart from the surface: it is
+// about one body of several.
+void RefuseBodiesApart(const PointCloud& cloud,
+                       const TriangleSurface& surface,
+                       double reach,
+                       ThreadPool& pool) {
+  const CloudParts found = FindCloudParts(cloud, pool);
+  if (found.parts.size() < 2) return;
+  const std::vector<int> nearest =
+      NeighbourIndex(surface.vertices, pool).Nearest(cloud.points(), 1);
+  int bodies = 1;
+  double share = 0;
+  for (const CloudPart& part : found.parts) {
+    const auto far =
+        std::count_if(part.points.begin(), part.points.end(), [&](const Eigen::Index k) {
+          const auto vertex = surface.vertices.col(nearest[std::size_t(k)]);
+          return (vertex - cloud.points().col(k)).norm() > reach;
+        });
+    if (2 * far < std::ssize(part.points)) continue;
+    ++bodies;
+    share += part.share;
+  }
+  constexpr double kDebris = 0.05;
+  if (share <= kDebris) return;
+  throw RefusedData("the points are " + std::to_string(bodies) +
+                        " separate bodies, and a surface is made about one: take one of them",
+                    Remedy::kFitPart);
 }
 
 }  // namespace
@@ -135,12 +178,16 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
   // What is closed here is invented as what the reconstruction closes: both are judged below.
   result.closed = CloseSurface(vertices, LargestPart(poisson), 1.0);
   constexpr double kReach = 3;  // spacings
+  const double cell = kCube * size / std::exp2(depth);
+  RefuseBodiesApart(
+      kept, result.closed.surface, kReach * std::max(cell, statistics.spacing), pool);
   result.invented_share =
-      InventedShare(result.closed.surface, index, points, kReach * statistics.spacing);
+      InventedShare(result.closed.surface, index, points, normals, kReach * statistics.spacing);
   if (result.invented_share > most_invented) {
     throw RefusedData("the points do not go all round a body: " +
                       std::to_string(int(std::lround(100 * result.invented_share))) +
-                      " % of a closed surface about them would have no points near it");
+                      " % of a closed surface about them would have no points on it; batten fit surface "
+                      "fits sheets");
   }
   result.closed.surface.vertices.colwise() += cloud.origin();
   return result;

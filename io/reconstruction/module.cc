@@ -8,6 +8,21 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/surface/poisson.h>
+// The templates that PCL's library holds as well, made here: those print to the standard streams
+// whatever PCL's verbosity is. What they include is read before their words are taken from them.
+#include <pcl/common/common.h>
+#include <pcl/common/vector_average.h>
+
+#include <boost/current_function.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <unordered_map>
+#define printf(...) void(0)
+#define fprintf(...) void(0)
+#include <pcl/surface/impl/poisson.hpp>
+#undef printf
+#undef fprintf
 #pragma GCC diagnostic pop
 
 #include "io/mesh/poisson_functions.h"

@@ -145,7 +145,11 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     }
     closed = std::move(made.closed);
   }
-  const int faces = task.faces > 0 ? task.faces : LayoutFaces(cloud.size(), task.mesh.has_value());
+  const int faces =
+      task.faces > 0 ? task.faces
+                     : LayoutFaces(task.mesh ? closed.surface.vertices.cols()
+                                             : cloud.size() - MergeDuplicates(cloud).duplicates,
+                                   task.mesh.has_value());
   const QuadMesh layout = LayoutOf(closed.surface, faces, task.options.progress);
   return FitSolid(cloud, layout, task.options);
 }

@@ -11,13 +11,15 @@ namespace batten {
 
 struct ReconstructedSurface {
   ClosedSurface closed;       // in the cloud's world coordinates
-  double invented_share = 0;  // of its area: farther than three spacings from all points
+  // Of its area: farther than three spacings from all points, or on the other side of a sheet.
+  double invented_share = 0;
 };
 
 // Screened Poisson reconstruction by PCL, from the cloud's normals or else from planes through
 // neighbours turned outwards along a spanning tree; cells about as large as the spacing of the
 // points. Only the largest part is kept. Throws RefusedData where more than `most_invented` of the
-// area has no points near it, or nothing closed comes out; std::runtime_error where the module
+// area is invented, where the points are several bodies apart (smaller ones of up to one point in
+// twenty are passed over), or nothing closed comes out; std::runtime_error where the module
 // libbatten_reconstruction.so does not load. [Kazhdan & Hoppe 2013]
 ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
                                         double most_invented = 0.15,
