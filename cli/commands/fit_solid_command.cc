@@ -153,12 +153,11 @@ int RunFitSolid(const FitSolidArguments& a) {
       mesh.triangles = closed.surface.triangles;
       WriteMesh(mesh, a.mesh_out);
     }
-    const int faces =
-        a.faces > 0
-            ? a.faces
-            : LayoutFaces(measured ? closed.surface.vertices.cols()
-                                   : cloud.size() - MergeDuplicates(cloud).duplicates,
-                          measured);
+    const int faces = a.faces > 0
+                          ? a.faces
+                          : LayoutFaces(measured ? closed.surface.vertices.cols()
+                                                 : cloud.size() - MergeDuplicates(cloud).duplicates,
+                                        measured);
     layout = files.Explained(
         [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
   }

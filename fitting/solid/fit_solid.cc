@@ -125,21 +125,26 @@ class SolidFitter {
     input.box_max = data_.points.rowwise().maxCoeff() + cloud_.origin();
   }
 
-  // Refuses a layout of another body, or in other coordinates.
+  // Refuses a layout of another body, or in other coordinates; turns normals that point inwards.
   void CheckNear(const LimitStencils& stencils) {
     const LimitSurface surface(stencils, layout_.vertices);
     const std::vector<LimitFoot> feet =
         FeetOn(surface, stencils.patches(), data_.points, Eigen::Matrix3Xd(3, 0), false, {}, pool_);
     std::vector<double> distances;
+    double outwards = 0;
     for (std::size_t k = 0; k < feet.size(); ++k) {
       distances.push_back((feet[k].point - data_.points.col(Eigen::Index(k))).norm());
+      outwards += feet[k].normal.dot(data_.normals.col(Eigen::Index(k)));
     }
+    if (data_.oriented && outwards < 0) data_.normals *= -1;
     const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     const double size = (fit_.report.input.box_max - fit_.report.input.box_min).maxCoeff();
     if (!(*middle <= kApart * size)) {
       throw RefusedData("the layout lies apart from the points: half of them are farther than " +
-                        NumberText(*middle) + " from it; it has to be in the same coordinates, and fine enough for the shape");
+                        NumberText(*middle) +
+                        " from it; it has to be in the same coordinates, and fine enough for the "
+                        "shape");
     }
   }
 
@@ -246,16 +251,20 @@ class SolidFitter {
     report.iterations = surface.rounds;
     report.threads = pool_.threads();
     const bool kept = report.error.out_of_tolerance == 0;
-    const bool far = report.error.p95 > report.input.spacing;
+    const bool noise = report.error.rms <= 1.2 * report.input.noise;
+    // Noise may be wider than dense points are apart.
+    const bool far = !noise && report.error.p95 > report.input.spacing;
     constexpr const char* kFar =
         "one point in twenty is farther from the solid than points are from one another: the "
         "layout is too coarse, or of another shape";
     if (options_.tolerance && kept) {
       report.end = {EndCode::kToleranceReached, "every point is within the tolerance"};
-    } else if (report.error.rms <= 1.2 * report.input.noise) {
+    } else if (noise) {
       report.end = {EndCode::kNoiseReached, "the residuals are the noise of the points"};
     } else if (far) {
-      report.end = {EndCode::kStructuredResiduals, kFar};
+      Eigen::Index farthest = 0;
+      used.select(fit_.residuals.array().abs(), 0).maxCoeff(&farthest);
+      report.end = {EndCode::kStructuredResiduals, kFar, cloud_.World(farthest)};
     } else {
       report.end = {EndCode::kCrossValidated,
                     "softer surfaces over this layout do not meet points left out better; a finer "

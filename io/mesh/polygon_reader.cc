@@ -19,6 +19,7 @@
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
 #include "io/base/whole_file.h"
+#include "io/mesh/polygon_text.h"
 
 namespace batten {
 namespace internal {
@@ -276,6 +277,11 @@ class PlyPolygons {
       };
       const std::array axes = {is("x"), is("y"), is("z")};
       const auto corners = std::min(is("vertex_indices"), is("vertex_index"));
+      if (part.name == "vertex" &&
+          std::max({axes[0], axes[1], axes[2]}) == std::ssize(part.fields)) {
+        words_.Refuse("a vertex has no x, y or z");
+      }
+      if (part.fields.empty()) continue;  // however many there are said to be
       for (std::int64_t k = 0; k < part.count; ++k) {
         std::array<double, 3> place{};
         for (std::ptrdiff_t f = 0; f < std::ptrdiff_t(part.fields.size()); ++f) {
@@ -382,23 +388,14 @@ class PlyPolygons {
 };
 
 }  // namespace
-}  // namespace internal
 
-using namespace internal;
-
-bool MayHoldFaces(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  return extension == ".obj" || extension == ".off" || extension == ".ply" || extension == ".stl";
-}
-
-PolygonMesh ReadPolygons(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  if (!MayHoldFaces(path)) throw UsageError(path + ": faces are read from .obj .off .ply .stl");
-  const std::string text = ReadWholeFile(path);
-  PolygonMesh mesh = extension == ".obj"   ? ReadObjPolygons(text, path)
-                     : extension == ".off" ? ReadOffPolygons(text, path)
-                     : extension == ".stl" ? ReadStlPolygons(text, path)
-                                           : PlyPolygons(text, path).Read();
+PolygonMesh PolygonsOfText(std::string_view bytes,
+                           const std::string& extension,
+                           const std::string& path) {
+  PolygonMesh mesh = extension == ".obj"   ? ReadObjPolygons(bytes, path)
+                     : extension == ".off" ? ReadOffPolygons(bytes, path)
+                     : extension == ".stl" ? ReadStlPolygons(bytes, path)
+                                           : PlyPolygons(bytes, path).Read();
   for (std::size_t k = 0; k < mesh.faces.size(); ++k) {
     for (const int vertex : mesh.faces[k]) {
       if (vertex >= mesh.vertices.cols()) {
@@ -409,6 +406,20 @@ PolygonMesh ReadPolygons(const std::string& path) {
     }
   }
   return mesh;
+}
+
+}  // namespace internal
+
+using namespace internal;
+
+bool MayHoldFaces(const std::string& path) {
+  const std::string extension = ExtensionOf(path);
+  return extension == ".obj" || extension == ".off" || extension == ".ply" || extension == ".stl";
+}
+
+PolygonMesh ReadPolygons(const std::string& path) {
+  if (!MayHoldFaces(path)) throw UsageError(path + ": faces are read from .obj .off .ply .stl");
+  return PolygonsOfText(ReadWholeFile(path), ExtensionOf(path), path);
 }
 
 QuadMesh ReadQuadMesh(const std::string& path) {

@@ -40,10 +40,11 @@ const PoissonFunctions& LoadPoisson() {
     if (said != nullptr && (reason.empty() || std::filesystem::exists(file, unknown)))
       reason = said;
   }
-  throw std::runtime_error(std::string("a surface about points needs the module ") + kModule +
-                           ", which does not load (" + reason +
-                           "); it is in the package libbatten0-reconstruction, or set BATTEN_MODULES to the "
-                           "folder that holds it");
+  throw std::runtime_error(
+      std::string("a surface about points needs the module ") + kModule +
+      ", which does not load (" + reason +
+      "); it is in the package libbatten0-reconstruction, or set BATTEN_MODULES to the "
+      "folder that holds it");
 }
 
 const PoissonFunctions& Poisson() {
@@ -179,15 +180,15 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
   result.closed = CloseSurface(vertices, LargestPart(poisson), 1.0);
   constexpr double kReach = 3;  // spacings
   const double cell = kCube * size / std::exp2(depth);
-  RefuseBodiesApart(
-      kept, result.closed.surface, kReach * std::max(cell, statistics.spacing), pool);
+  RefuseBodiesApart(kept, result.closed.surface, kReach * std::max(cell, statistics.spacing), pool);
   result.invented_share =
       InventedShare(result.closed.surface, index, points, normals, kReach * statistics.spacing);
   if (result.invented_share > most_invented) {
-    throw RefusedData("the points do not go all round a body: " +
-                      std::to_string(int(std::lround(100 * result.invented_share))) +
-                      " % of a closed surface about them would have no points on it; batten fit surface "
-                      "fits sheets");
+    throw RefusedData(
+        "the points do not go all round a body, or its walls are too near: " +
+        std::to_string(int(std::lround(100 * result.invented_share))) +
+        " % of a closed surface about them would have no points on it; batten fit surface "
+        "fits sheets");
   }
   result.closed.surface.vertices.colwise() += cloud.origin();
   return result;

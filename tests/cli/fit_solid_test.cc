@@ -115,6 +115,87 @@ TEST(FitSolidCommandTest, BodiesAreToldAndKeptApart) {
   }
 }
 
+std::string BallAt(double x, double radius, int count) {
+  std::string text;
+  const Eigen::Matrix3Xd points = SpherePoints(count, 0.003);
+  for (const auto p : points.colwise()) {
+    text += std::to_string(x + radius * p[0]) + " " + std::to_string(radius * p[1]) + " " +
+            std::to_string(radius * p[2]) + "\n";
+  }
+  return text;
+}
+
+TEST(FitSolidCommandTest, PointsOfBodiesApartAndOfSheetsAreToldAsSuch) {
+  const TemporaryFolder folder;
+  const auto fit = [&](const std::string& text) {
+    const std::string cloud = folder.With("points.xyz", text);
+    const ProgramRun run =
+        Batten({"fit", "solid", cloud, "--faces", "60", "-o", folder.File("a.step"), "--quiet"});
+    EXPECT_EQ(run.out, "");  // nor what PCL prints
+    EXPECT_EQ(run.error_lines(), run.code == 0 ? 0 : 1) << run.err;
+    return run;
+  };
+  const ProgramRun two = fit(BallAt(0, 1, 1500) + BallAt(4, 0.7, 1200));
+  EXPECT_EQ(two.code, 1);
+  EXPECT_THAT(two.err, HasSubstr("the points are 2 separate bodies"));
+  EXPECT_THAT(two.err, HasSubstr("(--box, --where)"));
+  // Up to one point in twenty is debris.
+  EXPECT_NE(fit(BallAt(0, 1, 1500) + BallAt(1.5, 0.05, 60)).code, 1);
+  for (const double bend : {0.0, 0.2}) {
+    std::string sheet;
+    for (int i = 0; i < 50; ++i) {
+      for (int j = 0; j < 50; ++j) {
+        sheet += std::to_string(i) + " " + std::to_string(j) + " " +
+                 std::to_string(20 * bend * std::sin(0.1 * i) * std::cos(0.08 * j)) + "\n";
+      }
+    }
+    const ProgramRun open = fit(sheet);
+    EXPECT_EQ(open.code, 1);
+    EXPECT_THAT(open.err, HasSubstr("the points do not go all round a body"));
+    EXPECT_THAT(open.err, HasSubstr("batten fit surface fits sheets"));
+  }
+}
+
+TEST(FitSolidCommandTest, LayoutsGrowWithDifferentPointsOnly) {
+  const TemporaryFolder folder;
+  const std::string ball = BallAt(0, 1, 1500);
+  const auto control_points = [&](const std::string& text) {
+    const ProgramRun run = Batten({"fit",
+                                   "solid",
+                                   folder.With("points.xyz", text),
+                                   "-o",
+                                   folder.File("a.step"),
+                                   "--threads",
+                                   "1",
+                                   "--json"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return Json::parse(run.out)["geometry"]["control_points"];
+  };
+  EXPECT_EQ(control_points(ball), control_points(ball + ball + ball));
+}
+
+TEST(FitSolidCommandTest, ASolidThatLeavesItsPointsEndsWith3) {
+  const TemporaryFolder folder;
+  QuadMesh box = Cube();
+  box.vertices.row(0) *= 2;
+  WriteQuadMesh(box, folder.File("box.obj"));
+  const std::vector<std::string> words = {
+      "fit",
+      "solid",
+      folder.With("twins.xyz", BallAt(-1, 1, 1500) + BallAt(1, 1, 1500)),
+      "--quads",
+      folder.File("box.obj"),
+      "-o",
+      folder.File("a.step")};
+  const ProgramRun run = Batten(words);
+  EXPECT_EQ(run.code, 3);
+  EXPECT_THAT(run.err, HasSubstr("the layout is too coarse, or of another shape"));
+  EXPECT_THAT(folder.Text("a.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
+  std::vector<std::string> wide = words;
+  wide.insert(wide.end(), {"--tolerance", "5"});
+  EXPECT_EQ(Batten(wide).code, 0);
+}
+
 TEST(FitSolidCommandTest, TinyBodiesAndOtherFormatsAreRefusedBeforeTheFit) {
   const TemporaryFolder folder;
   QuadMesh ball = CubeSphere(4);

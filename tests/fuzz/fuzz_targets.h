@@ -45,6 +45,10 @@ void FuzzStep(std::string_view bytes);
 // The whole reader of OpenCASCADE's own B-rep.
 void FuzzBrep(std::string_view bytes);
 
+// The reader of faces; the first byte says the format: o(bj), (of)f, s(tl), else PLY. The rest is
+// the file. What is read and written as OBJ reads back the same.
+void FuzzPolygons(std::string_view bytes);
+
 // The file that FuzzIgesEntities reads.
 std::string LaidOutIges(std::string_view entities);
 

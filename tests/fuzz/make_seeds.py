@@ -355,6 +355,36 @@ def lay_out(entities):
     return "".join(f"{line:<72}{letter}{k + 1:>7}\n" for letter, lines in sections for k, line in enumerate(lines))
 
 
+# ---- Faces ----
+def polygons():
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    named = "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+    vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+    save("polygons", "obj", "o" + vertices + named)
+    save("polygons", "obj_relative", "o" + vertices + "f -4/1/1 -3//2 -2/3 -1 # all\nf 1 2 9\n")
+    listed = "".join(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    save("polygons", "off", "fOFF\n4 4 0\n" + rows(corners) + listed)
+    save("polygons", "off_promises", "fCOFF 1099511627776 4 0\n" + rows(corners) + "99999999 0 1 2\n")
+    facets = "".join("facet normal 0 0 1\nouter loop\n"
+                     + "".join("vertex {} {} {}\n".format(*corners[k]) for k in face)
+                     + "endloop\nendfacet\n" for face in faces)
+    save("polygons", "stl", "ssolid s\n" + facets + "endsolid s\n")
+    records = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for k in face for x in corners[k]), 0) for face in faces)
+    save("polygons", "stl_binary", b"s" + bytes(80) + struct.pack("<I", len(faces)) + records)
+    save("polygons", "stl_promises", b"s" + bytes(80) + struct.pack("<I", 2**32 - 1) + records)
+    xyz = [f"float {c}" for c in "xyz"]
+    after = "element face 4\nproperty uchar flag\nproperty list uchar int vertex_indices\n"
+    flagged = rows(corners) + "".join(f"7 {face}\n" for face in listed.splitlines())
+    save("polygons", "ply", b"p" + ply("ascii", 4, xyz, flagged, after=after))
+    for form, order in (("binary_little_endian", "<"), ("binary_big_endian", ">")):
+        body = b"".join(struct.pack(order + "3f", *p) for p in corners)
+        body += b"".join(struct.pack(order + "BB3i", 7, 3, *face) for face in faces)
+        save("polygons", "ply_" + form, b"p" + ply(form, 4, xyz, body, after=after))
+        save("polygons", "ply_" + form + "_short", b"p" + ply(form, 4, xyz, body[:-2], after=after))
+    save("polygons", "ply_promises", b"p" + ply("ascii", 2**63 - 1, xyz, rows(corners), after=after))
+
+
 # ---- STEP ----
 STEP_HEAD = ("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('s','2024-01-01',(''),(''),'','','');\n"
              "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n")
@@ -387,4 +417,5 @@ if __name__ == "__main__":
     meshes()
     jsons()
     iges()
+    polygons()
     steps()

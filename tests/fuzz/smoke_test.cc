@@ -164,6 +164,7 @@ TEST(FuzzSmokeTest, LasIsReadOrRefused) { Smoke("las", FuzzLas, 300); }
 TEST(FuzzSmokeTest, ObjIsReadOrRefused) { Smoke("obj", FuzzObj, 300); }
 TEST(FuzzSmokeTest, StlIsReadOrRefused) { Smoke("stl", FuzzStl, 300); }
 TEST(FuzzSmokeTest, OffIsReadOrRefused) { Smoke("off", FuzzOff, 300); }
+TEST(FuzzSmokeTest, PolygonsAreReadOrRefused) { Smoke("polygons", FuzzPolygons, 300); }
 TEST(FuzzSmokeTest, JsonIsReadOrRefused) { Smoke("json", FuzzJson, 1000); }
 TEST(FuzzSmokeTest, IgesIsReadOrRefused) { Smoke("iges", FuzzIges, 1000); }
 TEST(FuzzSmokeTest, IgesEntitiesAreReadOrRefused) {

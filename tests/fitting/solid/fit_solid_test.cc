@@ -91,6 +91,53 @@ TEST(FitSolidTest, OtherThreadsGiveTheSameSolid) {
             kIterated);
 }
 
+// Noise wider than the points are apart is no fault of the layout.
+TEST(FitSolidTest, SaysThatASolidIsNotThatOfThePointsButNotOfNoise) {
+  Eigen::Matrix3Xd torus(3, 2000);
+  for (int k = 0; k < 2000; ++k) {
+    const double a = 0.7 * k, b = 2.399963 * k, out = 3 + std::cos(b);
+    torus.col(k) << out * std::cos(a), out * std::sin(a), std::sin(b);
+  }
+  QuadMesh box = Cube();
+  box.vertices = box.vertices.cwiseSign();
+  box.vertices.topRows(2) *= 4;
+  const SolidFit other = FitSolid(PointCloud(torus), box, {.threads = 1});
+  EXPECT_EQ(other.report.end.code, EndCode::kStructuredResiduals);
+  EXPECT_EQ(other.report.termination, Termination::kStalled);
+  ASSERT_EQ(other.report.warnings.size(), 1u);
+  Eigen::Index farthest;
+  other.residuals.cwiseAbs().maxCoeff(&farthest);
+  EXPECT_EQ(other.report.end.where.value(), torus.col(farthest));
+
+  const SolidFit noisy =
+      FitSolid(PointCloud(SpherePoints(15000, 0.03)), CubeSphere(1), {.threads = 1});
+  EXPECT_GT(noisy.report.error.p95, noisy.report.input.spacing);
+  EXPECT_EQ(noisy.report.end.code, EndCode::kNoiseReached);
+  EXPECT_TRUE(noisy.report.warnings.empty());
+}
+
+TEST(FitSolidTest, PointsGivenThriceCountAsOneOfThreefoldWeight) {
+  const Eigen::Matrix3Xd points = SpherePoints(1500, 0.01);
+  const SolidFit once = FitSolid(PointCloud(points), CubeSphere(1), {.threads = 1});
+  const SolidFit thrice =
+      FitSolid(PointCloud(points.replicate(1, 3)), CubeSphere(1), {.threads = 1});
+  EXPECT_LE((thrice.control_mesh.vertices - once.control_mesh.vertices).cwiseAbs().maxCoeff(),
+            kIterated);
+  EXPECT_EQ(thrice.report.input.points, 4500);
+  EXPECT_EQ(thrice.report.input.duplicates, 3000);
+  ASSERT_EQ(thrice.residuals.size(), 4500);
+  EXPECT_LE((thrice.residuals - once.residuals.replicate(3, 1)).cwiseAbs().maxCoeff(), kIterated);
+}
+
+TEST(FitSolidTest, GivenNormalsMayAllPointInwards) {
+  PointCloud cloud(SpherePoints(1500, 0.01));
+  cloud.set_normals(cloud.points());
+  const SolidFit outwards = FitSolid(cloud, CubeSphere(1), {.threads = 1});
+  cloud.set_normals(-cloud.points());
+  const SolidFit inwards = FitSolid(cloud, CubeSphere(1), {.threads = 1});
+  EXPECT_EQ(outwards.control_mesh.vertices, inwards.control_mesh.vertices);
+}
+
 TEST(FitSolidTest, OutliersDoNotCount) {
   Eigen::Matrix3Xd points = SpherePoints(4000, 0.005);
   for (Eigen::Index k = 0; k < points.cols(); k += 20) points.col(k) *= 1.3 + 0.01 * double(k % 7);

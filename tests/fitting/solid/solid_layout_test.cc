@@ -54,7 +54,7 @@ TEST(CloseSurfaceTest, SaysWhyItCantBeClosed) {
   std::vector<std::vector<int>> half = FacesOf(sphere);
   half.resize(half.size() / 2);
   EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, half); }),
-              HasSubstr("the surface is open"));
+              HasSubstr("the surface is open: its hole would be "));
   std::vector<std::vector<int>> fin = FacesOf(sphere);
   fin.push_back({fin[0][0], fin[0][1], fin.back()[2]});
   EXPECT_THAT(RefusalOf([&] { CloseSurface(sphere.vertices, fin); }), HasSubstr("not manifold"));

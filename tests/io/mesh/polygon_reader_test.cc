@@ -88,6 +88,10 @@ TEST(PolygonReaderTest, SaysWhereAFileIsWrong) {
             "ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\n"
             "end_header\nab"),
       HasSubstr("ends before its last element"));
+  EXPECT_THAT(error("g.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\n"
+                    "property float y\nend_header\n1 2\n"),
+              HasSubstr("a vertex has no x, y or z"));
   const std::string triangle = folder.With("q.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(ErrorOf([&] { ReadQuadMesh(triangle); }), HasSubstr("face 1 has 3 vertices"));
   EXPECT_THROW(ReadPolygons(folder.With("a.xyz", "0 0 0\n")), UsageError);

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// The bytes of mesh files.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "batten/io/polygon_reader.h"
+
+namespace batten::internal {
+
+// What ReadPolygons reads, of bytes in memory: `extension` is .obj, .off, .ply or .stl, and `path`
+// is what errors name.
+PolygonMesh PolygonsOfText(std::string_view bytes,
+                           const std::string& extension,
+                           const std::string& path);
+
+}  // namespace batten::internal
