@@ -472,7 +472,7 @@ def fit_solid(
     merge_faces : bool
         As few faces as the layout allows; else one for each of its own.
     normals : array_like of shape (N, 3), optional
-        Of the points, outwards; a mesh has its own.
+        Of the points, all outwards or all inwards; a mesh has its own.
     weights : array_like of shape (N,), optional
         Of the points, positive.
     shift : array_like of shape (3,) or 'local', optional

@@ -8,15 +8,16 @@
 namespace batten {
 
 // Fits a Catmull–Clark surface whose control mesh has the layout's faces: least Σ w ((S − q)·n)² at
-// foot points with normals within 60° of the points' (the cloud's normals, else estimated ones
-// without a sign), and a thin-plate energy weighed by generalised cross-validation. Gauss–Newton
+// foot points with normals within 60° of the points' (the cloud's normals, all outwards or all
+// inwards, else estimated ones without a sign), and a thin-plate energy weighed by generalised cross-validation. Gauss–Newton
 // steps over the control points with foot points eliminated, damped by the tangential distance.
 // Outliers of the cloud do not count. [Litke, Levin & Schröder 2001; Cheng, Wang, Qin, Wong, Yang
 // & Liu 2007]
 //
 // The faces are bicubic B-splines: the surface itself but near vertices of other than four edges,
 // where their coefficients make tangent planes continuous. The distances reported are from these
-// faces.
+// faces. Where one point in twenty is farther from them than points are from one another, and that
+// is not noise, the end is structured_residuals, with a warning.
 //
 // The layout is in the cloud's world coordinates. Throws RefusedData, with a sentence for the user,
 // where the layout is no closed mesh of quadrilaterals (CheckQuadMesh) or lies apart from the

@@ -49,6 +49,23 @@ TEST(CloseSurfaceTest, JoinsCornersAndClosesHoles) {
       closed.filled_share, 1.0 / double(mesh.faces.cols()), 0.5 / double(mesh.faces.cols()));
 }
 
+TEST(CloseSurfaceTest, PartsASurfaceThatTouchesItselfAtAVertex) {
+  QuadMesh mesh = CubeSphere(3);
+  Eigen::Index top, bottom;
+  mesh.vertices.row(2).maxCoeff(&top);
+  mesh.vertices.row(2).minCoeff(&bottom);
+  mesh.vertices.col(top).setZero();
+  mesh.vertices.col(bottom).setZero();
+  std::vector<std::vector<int>> faces = FacesOf(mesh);
+  faces.push_back(faces[5]);
+  const ClosedSurface closed = CloseSurface(mesh.vertices, faces);
+  EXPECT_EQ(closed.joined, 1);
+  EXPECT_EQ(closed.dropped, 2);  // the triangles of the face that is there twice
+  EXPECT_EQ(closed.components, 1);
+  EXPECT_EQ(closed.genus, 0);
+  EXPECT_EQ(closed.surface.vertices.cols(), mesh.vertices.cols());
+}
+
 TEST(CloseSurfaceTest, SaysWhyItCantBeClosed) {
   const QuadMesh sphere = CubeSphere(2);
   std::vector<std::vector<int>> half = FacesOf(sphere);
