@@ -86,6 +86,7 @@ TEST(PolygonReaderTest, SaysWhereAFileIsWrong) {
   EXPECT_THAT(
       error("f.ply",
             "ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\n"
+            "property float y\nproperty float z\n"
             "end_header\nab"),
       HasSubstr("ends before its last element"));
   EXPECT_THAT(error("g.ply",
