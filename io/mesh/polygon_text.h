@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "batten/io/polygon_reader.h"
+namespace batten {
+struct PolygonMesh;
+}
 
 namespace batten::internal {
 

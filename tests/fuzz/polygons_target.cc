@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
 #include "fuzz_targets.h"
 #include "io/mesh/polygon_text.h"
