@@ -2,6 +2,7 @@
 """Every format out and in again, and files that can't be read."""
 import json
 import os
+import struct
 
 import numpy as np
 import pytest
@@ -50,6 +51,14 @@ def test_vertices_of_meshes(tmp_path, extension):
 
 
 def test_las_and_the_data_of_the_project(tmp_path):
+    header = bytearray(227)
+    header[:4], header[24:26] = b"LASF", bytes([1, 2])
+    struct.pack_into("<HIIBHI", header, 94, 227, 227, 0, 0, 20, 3)
+    struct.pack_into("<6d", header, 131, *[0.5] * 3, *[100.0] * 3)
+    rows = [struct.pack("<iiiHBBbBH", k, 2 * k, 3 * k, 0, 9, kind, 0, 0, 0) for k, kind in enumerate((2, 6, 2))]
+    (tmp_path / "a.las").write_bytes(bytes(header) + b"".join(rows))
+    assert np.array_equal(batten.read_cloud(tmp_path / "a.las").points, 100 + np.outer(np.arange(3), [0.5, 1, 1.5]))
+    assert np.array_equal(batten.read_cloud(tmp_path / "a.las", las_classes=[6]).points, [[100.5, 101, 101.5]])
     panel = batten.read_cloud(os.path.join(ROOT, "data", "panel.ply"))
     assert len(panel) > 1000 and len(batten.read_cloud(os.path.join(ROOT, "data", "hull.xyz"))) > 1000
     two = batten.read_cloud([os.path.join(ROOT, "data", "panel.ply")] * 2)
