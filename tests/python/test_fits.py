@@ -194,6 +194,12 @@ def test_every_option_is_taken(options):
         assert np.prod(fit.surface.control_points.shape[:2]) <= 30
     if options.get("trim") == "none":
         assert not fit.surface.trimmed
+    if "symmetric" in options:
+        whole, at = fit.surface.with_trims([]), np.linspace(0, 1, 9)
+        (u0, u1), (v0, v1) = whole.domain
+        mirror = ([-1, 1, 1], [0, 0, 0]) if options["symmetric"] == "x" else ([1, -1, 1], [0, 0.5, 0])
+        image = whole.scale(mirror[0], center=mirror[1])(u0 + (u1 - u0) * at[:, None], v0 + (v1 - v0) * at)
+        assert whole.closest(image.reshape(-1, 3)).distances.max() < ITERATED
     if options.get("base"):
         assert report["geometry"]["base"] == options["base"]
     if options.get("optimize") == "none":
