@@ -293,6 +293,11 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         ThreadPool& pool) {
   if (points.cols() < 3) throw RefusedData("a surface needs at least 3 different points");
   const Eigen::Vector3d mean = points.rowwise().mean();
+  constexpr double kLeastSize = 1e-100;  // squares of smaller numbers vanish
+  const double size = (points.colwise() - mean).cwiseAbs().maxCoeff();
+  if (size > 0 && size < kLeastSize) {
+    throw RefusedData("the points differ by less than 1e-100: scale them up");
+  }
   const Eigen::Matrix3d scatter = ScatterAbout(points, mean) / static_cast<double>(points.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca(scatter);
   const double across = std::sqrt(std::max(0.0, pca.eigenvalues()[1]));

@@ -2,6 +2,7 @@
 """Arrays from what callers hold, each refusal naming the argument."""
 from __future__ import annotations
 
+import math
 import os
 from typing import Any, Optional, Sequence, Tuple, Union
 
@@ -18,9 +19,12 @@ def is_path(value: Any) -> bool:
 
 def path_bytes(name: str, path: Any) -> bytes:
     try:
-        return os.fsencode(path)
+        given = os.fsencode(path)
     except TypeError:
         raise ValueError(f"{name}: {path!r} is not a path") from None
+    if b"\0" in given:
+        raise ValueError(f"{name}: {path!r} holds a zero byte")
+    return given
 
 
 def plain(name: str, value: Any) -> NDArray[Any]:
@@ -88,12 +92,13 @@ def whole(name: str, value: Any, least: Optional[int] = None) -> int:
 
 
 def number(name: str, value: Any) -> float:
-    if isinstance(value, (bool, np.bool_, str)):
-        raise ValueError(f"{name}: {value!r} is not a number")
     try:
-        return float(value)
+        given = math.nan if isinstance(value, (bool, np.bool_, str)) else float(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: {value!r} is not a number") from None
+        given = math.nan
+    if math.isnan(given):
+        raise ValueError(f"{name}: {value!r} is not a number")
+    return given
 
 
 def plane_numbers(name: str, plane: Any) -> Tuple[float, float, float, float]:

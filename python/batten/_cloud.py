@@ -35,7 +35,7 @@ class Cloud:
     Parameters
     ----------
     points : array_like of shape (N, 3), or (N, 2) for points of the plane
-        In the data's units; finite. Doubles and floats are taken as they lie in memory, strided or not, and copied once.
+        In the data's units, within ±1e18. Doubles and floats are taken as they lie in memory, strided or not, and copied once.
     normals : array_like of shape (N, 3), optional
         Zero where there is none.
     weights : array_like of shape (N,), optional
@@ -48,7 +48,7 @@ class Cloud:
     Raises
     ------
     ValueError
-        Naming what is not finite or has another shape.
+        Naming what is not finite, too far, or of another shape.
     """
 
     __slots__ = ("_points", "__weakref__")
@@ -63,20 +63,8 @@ class Cloud:
         colours: Optional[ArrayLike] = None,
         parameters: Optional[ArrayLike] = None,
     ) -> None:
-        rgb = None
-        if colours is not None:
-            rgb = plain("colours", colours)
-            if rgb.size and (rgb.min() < 0 or rgb.max() > 255 or rgb.dtype.kind == "f"):
-                raise ValueError("colours: whole numbers from 0 to 255 are needed")
-            rgb = np.ascontiguousarray(rgb, dtype=np.uint8)
-        made = _core.points_from_arrays(
-            rows_of("points", points),
-            None if normals is None else doubles("normals", normals, None, 3),
-            None if weights is None else doubles("weights", weights, None),
-            rgb,
-            None if parameters is None else doubles("parameters", parameters),
-        )
-        object.__setattr__(self, "_points", made)
+        given = {"normals": normals, "weights": weights, "colours": colours, "parameters": parameters}
+        object.__setattr__(self, "_points", _points_of("points", points, **given))
 
     @classmethod
     def _of(cls, points: _core.Points) -> "Cloud":
@@ -197,7 +185,7 @@ class Cloud:
         """
         if len(self) == 0:
             raise ValueError("statistics: there are no points")
-        return Statistics(*_core.statistics(self._points, whole("threads", threads), whole("seed", seed, 0)))
+        return Statistics(*_core.statistics(self._points, whole("threads", threads, 0), whole("seed", seed, 0)))
 
     def parts(self, *, threads: int = 0) -> List[NDArray[np.int64]]:
         """The connected parts: objects of a scene, islands, what was scanned beside.
@@ -214,7 +202,7 @@ class Cloud:
         """
         if len(self) == 0:
             raise ValueError("parts: there are no points")
-        return _core.parts(self._points, whole("threads", threads))
+        return _core.parts(self._points, whole("threads", threads, 0))
 
     def write(self, path: Any, *, format: str = "") -> None:
         """Writes a PLY, PCD, XYZ or CSV file, whole or not at all.
@@ -227,6 +215,23 @@ class Cloud:
             A word, where it does not.
         """
         _core.write_cloud(self._points, path_bytes("path", path), str(format))
+
+
+def _points_of(name: str, points: Any, normals: Any = None, weights: Any = None, colours: Any = None, parameters: Any = None) -> _core.Points:
+    rgb = None
+    if colours is not None:
+        rgb = plain("colours", colours)
+        if rgb.size and (rgb.min() < 0 or rgb.max() > 255 or rgb.dtype.kind == "f"):
+            raise ValueError("colours: whole numbers from 0 to 255 are needed")
+        rgb = np.ascontiguousarray(rgb, dtype=np.uint8)
+    return _core.points_from_arrays(
+        name,
+        rows_of(name, points),
+        None if normals is None else doubles("normals", normals, None, 3),
+        None if weights is None else doubles("weights", weights, None),
+        rgb,
+        None if parameters is None else doubles("parameters", parameters),
+    )
 
 
 def rows_of(name: str, points: Any) -> NDArray[Any]:
@@ -262,7 +267,7 @@ def cloud_of(name: str, points: Any, *, read_parameters: bool = False, **attribu
         if not given:
             return points
         return Cloud(points.points, **{**{k: v for k, v in points._arrays().items() if k != "points"}, **given})
-    return Cloud(rows_of(name, points), **given)
+    return Cloud._of(_points_of(name, points, **given))
 
 
 def _remade(arrays: Dict[str, Any]) -> Cloud:

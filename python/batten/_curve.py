@@ -120,7 +120,7 @@ class Curve(Geometry):
             In the data's units.
         """
         at = doubles("u", u)
-        return _core.points(self._body, at.reshape(-1), None, whole("threads", threads)).reshape(at.shape + (self.dimension,))
+        return _core.points(self._body, at.reshape(-1), None, whole("threads", threads, 0)).reshape(at.shape + (self.dimension,))
 
     def derivatives(self, u: ArrayLike, order: int = 1, *, threads: int = 0) -> Floats:
         """Points and derivatives, right-continuous at knots, left at the upper end.
@@ -141,7 +141,7 @@ class Curve(Geometry):
         """
         at = doubles("u", u)
         order = whole("order", order, 0)
-        values = _core.derivatives(self._body, at.reshape(-1), None, order, whole("threads", threads))
+        values = _core.derivatives(self._body, at.reshape(-1), None, order, whole("threads", threads, 0))
         return values.reshape((order + 1,) + at.shape + (self.dimension,))
 
     def tangent(self, u: ArrayLike) -> Floats:
@@ -178,7 +178,7 @@ class Curve(Geometry):
             One over the data's units; the curvature is not negative; NaN where there is no limit.
         """
         at = doubles("u", u)
-        values = _core.curvatures(self._body, at.reshape(-1), None, whole("threads", threads))
+        values = _core.curvatures(self._body, at.reshape(-1), None, whole("threads", threads, 0))
         return values.reshape(at.shape + (2,))
 
     def length_between(self, a: float, b: float) -> float:

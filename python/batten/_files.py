@@ -2,6 +2,7 @@
 """Clouds, geometry and meshes from and to files."""
 from __future__ import annotations
 
+import os
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -233,6 +234,23 @@ def write_geometry(
         raise ValueError(f"names: {len(labels)} for {len(bodies)} geometries")
     report = _core.write_geometry(bodies, path_bytes("path", path), labels, str(format), str(unit), str(schema), sew)
     return None if report is None else Sewing(*report)
+
+
+ENDINGS = {"step": (".step", ".stp"), "iges": (".iges", ".igs"), "json": (".json",)}
+
+
+def path_as(path: Path, format: str) -> bytes:
+    """The path of a file of that format, which its name has to say: programs go by it."""
+    given = path_bytes("path", path)
+    if not os.fsdecode(given).lower().endswith(ENDINGS[format]):
+        raise ValueError(f"path: {path!r} does not end in {' or '.join(ENDINGS[format])}")
+    return given
+
+
+def write_as(shapes: Sequence[Geometry], path: Path, format: str, unit: str, name: str, schema: str = "ap214") -> None:
+    """Writes the shapes under one name in the format of a method."""
+    path_as(path, format)
+    write_geometry(shapes, path, format=format, unit=unit, names=[name] * len(shapes) if name else None, schema=schema)
 
 
 def write_mesh(

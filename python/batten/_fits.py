@@ -342,15 +342,7 @@ def _fit_curves(
     progress: Any,
     options: Dict[str, Any],
 ) -> List[CurveFit]:
-    words = options.get("parameterization")
-    given = isinstance(words, str) and words == "given"
-    cloud = cloud_of("points", points, read_parameters=given, weights=weights, parameters=parameters)
-    if parameters is not None:
-        if words is not None and not given:
-            raise ValueError("parameterization: not beside parameters")
-        options["parameterization"] = "given"
-    elif given and cloud.parameters is None:
-        raise ValueError("parameterization: 'given' needs parameters")
+    cloud, options["parameterization"] = _in_order(points, options.get("parameterization"), parameters, weights)
     if isinstance(options.get("closed"), (bool, np.bool_)):
         options["closed"] = "yes" if options["closed"] else "no"
     if terms is not None:
@@ -724,14 +716,7 @@ def interpolate_curve(
     ValueError
         Naming the keyword.
     """
-    given = isinstance(parameterization, str) and parameterization == "given"
-    cloud = cloud_of("points", points, read_parameters=given, parameters=parameters)
-    if parameters is not None:
-        if parameterization is not None:
-            raise ValueError("parameterization: not beside parameters")
-        parameterization = "given"
-    elif given and cloud.parameters is None:
-        raise ValueError("parameterization: 'given' needs parameters")
+    cloud, parameterization = _in_order(points, parameterization, parameters)
     options = {
         "degree": degree,
         "parameterization": parameterization,
@@ -849,6 +834,19 @@ def cloud_parts(points: Any, *, threads: int = 0) -> List[NDArray[np.int64]]:
         Indices of the points of each, by falling number.
     """
     return cloud_of("points", points).parts(threads=threads)
+
+
+def _in_order(points: Any, parameterization: Any, parameters: Any, weights: Any = None) -> Tuple[Cloud, Any]:
+    """The points of a curve, and where their parameters come from."""
+    given = isinstance(parameterization, str) and parameterization == "given"
+    cloud = cloud_of("points", points, read_parameters=given, weights=weights, parameters=parameters)
+    if parameters is not None:
+        if parameterization is not None and not given:
+            raise ValueError("parameterization: not beside parameters")
+        return cloud, "given"
+    if given and cloud.parameters is None:
+        raise ValueError("parameterization: 'given' needs parameters")
+    return cloud, parameterization
 
 
 def _sequence(name: str, value: Any) -> List[Any]:

@@ -166,7 +166,7 @@ class Geometry:
             array = array.reshape(1, -1)
         if array.ndim != 2 or array.shape[1] not in (2, 3):
             raise ValueError(f"points: an array of shape (N, 3) is needed, not {np.shape(points)}")
-        found = Closest(*_core.closest(self._body, array, whole("threads", threads)))
+        found = Closest(*_core.closest(self._body, array, whole("threads", threads, 0)))
         return Closest(*(part[0] for part in found)) if single else found
 
     def transform(self: Self, matrix: ArrayLike) -> Self:
@@ -347,7 +347,7 @@ class Geometry:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .step or .stp.
         unit : str
             Of the coordinates, declared: 'mm', 'm', 'inch' …
         name : str
@@ -355,9 +355,9 @@ class Geometry:
         schema : str
             'ap214' or 'ap242'.
         """
-        from ._files import write_geometry
+        from ._files import write_as
 
-        write_geometry(self, path, format="step", unit=unit, names=[name] if name else None, schema=schema)
+        write_as([self], path, "step", unit, name, schema)
 
     def to_iges(self, path: Path, *, unit: str = "mm", name: str = "") -> None:
         """Writes an IGES file, whole or not at all.
@@ -365,15 +365,15 @@ class Geometry:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .iges or .igs.
         unit : str
             Of the coordinates, declared.
         name : str
             A name property.
         """
-        from ._files import write_geometry
+        from ._files import write_as
 
-        write_geometry(self, path, format="iges", unit=unit, names=[name] if name else None)
+        write_as([self], path, "iges", unit, name)
 
     def to_json(self, path: Path, *, unit: str = "mm", name: str = "") -> None:
         """Writes a JSON file of the form that geomdl reads; numbers read back bit by bit.
@@ -381,15 +381,15 @@ class Geometry:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .json.
         unit : str
             Of the coordinates.
         name : str
             Kept in the file.
         """
-        from ._files import write_geometry
+        from ._files import write_as
 
-        write_geometry(self, path, format="json", unit=unit, names=[name] if name else None)
+        write_as([self], path, "json", unit, name)
 
     def to_geomdl(self) -> Dict[str, Any]:
         """The dictionary that geomdl's JSON exchange holds.

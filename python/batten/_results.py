@@ -12,6 +12,7 @@ from . import _core
 from ._arrays import Floats, Path, path_bytes, whole
 from ._cloud import Cloud
 from ._curve import Curve
+from ._files import path_as, write_as
 from ._geometry import Geometry, wrap, wrap_all
 from ._surface import Surface
 
@@ -87,10 +88,8 @@ class Fit:
         """Root mean square of the distances that are judged, in the data's units."""
         return self._fit.rms
 
-    def _write(self, path: Path, format: str, unit: Optional[str], names: Any, schema: str = "ap214") -> None:
-        from ._files import write_geometry
-
-        write_geometry(wrap_all(self._fit.bodies), path, format=format, unit=unit or self._fit.unit, names=names, schema=schema)
+    def _write(self, path: Path, format: str, unit: Optional[str], name: str, schema: str = "ap214") -> None:
+        write_as(wrap_all(self._fit.bodies), path, format, unit or self._fit.unit, name, schema)
         self._file, self._report = str(path), None
 
     def to_step(self, path: Path, *, unit: Optional[str] = None, name: str = "", schema: str = "ap214") -> None:
@@ -99,7 +98,7 @@ class Fit:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .step or .stp.
         unit : str, optional
             Of the coordinates; that of the fit.
         name : str
@@ -107,7 +106,7 @@ class Fit:
         schema : str
             'ap214' or 'ap242'.
         """
-        self._write(path, "step", unit, [name] * len(self._fit.bodies) if name else None, schema)
+        self._write(path, "step", unit, name, schema)
 
     def to_iges(self, path: Path, *, unit: Optional[str] = None, name: str = "") -> None:
         """Writes the geometry as IGES, whole or not at all.
@@ -115,13 +114,13 @@ class Fit:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .iges or .igs.
         unit : str, optional
             Of the coordinates; that of the fit.
         name : str
             A name property.
         """
-        self._write(path, "iges", unit, [name] * len(self._fit.bodies) if name else None)
+        self._write(path, "iges", unit, name)
 
     def to_json(self, path: Path, *, unit: Optional[str] = None, name: str = "") -> None:
         """Writes the geometry as JSON; numbers read back bit by bit.
@@ -129,13 +128,13 @@ class Fit:
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .json.
         unit : str, optional
             Of the coordinates; that of the fit.
         name : str
             Kept in the file.
         """
-        self._write(path, "json", unit, [name] * len(self._fit.bodies) if name else None)
+        self._write(path, "json", unit, name)
 
     def to_html(self, path: Path) -> None:
         """Writes the report as a page that any browser shows: figures, warnings, and the points and the geometry in 3D.
@@ -347,13 +346,13 @@ class SolidFit(Fit):
         Parameters
         ----------
         path : path-like
-            Any extension.
+            Ending in .step or .stp.
         unit : str, optional
             Of the coordinates; that of the fit.
         schema : str
             'ap214' or 'ap242'.
         """
-        self._fit.write_step(path_bytes("path", path), str(unit or self._fit.unit), str(schema))
+        self._fit.write_step(path_as(path, "step"), str(unit or self._fit.unit), str(schema))
         self._file, self._report = str(path), None
 
 

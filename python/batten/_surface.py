@@ -193,7 +193,7 @@ class Surface(Geometry):
             In the data's units.
         """
         a, b, shape = broadcast(u, v)
-        return _core.points(self._body, a, b, whole("threads", threads)).reshape(shape + (3,))
+        return _core.points(self._body, a, b, whole("threads", threads, 0)).reshape(shape + (3,))
 
     def derivatives(self, u: ArrayLike, v: ArrayLike, order: int = 1, *, threads: int = 0) -> Floats:
         """Points and partial derivatives, right-continuous at knots, left at the upper ends.
@@ -214,7 +214,7 @@ class Surface(Geometry):
         """
         a, b, shape = broadcast(u, v)
         order = whole("order", order, 0)
-        values = _core.derivatives(self._body, a, b, order, whole("threads", threads))
+        values = _core.derivatives(self._body, a, b, order, whole("threads", threads, 0))
         return values.reshape((order + 1, order + 1) + shape + (3,))
 
     def normal(self, u: ArrayLike, v: ArrayLike, *, threads: int = 0) -> Floats:
@@ -233,7 +233,7 @@ class Surface(Geometry):
             NaN where there is none.
         """
         a, b, shape = broadcast(u, v)
-        return _core.normals(self._body, a, b, whole("threads", threads)).reshape(shape + (3,))
+        return _core.normals(self._body, a, b, whole("threads", threads, 0)).reshape(shape + (3,))
 
     def curvature(self, u: ArrayLike, v: ArrayLike, *, threads: int = 0) -> Curvature:
         """Gaussian, mean and principal curvatures.
@@ -251,7 +251,7 @@ class Surface(Geometry):
             Four arrays of the common shape.
         """
         a, b, shape = broadcast(u, v)
-        values = _core.curvatures(self._body, a, b, whole("threads", threads))
+        values = _core.curvatures(self._body, a, b, whole("threads", threads, 0))
         return Curvature(*(values[:, k].reshape(shape) for k in range(4)))
 
     def contains(self, u: ArrayLike, v: ArrayLike, *, threads: int = 0) -> NDArray[np.bool_]:
@@ -270,7 +270,7 @@ class Surface(Geometry):
             True everywhere where there are no trims.
         """
         a, b, shape = broadcast(u, v)
-        return _core.contains(self._body, a, b, whole("threads", threads)).reshape(shape)
+        return _core.contains(self._body, a, b, whole("threads", threads, 0)).reshape(shape)
 
     def area_between(self, u: Tuple[float, float], v: Tuple[float, float]) -> float:
         """Area over a rectangle of parameters.

@@ -33,6 +33,10 @@ def _two(name: str, value: Any) -> Tuple[float, float]:
     return a, b
 
 
+def _angles(start: Any, sweep: Any) -> Tuple[float, float]:
+    return number("start", start), number("sweep", sweep)
+
+
 def line(start: ArrayLike, end: ArrayLike) -> Curve:
     """A segment.
 
@@ -84,7 +88,7 @@ def arc(
         raise ValueError("center: two or three numbers are needed")
     _, normal, zero = _frame((0, 0, 0), axis, x)
     return Curve._of(
-        _core.arc(middle, normal, zero, number("radius", radius), (number("start", start), number("sweep", sweep)))
+        _core.arc(middle, normal, zero, number("radius", radius), _angles(start, sweep))
     )
 
 
@@ -135,7 +139,7 @@ def ellipse(
     Curve
         Rational, of degree 2.
     """
-    angles = (number("start", start), number("sweep", sweep))
+    angles = _angles(start, sweep)
     return Curve._of(_core.ellipse(*_frame(center, axis, x), _two("radii", radii), angles))
 
 
@@ -210,7 +214,7 @@ def cylinder(
         Exact.
     """
     r, h = number("radius", radius), number("height", height)
-    angles = (number("start", start), number("sweep", sweep))
+    angles = _angles(start, sweep)
     return Surface._of(_core.cylinder(*_frame(center, axis, x), r, (0.0, h), angles))
 
 
@@ -244,7 +248,7 @@ def cone(
         Exact.
     """
     radii = (number("radius", radius), number("top_radius", top_radius))
-    angles = (number("start", start), number("sweep", sweep))
+    angles = _angles(start, sweep)
     return Surface._of(_core.cone(*_frame(center, axis, x), radii, (0.0, number("height", height)), angles))
 
 
@@ -276,7 +280,7 @@ def sphere(
     Surface
         Exact; poles are collapsed edges.
     """
-    angles = (number("start", start), number("sweep", sweep))
+    angles = _angles(start, sweep)
     r = number("radius", radius)
     return Surface._of(_core.sphere(*_frame(center, axis, x), r, angles, _two("latitudes", latitudes)))
 
@@ -312,7 +316,7 @@ def torus(
         Exact.
     """
     radii = (number("major_radius", major_radius), number("minor_radius", minor_radius))
-    round_axis = (number("start", start), number("sweep", sweep))
+    round_axis = _angles(start, sweep)
     tube = (number("tube_start", tube_start), number("tube_sweep", tube_sweep))
     return Surface._of(_core.torus(*_frame(center, axis, x), radii, round_axis, tube))
 
@@ -342,5 +346,5 @@ def revolve(
         v is the profile's parameter.
     """
     origin, direction, _ = _frame(center, axis, None)
-    angles = (number("start", start), number("sweep", sweep))
+    angles = _angles(start, sweep)
     return Surface._of(_core.revolve(_body_of("profile", profile), origin, direction, angles))

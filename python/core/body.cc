@@ -11,6 +11,7 @@
 #include "batten/io/geometry_json.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
+#include "python/core/errors.h"
 
 namespace batten::python {
 namespace {
@@ -20,7 +21,7 @@ SplineBasis BasisOf(int degree, const Doubles& knots, bool periodic, const char*
     return periodic ? SplineBasis::Periodic(degree, Numbers(knots))
                     : SplineBasis(degree, Numbers(knots));
   } catch (const std::invalid_argument& error) {
-    throw py::value_error(std::string(name) + ": " + error.what());
+    throw py::value_error(std::string(name) + ": " + Reason(error.what()));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "python/core/bind.h"
 #include "python/core/body.h"
 #include "python/core/cloud.h"
+#include "python/core/errors.h"
 #include "python/core/watch.h"
 
 namespace batten::python {
@@ -49,17 +50,29 @@ PointCloud FromArray(const py::array& rows) {
   return FromRows<double>(Doubles::ensure(rows));
 }
 
-// The first row that holds something that is not finite.
-py::ssize_t NotFinite(const py::array& rows) {
+constexpr double kFarthest = 1e18;  // as for files
+
+// Throws ValueError of the first row that holds something that is not finite or too far, if any.
+void RequireNear(const std::string& name, const py::array& rows) {
   const Doubles doubles = Doubles::ensure(rows);
   const auto numbers = doubles.unchecked<2>();
-  for (py::ssize_t k = 0; k < numbers.shape(0); ++k)
-    for (py::ssize_t d = 0; d < numbers.shape(1); ++d)
-      if (!std::isfinite(numbers(k, d))) return k;
-  return -1;
+  for (py::ssize_t k = 0; k < numbers.shape(0); ++k) {
+    for (py::ssize_t d = 0; d < numbers.shape(1); ++d) {
+      if (std::abs(numbers(k, d)) <= kFarthest) continue;
+      const std::string row = name + ": row " + std::to_string(k);
+      if (std::isfinite(numbers(k, d))) {
+        throw py::value_error(row + ": the number " +
+                              py::str(py::float_(numbers(k, d))).cast<std::string>() +
+                              " is beyond ±1e18");
+      }
+      throw py::value_error(row + " is not finite; keep " + name + "[numpy.isfinite(" + name +
+                            ").all(axis=1)]");
+    }
+  }
 }
 
-PointsPtr FromArrays(const py::array& points,
+PointsPtr FromArrays(const std::string& name,
+                     const py::array& points,
                      const std::optional<Doubles>& normals,
                      const std::optional<Doubles>& weights,
                      const std::optional<py::array_t<std::uint8_t, py::array::c_style>>& colours,
@@ -67,18 +80,20 @@ PointsPtr FromArrays(const py::array& points,
   auto made = std::make_shared<Points>();
   try {
     made->cloud = FromArray(points);
-  } catch (const std::invalid_argument& error) {
-    const py::ssize_t row = points.ndim() == 2 ? NotFinite(points) : -1;
-    if (row < 0) throw;
-    throw py::value_error("points: row " + std::to_string(row) +
-                          " is not finite; keep points[numpy.isfinite(points).all(axis=1)]");
+  } catch (const std::invalid_argument&) {
+    RequireNear(name, points);
+    throw;
   }
   PointCloud& cloud = made->cloud;
+  if (cloud.size() > 0 && !(cloud.points().cwiseAbs().maxCoeff() < kFarthest / 2 &&
+                            cloud.origin().cwiseAbs().maxCoeff() < kFarthest / 2)) {
+    RequireNear(name, points);
+  }
   const auto set = [](const char* name, const auto& put) {
     try {
       put();
     } catch (const std::invalid_argument& error) {
-      throw py::value_error(std::string(name) + ": " + error.what());
+      throw py::value_error(std::string(name) + ": " + Reason(error.what()));
     }
   };
   if (normals) set("normals", [&] { cloud.set_normals(Columns<3>(*normals, "normals")); });

@@ -142,9 +142,8 @@ FitPtr Compare(const std::vector<BodyPtr>& bodies,
   std::optional<double> tolerance;
   keywords.Take("tolerance", tolerance);
   if (tolerance && !(*tolerance > 0)) Keywords::Refuse("tolerance", "must be positive");
-  int threads = 0;
+  const int threads = keywords.Threads();
   std::uint64_t seed = 1;
-  keywords.Take("threads", threads);
   keywords.Take("seed", seed);
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
@@ -172,9 +171,7 @@ FitPtr Compare(const std::vector<BodyPtr>& bodies,
   made->report = std::move(report);
   made->points = points;
   made->names = names;
-  if (keywords.Has("command")) made->command = keywords.Word("command");
-  if (keywords.Has("unit")) made->unit = keywords.Word("unit");
-  Complete(*made, false);
+  Complete(*made, keywords, false);
   return made;
 }
 

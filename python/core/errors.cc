@@ -44,7 +44,7 @@ std::string Reason(const std::string& message) {
   if (colon == std::string::npos || colon == 0 || !std::isupper(message[0])) return message;
   const bool named = std::all_of(message.begin(),
                                  message.begin() + static_cast<std::ptrdiff_t>(colon),
-                                 [](unsigned char c) { return std::isalnum(c); });
+                                 [](unsigned char c) { return std::isalnum(c) || c == ':'; });
   return named ? message.substr(colon + 2) : message;
 }
 

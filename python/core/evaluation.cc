@@ -15,7 +15,6 @@
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
 #include "python/core/body.h"
-#include "python/core/errors.h"
 #include "python/core/watch.h"
 
 namespace batten::python {
@@ -33,12 +32,8 @@ constexpr py::ssize_t kWorthThreads = 20000;
 template <typename Work>
 void WithPool(py::ssize_t count, int threads, const Work& work) {
   const py::gil_scoped_release released;
-  try {
-    ThreadPool pool(count < kWorthThreads ? 1 : threads);
-    work(pool);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("parameters: " + Reason(error.what()));
-  }
+  ThreadPool pool(count < kWorthThreads ? 1 : threads);
+  work(pool);
 }
 
 // work(begin, end) over blocks of [0, count), likewise.
@@ -47,13 +42,23 @@ void InBlocks(py::ssize_t count, int threads, const Work& work) {
   WithPool(count, threads, [&](ThreadPool& pool) { pool.For(count, kBlock, work); });
 }
 
+void RequireNumbers(const Doubles& parameters, const char* name) {
+  if (std::any_of(parameters.data(), parameters.data() + parameters.size(), [](double at) {
+        return std::isnan(at);
+      }))
+    throw py::value_error(std::string(name) + ": not a number");
+}
+
 // u and v of each, which have the same size.
-void RequireSame(const Doubles& u, const Doubles& v) {
+void RequirePairs(const Doubles& u, const Doubles& v) {
   if (u.size() != v.size()) throw py::value_error("u, v: sizes differ");
+  RequireNumbers(u, "u");
+  RequireNumbers(v, "v");
 }
 
 template <int Dim>
 py::array CurvePoints(const Body& body, const Doubles& u, int threads) {
+  RequireNumbers(u, "u");
   py::array_t<double> points(Shape{u.size(), Dim});
   double* const out = points.mutable_data();
   const double* const in = u.data();
@@ -71,7 +76,7 @@ py::array Points(const Body& body, const Doubles& u, const std::optional<Doubles
     return body.dimension() == 2 ? CurvePoints<2>(body, u, threads)
                                  : CurvePoints<3>(body, u, threads);
   }
-  RequireSame(u, v.value());
+  RequirePairs(u, v.value());
   py::array_t<double> points(Shape{u.size(), 3});
   const auto count = static_cast<std::size_t>(u.size());
   const std::span us(u.data(), count), vs(v->data(), count);
@@ -85,6 +90,7 @@ py::array Points(const Body& body, const Doubles& u, const std::optional<Doubles
 // order + 1 × N × Dim
 template <int Dim>
 py::array CurveDerivatives(const Body& body, const Doubles& u, int order, int threads) {
+  RequireNumbers(u, "u");
   py::array_t<double> values(Shape{order + 1, u.size(), Dim});
   auto out = values.mutable_unchecked<3>();
   const double* const in = u.data();
@@ -102,7 +108,7 @@ py::array CurveDerivatives(const Body& body, const Doubles& u, int order, int th
 // order + 1 × order + 1 × N × 3, NaN beyond the total order
 py::array SurfaceDerivativesAt(
     const Body& body, const Doubles& u, const Doubles& v, int order, int threads) {
-  RequireSame(u, v);
+  RequirePairs(u, v);
   py::array_t<double> values(Shape{order + 1, order + 1, u.size(), 3});
   auto out = values.mutable_unchecked<4>();
   const double *const in_u = u.data(), *const in_v = v.data();
@@ -150,7 +156,7 @@ py::array Derivatives(
 }
 
 py::array Normals(const Body& body, const Doubles& u, const Doubles& v, int threads) {
-  RequireSame(u, v);
+  RequirePairs(u, v);
   py::array_t<double> normals(Shape{u.size(), 3});
   auto out = normals.mutable_unchecked<2>();
   const double *const in_u = u.data(), *const in_v = v.data();
@@ -170,7 +176,11 @@ py::array Curvatures(const Body& body,
                      const std::optional<Doubles>& v,
                      int threads) {
   const bool surface = body.is_surface();
-  if (surface) RequireSame(u, v.value());
+  if (surface) {
+    RequirePairs(u, v.value());
+  } else {
+    RequireNumbers(u, "u");
+  }
   py::array_t<double> values(Shape{u.size(), surface ? 4 : 2});
   auto out = values.mutable_unchecked<2>();
   const double *const in_u = u.data(), *const in_v = surface ? v->data() : nullptr;
@@ -195,7 +205,7 @@ py::array Curvatures(const Body& body,
 }
 
 py::array Contains(const Body& body, const Doubles& u, const Doubles& v, int threads) {
-  RequireSame(u, v);
+  RequirePairs(u, v);
   py::array_t<bool> inside(Shape{u.size()});
   bool* const out = inside.mutable_data();
   const double *const in_u = u.data(), *const in_v = v.data();
@@ -278,23 +288,6 @@ py::tuple Closest(const BodyPtr& body, const Doubles& array, int threads) {
                         Owned(std::move(feet.certified), {count}));
 }
 
-// The functions that act, values of every one at each parameter: N × n.
-py::array BasisValues(int degree, const Doubles& knots, const Doubles& u, int order) {
-  const SplineBasis basis(degree, Numbers(knots));
-  py::array_t<double> values(Shape{u.size(), basis.size()});
-  auto out = values.mutable_unchecked<2>();
-  std::vector<double> acting(static_cast<std::size_t>((order + 1) * (degree + 1)));
-  for (py::ssize_t n = 0; n < u.size(); ++n) {
-    for (int i = 0; i < basis.size(); ++i) out(n, i) = 0;
-    const double at = basis.Clamp(u.data()[n]);
-    const int span = basis.Span(at);
-    basis.Derivatives(span, at, order, acting.data());
-    for (int r = 0; r <= degree; ++r)
-      out(n, span - degree + r) = acting[static_cast<std::size_t>(order * (degree + 1) + r)];
-  }
-  return values;
-}
-
 }  // namespace
 
 void BindEvaluation(py::module_& m) {
@@ -304,7 +297,6 @@ void BindEvaluation(py::module_& m) {
   m.def("curvatures", &Curvatures);
   m.def("contains", &Contains);
   m.def("closest", &Closest);
-  m.def("basis_values", &BasisValues);
 }
 
 }  // namespace batten::python

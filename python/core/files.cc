@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "batten/fitting/progress.h"
-#include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/geometry_json.h"
 #include "batten/io/length_unit.h"
@@ -187,10 +186,6 @@ void BindFiles(py::module_& m) {
         [](const std::vector<BodyPtr>& bodies) { return ToGeometryJson(GeometriesOf(bodies)); });
   m.def("write_geometry", &Write);
   m.def("write_meshes", &WriteTheMeshes);
-  m.def("is_geometry_name", [](const std::string& path) {
-    const std::optional<FileFormat> format = FormatOfName(path);
-    return format && IsGeometryFormat(*format);
-  });
   m.def("units", [] {
     std::vector<std::string> names;
     for (const LengthUnit& unit : LengthUnits()) names.emplace_back(unit.name);

@@ -4,16 +4,16 @@
 
 #include <Eigen/Core>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_mask.h"
-#include "batten/fitting/primitive_options.h"
 #include "python/core/body.h"
 #include "python/core/cloud.h"
+#include "python/core/options.h"
 
 namespace batten::python {
 
@@ -29,12 +29,23 @@ struct Fit {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   std::string command, unit = "mm";
   std::vector<std::string> names = {};
-  std::optional<PrimitiveShape> shape = std::nullopt;
 };
 
 using FitPtr = std::shared_ptr<Fit>;
 
-// What the report of a fit to points from files says of these, and of their far coordinates.
-void Complete(Fit& fit, bool keeps_origin);
+// Its command and unit, and what the report says of points from files and of far coordinates.
+void Complete(Fit& fit, const Keywords& keywords, bool keeps_origin);
+
+// All but the bodies of what the library found for these points.
+template <typename Found>
+void Take(Found& found, const PointsPtr& points, const Keywords& keywords, Fit& fit) {
+  fit.parameters = std::move(found.parameters);
+  fit.residuals = std::move(found.residuals);
+  fit.outliers = std::move(found.outliers);
+  fit.report = std::move(found.report);
+  fit.points = points;
+  keywords.Take("shift", fit.shift);
+  Complete(fit, keywords, !keywords.Has("shift"));
+}
 
 }  // namespace batten::python

@@ -18,19 +18,18 @@
 namespace batten::python {
 namespace {
 
+// The terms that Python makes of where the joint stage begins.
+ResidualTerms TermsMade(const Kept& make, const BodyPtr& start, Watch& watch) {
+  ResidualTerms terms;
+  InPython(watch, [&] { terms = TermsOf((*make)(start), watch); });
+  return terms;
+}
+
 // Options that may be copied by the thread that works while Python goes on.
 FitPtr SurfaceFitOf(const PointsPtr& points, const Keywords& keywords, SurfaceFit fit) {
   auto made = std::make_shared<Fit>();
   made->bodies = {MakeBody(std::move(fit.surface))};
-  made->parameters = std::move(fit.parameters);
-  made->residuals = std::move(fit.residuals);
-  made->outliers = std::move(fit.outliers);
-  made->report = std::move(fit.report);
-  made->points = points;
-  keywords.Take("shift", made->shift);
-  if (keywords.Has("command")) made->command = keywords.Word("command");
-  if (keywords.Has("unit")) made->unit = keywords.Word("unit");
-  Complete(*made, !keywords.Has("shift"));
+  Take(fit, points, keywords, *made);
   return made;
 }
 
@@ -48,17 +47,7 @@ FitPtr FitOneSurface(const PointsPtr& points, const py::dict& values, const py::
         options.progress = watch.WholeFitProgress();
         if (make_terms) {
           options.terms = [&](const NurbsSurface& start) -> ResidualTerms {
-            if (watch.stopped()) return {};
-            const py::gil_scoped_acquire acquired;
-            try {
-              return TermsOf((*make_terms)(MakeBody(start)), watch);
-            } catch (py::error_already_set& error) {
-              watch.KeepError(std::move(error));
-            } catch (const std::exception& error) {
-              PyErr_SetString(PyExc_ValueError, error.what());
-              watch.KeepError(py::error_already_set());
-            }
-            return {};
+            return TermsMade(make_terms, MakeBody(start), watch);
           };
         }
         return Explained([&] { return FitSurface(points->cloud, options); });
@@ -99,15 +88,7 @@ std::vector<FitPtr> CurveFitsOf(const PointsPtr& points,
   for (CurveFit<Dim>& fit : fits) {
     auto made = std::make_shared<Fit>();
     made->bodies = {MakeBody(std::move(fit.curve))};
-    made->parameters = std::move(fit.parameters);
-    made->residuals = std::move(fit.residuals);
-    made->outliers = std::move(fit.outliers);
-    made->report = std::move(fit.report);
-    made->points = points;
-    keywords.Take("shift", made->shift);
-    if (keywords.Has("command")) made->command = keywords.Word("command");
-    if (keywords.Has("unit")) made->unit = keywords.Word("unit");
-    Complete(*made, !keywords.Has("shift"));
+    Take(fit, points, keywords, *made);
     list.push_back(std::move(made));
   }
   return list;
@@ -126,18 +107,7 @@ std::vector<FitPtr> FitSomeCurves(const PointsPtr& points,
         if (make_terms) {
           options.terms = [&](const SplineBasis& basis,
                               const Eigen::MatrixXd& control) -> ResidualTerms {
-            if (watch.stopped()) return {};
-            const py::gil_scoped_acquire acquired;
-            try {
-              const NurbsCurve<Dim> start(basis, control);
-              return TermsOf((*make_terms)(MakeBody(start)), watch);
-            } catch (py::error_already_set& error) {
-              watch.KeepError(std::move(error));
-            } catch (const std::exception& error) {
-              PyErr_SetString(PyExc_ValueError, error.what());
-              watch.KeepError(py::error_already_set());
-            }
-            return {};
+            return TermsMade(make_terms, MakeBody(NurbsCurve<Dim>(basis, control)), watch);
           };
         }
         return Explained([&]() -> std::vector<CurveFit<Dim>> {
@@ -198,16 +168,7 @@ FitPtr FitOnePrimitive(const PointsPtr& points,
       progress);
   auto made = std::make_shared<Fit>();
   made->bodies = {MakeBody(std::move(fit.geometry))};
-  made->parameters = std::move(fit.parameters);
-  made->residuals = std::move(fit.residuals);
-  made->outliers = std::move(fit.outliers);
-  made->report = std::move(fit.report);
-  made->shape = std::move(fit.shape);
-  made->points = points;
-  keywords.Take("shift", made->shift);
-  if (keywords.Has("command")) made->command = keywords.Word("command");
-  if (keywords.Has("unit")) made->unit = keywords.Word("unit");
-  Complete(*made, !keywords.Has("shift"));
+  Take(fit, points, keywords, *made);
   return made;
 }
 

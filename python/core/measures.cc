@@ -18,9 +18,6 @@ namespace {
 
 using Name = const std::string&;
 
-template <typename Shape>
-constexpr bool kIsSurface = std::is_same_v<std::remove_cvref_t<Shape>, NurbsSurface>;
-
 py::tuple Box(const Body& body) {
   return std::visit(
       [](const auto& shape) {
@@ -35,32 +32,35 @@ py::tuple Box(const Body& body) {
       body.geometry());
 }
 
-double Length(const Body& body, const std::optional<std::pair<double, double>>& range) {
+// f(curve)
+template <typename F>
+auto OfCurve(const Body& body, const F& f) {
+  using Result = decltype(f(std::declval<NurbsCurve<3>>()));
   return std::visit(
-      [&](const auto& shape) -> double {
-        if constexpr (kIsSurface<decltype(shape)>) {
+      [&](const auto& shape) -> Result {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(shape)>, NurbsSurface>) {
           throw py::value_error("a curve is needed, not a surface");
         } else {
-          return range ? ArcLength(shape, range->first, range->second) : ArcLength(shape);
+          return f(shape);
         }
       },
       body.geometry());
 }
 
+double Length(const Body& body, const std::optional<std::pair<double, double>>& range) {
+  return OfCurve(body, [&](const auto& curve) {
+    return range ? ArcLength(curve, range->first, range->second) : ArcLength(curve);
+  });
+}
+
 py::array AtLength(const Body& body, const Doubles& lengths) {
-  return std::visit(
-      [&](const auto& shape) -> py::array {
-        if constexpr (kIsSurface<decltype(shape)>) {
-          throw py::value_error("a curve is needed, not a surface");
-        } else {
-          const ArcLengthMap map(shape);
-          Eigen::VectorXd parameters(lengths.size());
-          for (py::ssize_t k = 0; k < lengths.size(); ++k)
-            parameters[k] = map.ParameterAt(lengths.data()[k]);
-          return Owned(std::move(parameters), {lengths.size()});
-        }
-      },
-      body.geometry());
+  return OfCurve(body, [&](const auto& curve) {
+    const ArcLengthMap map(curve);
+    Eigen::VectorXd parameters(lengths.size());
+    for (py::ssize_t k = 0; k < lengths.size(); ++k)
+      parameters[k] = map.ParameterAt(lengths.data()[k]);
+    return Owned(std::move(parameters), {lengths.size()});
+  });
 }
 
 double AreaOf(const Body& body, const std::optional<std::array<double, 4>>& box) {

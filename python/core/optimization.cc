@@ -56,8 +56,7 @@ py::tuple OptimizeAll(const Body& body,
   const Keywords keywords(values);
   OptimizeOptions options = OptimizeOptionsOf(keywords);
   Check(options);
-  int threads = 0;
-  keywords.Take("threads", threads);
+  const int threads = keywords.Threads();
   auto data = std::make_shared<FittingData>();
   if (body.dimension() == 2) {
     data->values = Columns<2>(points, "points");
@@ -83,14 +82,7 @@ py::tuple OptimizeAll(const Body& body,
   const Kept list = Keep(terms);
   OptimizeResult result = Watched(
       [=](Watch& watch) mutable {
-        {
-          const py::gil_scoped_acquire acquired;
-          try {
-            options.terms = TermsOf(*list, watch);
-          } catch (py::error_already_set& error) {
-            watch.KeepError(std::move(error));
-          }
-        }
+        InPython(watch, [&] { options.terms = TermsOf(*list, watch); });
         options.progress = [&](const char* stage, double fraction) {
           return watch.Go(stage, fraction);
         };

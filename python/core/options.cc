@@ -76,6 +76,12 @@ int Narrow(const char* name, std::int64_t whole) {
   return static_cast<int>(whole);
 }
 
+void RequireDegree(int degree) {
+  if (degree >= 1 && degree <= kMaxDegree) return;
+  Keywords::Refuse("degree",
+                   std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
+}
+
 void TakeDegrees(const Keywords& k, int& u, int& v) {
   if (!k.Has("degree")) return;
   if (const auto both = AsWhole(k.Value("degree"))) {
@@ -85,12 +91,19 @@ void TakeDegrees(const Keywords& k, int& u, int& v) {
     u = Narrow("degree", pair[0]);
     v = Narrow("degree", pair[1]);
   }
-  for (const int degree : {u, v}) {
-    if (degree < 1 || degree > kMaxDegree) {
-      Keywords::Refuse(
-          "degree", std::to_string(degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
-    }
-  }
+  RequireDegree(u);
+  RequireDegree(v);
+}
+
+void TakeParameterization(const Keywords& k, CurveParameterization& parameterization) {
+  k.Choose<CurveParameterization>("parameterization",
+                                  {{"chord", CurveParameterization::kChord},
+                                   {"centripetal", CurveParameterization::kCentripetal},
+                                   {"uniform", CurveParameterization::kUniform},
+                                   {"foley", CurveParameterization::kFoley},
+                                   {"universal", CurveParameterization::kUniversal},
+                                   {"given", CurveParameterization::kGiven}},
+                                  parameterization);
 }
 
 // None chooses; words are losses.
@@ -192,15 +205,11 @@ void TakeConditions(const Keywords& k, SurfaceFitOptions& options) {
   }
 }
 
-constexpr int kMostThreads = 1024;
-
 // Fields that every fit has.
 template <typename Options>
 void TakeWork(const Keywords& k, Options& options) {
   k.Take("shift", options.shift);
-  k.Take("threads", options.threads);
-  if (options.threads < 0 || options.threads > kMostThreads)
-    Keywords::Refuse("threads", "is " + std::to_string(options.threads) + ", not from 0 to 1024");
+  options.threads = k.Threads();
 }
 
 }  // namespace
@@ -284,6 +293,15 @@ void Keywords::Take(const char* name, std::optional<std::pair<int, int>>& field)
   field = {Narrow(name, pair[0]), Narrow(name, pair[1])};
 }
 
+int Keywords::Threads() const {
+  constexpr int kMost = 1024;
+  int threads = 0;
+  Take("threads", threads);
+  if (threads < 0 || threads > kMost)
+    Refuse("threads", "is " + std::to_string(threads) + ", not from 0 to 1024");
+  return threads;
+}
+
 SurfaceFitOptions SurfaceOptionsOf(const Keywords& k) {
   SurfaceFitOptions options;
   TakeDegrees(k, options.degree_u, options.degree_v);
@@ -322,14 +340,7 @@ CurveFitOptions CurveOptionsOf(const Keywords& k) {
   k.Take("tolerance", options.tolerance);
   k.Take("control_points", options.control_points);
   k.Take("max_control_points", options.max_control_points);
-  k.Choose<CurveParameterization>("parameterization",
-                                  {{"chord", CurveParameterization::kChord},
-                                   {"centripetal", CurveParameterization::kCentripetal},
-                                   {"uniform", CurveParameterization::kUniform},
-                                   {"foley", CurveParameterization::kFoley},
-                                   {"universal", CurveParameterization::kUniversal},
-                                   {"given", CurveParameterization::kGiven}},
-                                  options.parameterization);
+  TakeParameterization(k, options.parameterization);
   k.Choose<PointOrder>("order",
                        {{"auto", PointOrder::kAuto},
                         {"given", PointOrder::kGiven},
@@ -424,19 +435,8 @@ SolidFitOptions SolidOptionsOf(const Keywords& k) {
 CloudInterpolationOptions InterpolationOptionsOf(const Keywords& k) {
   CloudInterpolationOptions options;
   k.Take("degree", options.degree);
-  if (options.degree < 1 || options.degree > kMaxDegree) {
-    Keywords::Refuse(
-        "degree",
-        std::to_string(options.degree) + " is not in [1, " + std::to_string(kMaxDegree) + "]");
-  }
-  k.Choose<CurveParameterization>("parameterization",
-                                  {{"chord", CurveParameterization::kChord},
-                                   {"centripetal", CurveParameterization::kCentripetal},
-                                   {"uniform", CurveParameterization::kUniform},
-                                   {"foley", CurveParameterization::kFoley},
-                                   {"universal", CurveParameterization::kUniversal},
-                                   {"given", CurveParameterization::kGiven}},
-                                  options.parameterization);
+  RequireDegree(options.degree);
+  TakeParameterization(k, options.parameterization);
   k.Take("closed", options.closed);
   k.Take("keep_order", options.keep_order);
   k.Take("start_tangent", options.start_tangent);

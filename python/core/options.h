@@ -50,6 +50,8 @@ class Keywords {
   void Take(const char* name, std::optional<Eigen::Vector3d>& field) const;
   void Take(const char* name, std::optional<std::pair<int, int>>& field) const;
 
+  int Threads() const;  // 0, for all cores, where not given
+
   // One of the words, else the error names those there are.
   template <typename Choice>
   void Choose(const char* name,

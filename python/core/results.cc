@@ -122,7 +122,9 @@ void ResidualsTo(const FitPtr& fit, const std::string& path) {
 
 }  // namespace
 
-void Complete(Fit& fit, bool keeps_origin) {
+void Complete(Fit& fit, const Keywords& keywords, bool keeps_origin) {
+  if (keywords.Has("command")) fit.command = keywords.Word("command");
+  if (keywords.Has("unit")) fit.unit = keywords.Word("unit");
   FitReport& report = fit.report;
   const Points& points = *fit.points;
   const double far = points.cloud.size() > 0 ? points.cloud.World(0).cwiseAbs().maxCoeff() : 0;

@@ -183,17 +183,9 @@ SolidPtr FitOneSolid(const PointsPtr& points,
   made->audit = fit.audit;
   made->control_mesh = std::move(fit.control_mesh);
   made->layout = fit.layout;
-  made->parameters = std::move(fit.parameters);
-  made->residuals = std::move(fit.residuals);
-  made->outliers = std::move(fit.outliers);
   made->owners = std::move(fit.faces);
-  made->report = std::move(fit.report);
-  made->report.warnings.insert(made->report.warnings.begin(), warnings.begin(), warnings.end());
-  made->points = points;
-  keywords.Take("shift", made->shift);
-  if (keywords.Has("command")) made->command = keywords.Word("command");
-  if (keywords.Has("unit")) made->unit = keywords.Word("unit");
-  Complete(*made, !keywords.Has("shift"));
+  fit.report.warnings.insert(fit.report.warnings.begin(), warnings.begin(), warnings.end());
+  Take(fit, points, keywords, *made);
   return made;
 }
 

@@ -34,23 +34,17 @@ class PythonTerm : public ResidualTerm {
   bool Evaluate(std::span<const double> values,
                 std::span<double> residual,
                 std::span<double> jacobian) const override {
-    if (watch_.stopped()) return false;
-    const py::gil_scoped_acquire acquired;
-    try {
+    bool usable = false;
+    InPython(watch_, [&] {
       const py::array_t<double> numbers(std::ssize(values), values.data());
       const py::object answer = (*evaluate_)(numbers);
-      if (answer.is_none()) return false;
+      if (answer.is_none()) return;
       const auto pair = answer.cast<std::pair<py::object, py::object>>();
       Copy(pair.first, "residual", residual);
       if (!jacobian.empty()) Copy(pair.second, "Jacobian", jacobian);
-      return std::ranges::all_of(residual, [](double r) { return std::isfinite(r); });
-    } catch (py::error_already_set& error) {
-      watch_.KeepError(std::move(error));
-    } catch (const std::exception& error) {
-      PyErr_SetString(PyExc_ValueError, error.what());
-      watch_.KeepError(py::error_already_set());
-    }
-    return false;
+      usable = std::ranges::all_of(residual, [](double r) { return std::isfinite(r); });
+    });
+    return usable;
   }
 
  private:

@@ -2,6 +2,7 @@
 """Every format out and in again, and files that can't be read."""
 import json
 import os
+import struct
 
 import numpy as np
 import pytest
@@ -50,6 +51,14 @@ def test_vertices_of_meshes(tmp_path, extension):
 
 
 def test_las_and_the_data_of_the_project(tmp_path):
+    header = bytearray(227)
+    header[:4], header[24:26] = b"LASF", bytes([1, 2])
+    struct.pack_into("<HIIBHI", header, 94, 227, 227, 0, 0, 20, 3)
+    struct.pack_into("<6d", header, 131, *[0.5] * 3, *[100.0] * 3)
+    rows = [struct.pack("<iiiHBBbBH", k, 2 * k, 3 * k, 0, 9, kind, 0, 0, 0) for k, kind in enumerate((2, 6, 2))]
+    (tmp_path / "a.las").write_bytes(bytes(header) + b"".join(rows))
+    assert np.array_equal(batten.read_cloud(tmp_path / "a.las").points, 100 + np.outer(np.arange(3), [0.5, 1, 1.5]))
+    assert np.array_equal(batten.read_cloud(tmp_path / "a.las", las_classes=[6]).points, [[100.5, 101, 101.5]])
     panel = batten.read_cloud(os.path.join(ROOT, "data", "panel.ply"))
     assert len(panel) > 1000 and len(batten.read_cloud(os.path.join(ROOT, "data", "hull.xyz"))) > 1000
     two = batten.read_cloud([os.path.join(ROOT, "data", "panel.ply")] * 2)
@@ -220,6 +229,47 @@ def test_unknown_formats_and_unwritable_places(tmp_path, rng):
     with pytest.raises(ValueError, match="path"):
         batten.read_geometry(3)
     assert [one.name for one in tmp_path.iterdir()] == []
+
+
+ENDINGS = {"step": ("step", "STP"), "iges": ("iges", "igs"), "json": ("json", "Json")}
+
+
+def test_names_do_not_lie(tmp_path, sheet_fit, curve_fit):
+    for thing in (sheet_fit, curve_fit, sheet_fit.surface, curve_fit.curve):
+        for format, endings in ENDINGS.items():
+            write = getattr(thing, "to_" + format)
+            for wrong in ("a.foo", "a", format, "a." + format + "x", "a." + ("json" if format == "step" else "step")):
+                with pytest.raises(ValueError, match=r"^path: .*\." + format):
+                    write(tmp_path / wrong)
+            assert list(tmp_path.iterdir()) == []
+            for ending in endings:
+                write(tmp_path / f"a.{ending}")
+                os.remove(tmp_path / f"a.{ending}")
+    batten.write_geometry(sheet_fit.surface, tmp_path / "a.foo", format="step")  # who says so has it
+    assert (tmp_path / "a.foo").read_bytes().startswith(b"ISO-10303-21")
+
+
+def test_a_zero_byte_cuts_no_path(tmp_path, sheet_fit):
+    s, points, here = sheet_fit.surface, np.eye(3), str(tmp_path)
+    batten.write_cloud(points, here + "/a.xyz")
+    s.to_json(here + "/a.json")
+    calls = [
+        lambda: batten.read_cloud(here + "/a.xyz\0b"),
+        lambda: batten.read_cloud([here + "/a.xyz", here + "/a.xyz\0"]),
+        lambda: batten.read_geometry(here + "/a.json\0.json"),
+        lambda: batten.fit_surface(here + "/a.xyz\0.xyz"),
+        lambda: batten.compare(s, here + "/a.xyz\0.xyz"),
+        lambda: batten.fit_solid(points, layout=here + "/a.obj\0.obj"),
+        lambda: batten.write_cloud(points, here + "/b.xyz\0.xyz"),
+        lambda: batten.write_geometry(s, here + "/b.json\0.json"),
+        lambda: s.to_mesh(here + "/b.stl\0.stl", tolerance=0.1),
+    ]
+    names = {"step": "step", "iges": "iges", "json": "json", "html": "html", "report": "json", "residuals": "csv"}
+    calls += [lambda n=n, e=e: getattr(sheet_fit, "to_" + n)(f"{here}/b.{e}\0.{e}") for n, e in names.items()]
+    for call in calls:
+        with pytest.raises(ValueError, match=r"^\w+: .*\\x00.* zero byte"):
+            call()
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["a.json", "a.xyz"]
 
 
 def test_paths_of_any_kind(tmp_path, rng):

@@ -67,7 +67,22 @@ def without_times(report):
     [
         ("surface", ["--tolerance", "0.3"], {"tolerance": 0.3}),
         ("surface", ["--degree", "2,4", "--trim", "none", "--optimize", "none"], {"degree": (2, 4), "trim": "none", "optimize": "none"}),
+        (
+            "surface",
+            "--keep-outliers --control-points 9,8 --smoothing 1e-2 --loss huber --loss-scale 0.05 --unit cm --thin 12 --seed 7".split(),
+            {"keep_outliers": True, "control_points": (9, 8), "smoothing": 1e-2, "loss": "huber", "loss_scale": 0.05}
+            | {"unit": "cm", "thin": 12, "seed": 7},
+        ),
+        ("surface", "--base sheet --max-control-points 60 --closed none".split(), {"base": "sheet", "max_control_points": 60, "closed": "none"}),
+        (
+            "curve",
+            "--degree 4 --max-control-points 12 --parameterization centripetal --distance squared --smoothing 1e-3 --corners none".split()
+            + "--loss cauchy --loss-scale 0.01 --optimize knots --unit m".split(),
+            {"degree": 4, "max_control_points": 12, "parameterization": "centripetal", "distance": "squared", "smoothing": 1e-3}
+            | {"corners": False, "loss": "cauchy", "loss_scale": 0.01, "optimize": "knots", "unit": "m"},
+        ),
         ("primitive", ["--kind", "plane"], {"kind": "plane"}),
+        ("primitive", "--kind sphere --loss cauchy --loss-scale 0.1 --tolerance 9".split(), {"kind": "sphere", "loss": "cauchy", "loss_scale": 0.1, "tolerance": 9}),
         ("curve", ["--tolerance", "0.01"], {"tolerance": 0.01}),
         ("compare", ["--tolerance", "0.3"], {"tolerance": 0.3}),
     ],
@@ -179,6 +194,12 @@ def test_every_option_is_taken(options):
         assert np.prod(fit.surface.control_points.shape[:2]) <= 30
     if options.get("trim") == "none":
         assert not fit.surface.trimmed
+    if "symmetric" in options:
+        whole, at = fit.surface.with_trims([]), np.linspace(0, 1, 9)
+        (u0, u1), (v0, v1) = whole.domain
+        mirror = ([-1, 1, 1], [0, 0, 0]) if options["symmetric"] == "x" else ([1, -1, 1], [0, 0.5, 0])
+        image = whole.scale(mirror[0], center=mirror[1])(u0 + (u1 - u0) * at[:, None], v0 + (v1 - v0) * at)
+        assert whole.closest(image.reshape(-1, 3)).distances.max() < ITERATED
     if options.get("base"):
         assert report["geometry"]["base"] == options["base"]
     if options.get("optimize") == "none":
@@ -231,6 +252,8 @@ def test_boundaries_and_fixed_points_are_met():
     edge = batten.interpolate_curve(np.column_stack([np.zeros(30), np.linspace(0, 1, 30), heights(0, np.linspace(0, 1, 30))])).curve
     fit = batten.fit_surface(points, boundary=[edge])
     assert fit.surface.closest(edge(np.linspace(0, 1, 50))).distances.max() < 1e-6
+    near = batten.fit_surface(points, boundary=[edge], boundary_tolerance=0.01).surface
+    assert near != fit.surface and near.closest(edge(np.linspace(0, 1, 50))).distances.max() < 0.01
     met = batten.fit_surface(points, meet=[[0.5, 0.5, 0.2]])
     assert met.surface.closest([0.5, 0.5, 0.2]).distances < 1e-9
 
@@ -312,8 +335,12 @@ def test_interpolation_meets_the_points():
     for options in ({"degree": 5}, {"parameterization": "centripetal"}, {"parameters": np.linspace(2, 3, 30)}):
         fit = batten.interpolate_curve(points, **options)
         assert np.abs(fit.curve(fit.parameters) - points).max() < ITERATED
-    start = batten.interpolate_curve(points, start_tangent=[0, 0, 1]).curve
-    assert np.allclose(start.tangent(0.0), [0, 0, 1], atol=ITERATED)
+    ends = batten.interpolate_curve(points, start_tangent=[0, 0, 1], end_tangent=[0, 1, 0]).curve
+    assert np.allclose(ends.tangent([0.0, 1.0]), [[0, 0, 1], [0, 1, 0]], atol=ITERATED)
+    flat = batten.interpolate_curve(points[:, :2], start_tangent=[1, 0], end_tangent=[-1, 0]).curve
+    assert np.allclose(flat.tangent([0.0, 1.0]), [[1, 0], [-1, 0]], atol=ITERATED)
+    ring = batten.interpolate_curve(points[:-1, :2], closed=True)
+    assert ring.curve.periodic and np.abs(ring.curve(ring.parameters) - points[:-1, :2]).max() < ITERATED
 
 
 @pytest.mark.parametrize("kind", ["line", "circle", "plane", "sphere", "cylinder", "cone", "torus"])
@@ -399,6 +426,13 @@ def test_what_a_fit_writes(tmp_path, sheet_fit, curve_fit):
         assert json.loads((tmp_path / "report.json").read_text())["error"] == fit.report["error"]
         assert len(batten.read_geometry(tmp_path / "a.step")) >= 1
     sheet_fit.to_mesh(tmp_path / "a.stl")
+    inches = batten.fit_surface(sheet(300), unit="inch", optimize="none")
+    inches.to_step(tmp_path / "inch.step")
+    inches.to_iges(tmp_path / "metre.iges", unit="m")
+    assert [batten.read_geometry(tmp_path / name).unit for name in ("inch.step", "metre.iges")] == ["inch", "m"]
+    inches.to_mesh(tmp_path / "inch.glb", tolerance=0.1)
+    batten.write_mesh(inches.surface.tessellate(0.1), tmp_path / "same.glb", unit="inch")
+    assert (tmp_path / "inch.glb").read_bytes() == (tmp_path / "same.glb").read_bytes()
     assert batten.read_geometry(tmp_path / "a.json")[0] == curve_fit.curve
     with pytest.raises(ValueError):
         sheet_fit.to_residuals(tmp_path / "residuals.txt")

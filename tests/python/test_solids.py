@@ -283,6 +283,10 @@ def test_the_gate_leaves_no_file(ball, tmp_path):
         ball.to_step(tmp_path / "a.step", unit="furlong")
     with pytest.raises(ValueError):
         ball.to_step(tmp_path / "a.step", schema="ap999")
+    with pytest.raises(ValueError, match=r"^path: .*\.step"):
+        ball.to_step(tmp_path / "a.foo")
+    with pytest.raises(ValueError, match="zero byte"):
+        ball.to_step(str(tmp_path / "a\0.step"))
     with pytest.raises(batten.WriteError):
         ball.to_step(tmp_path / "absent" / "a.step")
     assert list(tmp_path.iterdir()) == []

@@ -169,6 +169,16 @@ def test_the_shape_stays(rng, change):
     assert same_points(s, KEEPING[change](s), 1e4 * ROUNDING)
 
 
+def test_moves_are_those_of_vectors(rng):
+    s, k, c, angle = random_surface(rng), np.array([2, -1, 2]) / 3, np.array([1.0, 2, 3]), 0.7
+    at = s(0.3, 0.6)
+    d = at - c  # Rodrigues' formula
+    turned = c + d * np.cos(angle) + np.cross(k, d) * np.sin(angle) + k * (k @ d) * (1 - np.cos(angle))
+    assert np.allclose(s.rotate(5 * k, angle, center=c)(0.3, 0.6), turned, atol=100 * ROUNDING)
+    assert np.allclose(s.scale([2, 3, -1], center=c)(0.3, 0.6), c + d * [2, 3, -1], atol=100 * ROUNDING)
+    assert np.allclose(s.translate(c)(0.3, 0.6), at + c, atol=100 * ROUNDING)
+
+
 def test_split_pieces_are_the_shape(rng):
     s = random_surface(rng)
     low, high = s.split("v", 0.3)

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "random_splines.h"
-#include "tolerances.h"
 #include "refusal.h"
+#include "tolerances.h"
 
 namespace batten::internal::plane_base_test {
 
@@ -311,6 +311,9 @@ TEST(FindPlaneBaseTest, RefusesPointsOnALine) {
     EXPECT_THAT(Refusal(points), HasSubstr("on a line"));
   }
   EXPECT_THAT(Refusal(Eigen::Vector3d(1, 2, 3).replicate(1, 10)), HasSubstr("on a line"));
+  for (const double scale : {1e-101, 1e-150, 1e-300}) {
+    EXPECT_THAT(Refusal(scale * Eigen::Matrix3Xd::Identity(3, 3)), HasSubstr("less than 1e-100"));
+  }
 }
 
 TEST(FindPlaneBaseTest, TakesThreePoints) {
