@@ -33,6 +33,7 @@ namespace {
 constexpr double kMostInvented = 0.15;  // of the area
 
 struct FitSolidArguments : FitArguments {
+  FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
   int faces = 0;
   bool keep_outliers = false, every_face = false;
@@ -42,7 +43,7 @@ SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
   SolidFitOptions options;
   options.tolerance = a.tolerance;
   options.smoothing = ToSmoothing(a.smoothing);
-  options.keep_outliers = a.keep_outliers;
+  options.keep_outliers = a.keep_outliers || ToCleaning(a.clean).keep_outliers;
   options.merge_faces = !a.every_face;
   return WithWork(std::move(options), a);
 }
@@ -170,11 +171,13 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<FitSolidArguments>();
   CLI::App& command = *fit.add_subcommand(
       "solid", "Fit a watertight solid of smooth faces to the points of a whole body");
-  AddEveryFitsArguments(
-      command,
-      *a,
-      "CLOUD",
-      "auto none; auto leaves out the outliers of the cloud, none takes all points");
+  AddEveryFitsArguments(command, *a, "CLOUD", nullptr);
+  command.get_option("--output")->description("Where to write: .step");
+  command.get_option("--tolerance")
+      ->description("Distance every point must keep, in the data's unit: it is only judged [none]");
+  Suggest(*command.get_option("--output-format")
+               ->description("Format of OUT where its name does not tell: step"),
+          {"step"});
   command
       .add_option(
           "--quads",
@@ -229,7 +232,7 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
       "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
-      "extraordinary vertices, and the solid a face for every few of its own. One that is given "
+      "extraordinary vertices, and the solid a face for every few of its own. One that is given\n"
       "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
       "the points. It is closed, each edge between two faces, faces counter-clockwise seen from "
       "outside.\n"
