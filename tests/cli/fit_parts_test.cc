@@ -114,7 +114,9 @@ TEST(CleaningTest, TakesStrayPointsAwayBeforeTheFitOrNone) {
         Batten({"fit", "surface", cloud, "-o", folder.File("p.json"), "--clean", wrong});
     EXPECT_EQ(run.code, 2);
     EXPECT_THAT(run.err, HasSubstr("--clean"));
-    if (wrong.find("statistical") == 0) EXPECT_THAT(run.err, HasSubstr("statistical:K,S"));
+    if (wrong.find("statistical") == 0) {
+      EXPECT_THAT(run.err, HasSubstr("statistical:K,S"));
+    }
   }
 }
 
