@@ -18,7 +18,8 @@ Cleaning ToCleaning(const std::string& text) {
   if (word == "auto") return {};
   StatisticalRemoval removal;
   if (word.size() < text.size()) {
-    const std::vector<double> numbers = ParseNumbers("--clean", text.substr(word.size() + 1));
+    const std::vector<double> numbers =
+        ParseNumbers("--clean statistical:K,S", text.substr(word.size() + 1));
     constexpr double kMostNeighbours = 1000;
     if (numbers.size() != 2 || !(numbers[0] >= 1) || numbers[0] > kMostNeighbours ||
         numbers[0] != static_cast<int>(numbers[0]) || !(numbers[1] > 0)) {

@@ -8,6 +8,7 @@
 
 #include "batten/geometry/spline_basis.h"
 #include "batten/io/read_error.h"
+#include "cli/terminal/help_format.h"
 #include "cli/terminal/nearest_name.h"
 #include "cli/terminal/parse_values.h"
 
@@ -346,7 +347,7 @@ std::string EditOperationsHelp() {
   std::string help;
   for (const Operation& one : Operations()) {
     const std::string form = one.name + (one.form.empty() ? "" : ":" + one.form);
-    help += fmt::format("  {:<40} {}\n", form, one.help);
+    help += HelpLines(form, one.help, 43);
   }
   return help;
 }

@@ -144,15 +144,17 @@ void AddEveryFitsArguments(CLI::App& command,
           },
           "Seconds for the fit; then the best so far is written, and the exit code is 3 [none]")
       ->type_name("S");
-  Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
-        {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
-  Suggest(AddText(command,
-                  "--loss-scale",
-                  a.loss_scale,
-                  "Standard deviation of good points, in the data's unit: auto (estimated) or a "
-                  "number",
-                  "S"),
-          {"auto"});
+  if (loss != nullptr) {
+    Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
+          {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
+    Suggest(AddText(command,
+                    "--loss-scale",
+                    a.loss_scale,
+                    "Standard deviation of good points, in the data's unit: auto (estimated) or a "
+                    "number",
+                    "S"),
+            {"auto"});
+  }
   Suggest(AddText(command,
                   "--clean",
                   a.clean,
@@ -274,7 +276,7 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
   CheckOutputArguments(a_.output);
   cleaning_ = ToCleaning(a_.clean);
   if (cleaning_.keep_outliers && !a_.may_keep_all)
-    throw UsageError("--clean none: fit surface alone can be told to fit every point");
+    throw UsageError("--clean none: fit surface and fit solid alone can be told to fit every point");
   shift_ = ToShift(a_.origin);
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;

@@ -52,7 +52,7 @@ struct FitWords {
 };
 void AddFitArguments(CLI::App& command, FitArguments& arguments, const FitWords& words);
 
-// Those among them that every fit has.
+// Those among them that every fit has; --loss and --loss-scale where there are words for them.
 void AddEveryFitsArguments(CLI::App& command,
                            FitArguments& arguments,
                            const char* points,

@@ -290,8 +290,8 @@ const std::vector<MakeKind>& MakeKinds() {
       {"plane", "A rectangle", "plane -o table.step --size 100,50", AddPlane, Plane},
       {"bilinear",
        "The surface between four corners",
-       "bilinear -o roof.json --corner-00 0,0,0 --corner-10 4,0,1 --corner-01 0,3,1 --corner-11 "
-       "4,3,0",
+       "bilinear -o roof.json --corner-00 0,0,0 --corner-10 4,0,1 \\\n"
+       "    --corner-01 0,3,1 --corner-11 4,3,0",
        AddBilinear,
        Bilinear},
       {"cylinder",

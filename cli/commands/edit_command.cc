@@ -148,12 +148,13 @@ int RunEdit(const EditArguments& a) {
 
   const Progress progress = MakeProgress(a.flags.quiet);
   BeginReading({a.geometry}, a.flags.quiet);
-  const GeometryContents read = ReadInUnit(a.geometry,
-                                           a.format,
-                                           a.output,
-                                           a.flags.quiet,
-                                           !pieces && KeepsBodies(a.out, out_format, a.output));
+  const bool keeps_bodies = !pieces && KeepsBodies(a.out, out_format, a.output);
+  const GeometryContents read =
+      ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet, keeps_bodies);
   Edited edited = EditAll(operations, read.geometry, read.names, progress);
+  if (keeps_bodies && edited.pieces && !a.flags.quiet && !read.flattened.empty()) {
+    PrintWarning(a.geometry + ": " + read.flattened);
+  }
   std::vector<GeometryBody> bodies = BodiesAfter(read.geometry, edited, read.bodies);
   const std::vector<GeometryFile> files =
       Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names), std::move(bodies));

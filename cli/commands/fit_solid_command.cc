@@ -34,6 +34,7 @@ namespace {
 constexpr double kMostInvented = 0.15;  // of the area
 
 struct FitSolidArguments : FitArguments {
+  FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
   int faces = 0;
   bool keep_outliers = false, every_face = false;
@@ -43,7 +44,7 @@ SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
   SolidFitOptions options;
   options.tolerance = a.tolerance;
   options.smoothing = ToSmoothing(a.smoothing);
-  options.keep_outliers = a.keep_outliers;
+  options.keep_outliers = a.keep_outliers || ToCleaning(a.clean).keep_outliers;
   options.merge_faces = !a.every_face;
   return WithWork(std::move(options), a);
 }
@@ -178,11 +179,13 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   auto a = std::make_shared<FitSolidArguments>();
   CLI::App& command = *fit.add_subcommand(
       "solid", "Fit a watertight solid of smooth faces to the points of a whole body");
-  AddEveryFitsArguments(
-      command,
-      *a,
-      "CLOUD",
-      "auto none; auto leaves out the outliers of the cloud, none takes all points");
+  AddEveryFitsArguments(command, *a, "CLOUD", nullptr);
+  command.get_option("--output")->description("Where to write: .step");
+  command.get_option("--tolerance")
+      ->description("Distance every point must keep, in the data's unit: it is only judged [none]");
+  Suggest(*command.get_option("--output-format")
+               ->description("Format of OUT where its name does not tell: step"),
+          {"step"});
   command
       .add_option(
           "--quads",

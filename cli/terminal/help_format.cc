@@ -34,12 +34,12 @@ std::string Wrapped(const std::string& text, size_t width) {
 class WrappingFormatter : public CLI::Formatter {
  public:
   std::string make_option(const CLI::Option* option, bool positional) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(out,
-                             make_option_name(option, positional) + make_option_opts(option),
-                             Wrapped(make_option_desc(option), kColumns - get_column_width()),
-                             get_column_width());
-    return out.str();
+    const HelpEntry entry = Entry(option, positional);
+    return HelpLines(entry.name, entry.text, get_column_width());
+  }
+
+  std::string make_subcommand(const CLI::App* sub) const override {
+    return HelpLines(sub->get_display_name(true), sub->get_description(), get_column_width());
   }
 
   HelpEntry Entry(const CLI::Option* option, bool positional) const {
@@ -53,6 +53,12 @@ const WrappingFormatter& FormatterOf(const CLI::App& command) {
 }
 
 }  // namespace
+
+std::string HelpLines(const std::string& name, const std::string& text, size_t column) {
+  std::ostringstream out;
+  CLI::detail::format_help(out, name, Wrapped(text, kColumns - column), column);
+  return out.str();
+}
 
 void WrapHelp(CLI::App& app) { app.formatter(std::make_shared<WrappingFormatter>()); }
 

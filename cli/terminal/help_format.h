@@ -9,6 +9,9 @@
 
 namespace batten::internal {
 
+// "  name    text", the text from that column on, wrapped at 100 columns.
+std::string HelpLines(const std::string& name, const std::string& text, size_t column);
+
 // Descriptions in help, of the command and those added to it later, are wrapped at 100 columns.
 void WrapHelp(CLI::App& app);
 

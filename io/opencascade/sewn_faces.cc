@@ -117,9 +117,9 @@ std::vector<Piece> Sewn(const std::vector<TopoDS_Face>& faces, double tolerance)
       const auto from = std::find_if(become.begin(), become.end(), [&](const TopoDS_Shape& one) {
         return one.IsSame(each.Current());
       });
-      piece.faces.emplace_back(
-          TopoDS::Face(each.Current()),
-          static_cast<size_t>(std::min(from, become.end() - 1) - become.begin()));
+      if (from == become.end()) continue;  // of no face there is: then all are left apart
+      piece.faces.emplace_back(TopoDS::Face(each.Current()),
+                               static_cast<size_t>(from - become.begin()));
     }
     return piece;
   };

@@ -116,6 +116,10 @@ TEST_F(CompletionTest, WordsOfFlagsAreThoseTheProgramTakes) {
   EXPECT_THAT(Offered({"convert", "--format", "s"}), Contains("step"));
   EXPECT_THAT(Offered({"fit", "surface", "--tolerance", ""}), IsEmpty());
   EXPECT_THAT(Offered({"completion", ""}), ElementsAre("bash", "fish", "zsh"));
+  EXPECT_THAT(Offered({"fit", "solid", "--output-format", ""}), ElementsAre("step"));
+  EXPECT_THAT(Offered({"fit", "solid", "--clean", ""}),
+              ElementsAre("auto", "none", "statistical"));
+  EXPECT_THAT(Offered({"fit", "solid", "--lo"}), IsEmpty());
   // Every word of a closed list is taken, others are not.
   const std::string cloud = folder_.With("cloud.xyz", ToText(WavySheet(30)));
   for (const char* const flag :

@@ -215,6 +215,10 @@ TEST_F(SewTest, SolidsAreFlattenedOnlyWhereTheFormatHoldsNone) {
       Batten({"edit", step, "-o", folder_.File("moved.step"), "scale:100", "translate:1,2,3"});
   EXPECT_THAT(moved.err, HasSubstr("sewn into a solid"));
   EXPECT_TRUE(Contents("moved.step").bodies.at(0).watertight());
+  const ProgramRun lines =
+      Batten({"edit", step, "-o", folder_.File("lines.step"), "iso:dir=u,at=0.5"});
+  EXPECT_EQ(lines.code, 0) << lines.err;
+  EXPECT_THAT(lines.err, HasSubstr("a solid is flattened"));
   for (const char* name : {"again.json", "again.iges", "again.stl"}) {
     EXPECT_THAT(Batten({"convert", step, folder_.File(name)}).err,
                 HasSubstr("a solid is flattened"));

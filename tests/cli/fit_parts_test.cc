@@ -100,13 +100,23 @@ TEST(CleaningTest, TakesStrayPointsAwayBeforeTheFitOrNone) {
       Batten({"fit", "curve", cloud, "-o", folder.File("o.json"), "--clean", "none"});
   EXPECT_EQ(curve.code, 2);
   EXPECT_THAT(curve.err, HasSubstr("--clean none"));
-  for (const char* wrong :
-       {"statistical:0,3", "statistical:2.5,3", "statistical:8", "none:3", "all"}) {
+  for (const std::string wrong : {"statistical:0,3",
+                                  "statistical:2.5,3",
+                                  "statistical:8",
+                                  "statistical:8,0",
+                                  "statistical:1001,3",
+                                  "statistical:a,b",
+                                  "statistical:",
+                                  "none:3",
+                                  "all"}) {
     SCOPED_TRACE(wrong);
     const ProgramRun run =
         Batten({"fit", "surface", cloud, "-o", folder.File("p.json"), "--clean", wrong});
     EXPECT_EQ(run.code, 2);
     EXPECT_THAT(run.err, HasSubstr("--clean"));
+    if (wrong.find("statistical") == 0) {
+      EXPECT_THAT(run.err, HasSubstr("statistical:K,S"));
+    }
   }
 }
 

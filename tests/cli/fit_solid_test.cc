@@ -91,6 +91,29 @@ TEST(FitSolidCommandTest, RefusesWithAReasonAndWithoutAFile) {
   EXPECT_THAT(refusal({ball, "--faces", "3"}, 2), HasSubstr("--faces"));
 }
 
+TEST(FitSolidCommandTest, StrayPointsCountWhereItIsSaid) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.With("ball.xyz", SphereText(2000) + "0 0 3\n0 3 0\n3 0 0\n");
+  WriteQuadMesh(CubeSphere(2), folder.File("layout.obj"));
+  const auto fit = [&](const std::string& how) {
+    const ProgramRun run = Batten({"fit",
+                                   "solid",
+                                   cloud,
+                                   "-o",
+                                   folder.File("ball.step"),
+                                   "--quads",
+                                   folder.File("layout.obj"),
+                                   "--clean",
+                                   how,
+                                   "--json"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return Json::parse(run.out)["input"];
+  };
+  EXPECT_EQ(fit("auto")["outliers"], 3);
+  EXPECT_EQ(fit("none")["outliers"], 0);
+  EXPECT_EQ(fit("statistical")["points"], 2000);
+}
+
 // Bodies apart are as many solids; one in another, or through it, is no solid of its own.
 TEST(FitSolidCommandTest, BodiesAreToldAndKeptApart) {
   const TemporaryFolder folder;

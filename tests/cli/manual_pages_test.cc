@@ -81,6 +81,11 @@ std::string Plain(const std::string& roff) {
   return text;
 }
 
+// Characters, of UTF-8.
+std::ptrdiff_t Columns(const std::string& line) {
+  return std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
+}
+
 class ManualPagesTest : public ::testing::Test {
  protected:
   Pages Written(const std::string& kind) {
@@ -102,6 +107,8 @@ TEST_F(ManualPagesTest, DocsHoldWhatHelpPrints) {
     EXPECT_EQ(found->second, text) << "run scripts/make-cli-pages";
     const std::string help = Batten(HelpArguments(name)).out;
     EXPECT_THAT(text, HasSubstr("```text\n" + help + "```\n")) << name;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(Columns(line), 100) << line;
   }
   EXPECT_EQ(kept.size(), written.size()) << "run scripts/make-cli-pages: some are of no command";
 }

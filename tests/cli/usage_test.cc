@@ -270,7 +270,11 @@ TEST_F(UsageTest, EveryExampleOfHelpIsACommandLineTheProgramTakes) {
   for (const std::vector<std::string>& command : AllCommands()) {
     std::vector<std::string> help = command;
     help.emplace_back("--help");
-    for (const std::string& line : LinesOf(Batten(help).out)) {
+    std::string text = Batten(help).out;
+    for (size_t at; (at = text.find("\\\n")) != std::string::npos;) {  // goes on below
+      text.erase(at, text.find_first_not_of(' ', at + 2) - at);
+    }
+    for (const std::string& line : LinesOf(text)) {
       if (line.rfind("  ", 0) != 0 || line.find("batten ") == std::string::npos) continue;
       std::vector<std::string> words = WordsOfExample(line);
       if (words.empty() || words[0] == "COMMAND") continue;

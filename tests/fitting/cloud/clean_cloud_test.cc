@@ -65,6 +65,8 @@ TEST(WithoutStatisticalOutliersTest, TakesUnitsAndOriginsAsTheyCome) {
   const auto far =
       WithoutStatisticalOutliers(PointCloud::FromWorld(Sheet(3000, 60, 1, {4.5e5, 5.4e6, 300})));
   EXPECT_NEAR(static_cast<double>(far.size()), static_cast<double>(kept.size()), 1);
+  // Without an origin of its own.
+  EXPECT_EQ(WithoutStatisticalOutliers(PointCloud(Sheet(3000, 60, 1, {4.5e5, 5.4e6, 300}))), far);
 }
 
 TEST(WithoutStatisticalOutliersTest, KeepsAllWhereThereAreTooFewToTell) {

@@ -4,6 +4,7 @@
 #include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
@@ -144,6 +145,41 @@ TEST(SewingTest, WiderGapsThanTheToleranceStayAndAreSaid) {
   ASSERT_EQ(back.bodies.size(), 1u);
   EXPECT_FALSE(back.bodies[0].solid);
   EXPECT_EQ(back.bodies[0].free_edges.size(), 6u);
+  EXPECT_GE(back.bodies[0].tolerance, kGap / 2);
+  EXPECT_EQ(Carried(file.path, folder.File("again.step")).shells, 1u);
+}
+
+// Sewn so widely the three would cross themselves.
+TEST(SewingTest, WhatWouldMakeNoValidShapeIsLeftAsItWas) {
+  const TemporaryFolder folder;
+  const std::vector<Geometry> three = {
+      Patch({Eigen::Vector3d(0, 0, 0), {1, 1, 1}, {0, 1, 0}, {1, 2, 2}}),
+      Patch({Eigen::Vector3d(0.5, 0, 0.5), {0.5, 1, 1}, {0.5, 0.3, 0.5}, {0.5, 1.3, 1}}),
+      Patch({Eigen::Vector3d(0.5, 0, 0), {0.5, 0, 1}, {1.5, 0.3, 0}, {1.5, 0.3, 1}})};
+  const GeometryFile file{folder.File("three.step"), three};
+  const SewingReport report = WriteGeometry(file, {.sew = 0.6}).value();
+  EXPECT_EQ(report.invalid, 3u);
+  EXPECT_EQ(report.loose, 3u);
+  EXPECT_EQ(report.free_edges, 12u);
+  const TopoDS_Shape back = ReadBack(file.path);
+  EXPECT_EQ(Count(back, TopAbs_FACE), 3);
+  EXPECT_TRUE(BRepCheck_Analyzer(back).IsValid());
+}
+
+TEST(SewingTest, ClosedShellsOfASolidAreItsVoidsWhereTheyLieInIt) {
+  const TemporaryFolder folder;
+  for (const bool inside : {true, false}) {
+    std::vector<Geometry> sides = BoxSides({0, 0, 0}, {4, 4, 4});
+    const Eigen::Vector3d corner(inside ? 1 : 6, 1, 1);
+    for (Geometry& side : BoxSides(corner, corner.array() + 2)) sides.push_back(std::move(side));
+    GeometryFile file{folder.File("two.step"), sides};
+    file.bodies = {{.solid = true, .tolerance = 1e-6}};
+    for (size_t k = 0; k < sides.size(); ++k) file.bodies[0].surfaces.push_back(k);
+    const SewingReport report = WriteGeometry(file).value();
+    EXPECT_TRUE(report.watertight());
+    EXPECT_EQ(report.solids, inside ? 1u : 2u);
+    EXPECT_NEAR(Volume(ReadBack(file.path)), inside ? 64 - 8 : 64 + 8, kVolume * 64);
+  }
 }
 
 // Half an edge against a whole one: edges are cut where only parts of them meet.
@@ -199,6 +235,15 @@ TEST(SewingTest, BodiesAreNotSewnToOneAnother) {
   EXPECT_EQ(report.solids, 2u);
   EXPECT_EQ(report.shared_edges, 24u);
   EXPECT_EQ(report.free_edges, 0u);
+
+  // Nor to surfaces of no body, where sewing is asked for.
+  GeometryContents read = ReadGeometryContents(folder.File("in.brep"));
+  read.geometry.push_back(Patch({Eigen::Vector3d(2, 0, 0), {3, 0, 0}, {2, 1, 0}, {3, 1, 0}}));
+  const GeometryFile file{folder.File("more.step"), read.geometry, {}, read.bodies};
+  const SewingReport more = WriteGeometry(file, {.sew = 1e-6}).value();
+  EXPECT_EQ(more.surfaces, 13u);
+  EXPECT_EQ(more.solids, 2u);
+  EXPECT_EQ(more.loose, 1u);
 }
 
 TEST(SewingTest, AnOpenShellNamesItsFreeEdges) {
@@ -218,6 +263,10 @@ TEST(SewingTest, AnOpenShellNamesItsFreeEdges) {
     EXPECT_NEAR(edge.to[0], 1, 1e-9);
     EXPECT_NEAR((edge.from - edge.to).norm(), 1, 1e-9);
   }
+  const GeometryContents metres = ReadGeometryContents(file.path, {.unit = "m"});
+  EXPECT_NEAR(metres.bodies[0].tolerance / back.bodies[0].tolerance, 1e-3, 1e-12);
+  EXPECT_NEAR(metres.bodies[0].free_edges[0].from[0], 1e-3, 1e-12);
+  EXPECT_NEAR(metres.bodies[0].free_edges[0].to[0], 1e-3, 1e-12);
 }
 
 TEST(SewingTest, NamesOfSurfacesStayTheirs) {
