@@ -509,8 +509,9 @@ def fit_solid(
             paths = [points] if is_path(points) else list(points)
             mesh = _core.read_faces(path_bytes("points", paths[0]), False) if len(paths) == 1 else None
     if is_path(layout):
+        path = path_bytes("layout", layout)
         try:
-            quads = _core.read_faces(path_bytes("layout", layout), True)
+            quads = _core.read_faces(path, True)
         except ValueError as error:
             raise ValueError(f"layout: {error}") from None
     else:

@@ -267,7 +267,7 @@ def test_a_zero_byte_cuts_no_path(tmp_path, sheet_fit):
     names = {"step": "step", "iges": "iges", "json": "json", "html": "html", "report": "json", "residuals": "csv"}
     calls += [lambda n=n, e=e: getattr(sheet_fit, "to_" + n)(f"{here}/b.{e}\0.{e}") for n, e in names.items()]
     for call in calls:
-        with pytest.raises(ValueError, match=r"^\w+: .*\\x00.* zero byte"):
+        with pytest.raises(ValueError, match=r"^\w+: '.*\\x00.*' holds a zero byte"):
             call()
     assert sorted(one.name for one in tmp_path.iterdir()) == ["a.json", "a.xyz"]
 
