@@ -2,18 +2,10 @@
 // What the operations of `batten edit` do to a shape.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "batten/io/geometry_types.h"
-#include "cli/arguments/edit_syntax.h"
+#include "cli/arguments/edit_values.h"
 
 namespace batten::internal {
-
-struct EditOutcome {
-  std::vector<Geometry> pieces;  // one, but for split, decompose, cut and trim
-  std::string shortfall;  // how a removal or reduction fell short of what was asked; or empty
-};
 
 // Applies one operation. Throws UsageError naming the operation as typed, the value and the rule
 // where it is impossible for this shape.

@@ -9,6 +9,7 @@ namespace batten::python {
 void BindBodies(pybind11::module_& m);
 void BindEvaluation(pybind11::module_& m);
 void BindEditing(pybind11::module_& m);
+void BindShaping(pybind11::module_& m);
 void BindMaking(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);

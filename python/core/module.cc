@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, m) {
   BindBodies(m);
   BindEvaluation(m);
   BindEditing(m);
+  BindShaping(m);
   BindMaking(m);
   BindMeasures(m);
   BindSections(m);

@@ -8,7 +8,7 @@
 
 #include "batten/geometry/nurbs_curve.h"
 
-namespace batten::internal {
+namespace batten {
 
 enum class ApproximationPieces {
   kConics,  // rational quadratics: exact for conics; in space one piece needs points in a plane
@@ -19,8 +19,8 @@ struct LocalApproximationOptions {
   ApproximationPieces pieces = ApproximationPieces::kCubics;
   bool closed = false;  // the first point follows the last
   // Turning angle of the polygon (radians, in ]0, π[) above which points are corners, if they turn
-  // much more than their neighbours do, over legs of five tolerances at least (SharpTurns in
-  // smooth_tangents.h). No corners are sought when absent.
+  // much more than their neighbours do, over legs of five tolerances at least . No corners are
+  // sought when absent.
   std::optional<double> corner_angle = 0.5;
   std::vector<Eigen::Index> corners = {};  // further points that are corners
 };
@@ -55,4 +55,4 @@ extern template LocalApproximation<3> ApproximateLocally<3>(const Eigen::Matrix3
                                                             double,
                                                             const LocalApproximationOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 
 #include "batten/fitting/interpolate_curve.h"
-#include "fitting/interpolation/point_tangents.h"
+#include "batten/fitting/point_tangents.h"
 
-namespace batten::internal {
+namespace batten {
 
 enum class LocalPieces {
   kParabolas,  // quadratic B-spline; one or two pieces between neighbours
@@ -33,4 +33,4 @@ extern template InterpolatedCurve<3> InterpolateLocally<3>(const Eigen::Matrix3X
                                                            LocalPieces,
                                                            const TangentOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace batten::internal {
+namespace batten {
 
 enum class TangentRule {
   // The tangent of the circle through the point and its two neighbours, which is also the direction
@@ -44,4 +44,4 @@ PointTangents<Dim> TangentsAt(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& 
 extern template PointTangents<2> TangentsAt<2>(const Eigen::Matrix2Xd&, const TangentOptions&);
 extern template PointTangents<3> TangentsAt<3>(const Eigen::Matrix3Xd&, const TangentOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

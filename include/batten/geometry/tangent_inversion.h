@@ -7,7 +7,7 @@
 
 #include "batten/geometry/nurbs_surface.h"
 
-namespace batten::internal {
+namespace batten {
 
 // Moving the parameters by (du, dv) per unit of time moves the point of the surface by S_u·du +
 // S_v·dv; `residual` is the distance of that from the vector asked for, which is the length of the
@@ -30,4 +30,4 @@ std::optional<TangentInversion> InvertTangent(const NurbsSurface& surface,
                                               double v,
                                               const Eigen::Vector3d& tangent);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -6,7 +6,7 @@
 
 #include "batten/geometry/bezier_curve.h"
 
-namespace batten::internal {
+namespace batten {
 
 // Which curve Q of degree n−1 stands for the curve P of degree n. Elevation would give
 // P_i = (i/n) Q_{i−1} + (1 − i/n) Q_i for i = 0 … n: n+1 equations for n points.
@@ -33,4 +33,4 @@ template <int Dim>
 std::optional<BezierReduction<Dim>> Reduced(const BezierCurve<Dim>& curve,
                                             BezierReductionRule rule);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -8,7 +8,7 @@
 
 #include "batten/geometry/nurbs_curve.h"
 
-namespace batten::internal {
+namespace batten {
 
 // A condition on the curve, or its derivative of an order, at a parameter: met exactly, or weighted
 // along with the data.
@@ -47,4 +47,4 @@ NurbsCurve<Dim> ConstrainedCurve(const SplineBasis& basis,
                          ConstrainedLeastSquares(basis, parameters, points, weights, conditions));
 }
 
-}  // namespace batten::internal
+}  // namespace batten
