@@ -329,6 +329,8 @@ SplineDerivatives<Dim> WithEnds(const Steps<Dim>& s,
     curved = true;
     *now[side] = {CubicEnd::kSecondDerivative, Point<Dim>::Zero()};
   }
+  // An end that runs so much faster than all chords is a solution on paper only.
+  const double wild = 1e3 * s.d.colwise().norm().maxCoeff();
   const Eigen::Index pieces = s.h.size();
   for (int round = 0; round < kMost; ++round) {
     const Ends<Dim> ends(start, end, pieces);
@@ -339,7 +341,7 @@ SplineDerivatives<Dim> WithEnds(const Steps<Dim>& s,
       const Eigen::Index at = side == 0 ? 0 : pieces;
       const Point<Dim> slope = result.slopes.col(at);
       const Point<Dim> second = SecondOf<Dim>(given[side], slope);
-      if (!second.allFinite()) RefuseCurvatures();
+      if (!second.allFinite() || slope.norm() > wild) RefuseCurvatures();
       settled = settled && (second - now[side]->value).norm() <= kSettled * second.norm();
       now[side]->value = second;
     }
