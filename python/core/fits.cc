@@ -38,7 +38,6 @@ FitPtr SurfaceFitOf(const PointsPtr& points, const Keywords& keywords, SurfaceFi
 FitPtr FitOneSurface(const PointsPtr& points, const py::dict& values, const py::object& progress) {
   const Keywords keywords(values);
   SurfaceFitOptions options = SurfaceOptionsOf(keywords);
-  const std::vector<MetPlace> places = PlacesOf(keywords);
   const Kept make_terms = keywords.Has("terms") ? Keep(keywords.Value("terms")) : nullptr;
   if (make_terms) options.terms = [](const NurbsSurface&) { return ResidualTerms(); };
   Check(options);
@@ -103,6 +102,7 @@ std::vector<FitPtr> FitSomeCurves(const PointsPtr& points,
                                   CurveFitOptions options,
                                   const std::string& component,
                                   const py::object& progress) {
+  const std::vector<MetPlace> places = PlacesOf(keywords);
   const Kept make_terms = keywords.Has("terms") ? Keep(keywords.Value("terms")) : nullptr;
   auto fits = Watched(
       [=](Watch& watch) mutable {
