@@ -235,6 +235,8 @@ void GroupFitFlags(CLI::App& command) {
               "--optimize",
               "--distance",
               "--interpolate",
+              "--spline",
+              "--method",
               "--time-limit"});
   GroupFlags(command,
              "Which shape",
@@ -252,10 +254,18 @@ void GroupFitFlags(CLI::App& command) {
               "--grid",
               "--grid-method",
               "--start-tangent",
-              "--end-tangent"});
+              "--end-tangent",
+              "--start-curvature",
+              "--end-curvature"});
   GroupFlags(command,
              "What it has to meet",
-             {"--boundary", "--boundary-tolerance", "--meet", "--symmetric", "--domain"});
+             {"--boundary",
+              "--boundary-tolerance",
+              "--meet",
+              "--through",
+              "--tangents",
+              "--symmetric",
+              "--domain"});
   GroupFlags(command,
              "Which points count",
              {"--loss",
@@ -276,7 +286,8 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
   CheckOutputArguments(a_.output);
   cleaning_ = ToCleaning(a_.clean);
   if (cleaning_.keep_outliers && !a_.may_keep_all)
-    throw UsageError("--clean none: fit surface and fit solid alone can be told to fit every point");
+    throw UsageError(
+        "--clean none: fit surface and fit solid alone can be told to fit every point");
   shift_ = ToShift(a_.origin);
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;

@@ -220,9 +220,9 @@ void AddEditCommand(CLI::App& app, Action& action) {
       "  batten edit part.json -o lighter.json remove-knot:dir=v,at=0.5,tolerance=0.01\n"
       "  batten edit part.json -o edge.json iso:dir=u,at=0\n"
       "  batten edit part.json -o longer.json extend:dir=u,end=upper,by=5\n"
-      "  batten edit part.json -o dented.json 'move:at=0.2;0.3;0.7;0.6,to=1;2;3;4;5;6'\n"
-      "  batten edit part.json -o domed.json 'warp:region=0.2;0.8;0.2;0.8,by=0;0;5'\n"
-      "  batten edit part.json -o rolled.json 'bend:from=5;0;0,center=0;0;0,length=6'\n"
+      "  batten edit part.json -o dented.json move:at=0.2,0.3,0.7,0.6,to=1,2,3,4,5,6\n"
+      "  batten edit part.json -o domed.json warp:region=0.2,0.8,0.2,0.8,by=0,0,5\n"
+      "  batten edit part.json -o rolled.json bend:from=5,0,0,center=0,0,0,length=6\n"
       "  batten edit part.json -o half.step cut:plane=0;0;1;25,keep=below\n"
       "  batten edit part.json -o holed.json trim:curve=hole.json,keep=outside");
   command.callback([a, &action] { action = [a] { return RunEdit(*a); }; });
