@@ -114,11 +114,9 @@ InterpolatedCurve<Dim> SplineThrough(const MetPoints<Dim>& met,
   const Eigen::VectorXd t = ParametersOf(met, options);
   if (options.closed)
     return {ClosedCubicSplineCurve<Dim>(met.points, t), t.head(met.points.cols())};
-  return {CubicSplineCurve<Dim>(met.points,
-                                t,
-                                ConditionOf(met, t, InterpolationEnd::kStart, options),
-                                ConditionOf(met, t, InterpolationEnd::kEnd, options)),
-          t};
+  const CubicEndCondition<Dim> start = ConditionOf(met, t, InterpolationEnd::kStart, options);
+  const CubicEndCondition<Dim> end = ConditionOf(met, t, InterpolationEnd::kEnd, options);
+  return {CubicSplineCurve<Dim>(met.points, t, start, end), t};
 }
 
 template <int Dim>

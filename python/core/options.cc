@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "python/core/options.h"
 
+#include <pybind11/stl.h>
+
 #include <limits>
 
 #include "batten/geometry/spline_basis.h"
