@@ -36,6 +36,9 @@ std::vector<Pair> NearPairs(const Eigen::MatrixXd& squared) {
       const int width = std::min(j + 1, columns - 1) - left + 1;
       const double here = squared(i, j);
       if (i > 0 && squared(i - 1, j) < here) continue;
+      if (i + 1 < rows && squared(i + 1, j) < here) continue;
+      if (j > 0 && squared(i, j - 1) < here) continue;
+      if (j + 1 < columns && squared(i, j + 1) < here) continue;
       if (here <= squared.block(top, left, height, width).minCoeff()) pairs.push_back({i, j, here});
     }
   }
@@ -94,8 +97,10 @@ double AtBeginning(const SampledCurve& curve, double at) {
 
 SampledCurve::SampledCurve(const NurbsCurve<3>& curve) : evaluator_(curve), closed_(Closed(curve)) {
   const SplineBasis& basis = curve.basis();
-  const int places = 4 * basis.degree() + 4;
-  for (const int span : basis.Spans()) {
+  constexpr int kLeast = 24;  // in all
+  const std::vector<int> spans = basis.Spans();
+  const int places = std::max(basis.degree() + 1, kLeast / static_cast<int>(spans.size()) + 1);
+  for (const int span : spans) {
     const double begin = basis.knots()[span], end = basis.knots()[span + 1];
     for (int k = 0; k < places; ++k) parameters_.push_back(begin + (end - begin) * k / places);
   }

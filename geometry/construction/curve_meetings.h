@@ -19,7 +19,7 @@ struct CurveMeeting {
 // A curve with points along it.
 class SampledCurve {
  public:
-  // 4p + 4 samples a span, evenly.
+  // p + 1 samples a span, evenly, and two dozen at least.
   explicit SampledCurve(const NurbsCurve<3>& curve);
 
   const NurbsCurve<3>& curve() const { return evaluator_.curve(); }

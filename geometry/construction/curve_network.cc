@@ -140,18 +140,17 @@ CurveFamily FamilyOf(const std::vector<NurbsCurve<3>>& curves,
 }
 
 // Two curves of one direction that meet would make the surface fold over or end in a point there.
+// Neighbours in order are looked at: others that met would cross those between them.
 void RefuseCrossings(const CurveFamily& family, double tolerance, const char* direction) {
   const std::vector<SampledCurve> curves(family.curves.begin(), family.curves.end());
-  for (std::size_t k = 0; k < curves.size(); ++k) {
-    for (std::size_t l = 0; l < k; ++l) {
-      const CurveMeeting meeting = Meetings(curves[l], curves[k], tolerance)[0];
-      RequireThat(meeting.gap > tolerance,
-                  kGordon,
-                  NameOf(direction, family.order[l]) + " and " +
-                      NameOf(direction, family.order[k]) + " come within " +
-                      RoundedText(meeting.gap) + " of each other, not above the tolerance " +
-                      NumberText(tolerance) + ": curves of one direction are not to meet");
-    }
+  for (std::size_t k = 1; k < curves.size(); ++k) {
+    const CurveMeeting meeting = Meetings(curves[k - 1], curves[k], tolerance)[0];
+    RequireThat(meeting.gap > tolerance,
+                kGordon,
+                NameOf(direction, family.order[k - 1]) + " and " +
+                    NameOf(direction, family.order[k]) + " come within " +
+                    RoundedText(meeting.gap) + " of each other, not above the tolerance " +
+                    NumberText(tolerance) + ": curves of one direction are not to meet");
   }
 }
 
