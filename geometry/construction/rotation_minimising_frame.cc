@@ -59,7 +59,7 @@ RotationMinimisingFrame::RotationMinimisingFrame(const NurbsCurve<3>& curve,
 }
 
 std::vector<RotationMinimisingFrame::Node> RotationMinimisingFrame::Walk(int steps) const {
-  const CurveJet<3> start = pieces_.JetAt(breaks_.front(), Side::kAbove);
+  const CurveJet<3> start = MovingJet(breaks_.front(), Side::kAbove);
   const Eigen::Vector3d tangent = start.first.normalized();
   std::vector<Node> nodes = {{breaks_.front(), start.point, tangent, AnyNormal(tangent)}};
   for (std::size_t k = 0; k + 1 < breaks_.size(); ++k) {
@@ -72,16 +72,22 @@ std::vector<RotationMinimisingFrame::Node> RotationMinimisingFrame::Walk(int ste
   return nodes;
 }
 
+CurveJet<3> RotationMinimisingFrame::MovingJet(double at, Side side) const {
+  constexpr double kStill = 1e-12;  // of the mean speed
+  const CurveJet<3> jet = pieces_.JetAt(at, side);
+  const double mean_speed = length_.length() / (breaks_.back() - breaks_.front());
+  RequireThat(jet.first.norm() > kStill * mean_speed,
+              function_,
+              "the trajectory has no tangent at its parameter " + PlaceText(at, jet.point) +
+                  ", where its first derivative vanishes");
+  return jet;
+}
+
 // Mirrored in the plane midway between the points, then in the one midway between the tangents.
 RotationMinimisingFrame::Node RotationMinimisingFrame::Stepped(const Node& from,
                                                                double to,
                                                                Side side) const {
-  constexpr double kStill = 1e-12;  // of the mean speed
-  const CurveJet<3> jet = pieces_.JetAt(to, side);
-  const double mean_speed = length_.length() / (breaks_.back() - breaks_.front());
-  RequireThat(jet.first.norm() > kStill * mean_speed,
-              function_,
-              "the trajectory has no tangent at its parameter " + PlaceText(to, jet.point));
+  const CurveJet<3> jet = MovingJet(to, side);
   Node node{to, jet.point, jet.first.normalized(), from.normal};
   Eigen::Vector3d tangent = from.tangent;
   const Eigen::Vector3d chord = node.point - from.point;

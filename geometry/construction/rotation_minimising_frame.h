@@ -44,6 +44,7 @@ class RotationMinimisingFrame {
     Eigen::Vector3d point, tangent, normal;
   };
 
+  CurveJet<3> MovingJet(double at, Side side) const;  // throws where it stands still
   Node Stepped(const Node& from, double to, Side side) const;
   std::vector<Node> Walk(int steps) const;  // so many in every span
 

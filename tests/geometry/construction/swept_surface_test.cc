@@ -169,6 +169,9 @@ TEST(SweepTest, KinksStillnessAndFoldsAreRefusedWithThePlace) {
   EXPECT_THAT(RefusalOf([&] { Sweep(profile, still, {.tolerance = 1e-3}); }),
               HasSubstr("is a point"));
   const NurbsCurve<3> cusp = Cubic({{0, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}});
+  const NurbsCurve<3> resting = Cubic({{0, 0, 0}, {0, 0, 0}, {0, 0, 5}, {0, 0, 9}});
+  EXPECT_THAT(RefusalOf([&] { Sweep(profile, resting, {.tolerance = 1e-3}); }),
+              HasSubstr("no tangent at its parameter 0, at (0, 0, 0)"));
   EXPECT_NE(RefusalOf([&] { Sweep(profile, cusp, {.tolerance = 1e-3}); }), "accepted");
 }
 
