@@ -550,8 +550,8 @@ def swing(
     Surface
         u is the trajectory's parameter, v the profile's.
     """
-    bodies = _curve("profile", profile), _curve("trajectory", trajectory)
-    return Surface._of(_core.swing(*bodies, *_frame(center, axis, x), number("scale", scale)))
+    moved, along = _curve("profile", profile), _curve("trajectory", trajectory)
+    return Surface._of(_core.swing(moved, along, *_frame(center, axis, x), number("scale", scale)))
 
 
 def gordon(along_u: Sequence[Curve], along_v: Sequence[Curve], *, tolerance: Optional[float] = None) -> Surface:
