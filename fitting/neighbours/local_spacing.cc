@@ -198,7 +198,7 @@ float QuantileByArea(Radii radii, double share) {
 }
 
 // What the points nearest to some points of each cell, and of those around it, tell about the
-// points' spacing there; nothing where there are few, or as many as on the average.
+// points' spacing there; 0 where they are too few.
 std::vector<float> SpacingsByNeighbours(const Cells& cells, const PlaceInSpace& place) {
   const std::vector<float> areas = cells.OccupiedAreas();
   std::vector<std::optional<std::vector<double>>> told(areas.size());
@@ -209,14 +209,16 @@ std::vector<float> SpacingsByNeighbours(const Cells& cells, const PlaceInSpace& 
       count += static_cast<double>(cells.CountIn(at));
       area += areas[at];
     });
-    if (count < kFewest || area < kSparse * count) continue;
+    if (count < kFewest) continue;
+    spacings[cell] = 1;
+    if (area < kSparse * count) continue;
     std::vector<double> near;
     cells.Around(cell, [&](size_t at) {
       if (!told[at]) told[at] = cells.SpacingsIn(at, place);
       near.insert(near.end(), told[at]->begin(), told[at]->end());
     });
-    if (static_cast<double>(near.size()) >= kFewest)
-      spacings[cell] = static_cast<float>(kSure * Median(std::move(near)));
+    const bool tell = static_cast<double>(near.size()) >= kFewest;
+    spacings[cell] = tell ? static_cast<float>(kSure * Median(std::move(near))) : 0;
   }
   return spacings;
 }

@@ -141,10 +141,15 @@ PlaceInSpace PlaceOf(const OutlineOptions& options) {
   };
 }
 
-double Circumradius(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const double twice_area = (b - a).cross(c - a).norm();
-  return twice_area > 0 ? (b - a).norm() * (c - a).norm() * (c - b).norm() / (2 * twice_area)
-                        : std::numeric_limits<double>::infinity();
+// By how much the longest side of a triangle is longer in space.
+double Lengthened(const Eigen::Matrix2Xd& corners, const PlaceInSpace& place) {
+  double length = 0, in_space = 0;
+  for (Index k = 0; k < corners.cols(); ++k) {
+    const Eigen::Vector2d from = corners.col(k), to = corners.col((k + 1) % corners.cols());
+    length = std::max(length, (to - from).norm());
+    in_space = std::max(in_space, (place(to) - place(from)).norm());
+  }
+  return in_space / length;
 }
 
 class OutlineSearch {
@@ -200,10 +205,7 @@ class OutlineSearch {
     }
     const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(covered, sides_, options_);
     const auto is_gap = [&](const Eigen::Matrix2Xd& corners, double radius) {
-      const double size =
-          place_
-              ? Circumradius(place_(corners.col(0)), place_(corners.col(1)), place_(corners.col(2)))
-              : radius;
+      const double size = place_ ? radius * Lengthened(corners, place_) : radius;
       return size > kRadius * spacing_.At(corners.rowwise().mean());
     };
     std::vector<OutlineLoop> loops;
