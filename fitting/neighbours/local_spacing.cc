@@ -19,6 +19,7 @@ constexpr double kWidth = 8;
 constexpr int kParts = 4;        // of a cell's width, each occupied or empty
 constexpr double kSure = 0.85;   // borders of a part that is evenly dense look this much sparser
 constexpr double kSparse = 1.2;  // area a point, from which on the points nearest to some are asked
+constexpr double kClearly = 1.25;  // spacings below are chance, or gaps among the points
 constexpr size_t kAskedInCell = 8;
 constexpr size_t kNearest = 12;        // of which the disc tells the spacing
 constexpr double kFewest = 20;         // points around a cell; below, they tell nothing
@@ -218,7 +219,8 @@ std::vector<float> SpacingsByNeighbours(const Cells& cells, const PlaceInSpace& 
       near.insert(near.end(), told[at]->begin(), told[at]->end());
     });
     const bool tell = static_cast<double>(near.size()) >= kFewest;
-    spacings[cell] = tell ? static_cast<float>(kSure * Median(std::move(near))) : 0;
+    const double spacing = tell ? kSure * Median(std::move(near)) : 0;
+    if (!tell || spacing > kClearly) spacings[cell] = static_cast<float>(spacing);
   }
   return spacings;
 }

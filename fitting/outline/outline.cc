@@ -141,15 +141,19 @@ PlaceInSpace PlaceOf(const OutlineOptions& options) {
   };
 }
 
-// By how much the longest side of a triangle is longer in space.
-double Lengthened(const Eigen::Matrix2Xd& corners, const PlaceInSpace& place) {
-  double length = 0, in_space = 0;
+// The circumradius of a triangle as its map lengthens the longest side, or the distance in space of
+// its middle from the corners if that is more.
+double SizeInSpace(const Eigen::Matrix2Xd& corners, double radius, const PlaceInSpace& place) {
+  const Eigen::Vector3d middle = place(corners.rowwise().mean());
+  double length = 0, in_space = 0, away = std::numeric_limits<double>::infinity();
   for (Index k = 0; k < corners.cols(); ++k) {
     const Eigen::Vector2d from = corners.col(k), to = corners.col((k + 1) % corners.cols());
+    const Eigen::Vector3d corner = place(from);
     length = std::max(length, (to - from).norm());
-    in_space = std::max(in_space, (place(to) - place(from)).norm());
+    in_space = std::max(in_space, (place(to) - corner).norm());
+    away = std::min(away, (middle - corner).norm());
   }
-  return in_space / length;
+  return std::max(radius * in_space / length, away);
 }
 
 class OutlineSearch {
@@ -205,7 +209,7 @@ class OutlineSearch {
     }
     const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(covered, sides_, options_);
     const auto is_gap = [&](const Eigen::Matrix2Xd& corners, double radius) {
-      const double size = place_ ? radius * Lengthened(corners, place_) : radius;
+      const double size = place_ ? SizeInSpace(corners, radius, place_) : radius;
       return size > kRadius * spacing_.At(corners.rowwise().mean());
     };
     std::vector<OutlineLoop> loops;
