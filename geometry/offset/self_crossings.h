@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Places where a surface crosses itself. Internal to geometry.
+#pragma once
+
+#include <vector>
+
+#include "batten/geometry/offset.h"
+
+namespace batten::internal {
+
+// Places in pairs of Bézier patches that are not neighbours, found by halving until their normal
+// cones share no line and Newton's method finds one in both; smaller than 1/1000 of the size they
+// are left. At most `most` places, and one for each pair of patches.
+std::vector<SurfaceSelfMeeting> SelfCrossings(const NurbsSurface& surface,
+                                              double tolerance,
+                                              std::size_t most);
+
+}  // namespace batten::internal
