@@ -215,7 +215,10 @@ class ArcMeetSearch {
   }
 
   bool Same(const ArcMeeting& x, const ArcMeeting& y) const {
-    if ((At(x.u) - At(y.u)).norm() > 4 * tolerance_) return false;
+    // Touches are flat: their places are known to the root of the tolerance.
+    const double reach =
+        x.tangential && y.tangential ? 8 * std::sqrt(tolerance_ * size_) : 4 * tolerance_;
+    if ((At(x.u) - At(y.u)).norm() > reach) return false;
     // Next to each other on the curve, over its seam too; or another passage.
     const double length = arcs_.upper() - arcs_.lower();
     const double apart = std::abs(x.u - y.u);

@@ -17,10 +17,26 @@ std::vector<MeetPoint> TurnedRound(const std::vector<MeetPoint>& run) {
   return turned;
 }
 
+// Whether a branch runs along a border: then its places on the other side of a seam are others.
+bool AlongBorder(const std::vector<MeetPoint>& stations) {
+  for (int i = 0; i < 4; ++i) {
+    const double first = stations.front().at[i];
+    if (std::all_of(stations.begin(), stations.end(), [&](const MeetPoint& place) {
+          return place.at[i] == first;
+        })) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // Branches that another one passes along wholly: both sides of a crease give them.
 void DropDoubles(std::vector<TracedBranch>& branches, double reach) {
   for (std::size_t k = branches.size(); k-- > 0;) {
-    const std::vector<MeetPoint>& stations = branches[k].stations;
+    std::vector<MeetPoint> stations = branches[k].stations;
+    if (AlongBorder(stations)) {
+      for (MeetPoint& place : stations) place.regular = false;
+    }
     const auto doubled = [&](const TracedBranch& other) {
       return &other != &branches[k] && other.kind == branches[k].kind &&
              std::all_of(stations.begin(), stations.end(), [&](const MeetPoint& place) {

@@ -34,6 +34,9 @@ NurbsCurve<Dim> MovedBack(const NurbsCurve<Dim>& curve, const Eigen::Vector3d& o
   return NurbsCurve<Dim>(curve.basis(), std::move(points), curve.weights());
 }
 
+constexpr int kMostSteps = 25;   // of an iteration that starts in the middle of an arc
+constexpr double kStill = 1e-3;  // of the tolerance: a step that ends it
+
 // What is beyond rounding of the coordinates.
 template <typename First, typename Second>
 double WorkingTolerance(const char* function,
@@ -93,26 +96,25 @@ class CurveTarget {
   }
 
   // Gauss–Newton for the least distance, kept in the domains.
-  std::optional<ArcMeeting> Solve(const ArcTree& arcs, const NetArc& arc, int k, double) const {
+  std::optional<ArcMeeting> Solve(const ArcTree& arcs,
+                                  const NetArc& arc,
+                                  int k,
+                                  double tolerance) const {
     const NetArc& other = arcs_[k];
-    double s = arc.Middle(), t = other.Middle();
-    constexpr int kSteps = 25;
-    for (int i = 0; i < kSteps; ++i) {
+    double s = arc.Middle(), t = other.Middle(), moved = kInfinity;
+    for (int i = 0; i < kMostSteps && moved > kStill * tolerance; ++i) {
       const auto a = arcs.JetAt(s), b = arcs_.JetAt(t);
       Eigen::Matrix<double, 3, 2> jacobian;
       jacobian << a.col(1), -b.col(1);
-      const Eigen::Vector2d step = (jacobian.transpose() * jacobian)
-                                       .ldlt()
-                                       .solve(jacobian.transpose() * (a.col(0) - b.col(0)));
+      const Eigen::Vector2d step = jacobian.colPivHouseholderQr().solve(a.col(0) - b.col(0));
       if (!step.allFinite()) return std::nullopt;
       const double next_s = std::clamp(s - step[0], arcs.lower(), arcs.upper());
       const double next_t = std::clamp(t - step[1], arcs_.lower(), arcs_.upper());
-      const bool still = std::abs(next_s - s) <= 1e-15 * (arcs.upper() - arcs.lower()) &&
-                         std::abs(next_t - t) <= 1e-15 * (arcs_.upper() - arcs_.lower());
+      moved = std::abs(next_s - s) * a.col(1).norm() + std::abs(next_t - t) * b.col(1).norm();
       s = next_s;
       t = next_t;
-      if (still) break;
     }
+    if (moved > kStill * tolerance) return std::nullopt;
     if (!Within(s, arc.u0, arc.u1) || !Within(t, other.u0, other.u1)) return std::nullopt;
     const double distance = (arcs.JetAt(s).col(0) - arcs_.JetAt(t).col(0)).norm();
     return ArcMeeting{s, {t, 0}, distance, false};
@@ -245,30 +247,32 @@ class SurfaceTarget {
     return std::numbers::pi / 2 - LineAngle(arc.tangent.axis, patches_[k].normal.axis);
   }
 
-  std::optional<ArcMeeting> Solve(const ArcTree& arcs, const NetArc& arc, int k, double) const {
+  std::optional<ArcMeeting> Solve(const ArcTree& arcs,
+                                  const NetArc& arc,
+                                  int k,
+                                  double tolerance) const {
     const NetPatch& patch = patches_[k];
     const ParameterBox& box = patches_.SmoothBoxOf(k);
     Eigen::Vector3d x(arc.Middle(), patch.Middle()[0], patch.Middle()[1]);
     const Eigen::Vector3d lower(arcs.lower(), box.u0, box.v0), upper(arcs.upper(), box.u1, box.v1);
-    double distance = kInfinity;
-    constexpr int kSteps = 25;
-    for (int i = 0; i < kSteps; ++i) {
+    double moved = kInfinity;
+    for (int i = 0; i < kMostSteps && moved > kStill * tolerance; ++i) {
       const auto c = arcs.JetAt(x[0]);
       const SurfaceJet s = patches_.JetAt(box, x[1], x[2]);
-      distance = (c.col(0) - s.point).norm();
       Eigen::Matrix3d jacobian;
       jacobian << c.col(1), -s.du, -s.dv;
       const Eigen::Vector3d step = jacobian.partialPivLu().solve(c.col(0) - s.point);
       if (!step.allFinite()) return std::nullopt;
       const Eigen::Vector3d next = (x - step).cwiseMax(lower).cwiseMin(upper);
-      const bool still = ((next - x).array().abs() <= 1e-15 * (upper - lower).array()).all();
+      moved = (next - x).cwiseAbs().dot(jacobian.colwise().norm());
       x = next;
-      if (still) break;
     }
+    if (moved > kStill * tolerance) return std::nullopt;
     if (!Within(x[0], arc.u0, arc.u1) || !Within(x[1], patch.box.u0, patch.box.u1) ||
         !Within(x[2], patch.box.v0, patch.box.v1)) {
       return std::nullopt;
     }
+    const double distance = (arcs.JetAt(x[0]).col(0) - patches_.PointAt(box, x[1], x[2])).norm();
     return ArcMeeting{x[0], {x[1], x[2]}, distance, false};
   }
 

@@ -90,7 +90,7 @@ TEST(OffsetCurveTest, ASquareGetsRoundCornersOutsideAndLosesItsLoopsInside) {
 // What is left is nowhere nearer than the distance, and reaches it everywhere.
 TEST(OffsetCurveTest, WithoutLoopsIsAsFarAsTheDistanceEverywhere) {
   Eigen::Matrix2Xd points(2, 7);
-  points << 0, 0.6, -1.5, 2, 3.5, 1.4, 2, 5, 3, -1, -3, -1, 3, 5;
+  points << 0, 1.3, -1.5, 1, 3.5, 0.7, 2, 5, 3, -1, -3, -1, 3, 5;
   const NurbsCurve<2> bottle(SplineBasis::Uniform(3, 7, 0, 1), points);
   constexpr double kDistance = 0.55, kTolerance = 1e-6;
   const CurveOffset<2> offset = OffsetCurve(bottle, kDistance, {.tolerance = kTolerance});

@@ -94,7 +94,7 @@ TEST(OffsetSurfaceTest, ACreaseIsRefusedByItsKnot) {
 // A sheet bent like a U whose legs come to lie in one another.
 TEST(OffsetSurfaceTest, LegsThatRunThroughEachOtherAreReported) {
   const SplineBasis u = SplineBasis::Uniform(3, 7, 0, 1), v = SplineBasis::Uniform(3, 4, 0, 1);
-  const double x[] = {0, 0.6, -1.5, 1, 3.5, 1.4, 2}, z[] = {5, 3, -1, -3, -1, 3, 5};
+  const double x[] = {0, 1.3, -1.5, 1, 3.5, 0.7, 2}, z[] = {5, 3, -1, -3, -1, 3, 5};
   Eigen::Matrix3Xd points(3, 28);
   for (int i = 0; i < 7; ++i) {
     for (int j = 0; j < 4; ++j) points.col(4 * i + j) << x[i], j, z[i];
