@@ -12,6 +12,7 @@ void BindEditing(pybind11::module_& m);
 void BindMaking(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);
+void BindMeets(pybind11::module_& m);
 void BindClouds(pybind11::module_& m);
 void BindFiles(pybind11::module_& m);
 void BindFits(pybind11::module_& m);

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, m) {
   BindMaking(m);
   BindMeasures(m);
   BindSections(m);
+  BindMeets(m);
   BindClouds(m);
   BindFiles(m);
   BindFits(m);
