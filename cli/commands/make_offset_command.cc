@@ -11,7 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_curve.h"
+#include "batten/geometry/offset_surface.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/file_entry.h"

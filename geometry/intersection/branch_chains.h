@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "batten/geometry/intersect_surfaces.h"
+#include "batten/geometry/surface_intersection.h"
 #include "geometry/intersection/branch_tracer.h"
 
 namespace batten::internal {

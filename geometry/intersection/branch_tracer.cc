@@ -23,7 +23,7 @@ Eigen::Matrix<double, Rows, 1> CubicAt(const Eigen::Matrix<double, Rows, 4>& b, 
 
 class Marcher {
  public:
-  explicit Marcher(const SurfaceContact& contact)
+  explicit Marcher(const PairContact& contact)
       : contact_(contact), tolerance_(contact.tolerance()) {}
 
   // Stations from `first` on, which is the first of them; closed when they come back to `home`.
@@ -187,7 +187,7 @@ class Marcher {
     return DeviationOf(ArcBetween(from, home), home.sine) <= tolerance_;
   }
 
-  const SurfaceContact& contact_;
+  const PairContact& contact_;
   double tolerance_, greatest_ = 0;
 };
 
@@ -236,7 +236,7 @@ bool TracedBranch::Passes(const MeetPoint& place, double reach) const {
   return false;
 }
 
-TracedBranch TraceBranch(const SurfaceContact& contact, const Eigen::Vector4d& start) {
+TracedBranch TraceBranch(const PairContact& contact, const Eigen::Vector4d& start) {
   TracedBranch branch;
   branch.kind = contact.kind();
   const MeetPoint first = contact.PointAt(contact.OntoBorders(start));

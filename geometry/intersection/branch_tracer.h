@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/intersection/surface_contact.h"
+#include "geometry/intersection/pair_contact.h"
 
 namespace batten::internal {
 
@@ -37,6 +37,6 @@ struct TracedBranch {
 // shortened by the fourth root of by how much. The branch ends where it comes back to the start,
 // at the borders of the boxes, exactly, and where it stands still: at a pole, a cusp.
 // [Patrikalakis & Maekawa 2002, §5.8]
-TracedBranch TraceBranch(const SurfaceContact& contact, const Eigen::Vector4d& start);
+TracedBranch TraceBranch(const PairContact& contact, const Eigen::Vector4d& start);
 
 }  // namespace batten::internal

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "batten/geometry/intersect_surfaces.h"
+#include "batten/geometry/nurbs_surface.h"
+#include "batten/geometry/surface_intersection.h"
 
 namespace batten::internal {
 

@@ -67,17 +67,17 @@ class ContactReader {
   }
 
  private:
-  SurfaceContact TouchingIn(const ContactPatch& patch) const {
-    return SurfaceContact(a_,
-                          a_.SmoothBoxOf(patch.patch_a),
-                          b_,
-                          b_.SmoothBoxOf(patch.patch_b),
-                          MeetKind::kTouching,
-                          tolerance_);
+  PairContact TouchingIn(const ContactPatch& patch) const {
+    return PairContact(a_,
+                       a_.SmoothBoxOf(patch.patch_a),
+                       b_,
+                       b_.SmoothBoxOf(patch.patch_b),
+                       MeetKind::kTouching,
+                       tolerance_);
   }
 
   // The middle of the first patch and its foot on the second surface, kept in the smooth boxes.
-  Eigen::Vector4d StartIn(const ContactPatch& patch, const SurfaceContact& contact) const {
+  Eigen::Vector4d StartIn(const ContactPatch& patch, const PairContact& contact) const {
     Eigen::Vector4d at;
     const double u = patch.box.u0 / 2 + patch.box.u1 / 2, v = patch.box.v0 / 2 + patch.box.v1 / 2;
     const Eigen::Vector3d point = a_.JetAt(a_.SmoothBoxOf(patch.patch_a), u, v).point;
@@ -98,7 +98,7 @@ class ContactReader {
     std::optional<MeetPoint> best;
     double least = kNowhere;
     for (const int k : cluster) {
-      const SurfaceContact contact = TouchingIn(found_.contacts[k]);
+      const PairContact contact = TouchingIn(found_.contacts[k]);
       const Eigen::Vector4d start = StartIn(found_.contacts[k], contact);
       const auto settled = contact.Nearest(start);
       const bool good = settled && contact.Inside(contact.OntoBorders(*settled));
@@ -136,7 +136,7 @@ class ContactReader {
              PassedBy(found_.branches, one.place, reach);
     };
     for (const int k : cluster) {
-      const SurfaceContact contact = TouchingIn(found_.contacts[k]);
+      const PairContact contact = TouchingIn(found_.contacts[k]);
       const Eigen::Vector4d start = StartIn(found_.contacts[k], contact);
       if ((contact.First(start) - contact.Second(start)).norm() > 2 * tolerance_) continue;
       Left one{k, contact.PointAt(start)};
@@ -168,7 +168,7 @@ class ContactReader {
     box = {std::min(box.u0, u), std::max(box.u1, u), std::min(box.v0, v), std::max(box.v1, v)};
   }
 
-  bool Traced(const SurfaceContact& contact, const Eigen::Vector4d& start) {
+  bool Traced(const PairContact& contact, const Eigen::Vector4d& start) {
     const auto at = contact.Nearest(start);
     if (!at || !contact.Inside(contact.OntoBorders(*at)) || contact.Coincident(*at)) return false;
     TracedBranch branch = TraceBranch(contact, *at);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batten/geometry/foot_point.h"
-#include "batten/geometry/intersect_surfaces.h"
+#include "batten/geometry/surface_intersection.h"
 #include "geometry/intersection/pair_search.h"
 
 namespace batten::internal {

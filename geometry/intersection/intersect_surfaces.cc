@@ -147,17 +147,6 @@ double DeviationOf(const NurbsSurface& first, const NurbsSurface& second, const 
 
 }  // namespace
 
-const char* NameOf(BranchKind kind) {
-  switch (kind) {
-    case BranchKind::kTransversal:
-      return "transversal";
-    case BranchKind::kTangential:
-      return "tangential";
-    default:
-      return "overlap";
-  }
-}
-
 SurfaceIntersection IntersectSurfaces(const NurbsSurface& first,
                                       const NurbsSurface& second,
                                       const IntersectOptions& options) {

@@ -133,13 +133,13 @@ std::vector<PairSearch::Pair> PairSearch::RootPairs() const {
   return pairs;
 }
 
-SurfaceContact PairSearch::ContactOf(const Pair& pair) const {
-  return SurfaceContact(a_,
-                        a_.SmoothBoxOf(pair.first),
-                        b_,
-                        b_.SmoothBoxOf(pair.second),
-                        MeetKind::kCrossing,
-                        tolerance_);
+PairContact PairSearch::ContactOf(const Pair& pair) const {
+  return PairContact(a_,
+                     a_.SmoothBoxOf(pair.first),
+                     b_,
+                     b_.SmoothBoxOf(pair.second),
+                     MeetKind::kCrossing,
+                     tolerance_);
 }
 
 void PairSearch::Compare(const Pair& pair) {
@@ -164,7 +164,7 @@ void PairSearch::Compare(const Pair& pair) {
       return;
     }
     if (size <= tolerance_) {
-      const SurfaceContact contact = ContactOf(pair);
+      const PairContact contact = ContactOf(pair);
       Eigen::Vector4d start;
       start << a.Middle(), b.Middle();
       const auto at = contact.Nearest(start);
@@ -194,7 +194,7 @@ void PairSearch::Subdivide(const Pair& pair) {
 bool PairSearch::Decided(const Pair& pair) {
   const NetPatch &a = a_[pair.first], &b = b_[pair.second];
   if (!LinesMeet(a, b)) return false;
-  const SurfaceContact contact = ContactOf(pair);
+  const PairContact contact = ContactOf(pair);
   Eigen::Vector4d start;
   start << a.Middle(), b.Middle();
   const Eigen::Vector3d along = a.normal.axis.cross(b.normal.axis).normalized();
@@ -280,7 +280,7 @@ bool PairSearch::Known(const Pair& pair, const MeetPoint& place) const {
          });
 }
 
-void PairSearch::Found(const SurfaceContact& contact, const Pair& pair, const Eigen::Vector4d& at) {
+void PairSearch::Found(const PairContact& contact, const Pair& pair, const Eigen::Vector4d& at) {
   const MeetPoint point = contact.PointAt(contact.OntoBorders(at));
   if (Known(pair, point)) return;
   if (point.regular) {

@@ -57,7 +57,7 @@ class PairSearch {
 
   void Compare(const Pair& pair);
   bool Decided(const Pair& pair);
-  void Found(const SurfaceContact& contact, const Pair& pair, const Eigen::Vector4d& at);
+  void Found(const PairContact& contact, const Pair& pair, const Eigen::Vector4d& at);
   bool MeetsBordersOnce(const PatchTree& tree,
                         int patch,
                         const Pair& pair,
@@ -67,7 +67,7 @@ class PairSearch {
   bool Known(const Pair& pair, const MeetPoint& place) const;
   bool Coincides(const Pair& pair);
   void Subdivide(const Pair& pair);
-  SurfaceContact ContactOf(const Pair& pair) const;
+  PairContact ContactOf(const Pair& pair) const;
   std::vector<Pair> RootPairs() const;
 
   PatchTree &a_, &b_;

@@ -10,7 +10,7 @@
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/intersect_curves.h"
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_curve.h"
 #include "batten/geometry/split.h"
 #include "geometry/bezier/cubic_chain.h"
 #include "geometry/bezier/spline_pieces.h"

@@ -5,7 +5,7 @@
 
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/join.h"
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_curve.h"
 #include "batten/geometry/split.h"
 
 namespace batten {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "batten/geometry/offset_surface.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,7 +13,6 @@
 
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/curvature.h"
-#include "batten/geometry/offset.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/offset/exact_offset.h"
 #include "geometry/offset/self_crossings.h"
@@ -313,7 +314,9 @@ SurfaceOffset OffsetSurface(const NurbsSurface& surface,
     return {exact->WithTrims(surface.trims()), true, 0, true, {}};
   }
   SurfaceOffset offset = maker.Make();
-  offset.self_meetings = SelfCrossings(offset.surface, tolerance, kMostMeetings);
+  for (const SelfCrossing& one : SelfCrossings(offset.surface, tolerance, kMostMeetings)) {
+    offset.self_meetings.push_back({one.first, one.second, one.point});
+  }
   offset.surface = offset.surface.WithTrims(surface.trims());
   return offset;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/offset/self_crossings.h"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
+#include "geometry/intersection/pair_contact.h"
 #include "geometry/intersection/patch_tree.h"
-#include "geometry/intersection/surface_contact.h"
 
 namespace batten::internal {
 namespace {
@@ -18,7 +20,7 @@ class SelfSearch {
   SelfSearch(PatchTree& tree, const Eigen::Vector3d& origin, double tolerance)
       : tree_(tree), origin_(origin), tolerance_(tolerance) {}
 
-  std::optional<SurfaceSelfMeeting> Meeting(int first, int second) {
+  std::optional<SelfCrossing> Meeting(int first, int second) {
     std::vector<std::pair<int, int>> pairs{{first, second}};
     constexpr double kFinest = 1e-3;
     constexpr int kMostLooks = 20'000;
@@ -37,14 +39,14 @@ class SelfSearch {
   }
 
  private:
-  std::optional<SurfaceSelfMeeting> Solved(int i, int j) const {
+  std::optional<SelfCrossing> Solved(int i, int j) const {
     const NetPatch &a = tree_[i], &b = tree_[j];
     constexpr double kMostSpread = 0.6;
     if (!(a.normal.spread < kMostSpread && b.normal.spread < kMostSpread)) return std::nullopt;
     if (LineAngle(a.normal.axis, b.normal.axis) <= a.normal.spread + b.normal.spread) {
       return std::nullopt;
     }
-    const SurfaceContact contact(
+    const PairContact contact(
         tree_, tree_.SmoothBoxOf(i), tree_, tree_.SmoothBoxOf(j), MeetKind::kCrossing, tolerance_);
     Eigen::Vector4d start;
     start << a.Middle(), b.Middle();
@@ -55,7 +57,7 @@ class SelfSearch {
     };
     const Eigen::Vector4d& x = *at;
     if (!in(a.box, x[0], x[1]) || !in(b.box, x[2], x[3])) return std::nullopt;
-    return SurfaceSelfMeeting{x.head<2>(), x.tail<2>(), contact.First(x) + origin_};
+    return SelfCrossing{x.head<2>(), x.tail<2>(), contact.First(x) + origin_};
   }
 
   PatchTree& tree_;
@@ -65,15 +67,15 @@ class SelfSearch {
 
 }  // namespace
 
-std::vector<SurfaceSelfMeeting> SelfCrossings(const NurbsSurface& surface,
-                                              double tolerance,
-                                              std::size_t most) {
+std::vector<SelfCrossing> SelfCrossings(const NurbsSurface& surface,
+                                        double tolerance,
+                                        std::size_t most) {
   const auto& points = surface.control_points();
   const Eigen::Vector3d origin = (points.rowwise().maxCoeff() + points.rowwise().minCoeff()) / 2;
   PatchTree tree(surface, origin);
   SelfSearch search(tree, origin, tolerance);
   const int roots = tree.roots();
-  std::vector<SurfaceSelfMeeting> found;
+  std::vector<SelfCrossing> found;
   for (int i = 0; i < roots && found.size() < most; ++i) {
     for (int j = i + 1; j < roots && found.size() < most; ++j) {
       if (Beside(tree[i].box, tree[j].box) || Separated(tree[i], tree[j], 0)) continue;

@@ -4,7 +4,8 @@
 
 #include "batten/geometry/intersect_curves.h"
 #include "batten/geometry/intersect_surfaces.h"
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_curve.h"
+#include "batten/geometry/offset_surface.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
 #include "python/core/body.h"

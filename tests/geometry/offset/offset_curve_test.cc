@@ -10,7 +10,7 @@
 #include "batten/geometry/arc_length.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/make_curve.h"
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_curve.h"
 #include "random_splines.h"
 #include "refusal.h"
 #include "tolerances.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "batten/geometry/make_surface.h"
-#include "batten/geometry/offset.h"
+#include "batten/geometry/offset_surface.h"
 #include "nasty_surfaces.h"
 #include "random_splines.h"
 #include "tolerances.h"

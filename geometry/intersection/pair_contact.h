@@ -30,14 +30,14 @@ struct MeetPoint {
 // How a place is to be found besides A = B: transversal, or with parallel normals too.
 enum class MeetKind { kCrossing, kTouching };
 
-class SurfaceContact {
+class PairContact {
  public:
-  SurfaceContact(const PatchTree& a,
-                 const ParameterBox& box_a,
-                 const PatchTree& b,
-                 const ParameterBox& box_b,
-                 MeetKind kind,
-                 double tolerance);
+  PairContact(const PatchTree& a,
+              const ParameterBox& box_a,
+              const PatchTree& b,
+              const ParameterBox& box_b,
+              MeetKind kind,
+              double tolerance);
 
   // The place with A = B to rounding, or 1e-3 of the tolerance, in the plane through a point; with
   // a parameter held; or the nearest in parameters. None where Newton's steps do not end, or end

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/intersection/surface_contact.h"
+#include "geometry/intersection/pair_contact.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -16,12 +16,12 @@ constexpr double kLeastContactSine = 1e-7;  // below, the direction of a branch 
 
 }  // namespace
 
-SurfaceContact::SurfaceContact(const PatchTree& a,
-                               const ParameterBox& box_a,
-                               const PatchTree& b,
-                               const ParameterBox& box_b,
-                               MeetKind kind,
-                               double tolerance)
+PairContact::PairContact(const PatchTree& a,
+                         const ParameterBox& box_a,
+                         const PatchTree& b,
+                         const ParameterBox& box_b,
+                         MeetKind kind,
+                         double tolerance)
     : a_(a),
       b_(b),
       box_a_(box_a),
@@ -35,9 +35,9 @@ SurfaceContact::SurfaceContact(const PatchTree& a,
 
 // N_a·B_s and N_a·B_t over the lengths of both, times the size: heights that vanish where the
 // normals are parallel.
-SurfaceContact::Rows SurfaceContact::TouchRows(const SurfaceJet& a,
-                                               const SurfaceJet& b,
-                                               Eigen::Vector2d& values) const {
+PairContact::Rows PairContact::TouchRows(const SurfaceJet& a,
+                                         const SurfaceJet& b,
+                                         Eigen::Vector2d& values) const {
   const Eigen::Vector3d normal = a.du.cross(a.dv);
   const Eigen::Vector3d by_u = a.duu.cross(a.dv) + a.du.cross(a.duv);
   const Eigen::Vector3d by_v = a.duv.cross(a.dv) + a.du.cross(a.dvv);
@@ -53,7 +53,7 @@ SurfaceContact::Rows SurfaceContact::TouchRows(const SurfaceJet& a,
   return rows;
 }
 
-SurfaceContact::System SurfaceContact::SystemAt(const Eigen::Vector4d& at, const Hold* hold) const {
+PairContact::System PairContact::SystemAt(const Eigen::Vector4d& at, const Hold* hold) const {
   const SurfaceJet a = a_.JetAt(box_a_, at[0], at[1]), b = b_.JetAt(box_b_, at[2], at[3]);
   const int touch = kind_ == MeetKind::kTouching ? 2 : 0, held = hold ? 1 : 0;
   System system;
@@ -78,7 +78,7 @@ SurfaceContact::System SurfaceContact::SystemAt(const Eigen::Vector4d& at, const
   return system;
 }
 
-std::optional<Eigen::Vector4d> SurfaceContact::Solve(Eigen::Vector4d at, const Hold* hold) const {
+std::optional<Eigen::Vector4d> PairContact::Solve(Eigen::Vector4d at, const Hold* hold) const {
   const Eigen::Vector4d lower = lower_ - kBeyond * widths_, upper = upper_ + kBeyond * widths_;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kContactSteps; ++k) {
@@ -117,15 +117,15 @@ std::optional<Eigen::Vector4d> SurfaceContact::Solve(Eigen::Vector4d at, const H
   return std::nullopt;
 }
 
-std::optional<Eigen::Vector4d> SurfaceContact::InPlane(const Eigen::Vector4d& start,
-                                                       const Eigen::Vector3d& normal,
-                                                       const Eigen::Vector3d& through) const {
+std::optional<Eigen::Vector4d> PairContact::InPlane(const Eigen::Vector4d& start,
+                                                    const Eigen::Vector3d& normal,
+                                                    const Eigen::Vector3d& through) const {
   const Hold hold{normal, through, -1};
   return Solve(start, &hold);
 }
 
-std::optional<Eigen::Vector4d> SurfaceContact::Holding(const Eigen::Vector4d& start,
-                                                       int parameter) const {
+std::optional<Eigen::Vector4d> PairContact::Holding(const Eigen::Vector4d& start,
+                                                    int parameter) const {
   Hold hold;
   hold.parameter = parameter;
   std::optional<Eigen::Vector4d> at = Solve(start, &hold);
@@ -133,11 +133,11 @@ std::optional<Eigen::Vector4d> SurfaceContact::Holding(const Eigen::Vector4d& st
   return at;
 }
 
-std::optional<Eigen::Vector4d> SurfaceContact::Nearest(const Eigen::Vector4d& start) const {
+std::optional<Eigen::Vector4d> PairContact::Nearest(const Eigen::Vector4d& start) const {
   return Solve(start, nullptr);
 }
 
-Eigen::Vector4d SurfaceContact::OntoBorders(Eigen::Vector4d at) const {
+Eigen::Vector4d PairContact::OntoBorders(Eigen::Vector4d at) const {
   const SurfaceJet a = a_.JetAt(box_a_, at[0], at[1]), b = b_.JetAt(box_b_, at[2], at[3]);
   const double speeds[] = {a.du.norm(), a.dv.norm(), b.du.norm(), b.dv.norm()};
   constexpr double kOn = 0.01;
@@ -152,19 +152,19 @@ Eigen::Vector4d SurfaceContact::OntoBorders(Eigen::Vector4d at) const {
   return at;
 }
 
-bool SurfaceContact::Inside(const Eigen::Vector4d& at) const {
+bool PairContact::Inside(const Eigen::Vector4d& at) const {
   return (at.array() >= lower_.array()).all() && (at.array() <= upper_.array()).all();
 }
 
-Eigen::Vector3d SurfaceContact::First(const Eigen::Vector4d& at) const {
+Eigen::Vector3d PairContact::First(const Eigen::Vector4d& at) const {
   return a_.PointAt(box_a_, at[0], at[1]);
 }
 
-Eigen::Vector3d SurfaceContact::Second(const Eigen::Vector4d& at) const {
+Eigen::Vector3d PairContact::Second(const Eigen::Vector4d& at) const {
   return b_.PointAt(box_b_, at[2], at[3]);
 }
 
-bool SurfaceContact::Coincident(const Eigen::Vector4d& at) const {
+bool PairContact::Coincident(const Eigen::Vector4d& at) const {
   const System system = SystemAt(at, nullptr);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(system.matrix));
   // Two directions in which nothing changes.
@@ -172,7 +172,7 @@ bool SurfaceContact::Coincident(const Eigen::Vector4d& at) const {
   return svd.singularValues()[2] <= kNothing * svd.singularValues()[0];
 }
 
-MeetPoint SurfaceContact::PointAt(const Eigen::Vector4d& at) const {
+MeetPoint PairContact::PointAt(const Eigen::Vector4d& at) const {
   const SurfaceJet a = a_.JetAt(box_a_, at[0], at[1]), b = b_.JetAt(box_b_, at[2], at[3]);
   const Eigen::Vector3d na = a.du.cross(a.dv), nb = b.du.cross(b.dv);
   const double area_a = na.norm(), area_b = nb.norm();
