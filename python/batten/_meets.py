@@ -115,8 +115,8 @@ def intersect(first: Geometry, second: Geometry, *, tolerance: Optional[float] =
             [], [_meeting(*row) for row in points], [Overlap(np.array([u]), np.array([v])) for u, v in stretches]
         )
     swapped = a.is_surface
-    points, parts = _core.intersect_curve_surface(b if swapped else a, a if swapped else b, within)
-    meetings = [_meeting(*row) for row in points]
+    places, parts = _core.intersect_curve_surface(b if swapped else a, a if swapped else b, within)
+    meetings = [_meeting(*row) for row in places]
     found = [Overlap(np.array([u]), np.sort(np.array([start, end]).T, axis=1)) for u, start, end in parts]
     if swapped:
         meetings = [m._replace(first=m.second, second=m.first) for m in meetings]
