@@ -108,6 +108,8 @@ void AddMakeCommand(CLI::App& app, Action& action) {
     AddKind<ConstructionArguments>(make, kind, action);
     examples += std::string("\n  batten make ") + kind.examples;
   }
+  AddMakeOffsetCommand(make, action);
+  examples += "\n  batten make offset panel.step -o inner.step --distance -1.5";
   make.footer(
       "What is made from numbers is exact to rounding, as rational quadratics on [0, 1]; u goes "
       "round the\n"

@@ -262,6 +262,7 @@ int RunProgram(int argc, char** argv) {
   AddProjectCommand(app, action);
   AddEditCommand(app, action);
   AddSectionCommand(app, action);
+  AddIntersectCommand(app, action);
   AddMakeCommand(app, action);
   AddConvertCommand(app, action);
   AddAnalyzeCommand(app, action);

@@ -14,6 +14,7 @@ void BindMaking(pybind11::module_& m);
 void BindConstructions(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);
+void BindMeets(pybind11::module_& m);
 void BindClouds(pybind11::module_& m);
 void BindFiles(pybind11::module_& m);
 void BindFits(pybind11::module_& m);

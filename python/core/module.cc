@@ -19,6 +19,7 @@ PYBIND11_MODULE(_core, m) {
   BindConstructions(m);
   BindMeasures(m);
   BindSections(m);
+  BindMeets(m);
   BindClouds(m);
   BindFiles(m);
   BindFits(m);
