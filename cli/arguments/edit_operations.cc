@@ -26,6 +26,7 @@
 #include "batten/geometry/split.h"
 #include "batten/geometry/transform.h"
 #include "cli/arguments/edit_cuts.h"
+#include "cli/arguments/edit_forms.h"
 
 namespace batten::internal {
 namespace {
@@ -291,6 +292,16 @@ const std::map<std::string, Apply>& Table() {
       {"set-weight", SetWeight},
       {"move-point", MovePoint},
       {"extend", Extend},
+      {"to-bezier",
+       [](const EditOperation&, const Geometry& shape) { return One(BezierForm(shape)); }},
+      {"to-bspline",
+       [](const EditOperation& op, const Geometry& shape) { return One(BsplineForm(op, shape)); }},
+      {"to-power",
+       [](const EditOperation&, const Geometry& shape) { return One(PowerForm(shape)); }},
+      {"continue",
+       [](const EditOperation& op, const Geometry& shape) {
+         return EditOutcome{ContinuedPieces(op, shape), ""};
+       }},
       {"cut",
        [](const EditOperation& op, const Geometry& shape) {
          return EditOutcome{CutPieces(op, shape), ""};
@@ -337,17 +348,31 @@ void RequireWritable(const EditOperation& operation, const Geometry& shape) {
   }
 }
 
-}  // namespace
-
-EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+// f() with what it refuses said as the operation's refusal.
+template <typename F>
+auto Refusing(const EditOperation& operation, const F& f) {
   try {
-    EditOutcome outcome = Table().at(operation.name)(operation, shape);
-    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
-    return outcome;
+    return f();
   } catch (const std::invalid_argument& error) {
     operation.Refuse(Reason(error.what()));
   }
 }
+
+}  // namespace
+
+EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+  return Refusing(operation, [&] {
+    EditOutcome outcome = Table().at(operation.name)(operation, shape);
+    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
+    return outcome;
+  });
+}
+
+Geometry ApplyToAll(const EditOperation& operation, const std::vector<Geometry>& shapes) {
+  return Refusing(operation, [&] { return UnifiedCurve(operation, shapes); });
+}
+
+bool TakesAll(const EditOperation& operation) { return operation.name == "unify"; }
 
 bool CutsIntoPieces(const EditOperation& operation) {
   return operation.name == "split" || operation.name == "decompose" ||

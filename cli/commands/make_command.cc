@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
+#include "cli/arguments/geometry_summary.h"
 #include "cli/arguments/make_shapes.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -49,20 +51,25 @@ int RunMake(const MakeKind& kind, const MakeCommandArguments& a) {
   CheckGeometryFormat(a.out, a.out_format);
   CheckWritable(a.out);
   GeometryFile file{a.out, {}};
+  nlohmann::ordered_json said;
   try {
     file.geometry = kind.make(a.shape);
     RequireSensible(file.geometry);
+    if (kind.tell) said = kind.tell(a.shape, file.geometry);
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
   WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
-  const auto entry = FileEntry(file);
+  auto entry = FileEntry(file);
+  const std::string line = FileLine(entry);
+  if (!said.is_null()) entry.update(said);
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    PrintResult(FileLine(entry));
+    PrintResult(line);
+    if (!said.is_null()) PrintAligned(said);
   }
-  return kDone;
+  return said.is_null() || said.value("tolerance_reached", true) ? kDone : kToleranceMissed;
 }
 
 void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {

@@ -38,7 +38,7 @@ namespace {
 const std::vector<std::string> kLaterCommands = {};
 const std::vector<std::string> kLaterFits = {"scan"};
 const std::vector<std::string> kLaterKinds = {
-    "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
+    "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
 const std::vector<std::string> kLaterFlags = {"--uncertainty", "--certify", "--stream"};
 
 bool Contains(const std::vector<std::string>& list, const std::string& word) {

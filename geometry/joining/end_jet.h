@@ -6,8 +6,8 @@
 #include <array>
 #include <string>
 
-#include "batten/geometry/continuation.h"
-#include "batten/geometry/direction.h"
+#include "batten/geometry/join_freedom.h"
+#include "batten/geometry/joins.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 

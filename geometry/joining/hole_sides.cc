@@ -7,20 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "batten/geometry/iso_curve.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/nurbs/homogeneous.h"
 
-namespace batten {
-
-FillSide SideOf(const NurbsSurface& neighbour, const SurfaceEdge& edge) {
-  const SplineBasis& across = internal::BasisOf(neighbour, edge.direction);
-  return {IsoCurve(neighbour, edge.direction, edge.upper ? across.upper() : across.lower()),
-          neighbour,
-          edge};
-}
-
-namespace internal {
+namespace batten::internal {
 
 constexpr int kFillDegree = 5;
 
@@ -123,5 +113,4 @@ std::vector<HoleSide> OrderedSides(const std::vector<FillSide>& sides, double to
   return ordered;
 }
 
-}  // namespace internal
-}  // namespace batten
+}  // namespace batten::internal

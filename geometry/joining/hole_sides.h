@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batten/geometry/arc_length.h"
-#include "batten/geometry/fill.h"
+#include "batten/geometry/fill_side.h"
 
 namespace batten::internal {
 

@@ -4,21 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "batten/geometry/join_freedom.h"
 #include "batten/geometry/joins.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten {
-
-// R(s) = λ(s) C(φ(s)) in homogeneous coordinates, C run towards the joint and past it, has the
-// point, tangent and curvature of C at s = 0 whatever λ and φ are; what counts of them are
-//  λ(0) = alpha > 0, the scale of the weights;  φ′(0) = beta > 0, the ratio of the speeds;
-//  λ′(0) = eta and λ″(0) = eta2, which change weights alone;  φ″(0) = beta2.
-// All of alpha = beta = 1, eta = 0 is C¹ (and C² with beta2 = eta2 = 0) in homogeneous coordinates;
-// eta = eta2 = 0 is all there is without weights. [Farin 2002, §12.8; Hohmeyer & Barsky 1989]
-struct JoinFreedom {
-  double alpha = 1, beta = 1, eta = 0, beta2 = 0, eta2 = 0;
-};
 
 // The Bézier curve on [0, 1] of degree order + 1 that continues the upper or lower end of a curve
 // with G1 (order 1) or G2 (order 2) and ends at `to` with the weight `to_weight`. It begins where

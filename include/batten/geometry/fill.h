@@ -6,19 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "batten/geometry/joins.h"
-#include "batten/geometry/nurbs_curve.h"
+#include "batten/geometry/fill_side.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten {
-
-// One side of a hole: a curve, or the edge of a surface whose tangent planes are to go on.
-struct FillSide {
-  NurbsCurve<3> curve;
-  std::optional<NurbsSurface> neighbour = {};
-  SurfaceEdge edge = {};
-};
-FillSide SideOf(const NurbsSurface& neighbour, const SurfaceEdge& edge);
 
 struct FillOptions {
   // The widest gap between ends of sides, and what the filling may leave the sides by; the data's
