@@ -2,18 +2,14 @@
 #include "cli/arguments/make_shapes.h"
 
 #include <cmath>
-#include <numbers>
-#include <optional>
-#include <variant>
 
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
-#include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "cli/arguments/curve_files.h"
 #include "cli/arguments/make_conics.h"
 #include "cli/arguments/make_joins.h"
 #include "cli/arguments/make_values.h"
-#include "cli/arguments/plane_curves.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
@@ -204,15 +200,8 @@ Shapes Revolved(const MakeArguments& a) {
   const Frame frame = FrameOf(a);
   const AngleRange angles = AnglesOf(a);
   Shapes shapes;
-  for (const Geometry& one : ReadGeometry(a.curve, {a.format})) {
-    if (std::holds_alternative<NurbsSurface>(one)) {
-      throw UsageError(a.curve + ": holds a surface; only curves can be revolved");
-    }
-    if (const auto* flat = std::get_if<NurbsCurve<2>>(&one)) {
-      shapes.emplace_back(Revolve(InSpace(*flat), frame, angles));
-    } else {
-      shapes.emplace_back(Revolve(std::get<NurbsCurve<3>>(one), frame, angles));
-    }
+  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format)) {
+    shapes.emplace_back(Revolve(curve, frame, angles));
   }
   return shapes;
 }
@@ -256,7 +245,8 @@ const std::vector<MakeKind>& MakeKinds() {
        Cone},
       {"sphere",
        "A sphere or a part of one",
-       "sphere -o dome.step --radius 10 --latitudes 0,90",
+       "sphere -o dome.step --radius 10 --latitudes 0,90\n"
+       "  batten make sphere -o octant.step --radius 10 --latitudes 0,90 --sweep 90",
        AddSphere,
        Sphere},
       {"torus",

@@ -3,6 +3,7 @@
 
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "batten/io/read_error.h"
 #include "cli/terminal/cli11.h"
@@ -70,17 +71,19 @@ AngleRange AnglesOf(const MakeArguments& a) {
   return Angles("--start-angle", a.start_angle, "--sweep", a.sweep);
 }
 
-Frame FrameOf(const MakeArguments& a) {
-  const Eigen::Vector3d center = Triple("--center", a.center), axis = Triple("--axis", a.axis);
-  if (axis.isZero(0)) throw UsageError("--axis: '" + a.axis + "' has no direction");
-  if (a.x_axis.empty()) return Frame(center, axis);
-  const Eigen::Vector3d x = Triple("--x-axis", a.x_axis);
+Frame ParseFrame(const std::string& center, const std::string& axis, const std::string& x_axis) {
+  const Eigen::Vector3d origin = Triple("--center", center), direction = Triple("--axis", axis);
+  if (direction.isZero(0)) throw UsageError("--axis: '" + axis + "' has no direction");
+  if (x_axis.empty()) return Frame(origin, direction);
+  const Eigen::Vector3d x = Triple("--x-axis", x_axis);
   try {
-    return Frame(center, axis, x);
+    return Frame(origin, direction, x);
   } catch (const std::invalid_argument&) {
-    throw UsageError("--x-axis: '" + a.x_axis + "' does not point away from the axis " + a.axis);
+    throw UsageError("--x-axis: '" + x_axis + "' does not point away from the axis " + axis);
   }
 }
+
+Frame FrameOf(const MakeArguments& a) { return ParseFrame(a.center, a.axis, a.x_axis); }
 
 Eigen::Matrix3Xd PointsOf(const char* flag, const std::string& text, int count) {
   const std::vector<double> numbers = ParseNumbers(flag, text);
@@ -95,6 +98,13 @@ Eigen::Matrix3Xd PointsOf(const char* flag, const std::string& text, int count) 
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, count);
   points.topRows(dimension) = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), dimension, count);
   return points;
+}
+
+NurbsCurve<3> Lifted(const NurbsCurve<2>& flat,
+                     const Eigen::Vector3d& x,
+                     const Eigen::Vector3d& y) {
+  Eigen::Matrix3Xd points = x * flat.control_points().row(0) + y * flat.control_points().row(1);
+  return NurbsCurve<3>(flat.basis(), std::move(points), flat.weights());
 }
 
 }  // namespace batten::internal

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/geometry/frame.h"
+#include "batten/geometry/nurbs_curve.h"
 #include "cli/arguments/make_kind.h"
 #include "cli/terminal/cli11_forward.h"
 
@@ -19,7 +20,10 @@ CLI::Option* AddFlag(
 void Require(
     CLI::App& command, const char* flag, std::string& value, const char* type, const char* help);
 
-// --center, --axis, --x-axis, and the frame they say.
+// The frame of --center, --axis and --x-axis; the last may be empty.
+Frame ParseFrame(const std::string& center, const std::string& axis, const std::string& x_axis);
+
+// These flags, and the frame they say.
 void AddFrame(CLI::App& command, MakeArguments& a, const char* center, const char* axis);
 Frame FrameOf(const MakeArguments& a);
 
@@ -38,5 +42,8 @@ AngleRange Angles(const char* start_flag,
                   const char* sweep_flag,
                   const std::string& sweep);
 AngleRange AnglesOf(const MakeArguments& a);  // --start-angle, --sweep
+
+// The plane curve lifted into space: its x and y along these unit vectors.
+NurbsCurve<3> Lifted(const NurbsCurve<2>& flat, const Eigen::Vector3d& x, const Eigen::Vector3d& y);
 
 }  // namespace batten::internal

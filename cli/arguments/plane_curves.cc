@@ -5,12 +5,12 @@
 #include <utility>
 #include <variant>
 
+#include "cli/arguments/make_values.h"
+
 namespace batten::internal {
 
 NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.basis().size());
-  points.topRows<2>() = curve.control_points();
-  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
+  return Lifted(curve, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
 }
 
 void MatchDimensions(std::vector<Geometry>& shapes) {
