@@ -29,6 +29,7 @@
 #include "batten/geometry/split.h"
 #include "batten/geometry/transform.h"
 #include "cli/arguments/edit_cuts.h"
+#include "cli/arguments/edit_forms.h"
 #include "cli/arguments/edit_shapes.h"
 
 namespace batten::internal {
@@ -277,9 +278,8 @@ const std::map<std::string, Apply>& Table() {
        [](const EditOperation& op, const Geometry& shape) {
          const std::vector<double>& factors = op.Numbers("");
          if (factors.size() == 2) op.Refuse("needs one factor, or three");
-         return factors.size() == 1
-                    ? Mapped(shape, Scaling(factors[0]))
-                    : Mapped(shape, Scaling({factors[0], factors[1], factors[2]}));
+         return factors.size() == 1 ? Mapped(shape, Scaling(factors[0]))
+                                    : Mapped(shape, Scaling({factors[0], factors[1], factors[2]}));
        }},
       {"clamp",
        [](const EditOperation& op, const Geometry& shape) {
@@ -304,6 +304,16 @@ const std::map<std::string, Apply>& Table() {
       {"flatten", FlattenRegion},
       {"bend", BendShape},
       {"extend", Extend},
+      {"to-bezier",
+       [](const EditOperation&, const Geometry& shape) { return One(BezierForm(shape)); }},
+      {"to-bspline",
+       [](const EditOperation& op, const Geometry& shape) { return One(BsplineForm(op, shape)); }},
+      {"to-power",
+       [](const EditOperation&, const Geometry& shape) { return One(PowerForm(shape)); }},
+      {"continue",
+       [](const EditOperation& op, const Geometry& shape) {
+         return EditOutcome{ContinuedPieces(op, shape), ""};
+       }},
       {"cut",
        [](const EditOperation& op, const Geometry& shape) {
          return EditOutcome{CutPieces(op, shape), ""};
@@ -350,17 +360,31 @@ void RequireWritable(const EditOperation& operation, const Geometry& shape) {
   }
 }
 
-}  // namespace
-
-EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+// f() with what it refuses said as the operation's refusal.
+template <typename F>
+auto Refusing(const EditOperation& operation, const F& f) {
   try {
-    EditOutcome outcome = Table().at(operation.name)(operation, shape);
-    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
-    return outcome;
+    return f();
   } catch (const std::invalid_argument& error) {
     operation.Refuse(Reason(error.what()));
   }
 }
+
+}  // namespace
+
+EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+  return Refusing(operation, [&] {
+    EditOutcome outcome = Table().at(operation.name)(operation, shape);
+    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
+    return outcome;
+  });
+}
+
+Geometry ApplyToAll(const EditOperation& operation, const std::vector<Geometry>& shapes) {
+  return Refusing(operation, [&] { return UnifiedCurve(operation, shapes); });
+}
+
+bool TakesAll(const EditOperation& operation) { return operation.name == "unify"; }
 
 bool CutsIntoPieces(const EditOperation& operation) {
   return operation.name == "split" || operation.name == "decompose" ||

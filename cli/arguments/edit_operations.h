@@ -11,6 +11,10 @@ namespace batten::internal {
 // where it is impossible for this shape.
 EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape);
 
+// An operation that makes one shape of all there are, and whether it is one.
+Geometry ApplyToAll(const EditOperation& operation, const std::vector<Geometry>& shapes);
+bool TakesAll(const EditOperation& operation);
+
 // Whether the operation cuts shapes into pieces that are files of their own.
 bool CutsIntoPieces(const EditOperation& operation);
 

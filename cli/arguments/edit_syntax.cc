@@ -184,6 +184,40 @@ const std::vector<Operation>& Operations() {
        "end=upper,by=L,how=calm",
        "past an end or edge by a length, curvature going on; how=natural: the same polynomial",
        {{"end", {"upper", "lower"}, true}, {"how", {"calm", "natural"}}}},
+      {"to-bezier",
+       {},
+       Dir::kNone,
+       "",
+       "knots of full multiplicity: the control points of all pieces"},
+      {"to-bspline",
+       {kTolerance},
+       Dir::kNone,
+       "tolerance=T",
+       "without knots that move the shape no more than T [1e-10 of its size]"},
+      {"to-power",
+       {},
+       Dir::kNone,
+       "",
+       "powers of the parameter, in JSON; the last operation; refused where they lose the shape"},
+      {"continue",
+       {{"to", 2, 3, kAny},
+        {"alpha", 1, 1, kPositive, Key::Need::kDefault, 1},
+        {"beta", 1, 1, kPositive, Key::Need::kDefault, 1},
+        {"eta", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"beta2", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"eta2", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"weight", 1, 1, kPositive, Key::Need::kDefault, 1}},
+       Dir::kMeant,
+       "end=upper,to=x;y;z,order=2,beta=1",
+       "a second shape that goes on with G1 or G2 to a point (a surface: its far edge shifted by "
+       "it); alpha, beta, eta, beta2, eta2, weight: its freedom",
+       {{"end", {"upper", "lower"}, true}, {"order", {"2", "1"}}}},
+      {"unify",
+       {kTolerance},
+       Dir::kNone,
+       "with=B.json;C.json,tolerance=T",
+       "all curves, of other files too, end to end as one cubic; gaps up to T [1e-6 of the size]",
+       {{"with", {}}}},
       {"cut",
        {kPlane},
        Dir::kNone,
@@ -325,7 +359,7 @@ void FillWords(EditOperation& operation, const Operation& known) {
       operation.Refuse("'" + key.name + "' is missing; the form is " + known.name + ':' +
                        known.form);
     }
-    operation.words[key.name] = key.words.front();
+    operation.words[key.name] = key.words.empty() ? "" : key.words.front();
   }
 }
 

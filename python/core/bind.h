@@ -11,6 +11,7 @@ void BindEvaluation(pybind11::module_& m);
 void BindEditing(pybind11::module_& m);
 void BindShaping(pybind11::module_& m);
 void BindMaking(pybind11::module_& m);
+void BindJoining(pybind11::module_& m);
 void BindConstructions(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);

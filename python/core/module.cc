@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, m) {
   BindEditing(m);
   BindShaping(m);
   BindMaking(m);
+  BindJoining(m);
   BindConstructions(m);
   BindMeasures(m);
   BindSections(m);
