@@ -17,6 +17,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action);
 void AddFitSolidCommand(CLI::App& fit, Action& action);
 void AddFitSurfaceCommand(CLI::App& fit, Action& action);
 void AddAnalyzeCommand(CLI::App& app, Action& action);
+void AddBatchCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);
 void AddConvertCommand(CLI::App& app, Action& action);
 void AddEditCommand(CLI::App& app, Action& action);
