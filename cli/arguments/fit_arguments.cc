@@ -237,7 +237,8 @@ void GroupFitFlags(CLI::App& command) {
               "--interpolate",
               "--spline",
               "--method",
-              "--time-limit"});
+              "--time-limit",
+              "--memory"});
   GroupFlags(command,
              "Which shape",
              {"--kind",
@@ -314,6 +315,20 @@ const PointCloud& FitFiles::Read(bool parameters) {
   read_seconds_ = Seconds();
   if (cleaning_.statistical) Clean(*cleaning_.statistical);
   return file_.cloud;
+}
+
+CloudFileSource FitFiles::Source() {
+  CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
+  if (word_is_geometry_) read.format.clear();
+  BeginReading(a_.clouds, a_.flags.quiet);
+  return CloudFileSource(a_.clouds, std::move(read));
+}
+
+void FitFiles::TakeSample(const CloudFileSource& source, const PointCloud& sample) {
+  file_.cloud = sample;
+  file_.points_in_file = source.points_in_file();
+  file_.non_finite = source.non_finite();
+  file_.filtered = source.filtered();
 }
 
 void FitFiles::Clean(const StatisticalRemoval& how) {

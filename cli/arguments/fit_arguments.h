@@ -13,6 +13,7 @@
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/geometry/solid_model.h"
+#include "batten/io/cloud_source.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
 #include "cli/arguments/cleaning.h"
@@ -104,6 +105,12 @@ class FitFiles {
   // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
   // can't be used.
   const PointCloud& Read(bool parameters);
+
+  // The files as a source that is passed over, not read.
+  CloudFileSource Source();
+
+  // Goes on with the points that stand for those of a source.
+  void TakeSample(const CloudFileSource& source, const PointCloud& sample);
 
   // Of what was read: places of rows that are not finite.
   const std::vector<Eigen::Index>& missing() const { return file_.missing; }

@@ -151,6 +151,7 @@
 #include "batten/io/brep_reader.h"
 #include "batten/io/brep_writer.h"
 #include "batten/io/cloud_options.h"
+#include "batten/io/cloud_source.h"
 #include "batten/io/deviation_colours.h"
 #include "batten/io/deviation_limit.h"
 #include "batten/io/file_format.h"
