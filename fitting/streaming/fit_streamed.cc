@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "fitting/core/stage_clock.h"
 #include "fitting/streaming/distance_counts.h"
 #include "fitting/streaming/first_look.h"
+#include "fitting/streaming/foot_guesses.h"
 #include "fitting/streaming/near_surface.h"
 #include "fitting/streaming/place_sums.h"
 #include "fitting/surface/fit_over_base.h"
@@ -120,7 +122,8 @@ class StreamPipeline {
     PreparedCloud prepared;
     double places = kPlacesToBegin;
     for (int round = 1;; ++round) {
-      const NearSurface near(base_, surface, kRoomInSpacings * sample_spacing_);
+      const NearSurface near(
+          base_, surface, kRoomInSpacings * sample_spacing_, look_.count, sample_.points(), pool_);
       places = std::clamp(places, std::min(kPlacesToBegin, MostPlaces()), MostPlaces());
       Summed(near, places);
       prepared = PreparedMeans(near, means_, sample_.origin(), noise_, Margin());
@@ -128,11 +131,11 @@ class StreamPipeline {
       clock_.Enter(&StageSeconds::solve);
       fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
       const double unknowns = fitted.draft.surface.size_u() * fitted.draft.surface.size_v();
-      const bool coarse =
-          static_cast<double>(means_.places.size()) < kPlacesOfControlPoint * unknowns &&
-          places < MostPlaces();
-      if (round == kRounds || !(coarse || IsFar(near, prepared, fitted.draft))) break;
-      if (coarse) places = kPlacesToAsk * unknowns;
+      coarse_ = static_cast<double>(means_.places.size()) < kPlacesOfControlPoint * unknowns &&
+                means_.used > kPlacesOfControlPoint * unknowns;
+      const bool finer = coarse_ && places < MostPlaces();
+      if (round == kRounds || !(finer || IsFar(near, prepared, fitted.draft))) break;
+      if (finer) places = kPlacesToAsk * unknowns;
       surface = fitted.draft.surface;
       base_ = prepared.base;
     }
@@ -307,9 +310,8 @@ class StreamPipeline {
     const NurbsSurface local = fit.surface.Translated(options_.shift - sample_.origin());
     AllDistances all = MeasureAll(local, prepared.base);
     StreamedFit result{std::move(fit.surface), std::move(fit.report), sample_, {}, {}, {}};
-    PointDistances of_sample = DistancesTo(local, sample_.points(), pool_);
-    result.parameters = std::move(of_sample.parameters);
-    result.residuals = std::move(of_sample.distances);
+    result.parameters = std::move(of_sample_.parameters);
+    result.residuals = std::move(of_sample_.distances);
     result.outliers = result.residuals.array().abs() > limit_;
     Complete(all, search, result);
     result.passes = passes_;
@@ -320,14 +322,21 @@ class StreamPipeline {
     const double unit = (look_.high - look_.low).norm();
     AllDistances all{DistanceCounts(unit, options_.tolerance),
                      DistanceCounts(unit, options_.tolerance)};
+    std::optional<SurfaceDistances> over_plane;
+    std::optional<FootGuesses> guesses;
+    const Eigen::Matrix3Xd& sample = sample_.points();
+    if (base.plane) {
+      const Eigen::Matrix2Xd near = base.plane->ToFrame(sample).topRows<2>();
+      over_plane.emplace(surface, look_.count, sample, near, pool_);
+      of_sample_ = over_plane->To(sample, near, pool_);
+    } else {
+      guesses.emplace(surface, look_.count, sample, pool_);
+      of_sample_ = guesses->of_sample();
+    }
     PassLocal("project", [&](const Eigen::Matrix3Xd& points) {
-      PointDistances found;
-      if (base.plane) {
-        const Eigen::Matrix2Xd near = base.plane->ToFrame(points).topRows<2>();
-        found = DistancesTo(surface, points, near, pool_);
-      } else {
-        found = DistancesTo(surface, points, pool_);
-      }
+      const PointDistances found =
+          base.plane ? over_plane->To(points, base.plane->ToFrame(points).topRows<2>(), pool_)
+                     : guesses->DistancesOf(points, pool_);
       for (Eigen::Index k = 0; k < points.cols(); ++k) {
         const double distance = found.distances[k];
         all.all.Add(distance);
@@ -397,6 +406,11 @@ class StreamPipeline {
     evidence.structured = structured;
     evidence.farthest = all.farthest;
     JudgeEnd(evidence, report);
+    if (coarse_) {
+      report.warnings.push_back(
+          "in the memory allowed, places are few for so many control points: detail within them is "
+          "averaged; more memory follows it");
+    }
     WarnOfWhatTheSampleMisses(all, result);
     report.seconds = clock_.Seconds();
   }
@@ -428,8 +442,10 @@ class StreamPipeline {
   std::vector<std::string> warnings_;
   std::vector<BaseCandidate> candidates_;
   PlaceSums::Means means_;
+  PointDistances of_sample_;  // from the surface, at the end
   double sample_noise_ = 0, sample_spacing_ = 0, sample_points_ = 0;
   double noise_ = 0, limit_ = 0;
+  bool coarse_ = false;  // fewer places to a control point than the means of places ask for
   int passes_ = 0;
 };
 

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "batten/fitting/distances.h"
 #include "batten/geometry/extend.h"
 
 namespace batten::internal {
@@ -33,8 +32,14 @@ NurbsSurface WithRoomAround(NurbsSurface surface, const Parameterization& base, 
 
 }  // namespace
 
-NearSurface::NearSurface(Parameterization base, const NurbsSurface& surface, double room)
+NearSurface::NearSurface(Parameterization base,
+                         const NurbsSurface& surface,
+                         double room,
+                         double expected,
+                         const Eigen::Matrix3Xd& some,
+                         ThreadPool& pool)
     : base_(std::move(base)), surface_(WithRoomAround(surface.WithTrims({}), base_, room)) {
+  if (!base_.plane) guesses_.emplace(surface_.surface(), expected, some, pool);
   const NurbsSurface& whole = surface_.surface();
   low_ = {whole.basis_u().lower(), whole.basis_v().lower()};
   high_ = {whole.basis_u().upper(), whole.basis_v().upper()};
@@ -46,7 +51,7 @@ PlacedPoints NearSurface::Place(const Eigen::Matrix3Xd& points, ThreadPool& pool
     PlaceOverPlane(points, pool, placed);
     return placed;
   }
-  PointDistances found = DistancesTo(surface_.surface(), points, pool);
+  PointDistances found = guesses_->DistancesOf(points, pool);
   placed.parameters = std::move(found.parameters);
   placed.offsets = found.distances;
   placed.distances = std::move(found.distances);

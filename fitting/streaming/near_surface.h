@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/parameterization/parameterization.h"
+#include "fitting/streaming/foot_guesses.h"
 #include "fitting/streaming/place_sums.h"
 
 namespace batten::internal {
@@ -24,7 +26,13 @@ struct PlacedPoints {
 // that are open, so that points beyond those of a sample have a place.
 class NearSurface {
  public:
-  NearSurface(Parameterization base, const NurbsSurface& surface, double room);
+  // `expected`: the number of points that will be placed; `some` of them.
+  NearSurface(Parameterization base,
+              const NurbsSurface& surface,
+              double room,
+              double expected,
+              const Eigen::Matrix3Xd& some,
+              ThreadPool& pool);
 
   PlacedPoints Place(const Eigen::Matrix3Xd& points, ThreadPool& pool) const;
 
@@ -42,6 +50,7 @@ class NearSurface {
 
   Parameterization base_;
   SurfaceEvaluator surface_;
+  std::optional<FootGuesses> guesses_;  // where the base is no plane
   Eigen::Vector2d low_, high_;
 };
 
