@@ -17,6 +17,7 @@
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
 #include "cli/arguments/mesh_output.h"
+#include "cli/arguments/point_sharing.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
@@ -321,14 +322,21 @@ CloudFileSource FitFiles::Source() {
   CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
   if (word_is_geometry_) read.format.clear();
   BeginReading(a_.clouds, a_.flags.quiet);
-  return CloudFileSource(a_.clouds, std::move(read));
+  return CloudFileSource(OwnFiles(a_.clouds), std::move(read));
 }
 
-void FitFiles::TakeSample(const CloudFileSource& source, const PointCloud& sample) {
+void FitFiles::TakeSample(const CloudFileSource& source,
+                          Eigen::Index points,
+                          const PointCloud& sample) {
   file_.cloud = sample;
-  file_.points_in_file = source.points_in_file();
   file_.non_finite = source.non_finite();
   file_.filtered = source.filtered();
+  file_.points_in_file = points + file_.non_finite + file_.filtered;
+}
+
+int FitFiles::ExitCode(const FitReport& report) {
+  if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
+  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
 }
 
 void FitFiles::Clean(const StatisticalRemoval& how) {
@@ -463,8 +471,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
   if (!mesh.empty() && !a_.flags.quiet) PrintNote(a_.out + ": " + mesh);
-  if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
-  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
+  return ExitCode(report);
 }
 
 }  // namespace batten::internal

@@ -110,7 +110,10 @@ class FitFiles {
   CloudFileSource Source();
 
   // Goes on with the points that stand for those of a source.
-  void TakeSample(const CloudFileSource& source, const PointCloud& sample);
+  void TakeSample(const CloudFileSource& source, Eigen::Index points, const PointCloud& sample);
+
+  // What the program ends with for a fit of this report.
+  static int ExitCode(const FitReport& report);
 
   // Of what was read: places of rows that are not finite.
   const std::vector<Eigen::Index>& missing() const { return file_.missing; }

@@ -16,6 +16,7 @@
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
 #include "cli/arguments/fit_parts.h"
+#include "cli/arguments/point_sharing.h"
 #include "cli/arguments/surface_conditions.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -157,14 +158,18 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
 }
 
 int RunStreamedFit(FitFiles& files, const FitSurfaceArguments& a, SurfaceFitOptions options) {
-  CloudFileSource source = files.Source();
+  CloudFileSource own_files = files.Source();
+  OwnPieces own(own_files, OwnFiles(a.clouds) == a.clouds);
+  const std::unique_ptr<PointSource> joined = Sharing() ? Sharing()->joined(own) : nullptr;
+  PointSource& source = joined ? *joined : own;
   StreamOptions stream;
   stream.memory = *a.memory;
   // A local origin is known when the points are.
   if (const auto shift = ToShift(a.origin)) options.shift = *shift;
   StreamedFit fit = files.Explained([&] { return FitStreamed(source, options, stream); });
-  files.TakeSample(source, fit.sample);
-  for (const std::string& warning : source.warnings()) fit.report.warnings.push_back(warning);
+  if (!Writes()) return files.ExitCode(fit.report);
+  files.TakeSample(own_files, fit.report.input.points, fit.sample);
+  for (const std::string& warning : own_files.warnings()) fit.report.warnings.push_back(warning);
   const Eigen::Vector3d more = options.shift - files.shift();
   if (!more.isZero(0)) fit.surface = fit.surface.Translated(more);
   return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);

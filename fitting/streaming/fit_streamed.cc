@@ -50,8 +50,8 @@ constexpr double kRoomInSpacings = 4;  // of the sample, beyond its edges
 constexpr double kBeyondSample = 4;
 constexpr double kMisses = 3, kBeyondStructure = 2, kLeastScale = 1e-3;  // as ClassifyInliers has
 
-// Share of the points beyond the limit, above that of the sample, that is worth a warning.
-constexpr double kShareToWarn = 1e-3;
+// By how much the share of the points beyond the limit is more than the sample's by chance.
+constexpr double kStandardErrors = 5;
 
 void RefuseWhatNeedsAllPoints(const SurfaceFitOptions& options) {
   const auto refuse = [](const char* field) {
@@ -116,7 +116,6 @@ class StreamPipeline {
     if (!source_.shared() &&
         look_.count <= static_cast<double>(stream_.memory) / static_cast<double>(kBytesOfPoint))
       return InMemory();
-    const SurfaceFitOptions options = OptionsOfPlaces();
     FittedState fitted = FitSample();
     NurbsSurface surface = fitted.draft.surface;
     PreparedCloud prepared;
@@ -129,7 +128,7 @@ class StreamPipeline {
       prepared = PreparedMeans(near, means_, sample_.origin(), noise_, Margin());
       prepared.statistics.spacing = SpacingOfPlaces(prepared);
       clock_.Enter(&StageSeconds::solve);
-      fitted = FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+      fitted = FitOverBase(prepared, OptionsOfPlaces(), StartReport(prepared), pool_, clock_);
       const double unknowns = fitted.draft.surface.size_u() * fitted.draft.surface.size_v();
       coarse_ = static_cast<double>(means_.places.size()) < kPlacesOfControlPoint * unknowns &&
                 means_.used > kPlacesOfControlPoint * unknowns;
@@ -139,7 +138,7 @@ class StreamPipeline {
       surface = fitted.draft.surface;
       base_ = prepared.base;
     }
-    return Measured(prepared, std::move(fitted), options);
+    return Measured(prepared, std::move(fitted));
   }
 
  private:
@@ -263,11 +262,17 @@ class StreamPipeline {
     return kHidden * moved > kCounts * noise_ * std::sqrt(unknowns / means_.used);
   }
 
-  // Over places every outlier is gone, and what noise leaves of a tolerance is for the surface.
+  // Over places every outlier is gone. Means must keep what noise leaves of the tolerance: the
+  // greatest of m normal errors is about √(2 ln m) of them; where that is more, it can't be kept.
   SurfaceFitOptions OptionsOfPlaces() const {
     SurfaceFitOptions options = plain_;
     options.keep_outliers = true;
     options.loss = Loss::kNone;
+    if (!options.tolerance) return options;
+    constexpr double kLeastShare = 1.0 / 3;
+    const double noise = noise_ * std::sqrt(2 * std::log(look_.count));
+    if (*options.tolerance > noise)
+      options.tolerance = std::max(*options.tolerance - noise, kLeastShare * *options.tolerance);
     return options;
   }
 
@@ -283,9 +288,8 @@ class StreamPipeline {
     return report;
   }
 
-  StreamedFit Measured(const PreparedCloud& prepared,
-                       FittedState fitted,
-                       const SurfaceFitOptions& options) {
+  StreamedFit Measured(const PreparedCloud& prepared, FittedState fitted) {
+    const SurfaceFitOptions options = OptionsOfPlaces();
     clock_.Enter(&StageSeconds::trim);
     TrimToUsed(fitted, prepared, options, pool_);
     if (options.trim != Trimming::kNone) {
@@ -417,17 +421,17 @@ class StreamPipeline {
 
   void WarnOfWhatTheSampleMisses(const AllDistances& all, StreamedFit& result) const {
     const double beyond = static_cast<double>(result.report.input.outliers) / look_.count;
-    const double of_sample =
-        static_cast<double>(result.outliers.count()) / static_cast<double>(result.outliers.size());
-    if (beyond - of_sample <= kShareToWarn) return;
+    const auto size = static_cast<double>(result.outliers.size());
+    const double of_sample = static_cast<double>(result.outliers.count()) / size;
+    if (beyond <= of_sample + kStandardErrors * std::sqrt(of_sample / size)) return;
     const auto corner = [](const Eigen::Vector3d& at) {
       return "(" + RoundedText(at[0]) + ", " + RoundedText(at[1]) + ", " + RoundedText(at[2]) + ")";
     };
     result.report.warnings.push_back(
         std::to_string(result.report.input.outliers) + " points, " + Percent(beyond) +
         ", are farther than " + RoundedText(limit_) + " from the surface, where the sample has " +
-        Percent(of_sample) + ": it may miss a part, between " + corner(all.beyond.min()) + " and " +
-        corner(all.beyond.max()) + "; a larger sample may have it");
+        Percent(of_sample) + ": it may miss a part; they are between " + corner(all.beyond.min()) +
+        " and " + corner(all.beyond.max()) + "; a larger sample may have it");
   }
 
   PointSource& source_;
