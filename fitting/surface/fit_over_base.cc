@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "fitting/surface/base_borders.h"
 #include "fitting/surface/solve_surface.h"
 
 namespace batten::internal {
@@ -88,6 +89,7 @@ FittedState Solved(const PreparedCloud& prepared,
            std::move(solved.parameters),
            solved.problem.data().weights,
            prepared.base.poles,
+           {},
            points.robust,
            points.noise_is_shared},
           std::move(points.used),
@@ -107,6 +109,8 @@ FittedState FitOverBase(const PreparedCloud& prepared,
   if (prepared.conditions.any()) {
     report.optimize.why = "the surface meets conditions, which free points would leave";
   } else {
+    if (FillBase(prepared, fitted.used, pool))
+      fitted.draft.held = BesideBorders(prepared, fitted.used);
     OptimiseWhereItPays(fitted.draft, options, pool, clock, report);
   }
   const Poles& poles = prepared.base.poles;

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/poles.h"
@@ -15,12 +17,13 @@ namespace batten::internal {
 
 // A fitted surface with its inliers, before the common last stages.
 struct SurfaceState {
-  NurbsSurface surface;          // in the cloud's local coordinates, parameters in lengths
-  PointCloud used;               // the inliers
-  Eigen::Matrix2Xd parameters;   // of those, to start from
-  Eigen::VectorXd weights;       // of those; empty: ones
-  Poles poles;                   // of the surface
-  bool robust = false;           // losses bound residuals
+  NurbsSurface surface;                 // in the cloud's local coordinates, parameters in lengths
+  PointCloud used;                      // the inliers
+  Eigen::Matrix2Xd parameters;          // of those, to start from
+  Eigen::VectorXd weights;              // of those; empty: ones
+  Poles poles;                          // of the surface
+  std::vector<std::uint8_t> held = {};  // of those: 1 where u stays as it is, 2 where v does
+  bool robust = false;                  // losses bound residuals
   bool noise_is_shared = false;  // noise correlated between neighbours: no excess over local noise
 };
 
