@@ -89,7 +89,6 @@ FittedState Solved(const PreparedCloud& prepared,
            std::move(solved.parameters),
            solved.problem.data().weights,
            prepared.base.poles,
-           {},
            points.robust,
            points.noise_is_shared},
           std::move(points.used),
@@ -109,9 +108,11 @@ FittedState FitOverBase(const PreparedCloud& prepared,
   if (prepared.conditions.any()) {
     report.optimize.why = "the surface meets conditions, which free points would leave";
   } else {
-    if (FillBase(prepared, fitted.used, pool))
-      fitted.draft.held = BesideBorders(prepared, fitted.used);
-    OptimiseWhereItPays(fitted.draft, options, pool, clock, report);
+    const auto held = [&] {
+      return FillBase(prepared, fitted.used, pool) ? BesideBorders(prepared, fitted.used)
+                                                   : std::vector<std::uint8_t>();
+    };
+    OptimiseWhereItPays(fitted.draft, options, held, pool, clock, report);
   }
   const Poles& poles = prepared.base.poles;
   report.geometry.distortion = DistortionAt(fitted.draft.surface, fitted.draft.parameters);

@@ -237,6 +237,7 @@ OvershootSummary OvershootOf(const NurbsSurface& surface,
 
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
+                         const std::function<std::vector<std::uint8_t>()>& held,
                          ThreadPool& pool,
                          StageClock& clock,
                          FitReport& report) {
@@ -282,7 +283,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
   data->parameters = draft.parameters;
   data->values = draft.used.points();
   data->weights = draft.weights;
-  optimize.held = draft.held;
+  optimize.held = held();
   const FittingProblem problem(
       draft.surface.basis_u(),
       draft.surface.basis_v(),

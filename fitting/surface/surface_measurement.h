@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,21 +18,22 @@ namespace batten::internal {
 
 // A fitted surface with its inliers, before the common last stages.
 struct SurfaceState {
-  NurbsSurface surface;                 // in the cloud's local coordinates, parameters in lengths
-  PointCloud used;                      // the inliers
-  Eigen::Matrix2Xd parameters;          // of those, to start from
-  Eigen::VectorXd weights;              // of those; empty: ones
-  Poles poles;                          // of the surface
-  std::vector<std::uint8_t> held = {};  // of those: 1 where u stays as it is, 2 where v does
-  bool robust = false;                  // losses bound residuals
+  NurbsSurface surface;          // in the cloud's local coordinates, parameters in lengths
+  PointCloud used;               // the inliers
+  Eigen::Matrix2Xd parameters;   // of those, to start from
+  Eigen::VectorXd weights;       // of those; empty: ones
+  Poles poles;                   // of the surface
+  bool robust = false;           // losses bound residuals
   bool noise_is_shared = false;  // noise correlated between neighbours: no excess over local noise
 };
 
 // Runs the joint optimization of the draft with the variables the options free; where they leave it
 // open, only where it pays: residuals are above the noise and there are points enough for free
-// parameters. Fills report.optimize.
+// parameters. Fills report.optimize. `held`, asked only then, is OptimizeOptions::held of the used
+// points.
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
+                         const std::function<std::vector<std::uint8_t>()>& held,
                          ThreadPool& pool,
                          StageClock& clock,
                          FitReport& report);
