@@ -185,7 +185,7 @@ std::optional<int> ConstrainedDelaunay::SplitEdge(Place place, const LatticePoin
   at_.push_back(t);
   const int t2 = static_cast<int>(triangles_.size()), o2 = t2 + 1;
   const std::uint8_t fixed = near.fixed >> e & 1, odd = near.odd >> e & 1;
-  if (odd) NoteCut(a, b, vertex);
+  if (fixed) NoteCut(a, b, vertex);
   // A part has the vertex first, then the edge of the whole that it keeps.
   const auto part = [vertex](const Triangle& whole, int kept, int second, int third) {
     Triangle result;
@@ -361,7 +361,7 @@ void ConstrainedDelaunay::FixStep(const Segment& segment) {
 // What is left of the segment beyond a vertex on it.
 void ConstrainedDelaunay::Shorten(const Segment& segment, int vertex) {
   if (vertex == segment.to) return;
-  if (segment.odd) NoteCut(segment.from, segment.to, vertex);
+  NoteCut(segment.from, segment.to, vertex);
   waiting_.push_back({vertex, segment.to, segment.odd});
 }
 
@@ -384,8 +384,8 @@ void ConstrainedDelaunay::BendAt(const Segment& segment, Place place) {
     triangle.odd &= static_cast<std::uint8_t>(~(1 << e));
   }
   const int vertex = Insert(meeting);
-  if (odd) NoteCut(a, b, vertex);
-  if (segment.odd) NoteCut(segment.from, segment.to, vertex);
+  NoteCut(a, b, vertex);
+  NoteCut(segment.from, segment.to, vertex);
   for (const Segment& part : {Segment{vertex, segment.to, segment.odd},
                               Segment{segment.from, vertex, segment.odd},
                               Segment{vertex, b, odd},

@@ -69,7 +69,7 @@ class ConstrainedDelaunay {
   // The edge in one of its two triangles; none where the two are not joined.
   std::optional<Place> EdgeBetween(int from, int to) const;
 
-  // The vertex that has come to lie between two that were the ends of a loop's segment or of a part
+  // The vertex that has come to lie between two that were the ends of a fixed segment or of a part
   // of one; −1: none, they are joined.
   int CutOf(int from, int to) const;
 
@@ -101,7 +101,7 @@ class ConstrainedDelaunay {
   std::vector<Triangle> triangles_;
   std::vector<int> at_;  // a triangle of every vertex
   std::vector<int> changed_;
-  std::map<std::pair<int, int>, int> cuts_;  // of segments of loops, the lesser end first
+  std::map<std::pair<int, int>, int> cuts_;  // of fixed segments, the lesser end first
   std::vector<Segment> waiting_;
   int last_ = 0;  // where searches begin
   unsigned turns_ = 1;
