@@ -272,7 +272,11 @@ const std::map<std::string, Apply>& Table() {
       {"rotate", Rotate},
       {"scale",
        [](const EditOperation& op, const Geometry& shape) {
-         return Mapped(shape, Scaling(op.Number("")));
+         const std::vector<double>& factors = op.Numbers("");
+         if (factors.size() == 2) op.Refuse("needs one factor, or three");
+         return factors.size() == 1
+                    ? Mapped(shape, Scaling(factors[0]))
+                    : Mapped(shape, Scaling({factors[0], factors[1], factors[2]}));
        }},
       {"clamp",
        [](const EditOperation& op, const Geometry& shape) {

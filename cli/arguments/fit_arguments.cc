@@ -225,7 +225,8 @@ void GroupFitFlags(CLI::App& command) {
               "--unit",
               "--origin",
               "--output-format",
-              "--step-schema"});
+              "--step-schema",
+              "--sew"});
   GroupFlags(command,
              "How near, how smooth, how long",
              {"--tolerance",

@@ -2,14 +2,12 @@
 #include "cli/arguments/make_shapes.h"
 
 #include <cmath>
-#include <numbers>
-#include <optional>
-#include <variant>
 
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
-#include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "cli/arguments/curve_files.h"
+#include "cli/arguments/make_values.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/parse_values.h"
 #include "geometry/numeric/number_text.h"
@@ -18,19 +16,6 @@ namespace batten::internal {
 namespace {
 
 using Shapes = std::vector<Geometry>;
-
-// A flag whose default is what its value holds; none is shown where that is empty.
-CLI::Option* AddFlag(
-    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
-  CLI::Option* option = command.add_option(flag, value, help)->type_name(type);
-  if (!value.empty()) option->capture_default_str();
-  return option;
-}
-
-void Require(
-    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
-  AddFlag(command, flag, value, type, help)->required();
-}
 
 void AddFrame(CLI::App& command, MakeArguments& a, const char* center, const char* axis) {
   AddFlag(command, "--center", a.center, "X,Y,Z", center);
@@ -48,14 +33,6 @@ void AddAngles(CLI::App& command, MakeArguments& a) {
   AddFlag(command, "--sweep", a.sweep, "DEGREES", "How far it goes, counter-clockwise");
 }
 
-Eigen::Vector3d Triple(const char* flag, const std::string& text) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  if (numbers.size() != 3) {
-    throw UsageError(std::string(flag) + ": '" + text + "' is not three numbers x,y,z");
-  }
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 std::pair<double, double> Pair(const char* flag, const std::string& text) {
   const std::vector<double> numbers = ParseNumbers(flag, text);
   if (numbers.size() != 2) {
@@ -67,9 +44,6 @@ std::pair<double, double> Pair(const char* flag, const std::string& text) {
 double Length(const char* flag, const std::string& text) {
   return ParseNumber(flag, text, Sign::kPositive);
 }
-
-// Multiples of 90° become those of π/2 exactly.
-double Radians(double degrees) { return degrees / 360 * (2 * std::numbers::pi); }
 
 AngleRange Angles(const char* start_flag,
                   const std::string& start,
@@ -86,17 +60,7 @@ AngleRange AnglesOf(const MakeArguments& a) {
   return Angles("--start-angle", a.start_angle, "--sweep", a.sweep);
 }
 
-Frame FrameOf(const MakeArguments& a) {
-  const Eigen::Vector3d center = Triple("--center", a.center), axis = Triple("--axis", a.axis);
-  if (axis.isZero(0)) throw UsageError("--axis: '" + a.axis + "' has no direction");
-  if (a.x_axis.empty()) return Frame(center, axis);
-  const Eigen::Vector3d x = Triple("--x-axis", a.x_axis);
-  try {
-    return Frame(center, axis, x);
-  } catch (const std::invalid_argument&) {
-    throw UsageError("--x-axis: '" + a.x_axis + "' does not point away from the axis " + a.axis);
-  }
-}
+Frame FrameOf(const MakeArguments& a) { return ParseFrame(a.center, a.axis, a.x_axis); }
 
 void AddCircle(CLI::App& command, MakeArguments& a) {
   AddFrame(command, a, "Its centre", "Normal of its plane");
@@ -251,18 +215,8 @@ Shapes Revolved(const MakeArguments& a) {
   const Frame frame = FrameOf(a);
   const AngleRange angles = AnglesOf(a);
   Shapes shapes;
-  for (const Geometry& one : ReadGeometry(a.curve, {a.format})) {
-    if (std::holds_alternative<NurbsSurface>(one)) {
-      throw UsageError(a.curve + ": holds a surface; only curves can be revolved");
-    }
-    if (const auto* flat = std::get_if<NurbsCurve<2>>(&one)) {
-      Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, flat->control_points().cols());
-      points.topRows<2>() = flat->control_points();
-      const NurbsCurve<3> curve(flat->basis(), std::move(points), flat->weights());
-      shapes.emplace_back(Revolve(curve, frame, angles));
-    } else {
-      shapes.emplace_back(Revolve(std::get<NurbsCurve<3>>(one), frame, angles));
-    }
+  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format)) {
+    shapes.emplace_back(Revolve(curve, frame, angles));
   }
   return shapes;
 }
@@ -306,7 +260,8 @@ const std::vector<MakeKind>& MakeKinds() {
        Cone},
       {"sphere",
        "A sphere or a part of one",
-       "sphere -o dome.step --radius 10 --latitudes 0,90",
+       "sphere -o dome.step --radius 10 --latitudes 0,90\n"
+       "  batten make sphere -o octant.step --radius 10 --latitudes 0,90 --sweep 90",
        AddSphere,
        Sphere},
       {"torus",

@@ -37,8 +37,7 @@ namespace {
 // Commands of the contract that later versions will have.
 const std::vector<std::string> kLaterCommands = {};
 const std::vector<std::string> kLaterFits = {"scan"};
-const std::vector<std::string> kLaterKinds = {
-    "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
+const std::vector<std::string> kLaterKinds = {"conic"};
 const std::vector<std::string> kLaterFlags = {"--uncertainty", "--certify", "--stream"};
 
 bool Contains(const std::vector<std::string>& list, const std::string& word) {

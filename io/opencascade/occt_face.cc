@@ -225,6 +225,28 @@ void Turn(const DirectSurface& direct, Wires& wires) {
   }
 }
 
+// What sewing over a gap has stretched beyond a B-spline without a period ends with it.
+void KeepOnSurface(const Handle(Geom_Surface) & surface, ParameterRectangle& box, Wires& wires) {
+  if (AsBSpline(surface).IsNull()) return;
+  const ParameterRectangle natural = NaturalRectangle(*surface);
+  Eigen::Array2d lower(natural.u0, natural.v0), upper(natural.u1, natural.v1);
+  if (surface->IsUPeriodic()) lower[0] = box.u0, upper[0] = box.u1;
+  if (surface->IsVPeriodic()) lower[1] = box.v0, upper[1] = box.v1;
+  box = {std::max(box.u0, lower[0]),
+         std::min(box.u1, upper[0]),
+         std::max(box.v0, lower[1]),
+         std::min(box.v1, upper[1])};
+  for (auto& wire : wires) {
+    for (NurbsCurve<2>& curve : wire) {
+      Eigen::Matrix2Xd points = curve.control_points();
+      for (auto point : points.colwise()) point = point.array().max(lower).min(upper);
+      if (points != curve.control_points()) {
+        curve = NurbsCurve<2>(curve.basis(), points, curve.weights());
+      }
+    }
+  }
+}
+
 FaceShape Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
   const DirectSurface direct(face);
   const Handle(Geom_Surface) surface = direct.surface;
@@ -234,6 +256,7 @@ FaceShape Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
     Turn(direct, wires);
   }
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
+  KeepOnSurface(surface, box, wires);
   const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
                      box == NaturalRectangle(*surface);
   const Mapping mapping = whole ? OfBSpline(bspline, box) : OfOther(surface, box, SeamsOf(face));

@@ -10,6 +10,7 @@ void BindBodies(pybind11::module_& m);
 void BindEvaluation(pybind11::module_& m);
 void BindEditing(pybind11::module_& m);
 void BindMaking(pybind11::module_& m);
+void BindConstructions(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);
 void BindClouds(pybind11::module_& m);

@@ -15,6 +15,7 @@ PYBIND11_MODULE(_core, m) {
   BindEvaluation(m);
   BindEditing(m);
   BindMaking(m);
+  BindConstructions(m);
   BindMeasures(m);
   BindSections(m);
   BindClouds(m);

@@ -394,7 +394,7 @@ TEST_F(EditTest, BadOperationsAreNamedWithValueAndRule) {
       {curve, {"translate"}, {"its numbers are missing", "translate:x,y,z"}},
       {curve, {"translate:1,,2"}, {"'1,,2' is not a list of finite numbers"}},
       {curve, {"scale:0"}, {"scale:0", "0 is zero"}},
-      {curve, {"scale:inf"}, {"'inf' is not a finite number"}},
+      {curve, {"scale:inf"}, {"'inf' is not a list of finite numbers"}},
       {surface, {"scale:1e200"}, {"scale:1e200", "1e150"}},
       {surface, {"rotate:axis=0,0,0,angle=5"}, {"rotate:axis=0,0,0,angle=5", "axis"}},
       {curve, {"rotate:axis=1,0,0,angle=45"}, {"rotate:axis=1,0,0,angle=45", "plane"}},
