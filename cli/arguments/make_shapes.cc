@@ -7,8 +7,11 @@
 #include "batten/geometry/make_surface.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/curve_files.h"
+#include "cli/arguments/make_conics.h"
+#include "cli/arguments/make_joins.h"
 #include "cli/arguments/make_values.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "geometry/numeric/number_text.h"
 
@@ -17,58 +20,29 @@ namespace {
 
 using Shapes = std::vector<Geometry>;
 
-void AddFrame(CLI::App& command, MakeArguments& a, const char* center, const char* axis) {
-  AddFlag(command, "--center", a.center, "X,Y,Z", center);
-  AddFlag(command, "--axis", a.axis, "X,Y,Z", axis);
-  AddFlag(
-      command,
-      "--x-axis",
-      a.x_axis,
-      "X,Y,Z",
-      "Where angle 0 is, made perpendicular to the axis [the coordinate axis farthest from it]");
-}
-
 void AddAngles(CLI::App& command, MakeArguments& a) {
   AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins about the axis");
   AddFlag(command, "--sweep", a.sweep, "DEGREES", "How far it goes, counter-clockwise");
 }
 
-std::pair<double, double> Pair(const char* flag, const std::string& text) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  if (numbers.size() != 2) {
-    throw UsageError(std::string(flag) + ": '" + text + "' is not two numbers");
-  }
-  return {numbers[0], numbers[1]};
-}
-
-double Length(const char* flag, const std::string& text) {
-  return ParseNumber(flag, text, Sign::kPositive);
-}
-
-AngleRange Angles(const char* start_flag,
-                  const std::string& start,
-                  const char* sweep_flag,
-                  const std::string& sweep) {
-  const double degrees = ParseNumber(sweep_flag, sweep, Sign::kPositive);
-  if (degrees > 360) {
-    throw UsageError(std::string(sweep_flag) + ": " + sweep + " is more than 360 degrees");
-  }
-  return {Radians(ParseNumber(start_flag, start)), Radians(degrees)};
-}
-
-AngleRange AnglesOf(const MakeArguments& a) {
-  return Angles("--start-angle", a.start_angle, "--sweep", a.sweep);
-}
-
-Frame FrameOf(const MakeArguments& a) { return ParseFrame(a.center, a.axis, a.x_axis); }
-
 void AddCircle(CLI::App& command, MakeArguments& a) {
   AddFrame(command, a, "Its centre", "Normal of its plane");
   Require(command, "--radius", a.radius, "R", "Its radius");
   AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins");
+  a.circle_form = "9";
+  Allow(*AddFlag(command,
+                 "--form",
+                 a.circle_form,
+                 "FORM",
+                 "9 or 7 control points of degree 2, or degree5: one piece of degree 5"),
+        {"9", "7", "degree5"});
 }
 Shapes Circle(const MakeArguments& a) {
-  return {MakeArc(FrameOf(a), Length("--radius", a.radius), AnglesOf(a))};
+  const CircleForm form = a.circle_form == "7"         ? CircleForm::kSevenPoints
+                          : a.circle_form == "degree5" ? CircleForm::kDegreeFive
+                                                       : CircleForm::kNinePoints;
+  const double start = Radians(ParseNumber("--start-angle", a.start_angle));
+  return {MakeCircle(FrameOf(a), Length("--radius", a.radius), form, start)};
 }
 
 void AddArc(CLI::App& command, MakeArguments& a) {
@@ -76,6 +50,17 @@ void AddArc(CLI::App& command, MakeArguments& a) {
   Require(command, "--radius", a.radius, "R", "Its radius");
   a.sweep = "90";
   AddAngles(command, a);
+  AddFlag(command,
+          "--segments",
+          a.segments,
+          "N",
+          "Equal pieces of less than 180 degrees [as few as are of 90 degrees at most]");
+}
+Shapes Arc(const MakeArguments& a) {
+  const double radius = Length("--radius", a.radius);
+  if (a.segments.empty()) return {MakeArc(FrameOf(a), radius, AnglesOf(a))};
+  const auto pieces = static_cast<int>(ParseWhole("--segments", a.segments, 1, 1000));
+  return {MakeArc(FrameOf(a), radius, AnglesOf(a), pieces)};
 }
 
 void AddEllipse(CLI::App& command, MakeArguments& a) {
@@ -234,7 +219,7 @@ const std::vector<MakeKind>& MakeKinds() {
        "An arc of a circle",
        "arc -o fillet.json --radius 2 --start-angle 180 --sweep 90",
        AddArc,
-       Circle},
+       Arc},
       {"ellipse",
        "An ellipse or an arc of one",
        "ellipse -o oval.json --radii 3,2",
@@ -274,6 +259,9 @@ const std::vector<MakeKind>& MakeKinds() {
        "revolve profile.json -o vase.step --axis 0,0,1",
        AddRevolve,
        Revolved},
+      ConicKind(),
+      BlendKind(),
+      FillKind(),
   };
   return kinds;
 }

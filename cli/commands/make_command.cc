@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
+#include "cli/arguments/geometry_summary.h"
 #include "cli/arguments/make_constructions.h"
 #include "cli/arguments/make_shapes.h"
 #include "cli/commands/commands.h"
@@ -54,17 +56,23 @@ int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
   CheckGeometryFormat(a.out, a.out_format);
   CheckWritable(a.out);
   GeometryFile file{a.out, {}};
+  nlohmann::ordered_json said;
   std::vector<std::string> notes;
   try {
     Construction made{kind.make(a.shape)};
     file.geometry = std::move(made.shapes);
     notes = std::move(made.notes);
     RequireSensible(file.geometry);
+    if constexpr (requires { kind.tell; }) {
+      if (kind.tell) said = kind.tell(a.shape, file.geometry);
+    }
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
   WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
   auto entry = FileEntry(file);
+  const std::string line = FileLine(entry);
+  if (!said.is_null()) entry.update(said);
   if (!notes.empty()) entry["notes"] = notes;
   if (!a.flags.quiet) {
     for (const std::string& note : notes) PrintNote(note);
@@ -72,9 +80,10 @@ int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    PrintResult(FileLine(entry));
+    PrintResult(line);
+    if (!said.is_null()) PrintAligned(said);
   }
-  return kDone;
+  return said.is_null() || said.value("tolerance_reached", true) ? kDone : kToleranceMissed;
 }
 
 template <typename Arguments, typename Kind>
@@ -108,6 +117,8 @@ void AddMakeCommand(CLI::App& app, Action& action) {
     AddKind<ConstructionArguments>(make, kind, action);
     examples += std::string("\n  batten make ") + kind.examples;
   }
+  AddMakeOffsetCommand(make, action);
+  examples += "\n  batten make offset panel.step -o inner.step --distance -1.5";
   make.footer(
       "What is made from numbers is exact to rounding, as rational quadratics on [0, 1]; u goes "
       "round the\n"

@@ -47,7 +47,7 @@ std::vector<Pair> NearPairs(const Eigen::MatrixXd& squared) {
 }
 
 // The nearest place from (s, t) on, inside both domains. [Gauss–Newton, damped]
-CurveMeeting Descended(const SampledCurve& a, const SampledCurve& b, double s, double t) {
+ClosestApproach Descended(const SampledCurve& a, const SampledCurve& b, double s, double t) {
   constexpr int kMostSteps = 100;
   const SplineBasis& basis_a = a.curve().basis();
   const SplineBasis& basis_b = b.curve().basis();
@@ -108,26 +108,28 @@ SampledCurve::SampledCurve(const NurbsCurve<3>& curve) : evaluator_(curve), clos
   evaluator_.Points(parameters_, points_);
 }
 
-std::vector<CurveMeeting> Meetings(const SampledCurve& a, const SampledCurve& b, double tolerance) {
+std::vector<ClosestApproach> Meetings(const SampledCurve& a,
+                                      const SampledCurve& b,
+                                      double tolerance) {
   constexpr std::size_t kMostStarts = 16;
   const double length_a = a.curve().basis().upper() - a.curve().basis().lower();
   const double length_b = b.curve().basis().upper() - b.curve().basis().lower();
-  std::vector<CurveMeeting> meetings;
-  CurveMeeting nearest{0, 0, std::numeric_limits<double>::infinity()};
+  std::vector<ClosestApproach> meetings;
+  ClosestApproach nearest{0, 0, std::numeric_limits<double>::infinity()};
   const std::vector<Pair> pairs = NearPairs(SquaredDistances(a.points(), b.points()));
   for (std::size_t k = 0; k < std::min(pairs.size(), kMostStarts); ++k) {
-    CurveMeeting found = Descended(a, b, a.parameters()[pairs[k].i], b.parameters()[pairs[k].j]);
+    ClosestApproach found = Descended(a, b, a.parameters()[pairs[k].i], b.parameters()[pairs[k].j]);
     found.s = AtBeginning(a, found.s);
     found.t = AtBeginning(b, found.t);
     if (found.gap < nearest.gap) nearest = found;
-    const bool known = std::ranges::any_of(meetings, [&](const CurveMeeting& other) {
+    const bool known = std::ranges::any_of(meetings, [&](const ClosestApproach& other) {
       return std::abs(other.s - found.s) <= kSamePlace * length_a &&
              std::abs(other.t - found.t) <= kSamePlace * length_b;
     });
     if (found.gap <= tolerance && !known) meetings.push_back(found);
   }
   if (meetings.empty()) meetings.push_back(nearest);
-  std::ranges::sort(meetings, {}, &CurveMeeting::gap);
+  std::ranges::sort(meetings, {}, &ClosestApproach::gap);
   return meetings;
 }
 

@@ -11,7 +11,7 @@
 namespace batten::internal {
 
 // Where two curves come near: parameters on both, and how near.
-struct CurveMeeting {
+struct ClosestApproach {
   double s, t;
   double gap;
 };
@@ -39,6 +39,8 @@ class SampledCurve {
 // nearest place alone. From every pair of samples that is nearer than its neighbours, by
 // Gauss–Newton steps; what comes near between samples that do not tell goes unseen. Both ends of a
 // closed curve are one place, its beginning. O(samples of a · samples of b).
-std::vector<CurveMeeting> Meetings(const SampledCurve& a, const SampledCurve& b, double tolerance);
+std::vector<ClosestApproach> Meetings(const SampledCurve& a,
+                                      const SampledCurve& b,
+                                      double tolerance);
 
 }  // namespace batten::internal

@@ -30,11 +30,11 @@ struct AllMeetings {
   double gap = 0;
 };
 
-CurveMeeting OnlyMeeting(const SampledCurve& a,
-                         const SampledCurve& b,
-                         const std::string& names,
-                         double tolerance) {
-  const std::vector<CurveMeeting> meetings = Meetings(a, b, tolerance);
+ClosestApproach OnlyMeeting(const SampledCurve& a,
+                            const SampledCurve& b,
+                            const std::string& names,
+                            double tolerance) {
+  const std::vector<ClosestApproach> meetings = Meetings(a, b, tolerance);
   RequireThat(meetings[0].gap <= tolerance,
               kGordon,
               names + " do not meet: they are " + RoundedText(meetings[0].gap) +
@@ -55,7 +55,7 @@ AllMeetings MeetingsOfAll(const std::vector<NurbsCurve<3>>& along_u,
   for (std::size_t k = 0; k < us.size(); ++k) {
     for (std::size_t l = 0; l < vs.size(); ++l) {
       const std::string names = NameOf("u", k) + " and " + NameOf("v", l);
-      const CurveMeeting meeting = OnlyMeeting(us[k], vs[l], names, tolerance);
+      const ClosestApproach meeting = OnlyMeeting(us[k], vs[l], names, tolerance);
       all.s(k, l) = meeting.s;
       all.t(k, l) = meeting.t;
       all.gap = std::max(all.gap, meeting.gap);
@@ -144,7 +144,7 @@ CurveFamily FamilyOf(const std::vector<NurbsCurve<3>>& curves,
 void RefuseCrossings(const CurveFamily& family, double tolerance, const char* direction) {
   const std::vector<SampledCurve> curves(family.curves.begin(), family.curves.end());
   for (std::size_t k = 1; k < curves.size(); ++k) {
-    const CurveMeeting meeting = Meetings(curves[k - 1], curves[k], tolerance)[0];
+    const ClosestApproach meeting = Meetings(curves[k - 1], curves[k], tolerance)[0];
     RequireThat(meeting.gap > tolerance,
                 kGordon,
                 NameOf(direction, family.order[k - 1]) + " and " +

@@ -5,7 +5,7 @@ perpendicular (None: the coordinate axis farthest from the axis)."""
 from __future__ import annotations
 
 import math
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ FULL = 2 * math.pi
 __all__ = [
     "line", "circle", "arc", "ellipse", "bilinear", "plane", "cylinder", "cone", "sphere", "torus", "revolve",
     "extrude", "ruled", "aligned", "loft", "sweep", "swing", "gordon", "coons", "patch",
+    "conic", "blend", "fill", "chain",
 ]
 
 
@@ -633,3 +634,151 @@ def patch(
     along_u = p[[1, 1, 3, 3]] - p[[0, 0, 2, 2]] if tangents_u is None else four("tangents_u", tangents_u)
     along_v = p[[2, 3, 2, 3]] - p[[0, 1, 0, 1]] if tangents_v is None else four("tangents_v", tangents_v)
     return Surface._of(_core.patch(p, along_u, along_v, np.zeros((4, 3)) if twists is None else four("twists", twists)))
+
+
+def conic(
+    points: Optional[ArrayLike] = None,
+    *,
+    ends: Optional[ArrayLike] = None,
+    tangents: Optional[ArrayLike] = None,
+    point: Optional[ArrayLike] = None,
+    rho: Optional[float] = None,
+) -> Curve:
+    """An arc of an ellipse, parabola or hyperbola: through five points in order, or between two ends.
+
+    Parameters
+    ----------
+    points : array_like of shape (5, 3)
+        On the arc, in order; nothing else is given then.
+    ends, tangents : array_like of shape (2, 3)
+        Where it begins and ends, and in which directions.
+    point : array_like of shape (3,)
+        That it passes through; or
+    rho : float
+        In (0, 1): below 0.5 an ellipse, 0.5 a parabola, above a hyperbola.
+
+    Returns
+    -------
+    Curve
+        Rational, of degree 2.
+    """
+    if (points is None) == (ends is None):
+        raise ValueError("conic: either points or ends is needed")
+    if points is not None:
+        if not (tangents is None and point is None and rho is None):
+            raise ValueError("points: tangents, point and rho go with ends")
+        return Curve._of(_core.conic_of_points([_three("points", row) for row in _rows("points", points, 5)]))
+    if tangents is None or (point is None) == (rho is None):
+        raise ValueError("ends: tangents and one of point and rho are needed")
+    (p, q), (t, s) = _rows("ends", ends, 2), _rows("tangents", tangents, 2)
+    given = (_three("ends", p), _three("tangents", t), _three("ends", q), _three("tangents", s))
+    if point is not None:
+        return Curve._of(_core.conic_through(*given, _three("point", point)))
+    return Curve._of(_core.conic_of_rho(*given, number("rho", rho)))
+
+
+def _rows(name: str, value: Any, count: int) -> List[Any]:
+    rows = list(value)
+    if len(rows) != count:
+        raise ValueError(f"{name}: {count} points are needed, not {len(rows)}")
+    return rows
+
+
+_EDGES = ("u0", "u1", "v0", "v1")
+
+
+def _edge(name: str, value: Optional[str], words: Tuple[str, ...]) -> Optional[str]:
+    if value is not None and value not in words:
+        raise ValueError(f"{name}: {value!r} is not among {', '.join(words)}")
+    return value
+
+
+def blend(
+    first: Union[Curve, Surface],
+    second: Union[Curve, Surface],
+    *,
+    continuity: int = 2,
+    fullness: Union[float, Tuple[float, float]] = 1.0,
+    from_edge: Optional[str] = None,
+    to_edge: Optional[str] = None,
+) -> Union[Curve, Surface]:
+    """The curve between two curves, or the surface between two surfaces, that meets both smoothly.
+
+    Parameters
+    ----------
+    first, second : Curve or Surface
+        Two of one kind.
+    continuity : int
+        0, 1 or 2: positions, tangents, curvatures.
+    fullness : float, or one for each end
+        How far the directions of the shapes are followed, in widths of the gap.
+    from_edge, to_edge : str
+        "u0", "u1", "v0" or "v1" of surfaces, "start" or "end" of curves (both or neither); None: the nearest.
+
+    Returns
+    -------
+    Curve or Surface
+        Of degree 2 continuity + 1 across.
+    """
+    words = _EDGES if isinstance(first, Surface) else ("start", "end")
+    start, end = _edge("from_edge", from_edge, words), _edge("to_edge", to_edge, words)
+    if not isinstance(first, Surface) and (start is None) != (end is None):
+        raise ValueError("from_edge, to_edge: of curves both or neither")
+    full = (fullness, fullness) if isinstance(fullness, (int, float)) else _two("fullness", fullness)
+    if continuity not in (0, 1, 2):
+        raise ValueError(f"continuity: {continuity!r} is not 0, 1 or 2")
+    bodies = _body_of("first", first), _body_of("second", second)
+    made = _core.blend(*bodies, continuity, (float(full[0]), float(full[1])), start, end)
+    return Surface._of(made) if isinstance(first, Surface) else Curve._of(made)
+
+
+def fill(
+    sides: Sequence[Union[Curve, Tuple[Surface, str]]],
+    *,
+    tolerance: Optional[float] = None,
+    angle_tolerance: float = 1e-4,
+) -> Tuple[List[Surface], Dict[str, Any]]:
+    """The surfaces that fill a hole of three to six sides, tangent to the surfaces whose edges are given.
+
+    Parameters
+    ----------
+    sides : sequence of Curve or (Surface, edge)
+        In any order; edges are "u0", "u1", "v0", "v1".
+    tolerance : float
+        The widest gap; None: 1e-6 of the size.
+    angle_tolerance : float
+        Between tangent planes, in radians.
+
+    Returns
+    -------
+    list of Surface, dict
+        One at every corner; and what was reached: position_gap, inner_angle, outer_angle, tolerance, reached.
+    """
+    given: List[Tuple[Any, Optional[str]]] = []
+    for side in sides:
+        if isinstance(side, tuple):
+            surface, word = side
+            given.append((_body_of("sides", surface), _edge("sides", word, _EDGES)))
+        else:
+            given.append((_body_of("sides", side), None))
+    angle = number("angle_tolerance", angle_tolerance)
+    patches, quality = _core.fill(given, None if tolerance is None else number("tolerance", tolerance), angle)
+    return [Surface._of(one) for one in patches], quality
+
+
+def chain(curves: Sequence[Curve], *, tolerance: float = 0.0) -> Curve:
+    """Curves that meet end to end, in any order and sense, as one that traces each exactly.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        Lines, arcs, free curves; of one dimension.
+    tolerance : float
+        Ends up to this far apart are moved together.
+
+    Returns
+    -------
+    Curve
+        Of degree 3, or the highest there is.
+    """
+    return Curve._of(_core.chain([_body_of("curves", one) for one in curves], number("tolerance", tolerance)))

@@ -187,7 +187,6 @@ TEST_F(MakeTest, BadValuesAreNamedWithTheirRule) {
   ExpectRefused({"cylinder", "--radius", "1e300", "--height", "1"}, {"1e100"});
   ExpectRefused({"circle", "--radius", "1", "--center", "1e200,0,0"}, {"1e100"});
   ExpectRefused({"cilinder"}, {"'batten make cilinder'", "'cylinder'"});
-  ExpectRefused({"conic"}, {"conic", "not in this version"});
   EXPECT_EQ(Batten({"make"}).code, 2);
   EXPECT_EQ(Make({"sphere", "--radius", "1"}, File("x.xyz")).code, 2);
 }

@@ -107,3 +107,34 @@ def test_surfaces_made_of_curves_contain_them():
 def test_refusals_name_the_argument(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+def test_conics_pass_where_they_should():
+    t = np.linspace(0, 1, 50)
+    circle = make.conic(ends=[(1, 0, 0), (-1, 0, 0)], tangents=[(0, 1, 0), (0, -1, 0)], point=(0, 1, 0))
+    assert np.allclose(np.linalg.norm(circle(t), axis=-1), 1, atol=10 * ROUNDING)
+    parabola = make.conic(ends=[(0, 0, 0), (2, 0, 0)], tangents=[(1, 1, 0), (1, -1, 0)], rho=0.5)
+    assert parabola.classify()[0] == "parabola"
+    points = [(2 * np.cos(a), np.sin(a), 5) for a in (0.1, 0.5, 1.2, 1.9, 2.6)]
+    x, y, _ = make.conic(points)(t).T
+    assert np.allclose((x / 2) ** 2 + y**2, 1, atol=1e-9)
+    with pytest.raises(ValueError, match="lie on one line"):
+        make.conic([(0, 0, 0), (1, 1, 0), (2, 2, 0), (3, 1, 0), (4, 5, 0)])
+    with pytest.raises(ValueError, match="points or ends"):
+        make.conic()
+
+
+def test_blends_fills_and_chains():
+    low, high = make.plane((2, 2)), make.plane((2, 2), center=(5, 0, 1))
+    blend = make.blend(low, high, continuity=2, from_edge="u1", to_edge="u0")
+    assert np.allclose(blend(0.0, GRID[1].ravel()), low(1.0, GRID[1].ravel()), atol=10 * ROUNDING)
+    with pytest.raises(ValueError, match="from_edge"):
+        make.blend(low, high, from_edge="u2")
+    corners = [(0, 0, 0), (3, 0, 0.5), (1, 2, 0)]
+    sides = [make.line(corners[k], corners[(k + 1) % 3]) for k in range(3)]
+    patches, quality = make.fill(sides)
+    assert len(patches) == 3 and quality["reached"] and quality["outer_angle"] == 0
+    outline = make.chain([sides[0], sides[2], sides[1]])
+    assert outline.degree == 3 and outline.length == pytest.approx(sum(one.length for one in sides), rel=1e-9)
+    with pytest.raises(ValueError, match="from an end of the chain"):
+        make.chain([sides[0], make.line((9, 9, 9), (10, 9, 9))])
