@@ -99,11 +99,7 @@ function buildReport() {
     limit = value;
     drawCharts();
   }));
-  if (other) {
-    root.append(sideBySideTable(data, other), html("div", "pair", pairedCards(sides[0].cards, sides[1].cards)));
-  } else {
-    root.append(...arranged(sides[0]));
-  }
+  root.append(...(other ? besideEachOther(datas, sides.map((side) => side.cards)) : arranged(sides[0])));
 
   const charts = sides.flatMap((side) => side.charts), widths = new Map();
   function drawCharts(onlyResized = false) {

@@ -94,17 +94,15 @@ function joinStages(a, b, offset) {
   });
 }
 
-// "+0.012 (+4.0 %)": how much more the first is.
+// "+0.012 (+4.0 %)": how much more the first is; of more than tenfold "+5.2 (26 times)".
 function difference(x, y, write) {
   if (![x, y].every((v) => typeof v === "number" && isFinite(v))) return kNone;
-  const more = x - y, sign = more > 0 ? "+" : more < 0 ? kMinus : "";
+  const more = x - y, sign = more > 0 ? "+" : kMinus;
   if (more === 0) return "0";
-  const share = y !== 0 ? " (" + sign + percentOrTimes(Math.abs(more / y)) + ")" : "";
-  return sign + write(Math.abs(more)) + share;
-}
-
-function percentOrTimes(share) {
-  return share < 1 ? percent(share) : significant(100 * share, 3) + kNarrowSpace + "%";
+  const share = Math.abs(more / y), relative =
+    !isFinite(share) ? "" : x > 10 * y ? significant(x / y, 2) + " times" :
+      sign + (share < 1 ? percent(share) : significant(100 * share, 3) + kNarrowSpace + "%");
+  return sign + write(Math.abs(more)) + (relative ? " (" + relative + ")" : "");
 }
 
 // How many control points there are in all.
@@ -130,7 +128,7 @@ function sideBySideTable(a, b) {
   const element = table("Side by side", [
     error("rms", "rms"), error("mean distance", "mean"), error("median", "p50"), error("95 % within", "p95"),
     error("99 % within", "p99"), error("largest", "max"),
-    row("in tolerance", (r) => (r.error || {}).within_tolerance, percent),
+    row("in tolerance", (r) => ((r.error || {}).tolerance > 0 ? r.error.within_tolerance : undefined), percent),
     length("rms of all points", (r) => (r.error_all || {}).rms),
     length("noise, estimated", (r) => (r.input || {}).noise),
     input("points read", "points"), input("points used", "used"), input("outliers set aside", "outliers"),
@@ -139,15 +137,23 @@ function sideBySideTable(a, b) {
     row("rounds", (r) => (isComparison({ report: r }) ? undefined : (r.iterations || []).length), count),
     row("time in all", (r) => (r.seconds || {}).total, seconds),
   ], [...titles, "difference"]);
-  if (element) element.append(html("p", "note", "Difference: how much more the left one has."));
+  element.classList.add("compared");
+  element.append(html("p", "note", "Difference: how much more the left one has."));
   return element;
 }
 
-// Both, card by card: { name, element } of each, in the order of the first.
-function pairedCards(first, second) {
+// Cards of both, row by row: { name, element } of each.
+function pairedRows(first, second) {
   const names = [...new Set([...first, ...second].map((card) => card.name))];
   const order = (name) => Math.max(...[first, second].map((cards) => cards.findIndex((card) => card.name === name)));
   names.sort((x, y) => order(x) - order(y));
   const find = (cards, name) => (cards.find((card) => card.name === name) || { element: html("div", "none") }).element;
-  return names.flatMap((name) => [find(first, name), find(second, name)]);
+  return html("div", "pair", names.flatMap((name) => [find(first, name), find(second, name)]));
+}
+
+// The page of two: what is looked at first, the figures, the rest.
+function besideEachOther([a, b], [first, second]) {
+  const above = (card) => ["header", "stage", "histogram"].includes(card.name), below = (card) => !above(card);
+  return [pairedRows(first.filter(above), second.filter(above)), sideBySideTable(a, b),
+          pairedRows(first.filter(below), second.filter(below))];
 }
