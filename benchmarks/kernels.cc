@@ -122,26 +122,55 @@ void Parts(benchmark::State& state) {
 BENCHMARK(Parts)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 // The same by PCL, within five spacings, as parts are told apart.
-void PartsByPcl(benchmark::State& state) {
-  const Eigen::Matrix3Xf points = TwoSheets(state.range(0)).cast<float>();
+std::size_t ClustersByPcl(const Eigen::Matrix3Xf& points, double reach) {
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
   for (const auto point : points.colwise()) cloud->push_back({point[0], point[1], point[2]});
-  const double spacing = std::sqrt(2.0 / static_cast<double>(state.range(0)));
+  pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
+  tree->setInputCloud(cloud);
+  pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
+  extraction.setClusterTolerance(reach);
+  extraction.setSearchMethod(tree);
+  extraction.setInputCloud(cloud);
   std::vector<pcl::PointIndices> clusters;
-  for (auto _ : state) {
-    pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
-    tree->setInputCloud(cloud);
-    pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
-    extraction.setClusterTolerance(5 * spacing);
-    extraction.setMinClusterSize(30);
-    extraction.setSearchMethod(tree);
-    extraction.setInputCloud(cloud);
-    clusters.clear();
-    extraction.extract(clusters);
-  }
-  state.counters["parts"] = static_cast<double>(clusters.size());
+  extraction.extract(clusters);
+  return clusters.size();
+}
+
+void PartsByPcl(benchmark::State& state) {
+  const Eigen::Matrix3Xf points = TwoSheets(state.range(0)).cast<float>();
+  const double spacing = std::sqrt(2.0 / static_cast<double>(state.range(0)));
+  std::size_t parts = 0;
+  for (auto _ : state) parts = ClustersByPcl(points, 5 * spacing);
+  state.counters["parts"] = static_cast<double>(parts);
 }
 BENCHMARK(PartsByPcl)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
+
+// A sheet with 72 000 points on its left half and 500 on its right.
+Eigen::Matrix3Xd UnevenSheet() {
+  constexpr Eigen::Index kLeft = 72000, kRight = 500;
+  Eigen::Matrix3Xd points(3, kLeft + kRight);
+  points << Scatter(Franke, kLeft, 1e-3, 0, 1), Scatter(Franke, kRight, 1e-3, 0, 1);
+  points.row(0).tail(kRight).array() += 1;
+  return points;
+}
+
+void UnevenParts(benchmark::State& state) {
+  ThreadPool pool(1);
+  const PointCloud cloud(UnevenSheet());
+  CloudParts found;
+  for (auto _ : state) found = FindCloudParts(cloud, pool);
+  state.counters["parts"] = static_cast<double>(found.parts.size());
+  state.counters["stray"] = static_cast<double>(found.stray);
+}
+BENCHMARK(UnevenParts)->Unit(benchmark::kMillisecond);
+
+void UnevenPartsByPcl(benchmark::State& state) {
+  const Eigen::Matrix3Xf points = UnevenSheet().cast<float>();
+  std::size_t parts = 0;
+  for (auto _ : state) parts = ClustersByPcl(points, 5 * std::sqrt(1.0 / 72000));
+  state.counters["parts"] = static_cast<double>(parts);
+}
+BENCHMARK(UnevenPartsByPcl)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten::internal
