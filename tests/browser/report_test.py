@@ -272,9 +272,7 @@ class ReportTest(unittest.TestCase):
         self.assertNotEqual(*seen["limits"])
         number = [re.sub("[^0-9.]", "", legend.replace("tol.", "")) for legend in seen["legends"]]
         self.assertIn(f"{max(seen['limits']):.2g}"[:3], number[0], "the wider range serves both")
-        rows = dict(self.browser.run("""return [...document.querySelectorAll("section")].find((s) =>
-          s.querySelector("h2").textContent === "Side by side") && [...[...document.querySelectorAll("section")].find((s) =>
-          s.querySelector("h2").textContent === "Side by side").querySelectorAll("tbody tr")].map((r) =>
+        rows = dict(self.browser.run("""return [...document.querySelectorAll(".compared tbody tr")].map((r) =>
           [r.children[0].textContent, [...r.children].slice(1).map((c) => c.textContent)])"""))
         plain = [text.replace("\u2212", "-").replace("\u202f", "") for text in rows["rms [mm]"]]
         self.assertAlmostEqual(float(plain[0]), seen["rms"][0], 2)

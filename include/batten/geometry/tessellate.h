@@ -48,7 +48,4 @@ ShellMesh TessellateShell(const std::vector<NurbsSurface>& surfaces,
                           const std::vector<FaceBorder>& borders,
                           const TessellateOptions& options = {});
 
-// The meshes as one, in their order; nothing is joined.
-TriangleMesh JoinedMeshes(const std::vector<TriangleMesh>& meshes);
-
 }  // namespace batten

@@ -33,6 +33,9 @@ struct TriangleMesh {
   std::vector<SideCorner> side_corners = {};
 };
 
+// The meshes as one, in their order; nothing is joined.
+TriangleMesh JoinedMeshes(const std::vector<TriangleMesh>& meshes);
+
 struct TessellateOptions {
   double chord_tolerance = 0;  // ≥ 0, in the data's units; 0: 1e-3 of the surface's diagonal
   Eigen::Index max_triangles = 50000000;  // > 0; what needs more is refused

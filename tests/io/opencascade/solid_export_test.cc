@@ -77,7 +77,10 @@ TEST(SolidExportTest, LeavesNoFileOfWhatIsNoSolid) {
   };
   SolidModel open = SolidOf(Cube());
   open.faces.pop_back();
-  EXPECT_THAT(error(open), HasSubstr("an edge of the solid does not belong to two faces"));
+  EXPECT_THAT(error(open), HasSubstr("the solid is not valid"));
+  SolidModel doubled = SolidOf(Cube());  // its edges belong to four faces
+  for (const SolidFace& face : SolidOf(Cube()).faces) doubled.faces.push_back(face);
+  EXPECT_THAT(error(doubled), HasSubstr("the solid is not valid"));
   SolidModel moved = SolidOf(Cube());
   moved.faces[0].surface = moved.faces[0].surface.Translated({0, 0, 0.1});
   EXPECT_THAT(error(moved), HasSubstr("not valid"));
