@@ -147,6 +147,7 @@ class JobReader {
     for (const std::string& input : job.inputs) fingerprint.AddFile(input);
     for (const std::string& beside : Parts(Value(cells, "boundary"))) fingerprint.AddFile(beside);
     fingerprint.AddFile(Value(cells, "meet"));
+    fingerprint.AddFile(Value(cells, "beside"));
     job.fingerprint = fingerprint.Text();
     return job;
   }

@@ -116,29 +116,28 @@ class StreamPipeline {
     if (!source_.shared() &&
         look_.count <= static_cast<double>(stream_.memory) / static_cast<double>(kBytesOfPoint))
       return InMemory();
-    FittedState fitted = FitSample();
-    NurbsSurface surface = fitted.draft.surface;
-    PreparedCloud prepared;
+    NurbsSurface surface = FitSample().draft.surface;
     double places = kPlacesToBegin;
     for (int round = 1;; ++round) {
       const NearSurface near(
           base_, surface, kRoomInSpacings * sample_spacing_, look_.count, sample_.points(), pool_);
       places = std::clamp(places, std::min(kPlacesToBegin, MostPlaces()), MostPlaces());
       Summed(near, places);
-      prepared = PreparedMeans(near, means_, sample_.origin(), noise_, Margin());
+      PreparedCloud prepared = PreparedMeans(near, means_, sample_.origin(), noise_, Margin());
       prepared.statistics.spacing = SpacingOfPlaces(prepared);
       clock_.Enter(&StageSeconds::solve);
-      fitted = FitOverBase(prepared, OptionsOfPlaces(), StartReport(prepared), pool_, clock_);
+      FittedState fitted =
+          FitOverBase(prepared, OptionsOfPlaces(), StartReport(prepared), pool_, clock_);
       const double unknowns = fitted.draft.surface.size_u() * fitted.draft.surface.size_v();
       coarse_ = static_cast<double>(means_.places.size()) < kPlacesOfControlPoint * unknowns &&
                 means_.used > kPlacesOfControlPoint * unknowns;
       const bool finer = coarse_ && places < MostPlaces();
-      if (round == kRounds || !(finer || IsFar(near, prepared, fitted.draft))) break;
+      if (round == kRounds || !(finer || IsFar(near, prepared, fitted.draft)))
+        return Measured(prepared, std::move(fitted));
       if (finer) places = kPlacesToAsk * unknowns;
       surface = fitted.draft.surface;
-      base_ = prepared.base;
+      base_ = std::move(prepared.base);
     }
-    return Measured(prepared, std::move(fitted));
   }
 
  private:

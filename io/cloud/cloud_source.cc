@@ -21,7 +21,7 @@ namespace {
 
 bool IsPassedOver(FileFormat format) {
   return format == FileFormat::kLas || format == FileFormat::kPly || format == FileFormat::kPcd ||
-         format == FileFormat::kText;
+         IsTextFormat(format);
 }
 
 std::uint64_t BitsSummed(const Eigen::Matrix3Xd& points) {

@@ -16,6 +16,8 @@
 
 namespace batten::internal::fit_streamed_test {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 constexpr std::int64_t kLittle = std::int64_t{1} << 25;  // bytes: 134 000 points take more
@@ -172,11 +174,13 @@ TEST(FitStreamedTest, APartTheSampleMissesIsNamed) {
   for (Eigen::Index k = 0; k < 40; ++k)
     points.col(k) = Eigen::Vector3d(3, 3, 0) + 0.01 * points.col(k);
   ArraySource source(points);
-  const StreamedFit fit = FitStreamed(source, Untrimmed(), {.memory = kLittle, .sample = 1000});
+  SurfaceFitOptions options = Untrimmed();
+  options.seed = 2;  // of 1 the sample has one of them, and takes it for an outlier
+  const StreamedFit fit = FitStreamed(source, options, {.memory = kLittle, .sample = 1000});
   ASSERT_EQ(fit.report.input.outliers, 40);
-  ASSERT_FALSE(fit.report.warnings.empty());
-  EXPECT_THAT(fit.report.warnings.back(), HasSubstr("40 points"));
-  EXPECT_THAT(fit.report.warnings.back(), HasSubstr("it may miss a part; they are between (3"));
+  EXPECT_THAT(fit.report.warnings,
+              Contains(AllOf(HasSubstr("40 points"),
+                             HasSubstr("it may miss a part; they are between (3"))));
   EXPECT_GT(fit.report.error_all.max, 2);
   EXPECT_LT(fit.report.error.max, 0.1);
 }
