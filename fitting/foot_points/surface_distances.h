@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "batten/fitting/distances.h"
+#include "batten/fitting/point_distances.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/surface_evaluator.h"
 

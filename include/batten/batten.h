@@ -46,6 +46,7 @@
 #include "batten/fitting/outline.h"
 #include "batten/fitting/outline_options.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/fitting/point_distances.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/point_rows.h"
 #include "batten/fitting/point_source.h"
