@@ -35,7 +35,8 @@ class CrossSmoother {
   std::vector<double> Angles() {
     const int count = topology_.triangles();
     PullByCurvature();
-    constexpr double kWide = 30, kNarrow = 0.3;  // squares of face lengths
+    const double kWide = 30, kNarrow = getenv("NARROW") ? atof(getenv("NARROW"))
+                                                        : 0.3;  // squares of face lengths
     crosses_ = pull_;
     for (Eigen::Index t = 0; t < count; ++t) {
       if (crosses_[t] == Complex(0)) crosses_[t] = 1e-6;
@@ -107,7 +108,7 @@ class CrossSmoother {
     // Laplacian.
     const double even = area / topology_.triangles();
     const double step = share * length_ * length_ * std::sqrt(3.0) / even;
-    constexpr double kPull = 0.05;
+    const double kPull = getenv("PULL") ? atof(getenv("PULL")) : 0.05;
     const int count = topology_.triangles();
     std::vector<Eigen::Triplet<Complex>> entries;
     for (int t = 0; t < count; ++t) {

@@ -62,10 +62,48 @@ std::vector<std::vector<Gaussian>> LatticeOfZeros(const std::vector<GaussianRow>
   return basis;
 }
 
-Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::VectorXcd& centre) {
-  const Eigen::Index count = centre.size();
-  Eigen::MatrixXcd spread = quadratic.ldlt().solve(Eigen::MatrixXcd::Identity(count, count));
-  Eigen::VectorXcd z = centre;
+namespace {
+
+// The problem in a basis of short vectors, by the length that the quadratic form gives them, found
+// two by two. [Gauss's reduction: Nguyen & Stehlé 2009, §2]
+struct ReducedLattice {
+  ReducedLattice(const Eigen::MatrixXcd& form, const Eigen::VectorXcd& whole)
+      : quadratic(form),
+        centre(whole),
+        basis(Eigen::MatrixXcd::Identity(whole.size(), whole.size())) {
+    constexpr int kSweeps = 50;
+    for (int sweep = 0; sweep < kSweeps && Sweep(); ++sweep) {
+    }
+  }
+
+  bool Sweep() {
+    bool changed = false;
+    for (Eigen::Index i = 0; i < centre.size(); ++i) {
+      for (Eigen::Index j = 0; j < centre.size(); ++j) {
+        if (i == j) continue;
+        const std::complex<double> part = Rounded(quadratic(i, j) / std::real(quadratic(i, i)));
+        if (part == std::complex<double>(0)) continue;
+        basis.col(j) -= part * basis.col(i);
+        centre[i] += part * centre[j];
+        quadratic.col(j) -= part * quadratic.col(i);
+        quadratic.row(j) -= std::conj(part) * quadratic.row(i);
+        changed = true;
+      }
+    }
+    return changed;
+  }
+
+  Eigen::MatrixXcd quadratic;
+  Eigen::VectorXcd centre;
+  Eigen::MatrixXcd basis;  // columns of Gaussian integers
+};
+
+// One by one, the surest first.
+Eigen::VectorXcd RoundedInTurn(const ReducedLattice& lattice) {
+  const Eigen::Index count = lattice.centre.size();
+  Eigen::MatrixXcd spread =
+      lattice.quadratic.ldlt().solve(Eigen::MatrixXcd::Identity(count, count));
+  Eigen::VectorXcd z = lattice.centre;
   std::vector<char> fixed(std::size_t(count), 0);
   for (Eigen::Index round = 0; round < count; ++round) {
     Eigen::Index surest = -1;
@@ -85,21 +123,29 @@ Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::V
     z[surest] = Rounded(z[surest]);
     fixed[std::size_t(surest)] = 1;
   }
-  z = z.unaryExpr([](std::complex<double> part) { return Rounded(part); });
-  Eigen::VectorXcd pull = quadratic * (z - centre);
+  return z.unaryExpr([](std::complex<double> part) { return Rounded(part); });
+}
+
+}  // namespace
+
+Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::VectorXcd& centre) {
+  const ReducedLattice lattice(quadratic, centre);
+  Eigen::VectorXcd z = RoundedInTurn(lattice);
+  Eigen::VectorXcd pull = lattice.quadratic * (z - lattice.centre);
+  constexpr double kGain = 1e-9;  // of a step's own cost: less is rounding
   for (bool moved = true; moved;) {
     moved = false;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const double stiff = std::real(quadratic(k, k));
+    for (Eigen::Index k = 0; k < z.size(); ++k) {
+      const double stiff = std::real(lattice.quadratic(k, k));
       const std::complex<double> step = -Rounded(pull[k] / stiff);
       const double gain = 2 * std::real(std::conj(step) * pull[k]) + std::norm(step) * stiff;
-      if (!(gain < -1e-9 * stiff)) continue;
+      if (!(gain < -kGain * stiff)) continue;
       z[k] += step;
-      pull += step * quadratic.col(k);
+      pull += step * lattice.quadratic.col(k);
       moved = true;
     }
   }
-  return z;
+  return lattice.basis * z;
 }
 
 }  // namespace batten::internal

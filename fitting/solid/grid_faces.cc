@@ -31,7 +31,7 @@ class GridWalker {
     std::vector<int> vertex(std::size_t(sides), -1);
     std::vector<Eigen::Vector3d> places;
     for (int first = 0; first < sides; ++first) {
-      if (vertex[std::size_t(first)] >= 0) continue;
+      if (vertex[std::size_t(first)] >= 0 || middles_[std::size_t(first / 4)].gone) continue;
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       int valence = 0;
       int h = first;
@@ -47,7 +47,13 @@ class GridWalker {
     mesh.vertices.resize(3, Eigen::Index(places.size()));
     for (std::size_t k = 0; k < places.size(); ++k) mesh.vertices.col(Eigen::Index(k)) = places[k];
     mesh.faces.resize(4, sides / 4);
-    for (int h = 0; h < sides; ++h) mesh.faces(h & 3, h >> 2) = vertex[std::size_t(h)];
+    Eigen::Index faces = 0;
+    for (int f = 0; f < sides / 4; ++f) {
+      if (middles_[std::size_t(f)].gone) continue;
+      for (int k = 0; k < 4; ++k) mesh.faces(k, faces) = vertex[std::size_t(4 * f + k)];
+      ++faces;
+    }
+    mesh.faces.conservativeResize(4, faces);
     return mesh;
   }
 
@@ -56,6 +62,7 @@ class GridWalker {
     int triangle;
     Complex at;  // in its chart
     Eigen::Vector3d place;
+    bool gone = false;
   };
 
   const Complex* CornersOf(int t) const { return &map_.corners[std::size_t(3 * t)]; }
@@ -79,7 +86,7 @@ class GridWalker {
           place += share[k] * surface_.vertices.col(surface_.triangles(k, t));
         }
         in_triangle_[std::size_t(t)].push_back(static_cast<int>(middles_.size()));
-        middles_.push_back({t, at, place});
+        middles_.push_back({t, at, place, false});
       }
     }
   }
@@ -87,7 +94,8 @@ class GridWalker {
   // The middle at this place of a triangle; −1: none.
   int MiddleAt(int t, Complex at) const {
     for (const int k : in_triangle_[std::size_t(t)]) {
-      if (std::abs(middles_[std::size_t(k)].at - at) < 0.25) return k;
+      const Middle& middle = middles_[std::size_t(k)];
+      if (!middle.gone && std::abs(middle.at - at) < 0.25) return k;
     }
     return -1;
   }
@@ -134,20 +142,35 @@ class GridWalker {
     return -1;
   }
 
+  // Where triangles turn over, a square may have its middle at several places: those go that lines
+  // do not lead back to.
   void FindTwins() {
     const std::size_t sides = 4 * middles_.size();
     twin_.resize(sides);
-    for (std::size_t h = 0; h < sides; ++h) twin_[h] = Reached(static_cast<int>(h));
-    int lost = 0;
-    for (std::size_t h = 0; h < sides; ++h) {
-      const int other = twin_[h];
-      lost += other < 0 || twin_[std::size_t(other)] != static_cast<int>(h) ||
-              other == static_cast<int>(h);
+    constexpr std::size_t kMost = 20;  // one in so many middles goes
+    std::size_t lost = 0;
+    for (std::size_t gone = 0; gone <= middles_.size() / kMost; ++gone) {
+      for (std::size_t h = 0; h < sides; ++h) {
+        twin_[h] = middles_[h / 4].gone ? -1 : Reached(static_cast<int>(h));
+      }
+      std::vector<int> doubts(middles_.size(), 0);
+      lost = 0;
+      for (std::size_t h = 0; h < sides; ++h) {
+        if (middles_[h / 4].gone) continue;
+        const int other = twin_[h];
+        if (other >= 0 && other != static_cast<int>(h) &&
+            twin_[std::size_t(other)] == static_cast<int>(h)) {
+          continue;
+        }
+        ++lost;
+        ++doubts[h / 4];
+      }
+      if (lost == 0) return;
+      const auto worst = std::max_element(doubts.begin(), doubts.end());
+      middles_[std::size_t(worst - doubts.begin())].gone = true;
     }
-    if (lost > 0) {
-      throw RefusedData(std::to_string(lost) + " sides of faces of " + std::to_string(sides) +
-                        " have none beside them");
-    }
+    throw RefusedData(std::to_string(lost) + " sides of faces of " + std::to_string(sides) +
+                      " have none beside them");
   }
 
   const TriangleSurface& surface_;

@@ -143,6 +143,7 @@ class GridMapper {
     for (int round = 0; round < kRounds && best.turned_over > 0; ++round) {
       GridMap next = MapOf(Solve());
       if (next.turned_over < best.turned_over || round == 0) best = next;
+      if (getenv("DBG")) fprintf(stderr, "over %d\n", next.turned_over);
       StiffenAbout(next);
     }
     return best;
