@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/solid/grid_map.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -139,7 +140,7 @@ class GridMapper {
   GridMap Map() {
     SolveForIntegers();
     GridMap best = MapOf(Solve());
-    constexpr int kRounds = 12;
+    constexpr int kRounds = 6;
     for (int round = 0; round < kRounds && best.turned_over > 0; ++round) {
       GridMap next = MapOf(Solve());
       if (next.turned_over < best.turned_over || round == 0) best = next;
@@ -161,10 +162,11 @@ class GridMapper {
     for (int h = 0; h < topology_.half_edges(); ++h) {
       const Complex to_a = -planar_[std::size_t(TriangleTopology::Next(h))];
       const Complex to_b = planar_[std::size_t(TriangleTopology::Previous(h))];
-      constexpr double kLeast = 0.05;  // obtuse angles have negative ones
-      const double cotangent =
-          std::max(kLeast, std::real(std::conj(to_b) * to_a) / std::abs(AreaOf(to_b, to_a)));
-      const double weight = cotangent * stiffness_[std::size_t(h / 3)];
+      // Obtuse angles have negative ones, flat triangles endless ones.
+      constexpr double kLeast = 0.05, kMost = 10;
+      const double cotangent = std::real(std::conj(to_b) * to_a) / std::abs(AreaOf(to_b, to_a));
+      const double weight = (cotangent < kMost ? std::max(kLeast, cotangent) : kMost) *
+                            stiffness_[std::size_t(h / 3)];
       Form row = forms_[std::size_t(TriangleTopology::Next(h))];
       for (const auto& [k, factor] : forms_[std::size_t(h)]) row.emplace_back(k, -factor);
       for (const auto& [j, one] : row) {
@@ -207,6 +209,25 @@ class GridMapper {
     const Eigen::VectorXcd centre = quadratic.ldlt().solve(linear);
     if (!centre.allFinite()) throw RefusedData("the map onto a grid is not determined");
     integers_ = RoundedWithin(quadratic, centre);
+    if (getenv("DBG")) {
+      Eigen::VectorXcd d = integers_ - centre;
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> es(quadratic);
+      fprintf(stderr,
+              "m %d cost %g maxcentre %g maxint %g maxd %g eig %g %g\n",
+              m,
+              std::real(d.dot(quadratic * d)),
+              centre.cwiseAbs().maxCoeff(),
+              integers_.cwiseAbs().maxCoeff(),
+              d.cwiseAbs().maxCoeff(),
+              es.eigenvalues().minCoeff(),
+              es.eigenvalues().maxCoeff());
+      GridMap c;
+      auto keep = integers_;
+      integers_ = centre;
+      c = MapOf(Solve());
+      fprintf(stderr, "real over %d\n", c.turned_over);
+      integers_ = keep;
+    }
   }
 
   Eigen::VectorXcd Solve() {
@@ -237,7 +258,7 @@ class GridMapper {
   }
 
   void StiffenAbout(const GridMap& map) {
-    constexpr double kStiffer = 2, kBeside = 1.5;
+    constexpr double kStiffer = 3, kBeside = 1.5;
     for (int t = 0; t < topology_.triangles(); ++t) {
       if (!TurnedOver(map, t)) continue;
       stiffness_[std::size_t(t)] *= kStiffer;

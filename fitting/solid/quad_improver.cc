@@ -253,8 +253,17 @@ bool QuadImprover::TurnEdge(int a, int b) {
   return false;
 }
 
+double QuadImprover::LeastSquarenessAbout(int v) const {
+  double least = 1;
+  for (const int q : around_[std::size_t(v)]) {
+    least = std::min(least, Squareness(points_, quads_[std::size_t(q)]));
+  }
+  return least;
+}
+
+// A vertex stays where it is if a face would become uneven.
 void QuadImprover::Smooth() {
-  Eigen::Matrix3Xd moved = points_;
+  constexpr double kShare = 0.6, kFair = 0.5;
   for (int v = 0; v < int(around_.size()); ++v) {
     if (around_[std::size_t(v)].empty()) continue;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -263,11 +272,11 @@ void QuadImprover::Smooth() {
       for (const int corner : quads_[std::size_t(q)]) centre += points_.col(corner) / 4;
       middle += centre / double(Valence(v));
     }
-    constexpr double kShare = 0.6;
     const Eigen::Vector3d at = points_.col(v);
-    moved.col(v) = projector_.Nearest(at + kShare * (middle - at));
+    const double before = LeastSquarenessAbout(v);
+    points_.col(v) = projector_.Nearest(at + kShare * (middle - at));
+    if (LeastSquarenessAbout(v) < std::min(before, kFair)) points_.col(v) = at;
   }
-  points_ = std::move(moved);
 }
 
 int EulerOf(const QuadMesh& mesh) {

@@ -56,6 +56,7 @@ class QuadImprover {
   // The diagonal of the hexagon of two faces moves on by one corner, to either side.
   bool TurnEdge(int a, int b);
   void Smooth();
+  double LeastSquarenessAbout(int v) const;
 
   const SurfaceProjector& projector_;
   Eigen::Matrix3Xd points_;
