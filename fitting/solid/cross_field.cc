@@ -8,6 +8,8 @@
 #include <cmath>
 #include <complex>
 
+#include "fitting/solid/triangle_curvature.h"
+
 namespace batten::internal {
 namespace {
 
@@ -24,13 +26,10 @@ Complex Unit(Complex z) {
 class CrossSmoother {
  public:
   CrossSmoother(const TriangleSurface& surface, const TriangleTopology& topology, double length)
-      : surface_(surface), topology_(topology), planar_(PlanarEdges(surface)), length_(length) {
-    // The direction of the shared edge is opposite in the two triangles, its square the same.
-    for (int h = 0; h < topology.half_edges(); ++h) {
-      const Complex turn = Unit(planar_[std::size_t(topology.Twin(h))] / planar_[std::size_t(h)]);
-      carried_.push_back(turn * turn);
-    }
-  }
+      : surface_(surface),
+        topology_(topology),
+        carried_(SquaresAcross(topology, PlanarEdges(surface))),
+        length_(length) {}
 
   std::vector<double> Angles() {
     const int count = topology_.triangles();
@@ -49,46 +48,9 @@ class CrossSmoother {
   }
 
  private:
-  // The deviation of the second fundamental form from that of a sphere, as a squared direction
-  // times the half difference of the curvatures.
-  Eigen::VectorXcd Bending() const {
-    Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, surface_.vertices.cols());
-    for (const auto t : surface_.triangles.colwise()) {
-      const Eigen::Vector3d a = surface_.vertices.col(t[0]);
-      const Eigen::Vector3d normal =
-          (surface_.vertices.col(t[1]) - a).cross(surface_.vertices.col(t[2]) - a);
-      for (const int v : t) normals.col(v) += normal;
-    }
-    for (auto normal : normals.colwise()) normal.stableNormalize();
-    Eigen::VectorXcd bending(topology_.triangles());
-    for (int t = 0; t < topology_.triangles(); ++t) {
-      Eigen::Matrix3d rows;
-      Eigen::Vector3d along;
-      for (int k = 0; k < 3; ++k) {
-        const int h = 3 * t + k;
-        const int from = topology_.Origin(h), to = topology_.Origin(TriangleTopology::Next(h));
-        const Complex e = planar_[std::size_t(h)];
-        rows.row(k) << e.real() * e.real(), 2 * e.real() * e.imag(), e.imag() * e.imag();
-        along[k] = (normals.col(to) - normals.col(from))
-                       .dot(surface_.vertices.col(to) - surface_.vertices.col(from));
-      }
-      const Eigen::Vector3d form = rows.colPivHouseholderQr().solve(along);
-      bending[t] = {(form[0] - form[2]) / 2, form[1]};
-      if (!std::isfinite(std::abs(bending[t]))) bending[t] = 0;
-    }
-    return bending;
-  }
-
   void PullByCurvature() {
-    Eigen::VectorXcd bending = Bending();
-    constexpr int kRounds = 4;
-    for (int round = 0; round < kRounds; ++round) {
-      Eigen::VectorXcd mean = bending;
-      for (int h = 0; h < topology_.half_edges(); ++h) {
-        mean[topology_.Twin(h) / 3] += carried_[std::size_t(h)] * bending[h / 3];
-      }
-      bending = mean / 4;
-    }
+    constexpr int kBeside = 4;
+    const Eigen::VectorXcd bending = CurvatureOf(surface_, topology_, kBeside).difference;
     pull_.resize(bending.size());
     constexpr double kStrong = 0.5;  // radians over a face that count in full
     for (Eigen::Index t = 0; t < bending.size(); ++t) {
@@ -131,9 +93,8 @@ class CrossSmoother {
 
   const TriangleSurface& surface_;
   const TriangleTopology& topology_;
-  std::vector<Complex> planar_;
+  std::vector<Complex> carried_;  // by half-edges: squares of directions to the triangle across
   double length_;
-  std::vector<Complex> carried_;  // squared directions from a half-edge's triangle to its twin's
   Eigen::VectorXcd pull_, crosses_;
 };
 

@@ -124,7 +124,7 @@ class GridMapper {
   GridMapper(const TriangleSurface& surface,
              const TriangleTopology& topology,
              const std::vector<double>& crosses,
-             double length)
+             const Eigen::VectorXd& lengths)
       : topology_(topology),
         planar_(PlanarEdges(surface)),
         seams_(topology, planar_, crosses),
@@ -133,7 +133,7 @@ class GridMapper {
     for (int h = 0; h < topology.half_edges(); ++h) {
       forms_.push_back(unknowns_.CornerForm(h));
       const Complex direction = seams_.directions()[std::size_t(h / 3)];
-      wanted_.push_back(planar_[std::size_t(h)] * std::conj(direction) / length);
+      wanted_.push_back(planar_[std::size_t(h)] * std::conj(direction) / lengths[h / 3]);
     }
   }
 
@@ -300,8 +300,8 @@ Complex GridMap::Across(int h, Complex p) const {
 GridMap MapOntoGrid(const TriangleSurface& surface,
                     const TriangleTopology& topology,
                     const std::vector<double>& crosses,
-                    double length) {
-  return GridMapper(surface, topology, crosses, length).Map();
+                    const Eigen::VectorXd& lengths) {
+  return GridMapper(surface, topology, crosses, lengths).Map();
 }
 
 }  // namespace batten::internal

@@ -33,6 +33,6 @@ struct GridMap {
 GridMap MapOntoGrid(const TriangleSurface& surface,
                     const TriangleTopology& topology,
                     const std::vector<double>& crosses,
-                    double length);
+                    const Eigen::VectorXd& lengths);
 
 }  // namespace batten::internal
