@@ -34,8 +34,7 @@ class CrossSmoother {
   std::vector<double> Angles() {
     const int count = topology_.triangles();
     PullByCurvature();
-    const double kWide = 30, kNarrow = getenv("NARROW") ? atof(getenv("NARROW"))
-                                                        : 0.3;  // squares of face lengths
+    constexpr double kWide = 30, kNarrow = 0.3;  // squares of face lengths
     crosses_ = pull_;
     for (Eigen::Index t = 0; t < count; ++t) {
       if (crosses_[t] == Complex(0)) crosses_[t] = 1e-6;
@@ -70,7 +69,9 @@ class CrossSmoother {
     // Laplacian.
     const double even = area / topology_.triangles();
     const double step = share * length_ * length_ * std::sqrt(3.0) / even;
-    const double kPull = getenv("PULL") ? atof(getenv("PULL")) : 0.05;
+    // Measured on a cat, a rocker arm and a rabbit: 0 to 0.2 give the same errors, with 18 to 34,
+    // 22 to 32 and 42 to 54 extraordinary vertices.
+    constexpr double kPull = 0.05;
     const int count = topology_.triangles();
     std::vector<Eigen::Triplet<Complex>> entries;
     for (int t = 0; t < count; ++t) {

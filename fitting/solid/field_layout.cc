@@ -22,9 +22,10 @@ namespace {
 // Of every triangle, such that the faces are so many.
 Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
                             const TriangleTopology& topology,
-                            double faces) {
+                            double faces,
+                            bool by_curvature) {
   const double length = std::sqrt(AreaOf(surface) / faces);
-  if (getenv("EVEN")) return Eigen::VectorXd::Constant(topology.triangles(), length);
+  if (!by_curvature) return Eigen::VectorXd::Constant(topology.triangles(), length);
   Eigen::VectorXd sizes = FaceSizes(surface, topology, length);
   double count = 0;
   for (int t = 0; t < topology.triangles(); ++t) {
@@ -41,6 +42,7 @@ Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
 QuadMesh FieldLayout(const TriangleSurface& surface,
                      const SurfaceProjector& projector,
                      double faces,
+                     bool by_curvature,
                      const Progress& progress) {
   const double area = AreaOf(surface);
   const double length = std::sqrt(area / faces);
@@ -52,7 +54,8 @@ QuadMesh FieldLayout(const TriangleSurface& surface,
   Report(progress, "layout", 0.5);
   const std::vector<double> crosses = SmoothCrosses(even, topology, length);
   Report(progress, "layout", 0.6);
-  const GridMap map = MapOntoGrid(even, topology, crosses, FaceLengths(even, topology, faces));
+  const GridMap map =
+      MapOntoGrid(even, topology, crosses, FaceLengths(even, topology, faces, by_curvature));
   Report(progress, "layout", 0.9);
   const QuadMesh raw = FacesOfGrid(even, topology, map);
   std::vector<Quad> quads;

@@ -237,6 +237,7 @@ class SolidFitter {
     const Eigen::Vector3d shift = cloud_.origin() - options_.shift;
     fit_.solid = shift.isZero() ? solid : solid.Translated(shift);
     fit_.audit.edge_angle_at += shift;
+    fit_.held_out = surface.held_out;
     fit_.control_mesh = {surface.control_points.colwise() + shift, layout_.faces};
     FitReport& report = fit_.report;
     report.input.outliers = fit_.outliers.count();
@@ -248,6 +249,20 @@ class SolidFitter {
     report.geometry.degree = {3, 3};
     report.geometry.control_points = {static_cast<int>(surface.control_points.cols())};
     report.geometry.closed = {true, true};
+    SolidSummary& summary = report.geometry.solid.emplace();
+    summary.faces = static_cast<int>(solid.faces.size());
+    summary.edges = static_cast<int>(solid.edges.size());
+    summary.vertices = static_cast<int>(solid.vertices.cols());
+    summary.bodies = fit_.layout.components;
+    summary.genus = fit_.layout.genus;
+    summary.watertight = fit_.audit.open_edges == 0;
+    summary.widest_gap = fit_.audit.gap;
+    summary.worst_edge_angle = fit_.audit.edge_angle;
+    summary.volume = fit_.audit.volume;
+    summary.area = fit_.audit.area;
+    summary.layout_faces = static_cast<int>(layout_.faces.cols());
+    summary.extraordinary = fit_.layout.extraordinary;
+    if (fit_.held_out.size() > 0) summary.held_out_rms = std::sqrt(fit_.held_out.mean());
     report.iterations = surface.rounds;
     report.threads = pool_.threads();
     const bool kept = report.error.out_of_tolerance == 0;

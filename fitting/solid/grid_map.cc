@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/solid/grid_map.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -144,7 +143,6 @@ class GridMapper {
     for (int round = 0; round < kRounds && best.turned_over > 0; ++round) {
       GridMap next = MapOf(Solve());
       if (next.turned_over < best.turned_over || round == 0) best = next;
-      if (getenv("DBG")) fprintf(stderr, "over %d\n", next.turned_over);
       StiffenAbout(next);
     }
     return best;
@@ -209,25 +207,6 @@ class GridMapper {
     const Eigen::VectorXcd centre = quadratic.ldlt().solve(linear);
     if (!centre.allFinite()) throw RefusedData("the map onto a grid is not determined");
     integers_ = RoundedWithin(quadratic, centre);
-    if (getenv("DBG")) {
-      Eigen::VectorXcd d = integers_ - centre;
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> es(quadratic);
-      fprintf(stderr,
-              "m %d cost %g maxcentre %g maxint %g maxd %g eig %g %g\n",
-              m,
-              std::real(d.dot(quadratic * d)),
-              centre.cwiseAbs().maxCoeff(),
-              integers_.cwiseAbs().maxCoeff(),
-              d.cwiseAbs().maxCoeff(),
-              es.eigenvalues().minCoeff(),
-              es.eigenvalues().maxCoeff());
-      GridMap c;
-      auto keep = integers_;
-      integers_ = centre;
-      c = MapOf(Solve());
-      fprintf(stderr, "real over %d\n", c.turned_over);
-      integers_ = keep;
-    }
   }
 
   Eigen::VectorXcd Solve() {

@@ -15,10 +15,16 @@ using namespace internal;
 QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& progress) {
   if (faces < 6) throw RefusedData("a layout of fewer than six faces closes nothing");
   const SurfaceProjector projector(surface);
-  // Another size of faces falls differently on the shape.
-  for (const double finer : {1.0, 1.2, 0.85, 1.5}) {
+  // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
+  // parts, smaller ones there may do, or another size that falls differently on the shape.
+  struct Attempt {
+    double finer;
+    bool by_curvature;
+  };
+  for (const auto& [finer, by_curvature] :
+       {Attempt{1, false}, Attempt{1, true}, Attempt{1.2, false}, Attempt{1.5, true}}) {
     try {
-      return FieldLayout(surface, projector, faces * finer, progress);
+      return FieldLayout(surface, projector, faces * finer, by_curvature, progress);
     } catch (const std::invalid_argument&) {
     }
   }
@@ -30,11 +36,9 @@ QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& pro
   }
 }
 
-int LayoutFaces(Eigen::Index points, bool measured) {
-  // Vertices of a mesh stand where its shape asks for them, and have less noise than points.
-  const Eigen::Index each = measured ? 4 : 6;
-  constexpr Eigen::Index kLeast = 60, kMost = 2500;  // beyond, a fit takes more than a minute
-  return int(std::clamp(points / each, kLeast, kMost));
+int LayoutFaces(Eigen::Index points) {
+  constexpr Eigen::Index kEach = 5, kLeast = 60, kMost = 2500;
+  return int(std::clamp(points / kEach, kLeast, kMost));
 }
 
 }  // namespace batten

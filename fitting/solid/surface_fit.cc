@@ -125,6 +125,7 @@ class Fitter {
     });
     fit_.smoothing = chosen->smoothing;
     fit_.control_points = chosen->control_points;
+    fit_.held_out = chosen->squares;
     Rounds(kLastRounds, false);
     return std::move(fit_);
   }

@@ -247,10 +247,7 @@ bool SurfaceSystem::Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) 
     residual -= length * product.reshaped(3, vertices_);
     preconditioned = preconditioner_.Apply(normals_, residual);
     const double next = residual.cwiseProduct(preconditioned).sum();
-    if (next <= enough) {
-      if (getenv("DBG")) fprintf(stderr, "cg %d\n", round);
-      return true;
-    }
+    if (next <= enough) return true;
     way = preconditioned + (next / norm) * way;
     norm = next;
   }
