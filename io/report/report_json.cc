@@ -90,22 +90,6 @@ Json Primitive(const PrimitiveSummary& primitive) {
   return json;
 }
 
-void AddSolid(const SolidSummary& solid, Json& json) {
-  json["faces"] = solid.faces;
-  json["edges"] = solid.edges;
-  json["vertices"] = solid.vertices;
-  json["bodies"] = solid.bodies;
-  json["genus"] = solid.genus;
-  json["watertight"] = solid.watertight;
-  json["widest_gap"] = Number(solid.widest_gap);
-  json["worst_edge_angle"] = Number(solid.worst_edge_angle);
-  json["volume"] = Number(solid.volume);
-  json["area"] = Number(solid.area);
-  json["layout_faces"] = solid.layout_faces;
-  json["extraordinary"] = solid.extraordinary;
-  if (solid.held_out_rms) json["held_out_rms"] = Number(*solid.held_out_rms);
-}
-
 Json Shape(const GeometrySummary& geometry, const std::string& file) {
   Json json = {{"kind", geometry.kind},
                {"base", geometry.base},
@@ -125,7 +109,6 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
     json["base_axes"] = {
         {"u", Vector(axes.col(0))}, {"v", Vector(axes.col(1))}, {"normal", Vector(axes.col(2))}};
   }
-  if (geometry.solid) AddSolid(*geometry.solid, json);
   if (geometry.primitive) json["primitive"] = Primitive(*geometry.primitive);
   return json;
 }

@@ -116,19 +116,8 @@ struct PrimitiveSummary {
   std::string Words() const;
 };
 
-// A solid: its parts, how well its faces meet, and the layout it is made over.
-struct SolidSummary {
-  int faces = 0, edges = 0, vertices = 0, bodies = 0, genus = 0;
-  bool watertight = false;      // every edge belongs to two faces
-  double widest_gap = 0;        // of faces at their edge, in the data's units
-  double worst_edge_angle = 0;  // of normals across an edge, radians
-  double volume = 0, area = 0;
-  int layout_faces = 0, extraordinary = 0;  // extraordinary: vertices of other than four edges
-  std::optional<double> held_out_rms = std::nullopt;  // of points left out of a fit
-};
-
 struct GeometrySummary {
-  std::string kind;  // "surface", "curve" or "solid"
+  std::string kind;  // "surface" or "curve"
   std::string base;  // "plane", "sheet", …; empty in comparisons
   std::vector<int> degree;
   std::vector<int> control_points;
@@ -142,7 +131,6 @@ struct GeometrySummary {
   double distortion = 0;
   // A plane base's axes u and v and its normal, as columns
   std::optional<Eigen::Matrix3d> base_axes = std::nullopt;
-  std::optional<SolidSummary> solid = std::nullopt;  // if a solid was fitted
   std::vector<bool> poles = {};  // whether the edges v = low and v = high are poles
 };
 
@@ -200,7 +188,7 @@ struct OvershootSummary {
   // Surfaces: height beyond that of all points near the place; curves: distance from the box of
   // the points used; in the data's units.
   double max = 0;
-  double in_spacings = 0;                        // the same
+  double in_spacings = 0;  // the same
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
   double area_without_points = 0;                // farther than three spacings from all points
   double share_without_points = 0;               // of the area
@@ -218,9 +206,9 @@ struct FitReport {
   // Distances from the geometry at every point's own parameters, for fits at given parameters.
   std::optional<ErrorSummary> parameter_error;
   std::optional<OvershootSummary> overshoot;  // of surfaces, and of curves that leave their points
-  std::vector<PartError> parts;               // where there are several geometries, in their order
+  std::vector<PartError> parts;       // where there are several geometries, in their order
   std::vector<CloudPartSummary> cloud_parts;  // where parts of the cloud were asked for
-  bool judged_at_parameters = false;          // the tolerance applies to parameter_error
+  bool judged_at_parameters = false;  // the tolerance applies to parameter_error
   OptimizeSummary optimize;
   Termination termination = Termination::kNoiseReached;
   FitEnd end;  // `termination` in full
