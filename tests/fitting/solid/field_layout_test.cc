@@ -105,7 +105,7 @@ TEST(FieldLayoutTest, HasFewExtraordinaryVertices) {
   for (const int faces : {100, 400}) {
     EXPECT_EQ(extraordinary(CubeSphere(4), faces), 8);
     EXPECT_EQ(extraordinary(Refined(Refined(Torus(12, 8))), faces), 0);
-    EXPECT_LE(extraordinary(DoubleTorus(), faces), 0.1 * faces);
+    EXPECT_LE(extraordinary(DoubleTorus(), faces), 24);  // its corners
   }
 }
 
