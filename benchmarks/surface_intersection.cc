@@ -102,7 +102,7 @@ Measured OpenCascade(const NurbsSurface& a,
   measured.branches = met.NbLines();
   for (int line = 1; line <= met.NbLines(); ++line) {
     const Handle(Geom_Curve) curve = met.Line(line);
-    Eigen::Vector3d last;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
     for (int k = 0; k <= kPlaces; ++k) {
       const double t = curve->FirstParameter() +
                        k * (curve->LastParameter() - curve->FirstParameter()) / kPlaces;

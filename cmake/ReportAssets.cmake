@@ -5,7 +5,7 @@
 set(BATTEN_VIEWER_FILES
   numbers.js view_data.js svg.js colours.js histogram.js charts.js figures.js orbit.js
   materials.js lines.js picking.js space_parts.js space_overlay.js space_view.js plan.js
-  plan_view.js controls.js picture.js stage.js report.js)
+  plan_view.js controls.js picture.js stage.js side_by_side.js report.js)
 
 # batten_report_assets(TARGET FOLDER): adds a source with the assets in FOLDER to TARGET.
 function(batten_report_assets TARGET FOLDER)

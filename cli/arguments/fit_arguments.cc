@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <numeric>
 
 #include "batten/fitting/progress.h"
 #include "batten/io/file_format.h"
@@ -224,7 +225,8 @@ void GroupFitFlags(CLI::App& command) {
               "--unit",
               "--origin",
               "--output-format",
-              "--step-schema"});
+              "--step-schema",
+              "--sew"});
   GroupFlags(command,
              "How near, how smooth, how long",
              {"--tolerance",
@@ -378,28 +380,35 @@ void FitFiles::RefuseMesh() const {
 }
 
 std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
-  if (solid_ != nullptr) {
+  const bool mesh = NamesMesh(a_.out, out_format_);
+  if (solid_ != nullptr && !mesh) {
     WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";
   }
-  if (!NamesMesh(a_.out, out_format_)) {
-    WriteGeometry(geometry, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+  if (!mesh) {
+    const GeometryWriteOptions options{out_format_, a_.output.unit, a_.step_schema, a_.sew};
+    const auto sewing = WriteGeometry(GeometryFile{a_.out, geometry}, options);
+    if (sewing && !a_.flags.quiet) TellSewing(a_.out, *sewing, {});
     return "";
   }
-  std::vector<NurbsSurface> surfaces;
+  NamedSurfaces named;
   for (const Geometry& one : geometry) {
     const auto* surface = std::get_if<NurbsSurface>(&one);
     if (surface == nullptr) RefuseMesh();
-    surfaces.push_back(*surface);
+    named.surfaces.push_back(*surface);
   }
-  double chord_tolerance = DefaultChordTolerance(surfaces);
+  named.names.resize(named.surfaces.size());
+  if (solid_ != nullptr) {
+    GeometryBody& body = named.bodies.emplace_back();
+    body.surfaces.resize(named.surfaces.size());
+    std::iota(body.surfaces.begin(), body.surfaces.end(), size_t{0});
+    body.borders = BordersOf(*solid_);
+  }
+  double chord_tolerance = DefaultChordTolerance(named.surfaces);
   if (a_.tolerance) chord_tolerance = std::min(chord_tolerance, *a_.tolerance / 2);
   std::vector<SurfaceMesh> meshes;
-  const MeshSummary summary = TessellateAll(surfaces,
-                                            std::vector<std::string>(surfaces.size()),
-                                            chord_tolerance,
-                                            MakeProgress(a_.flags.quiet),
-                                            meshes);
+  const MeshSummary summary =
+      TessellateAll(named, chord_tolerance, MakeProgress(a_.flags.quiet), meshes);
   WriteMeshes(meshes, a_.out, {.format = out_format_, .metres = MetresIn(a_.output.unit)});
   return MeshWords(summary);
 }

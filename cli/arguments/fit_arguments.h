@@ -35,7 +35,7 @@ struct FitArguments {
   OutputArguments output;
   CommonFlags flags;
   WorkFlags work;
-  std::optional<double> tolerance, time_limit;
+  std::optional<double> tolerance, time_limit, sew;
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
               loss_scale = "auto", clean = "auto", optimize = "auto", origin = "keep",
               parameterization;

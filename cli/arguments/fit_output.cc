@@ -26,6 +26,7 @@
 #include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
 #include "cli/terminal/this_run.h"
+#include "io/base/whole_file.h"
 
 namespace batten::internal {
 namespace {
@@ -36,6 +37,18 @@ std::string Extension(const std::string& path) {
     return static_cast<char>(std::tolower(c));
   });
   return extension;
+}
+
+// The page named, checked; empty where none is.
+std::string BesidePage(const OutputArguments& arguments, const std::string& unit) {
+  if (arguments.beside.empty()) return {};
+  std::string page = ReadWholeFile(arguments.beside);
+  try {
+    CheckBeside(page, unit);
+  } catch (const std::invalid_argument& refused) {
+    throw ReadError(arguments.beside, refused.what());
+  }
+  return page;
 }
 
 // The day and time in UTC: that of SOURCE_DATE_EPOCH where it holds seconds since 1970.
@@ -61,6 +74,12 @@ void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("FILE");
   command
+      .add_option("--beside",
+                  arguments.beside,
+                  "With --report R.html: show what this page of an earlier report shows beside it, "
+                  "on one scale")
+      ->type_name("PAGE.html");
+  command
       .add_option("--residuals",
                   arguments.residuals,
                   "Write every point with its distance: R.ply, coloured by it, or R.csv")
@@ -68,7 +87,13 @@ void AddOutputArguments(CLI::App& command, OutputArguments& arguments) {
   AddUnitFlag(command, arguments.unit);
 }
 
-void CheckOutputArguments(const OutputArguments& arguments) {
+bool WantsPage(const OutputArguments& arguments) {
+  return std::any_of(arguments.reports.begin(), arguments.reports.end(), [](const auto& path) {
+    return Extension(path) == ".html";
+  });
+}
+
+void CheckOutputArguments(const OutputArguments& arguments, bool unit_known) {
   CheckUnit(arguments.unit);
   for (const std::string& path : arguments.reports) {
     const std::string extension = Extension(path);
@@ -76,12 +101,11 @@ void CheckOutputArguments(const OutputArguments& arguments) {
       throw UsageError("--report " + path + ": a report is a .html or .json file");
   }
   if (!arguments.residuals.empty()) CheckResidualsName(arguments.residuals);
-}
-
-bool WantsPage(const OutputArguments& arguments) {
-  return std::any_of(arguments.reports.begin(), arguments.reports.end(), [](const auto& path) {
-    return Extension(path) == ".html";
-  });
+  if (arguments.beside.empty()) return;
+  if (!WantsPage(arguments))
+    throw UsageError("--beside is of the page of a report: it needs --report R.html");
+  CheckDistinct(arguments.reports, false, {arguments.beside});
+  BesidePage(arguments, unit_known ? arguments.unit : "");
 }
 
 void CheckWritable(const std::string& path) {
@@ -146,6 +170,7 @@ std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
 }
 
 void WriteReports(const FitReport& report, const ReportTarget& target) {
+  const std::string beside = BesidePage(target.arguments, target.arguments.unit);
   ReportContext context;
   context.command = CommandLine();
   context.file = target.geometry_file;
@@ -157,7 +182,7 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   for (const std::string& path : target.arguments.reports) {
     AtomicFile file(path);
     if (Extension(path) == ".html") {
-      file.Write(ToReportHtml(report, context, target.scene.value()));
+      file.Write(ToReportHtml(report, context, target.scene.value(), beside));
     } else {
       file.Write(ToReportJson(report, context));
     }

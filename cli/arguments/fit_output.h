@@ -20,14 +20,16 @@ namespace batten::internal {
 
 struct OutputArguments {
   std::vector<std::string> reports;
+  std::string beside;  // a page
   std::string residuals;
   std::string unit = "mm";
 };
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments);
 
-// Refuses file names and units nothing can be written as, before any work is done. Throws
-// UsageError.
-void CheckOutputArguments(const OutputArguments& arguments);
+// Refuses file names and units nothing can be written as, and a page that can't stand beside the
+// report, before any work is done. Throws UsageError, and ReadError for that page, whose unit is
+// looked at only where the report's is known.
+void CheckOutputArguments(const OutputArguments& arguments, bool unit_known = true);
 
 // Whether one of the reports is a page, which needs a scene.
 bool WantsPage(const OutputArguments& arguments);

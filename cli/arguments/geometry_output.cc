@@ -135,13 +135,20 @@ NamedSurfaces SurfacesAlone(const std::string& path,
                             const std::string& why,
                             bool quiet) {
   NamedSurfaces found;
+  std::vector<size_t> places(contents.geometry.size());
   for (size_t k = 0; k < contents.geometry.size(); ++k) {
     const auto* surface = std::get_if<NurbsSurface>(&contents.geometry[k]);
     if (surface == nullptr) continue;
+    places[k] = found.surfaces.size();
     found.surfaces.push_back(*surface);
     found.names.push_back(contents.names[k]);
   }
   if (found.surfaces.empty()) throw ReadError(path, "holds no surface, only curves");
+  for (GeometryBody body : contents.bodies) {
+    for (size_t& surface : body.surfaces) surface = places[surface];
+    body.free_edges.clear();
+    found.bodies.push_back(std::move(body));
+  }
   const size_t curves = contents.geometry.size() - found.surfaces.size();
   if (curves > 0 && !quiet) {
     PrintWarning(fmt::format("{}: {} left out: {}",

@@ -45,11 +45,12 @@ void TellSewing(const std::string& path,
                 const SewingReport& report,
                 const std::vector<GeometryBody>& read);
 
-// The surfaces among what was read, with their names. Warns of curves that are left out, and `why`;
-// throws ReadError where there is no surface.
+// The surfaces among what was read, with their names and bodies. Warns of curves that are left out,
+// and `why`; throws ReadError where there is no surface.
 struct NamedSurfaces {
   std::vector<NurbsSurface> surfaces;
   std::vector<std::string> names;
+  std::vector<GeometryBody> bodies = {};  // `surfaces` are places among these; no free edges
 };
 NamedSurfaces SurfacesAlone(const std::string& path,
                             const GeometryContents& contents,

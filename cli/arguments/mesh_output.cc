@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -49,6 +50,12 @@ Eigen::Index MeasuredVertices(const std::vector<SurfaceMesh>& meshes) {
   return measured;
 }
 
+Eigen::Index AllVertices(const std::vector<SurfaceMesh>& meshes) {
+  Eigen::Index vertices = 0;
+  for (const SurfaceMesh& one : meshes) vertices += one.mesh.vertices.cols();
+  return vertices;
+}
+
 }  // namespace
 
 bool NamesMesh(const std::string& path, const std::string& format) {
@@ -62,11 +69,12 @@ bool NamesMesh(const std::string& path, const std::string& format) {
 
 std::string MeshWords(const MeshSummary& summary) {
   return fmt::format(
-      "{} triangles, {} vertices, within {:.3g} of {}",
-      summary.triangles,
-      summary.vertices,
+      "{} triangles, {} vertices, within {:.3g} of {}{}",
+      summary.census.triangles,
+      summary.census.vertices,
       summary.chord_tolerance,
-      summary.surfaces == 1 ? "the surface" : fmt::format("{} surfaces", summary.surfaces));
+      summary.surfaces == 1 ? "the surface" : fmt::format("{} surfaces", summary.surfaces),
+      summary.census.open_edges == 0 ? ", watertight" : "");
 }
 
 double DefaultChordTolerance(const std::vector<NurbsSurface>& surfaces) {
@@ -76,25 +84,53 @@ double DefaultChordTolerance(const std::vector<NurbsSurface>& surfaces) {
   return kShare * box.diagonal().norm();
 }
 
-MeshSummary TessellateAll(const std::vector<NurbsSurface>& surfaces,
-                          const std::vector<std::string>& names,
+MeshSummary TessellateAll(const NamedSurfaces& named,
                           double chord_tolerance,
                           const Progress& progress,
                           std::vector<SurfaceMesh>& meshes) {
+  const std::vector<NurbsSurface>& surfaces = named.surfaces;
   MeshSummary summary{.surfaces = surfaces.size(), .chord_tolerance = chord_tolerance};
+  meshes.resize(surfaces.size());
+  for (size_t k = 0; k < surfaces.size(); ++k) {
+    meshes[k].name = named.names[k];
+    meshes[k].domain = DomainOf(surfaces[k]);
+  }
   TessellateOptions options;
   options.chord_tolerance = chord_tolerance;
-  const auto count = static_cast<double>(surfaces.size());
-  double done = 0;
-  options.progress = [&](double share) { Report(progress, "tessellate", (done + share) / count); };
-  for (size_t k = 0; k < surfaces.size(); ++k, ++done) {
-    options.progress(0);
-    TriangleMesh mesh = Tessellate(surfaces[k], options);
-    options.max_triangles -= mesh.triangles.cols();
-    summary.vertices += mesh.vertices.cols();
-    summary.triangles += mesh.triangles.cols();
-    meshes.push_back({.mesh = std::move(mesh), .name = names[k], .domain = DomainOf(surfaces[k])});
+  double done = 0, doing = 1;  // surfaces
+  options.progress = [&](double share) {
+    Report(progress, "tessellate", (done + doing * share) / static_cast<double>(surfaces.size()));
+  };
+  std::vector<bool> in_body(surfaces.size());
+  int joints = 0;
+  for (const GeometryBody& body : named.bodies) {
+    if (body.borders.empty()) continue;
+    doing = static_cast<double>(body.surfaces.size());
+    std::vector<NurbsSurface> faces;
+    for (const size_t k : body.surfaces) faces.push_back(surfaces[k]);
+    ShellMesh shell = TessellateShell(faces, body.borders, options);
+    const int before = joints;
+    for (size_t k = 0; k < faces.size(); ++k) {
+      for (int& joint : shell.joints[k]) {
+        if (joint >= 0) joints = std::max(joints, (joint += before) + 1);
+      }
+      SurfaceMesh& one = meshes[body.surfaces[k]];
+      options.max_triangles -= shell.faces[k].triangles.cols();
+      one.mesh = std::move(shell.faces[k]);
+      one.joints = std::move(shell.joints[k]);
+      in_body[body.surfaces[k]] = true;
+    }
+    summary.gap = std::max(summary.gap, shell.gap);
+    done += doing;
   }
+  doing = 1;
+  for (size_t k = 0; k < surfaces.size(); ++k) {
+    if (in_body[k]) continue;
+    meshes[k].mesh = Tessellate(surfaces[k], options);
+    options.max_triangles -= meshes[k].mesh.triangles.cols();
+    ++done;
+  }
+  summary.census = CensusOf(meshes);
   return summary;
 }
 
@@ -115,7 +151,7 @@ int WriteMeshOf(const MeshRequest& a) {
   CheckWritable(a.out);
   BeginReading({a.geometry}, a.flags.quiet);
   const GeometryContents contents =
-      ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet);
+      ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet, true);
   const NamedSurfaces named =
       SurfacesAlone(a.geometry, contents, "curves have no mesh", a.flags.quiet);
   const std::vector<NurbsSurface>& surfaces = named.surfaces;
@@ -126,8 +162,7 @@ int WriteMeshOf(const MeshRequest& a) {
   const Progress progress = MakeProgress(a.flags.quiet);
   std::vector<SurfaceMesh> meshes;
   const MeshSummary summary =
-      TessellateAll(surfaces,
-                    named.names,
+      TessellateAll(named,
                     a.chord_tolerance > 0 ? a.chord_tolerance : DefaultChordTolerance(surfaces),
                     progress,
                     meshes);
@@ -140,12 +175,21 @@ int WriteMeshOf(const MeshRequest& a) {
   Report(progress, "write", 0);
   WriteMeshes(meshes, a.out, write);
   ClearProgress();
+  constexpr double kCounted = 0.25;  // of the chord tolerance: ShellMesh::gap
+  if (!a.flags.quiet && summary.gap > kCounted * summary.chord_tolerance) {
+    PrintWarning(fmt::format(
+        "{}: faces are up to {:.3g} apart along the edges they share: the mesh is that much "
+        "farther from them there",
+        a.geometry,
+        summary.gap));
+  }
   if (a.flags.json) {
     nlohmann::ordered_json entry{{"path", a.out},
                                  {"kind", "mesh"},
                                  {"surfaces", summary.surfaces},
-                                 {"vertices", summary.vertices},
-                                 {"triangles", summary.triangles},
+                                 {"vertices", summary.census.vertices},
+                                 {"triangles", summary.census.triangles},
+                                 {"open_edges", summary.census.open_edges},
                                  {"chord_tolerance", summary.chord_tolerance}};
     if (cloud) {
       entry["deviation"] = {{"points", cloud->size()},
@@ -161,7 +205,7 @@ int WriteMeshOf(const MeshRequest& a) {
           "have none near and are grey\n",
           cloud->size(),
           write.range,
-          summary.vertices - MeasuredVertices(meshes));
+          AllVertices(meshes) - MeasuredVertices(meshes));
     }
   }
   return kDone;

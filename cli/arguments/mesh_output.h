@@ -8,8 +8,10 @@
 
 #include "batten/fitting/progress.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/io/mesh_census.h"
 #include "batten/io/surface_mesh.h"
 #include "cli/arguments/cloud_arguments.h"
+#include "cli/arguments/geometry_output.h"
 #include "cli/terminal/common_flags.h"
 
 namespace batten::internal {
@@ -31,18 +33,18 @@ bool NamesMesh(const std::string& path, const std::string& format);
 // What became of surfaces.
 struct MeshSummary {
   size_t surfaces = 0;
-  Eigen::Index vertices = 0, triangles = 0;
+  MeshCensus census = {};
   double chord_tolerance = 0;
+  double gap = 0;  // ShellMesh
 };
-// "4870 triangles, 2505 vertices, within 0.1 of the surface"
+// "4870 triangles, 2505 vertices, within 0.1 of the surface, watertight"
 std::string MeshWords(const MeshSummary& summary);
 
 // 1e-3 of the size of all surfaces.
 double DefaultChordTolerance(const std::vector<NurbsSurface>& surfaces);
 
-// Adds the surfaces' meshes, in their order, to `meshes`; `names` are theirs.
-MeshSummary TessellateAll(const std::vector<NurbsSurface>& surfaces,
-                          const std::vector<std::string>& names,
+// The surfaces' meshes, in their order: those of a body have vertices in common along edges.
+MeshSummary TessellateAll(const NamedSurfaces& named,
                           double chord_tolerance,
                           const Progress& progress,
                           std::vector<SurfaceMesh>& meshes);

@@ -94,7 +94,7 @@ std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
 
 int RunCompare(const CompareArguments& a) {
   StageClock clock(&StageSeconds::read);
-  CheckOutputArguments(a.output);
+  CheckOutputArguments(a.output, a.unit_given);
   std::vector<std::string> outputs = a.output.reports;
   outputs.push_back(a.output.residuals);
   std::vector<std::string> inputs = a.clouds;
@@ -239,7 +239,8 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply\n"
-      "  batten compare part.step scan.ply --report part.html");
+      "  batten compare part.step scan.ply --report part.html\n"
+      "  batten compare other.step scan.ply --report both.html --beside part.html");
   command.callback([a, &command, &action] {
     a->unit_given = command.count("--unit") > 0;
     action = [a] { return RunCompare(*a); };

@@ -121,10 +121,11 @@ int RunFitSolid(const FitSolidArguments& a) {
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
-  if (NamesMesh(a.out, a.out_format)) NotYet("the mesh of a solid as -o");
-  if (FormatOf(a.out, a.out_format) != FileFormat::kStep)
+  const bool mesh = NamesMesh(a.out, a.out_format);
+  if (!mesh && FormatOf(a.out, a.out_format) != FileFormat::kStep)
     throw UsageError("-o " + a.out +
-                     ": a solid is written as .step; batten convert makes .brep of it");
+                     ": a solid is written as .step, or as triangles into .stl .obj .ply .glb; "
+                     "batten convert makes .brep of a STEP file");
   for (const std::string& path : {a.layout_out, a.mesh_out}) {
     if (!path.empty()) CheckWritable(path);
   }
@@ -135,7 +136,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
-  RefuseTinyBody(files, cloud);
+  if (!mesh) RefuseTinyBody(files, cloud);
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
@@ -148,12 +149,12 @@ int RunFitSolid(const FitSolidArguments& a) {
       options.keep_outliers = true;
     }
     if (!a.mesh_out.empty()) {
-      TriangleMesh mesh;
-      mesh.vertices = closed.surface.vertices.colwise() - options.shift;
-      mesh.parameters = Eigen::Matrix2Xd::Zero(2, mesh.vertices.cols());
-      mesh.normals = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
-      mesh.triangles = closed.surface.triangles;
-      WriteMesh(mesh, a.mesh_out);
+      TriangleMesh made;
+      made.vertices = closed.surface.vertices.colwise() - options.shift;
+      made.parameters = Eigen::Matrix2Xd::Zero(2, made.vertices.cols());
+      made.normals = Eigen::Matrix3Xd::Zero(3, made.vertices.cols());
+      made.triangles = closed.surface.triangles;
+      WriteMesh(made, a.mesh_out);
     }
     over = closed.surface;
   }
@@ -177,12 +178,13 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   CLI::App& command = *fit.add_subcommand(
       "solid", "Fit a watertight solid of smooth faces to the points of a whole body");
   AddEveryFitsArguments(command, *a, "CLOUD", nullptr);
-  command.get_option("--output")->description("Where to write: .step");
+  command.get_option("--output")
+      ->description("Where to write: .step, or the triangles of .stl .obj .ply .glb");
   command.get_option("--tolerance")
       ->description("Distance every point must keep, in the data's unit: it is only judged [none]");
   Suggest(*command.get_option("--output-format")
-               ->description("Format of OUT where its name does not tell: step"),
-          {"step"});
+               ->description("Format of OUT where its name does not tell"),
+          {"step", "stl", "obj", "ply", "glb"});
   command
       .add_option(
           "--quads",
@@ -246,7 +248,8 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
       "gets its name the solid is found closed, valid, without folds and the same when it is read "
       "back;\n"
-      "else nothing is written, and the reason is said.\n"
+      "else nothing is written, and the reason is said. Triangles are watertight too, within the\n"
+      "chord tolerance of batten tessellate or half of T.\n"
       "Exit code 3 says the solid is written, but the tolerance is not reached, or one point in\n"
       "twenty is farther from it than points are from one another.");
   command.callback([a, &action] { action = [a] { return RunFitSolid(*a); }; });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "batten/fitting/fit_surface.h"
+#include "batten/io/file_format.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
@@ -53,6 +54,11 @@ void CheckFitSurface(const FitSurfaceArguments& a) {
     throw UsageError("--grid-method " + a.grid_method + ": needs --grid N,M");
   if (!a.grid.empty() && a.part != "whole")
     throw UsageError("--grid: its rows and columns are one part (--part " + a.part + ")");
+  if (a.sew && a.part != "all")
+    throw UsageError("--sew joins the surfaces of several parts: it needs --part all");
+  const FileFormat format = a.sew ? FormatOf(a.out, a.out_format) : FileFormat::kStep;
+  if (format != FileFormat::kStep && format != FileFormat::kBrep)
+    throw UsageError("--sew is of STEP and B-rep: -o " + a.out + " holds no shells");
   if (!a.grid.empty() &&
       (a.base != "auto" || a.snap || a.conditions.any() || !a.conditions.domain.empty() ||
        a.loss != "auto" || a.smoothing != "auto" || a.optimize != "auto" || a.clean != "auto" ||
@@ -217,6 +223,13 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
            "one of most points, or all (a surface each, one OUT for them all)",
            "K"),
       {"whole", "all"});
+  command
+      .add_option_function<std::string>(
+          "--sew",
+          [a](const std::string& text) { a->sew = ParseNumber("--sew", text, Sign::kPositive); },
+          "Of --part all, into STEP and B-rep: surfaces whose edges are within T become shells, "
+          "closed ones\nsolids [each by itself]")
+      ->type_name("T");
   command.add_flag("--keep-outliers", a->keep_outliers, "Fit every point, however far off");
   command.add_flag(
       "--snap",

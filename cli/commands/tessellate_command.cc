@@ -65,9 +65,10 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
   AddThreadsFlag(command, a->threads);
   AddCommonFlags(command, a->flags);
   command.footer(
-      "Each surface's mesh is closed along its seams and poles and has no cracks inside; meshes "
-      "of\n"
-      "several surfaces stand side by side in one file, in .obj and .glb as objects of their own.\n"
+      "The mesh is watertight over each surface, its seams and poles, and across the edges that\n"
+      "faces of a solid or shell share in .step and .brep; the line says watertight where no edge\n"
+      "is open. Several surfaces stand in one file, in .obj and .glb as objects of their own, in\n"
+      ".obj and .ply with one vertex for all that meet. Triangles turn outwards as faces do.\n"
       "STL keeps single precision only, and neither colours nor normals of the surface.\n"
       "--columns, --where and --box are of the points of --deviation.\n"
       "Examples:\n"

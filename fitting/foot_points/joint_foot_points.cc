@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "batten/geometry/curve_evaluator.h"
+#include "batten/geometry/direction.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
@@ -15,6 +18,7 @@ namespace {
 
 constexpr int kPlaces = 4;  // places of orientation in a cell, each direction
 constexpr std::ptrdiff_t kJointBlock = 512;
+constexpr int kStepsAlong = 60;
 
 NurbsSurface ToSurface(const TensorShape& shape) {
   return NurbsSurface(shape.basis_u, *shape.basis_v, shape.net, shape.weights);
@@ -86,6 +90,36 @@ void ProjectOn(const TensorShape& shape,
       }
     }
   });
+}
+
+// The parameter of the place nearest to a point along the surface's line of the other one, by
+// Newton's steps from a start nearby, halved where they do not come nearer.
+double NearestAlong(const SurfaceEvaluator& surface,
+                    const Eigen::Vector3d& point,
+                    Eigen::Vector2d at,
+                    Direction direction) {
+  const bool in_u = direction == Direction::kU;
+  double& free = at[in_u ? 0 : 1];
+  const SplineBasis& basis = in_u ? surface.surface().basis_u() : surface.surface().basis_v();
+  double nearest = std::numeric_limits<double>::infinity(), best = free, step = 0;
+  for (int k = 0; k < kStepsAlong; ++k) {
+    const SurfaceJet jet = surface.JetAt(at[0], at[1]);
+    const Eigen::Vector3d off = point - jet.point;
+    if (off.squaredNorm() < nearest) {
+      nearest = off.squaredNorm();
+      best = free;
+      const Eigen::Vector3d &first = in_u ? jet.du : jet.dv, &second = in_u ? jet.duu : jet.dvv;
+      const double newton = first.squaredNorm() - off.dot(second);
+      step = off.dot(first) / (newton > 0 ? newton : first.squaredNorm());
+      if (!std::isfinite(step)) break;
+    } else {
+      step /= 2;
+    }
+    const double next = basis.Clamp(best + step);
+    if (next == free || next == best) break;
+    free = next;
+  }
+  return best;
 }
 
 template <int Dim>
@@ -192,17 +226,25 @@ void FootProjector::ProjectOnSurface(const TensorShape& shape,
   pool_.For(points_.cols(), kJointBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       double u = starts(0, k), v = starts(1, k);
+      const int given = held_.empty() ? 0 : held_[static_cast<size_t>(k)];
       if (orthogonal_) {
-        const SurfaceFoot foot = finder->Near(points_.col(k), u, v);
-        u = foot.u;
-        v = foot.v;
+        if (given == 0) {
+          const SurfaceFoot foot = finder->Near(points_.col(k), u, v);
+          u = foot.u;
+          v = foot.v;
+        } else if (given != 3) {
+          double& free = given == 1 ? v : u;
+          free = NearestAlong(
+              evaluator, points_.col(k), {u, v}, given == 1 ? Direction::kV : Direction::kU);
+        }
       }
       const SurfaceJet jet = evaluator.JetAt(u, v);
       feet.parameters.col(k) << u, v;
       feet.difference.col(k) = jet.point - points_.col(k);
       feet.directions[k] = 0;
       if (!orthogonal_) continue;
-      const bool held_u = Held(shape.basis_u, u), held_v = Held(*shape.basis_v, v);
+      const bool held_u = (given & 1) != 0 || Held(shape.basis_u, u);
+      const bool held_v = (given & 2) != 0 || Held(*shape.basis_v, v);
       const auto normal = UnitNormal(jet);
       if (!normal || (held_u && held_v)) continue;
       feet.first.col(k) = *normal;

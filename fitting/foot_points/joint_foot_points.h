@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "batten/geometry/spline_basis.h"
@@ -52,9 +53,13 @@ struct FootPointSet {
 class FootProjector {
  public:
   // `points`: dimension × m, kept by reference. With `orthogonal` off, parameters stay what they
-  // are and all of a residual counts.
-  FootProjector(const Eigen::MatrixXd& points, bool orthogonal, ThreadPool& pool)
-      : points_(points), orthogonal_(orthogonal), pool_(pool) {}
+  // are and all of a residual counts. `held`: of each point of a surface, 1 where u stays what it
+  // is, 2 where v does; empty: none.
+  FootProjector(const Eigen::MatrixXd& points,
+                bool orthogonal,
+                ThreadPool& pool,
+                std::vector<std::uint8_t> held = {})
+      : points_(points), orthogonal_(orthogonal), pool_(pool), held_(std::move(held)) {}
 
   // Finds the foot points from nearby starts; `feet` is resized where needed.
   void Project(const TensorShape& shape, const Eigen::Matrix2Xd& starts, FootPointSet& feet) const;
@@ -70,6 +75,7 @@ class FootProjector {
   const Eigen::MatrixXd& points_;
   bool orthogonal_;
   ThreadPool& pool_;
+  std::vector<std::uint8_t> held_;
 };
 
 // The orientation of the shape: unit normals of a surface, or tangents of a curve, at the middles

@@ -2,6 +2,7 @@
 // Options of the joint optimisation: free variables, added terms, stopping rules.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct JointOptions {
   bool orthogonal = true;  // every point's parameters are free; else they stay as given
   bool free_weights = false, free_knots_u = false, free_knots_v = false;
   std::vector<int> fixed_control_points;  // indices, v fastest: these stay, with their weights
-  ResidualTerms terms;                    // added to the distances' squares
+  std::vector<std::uint8_t> held;  // of each point of a surface: 1 where u stays, 2 where v does
+  ResidualTerms terms;             // added to the distances' squares
   int max_iterations = 40;
   bool stop_at_noise = true;  // stop, or do not start, when Σ w d² falls to what noise explains, as
                               // residuals of neighbours tell

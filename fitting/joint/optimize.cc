@@ -112,6 +112,7 @@ class Optimizer {
     joint.free_knots_u = free.knots && options_.knots_u;
     joint.free_knots_v = free.knots && options_.knots_v;
     joint.fixed_control_points = options_.fixed_control_points;
+    joint.held = options_.held;
     joint.terms = options_.terms;
     joint.stop_at_noise = options_.stop_at_noise;
     joint.noise = options_.noise;
@@ -435,6 +436,10 @@ OptimizeResult Optimize(const FittingProblem& problem,
                         const OptimizeOptions& options,
                         ThreadPool& pool) {
   Check(options);
+  if (!options.held.empty() &&
+      (problem.is_curve() || static_cast<Eigen::Index>(options.held.size()) != problem.size())) {
+    Reject("OptimizeOptions", "held must be empty, or one for each point of a surface");
+  }
   return Optimizer(problem, control_points, weights, options, pool).Run();
 }
 

@@ -10,7 +10,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
-#include "fitting/neighbours/point_grid.h"
+#include "geometry/numeric/point_kd_tree.h"
 
 namespace batten::internal {
 namespace {
@@ -53,7 +53,7 @@ struct Middle {
   double count = 0;
 };
 
-Middle MiddleOf(const PointGrid& grid,
+Middle MiddleOf(const PointKdTree& tree,
                 const Eigen::Matrix3Xd& points,
                 const Eigen::Vector3d& centre,
                 double radius) {
@@ -61,7 +61,7 @@ Middle MiddleOf(const PointGrid& grid,
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   Middle middle;
-  grid.ForBall(centre, radius, [&](int k, double square) {
+  tree.ForBall(centre, radius, [&](int k, double square) {
     const double bell = 1 - square / (radius * radius), weight = bell * bell;
     const Eigen::Vector3d arm = points.col(k) - centre;
     total += weight;
@@ -80,22 +80,39 @@ Middle MiddleOf(const PointGrid& grid,
   return middle;
 }
 
+// Thins points greedily in the given order of preference: no two points kept are nearer than
+// `radius`, and every other point is within it of one kept.
+std::vector<int> Thinned(const Eigen::Matrix3Xd& points,
+                         double radius,
+                         const std::vector<int>& preference) {
+  if (!(radius > 0)) return preference;
+  const PointKdTree tree(points);
+  std::vector<bool> covered(points.cols(), false);
+  std::vector<int> kept;
+  for (const int k : preference) {
+    if (covered[k]) continue;
+    kept.push_back(k);
+    tree.ForBall(points.col(k), radius, [&](int other, double) { covered[other] = true; });
+  }
+  return kept;
+}
+
 // How many points are near each node, against the most near any node around it: little between two
 // curves, a half at an end.
-Eigen::VectorXd OnRidge(const PointGrid& grid,
+Eigen::VectorXd OnRidge(const PointKdTree& tree,
                         const Eigen::Matrix3Xd& nodes,
                         double near,
                         double around) {
   Eigen::VectorXd counts(nodes.cols()), most(nodes.cols());
   for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
     double count = 0;
-    grid.ForBall(nodes.col(i), near, [&](int, double) { ++count; });
+    tree.ForBall(nodes.col(i), near, [&](int, double) { ++count; });
     counts[i] = count;
   }
-  const PointGrid node_grid(nodes, around);
+  const PointKdTree node_tree(nodes);
   for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
     double largest = 1;
-    node_grid.ForBall(
+    node_tree.ForBall(
         nodes.col(i), around, [&](int k, double) { largest = std::max(largest, counts[k]); });
     most[i] = largest;
   }
@@ -172,19 +189,19 @@ Eigen::Matrix3Xd CurveNodes(const Eigen::Matrix3Xd& points,
   Eigen::Matrix3Xd nodes =
       points(Eigen::all, Thinned(points, std::min(radius / 2, noise * 1.5), order));
   const double reach = kReachInNoise * noise;
-  const PointGrid grid(points, reach / 2);
+  const PointKdTree tree(points);
   std::vector<double> counts(nodes.cols());
   pool.For(nodes.cols(), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t i = begin; i < end; ++i) {
       for (int round = 0; round < kShifts; ++round) {
-        const Middle middle = MiddleOf(grid, points, nodes.col(i), reach);
+        const Middle middle = MiddleOf(tree, points, nodes.col(i), reach);
         nodes.col(i) = middle.place;
         counts[i] = middle.count;
       }
     }
   });
   const double typical = Median(counts);
-  const Eigen::VectorXd ridge = OnRidge(grid, nodes, kRidgeInNoise * noise, reach);
+  const Eigen::VectorXd ridge = OnRidge(tree, nodes, kRidgeInNoise * noise, reach);
   order.clear();
   for (int i = 0; i < nodes.cols(); ++i) {
     const bool lonely = typical >= kCrowd && counts[i] <= std::max(2.0, kLonelyBelow * typical);

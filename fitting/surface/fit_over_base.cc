@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "fitting/surface/base_borders.h"
 #include "fitting/surface/solve_surface.h"
 
 namespace batten::internal {
@@ -107,7 +108,11 @@ FittedState FitOverBase(const PreparedCloud& prepared,
   if (prepared.conditions.any()) {
     report.optimize.why = "the surface meets conditions, which free points would leave";
   } else {
-    OptimiseWhereItPays(fitted.draft, options, pool, clock, report);
+    const auto held = [&] {
+      return FillBase(prepared, fitted.used, pool) ? BesideBorders(prepared, fitted.used)
+                                                   : std::vector<std::uint8_t>();
+    };
+    OptimiseWhereItPays(fitted.draft, options, held, pool, clock, report);
   }
   const Poles& poles = prepared.base.poles;
   report.geometry.distortion = DistortionAt(fitted.draft.surface, fitted.draft.parameters);

@@ -18,6 +18,7 @@
 #include "fitting/joint/moved_terms.h"
 #include "fitting/least_squares/residual_structure.h"
 #include "fitting/surface/data_box.h"
+#include "fitting/surface/surface_folds.h"
 #include "fitting/surface/surface_overshoot.h"
 #include "geometry/numeric/number_text.h"
 
@@ -236,6 +237,7 @@ OvershootSummary OvershootOf(const NurbsSurface& surface,
 
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
+                         const std::function<std::vector<std::uint8_t>()>& held,
                          ThreadPool& pool,
                          StageClock& clock,
                          FitReport& report) {
@@ -281,6 +283,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
   data->parameters = draft.parameters;
   data->values = draft.used.points();
   data->weights = draft.weights;
+  optimize.held = held();
   const FittingProblem problem(
       draft.surface.basis_u(),
       draft.surface.basis_v(),
@@ -294,10 +297,14 @@ void OptimiseWhereItPays(SurfaceState& draft,
   const auto leaves_box = [&](const OptimizeResult& found) {
     return BeyondBox(SurfaceOf(found), draft.used.points()) > beyond_before;
   };
+  const int folds_before = FoldedPairs(draft.surface);
+  const auto folds = [&](const OptimizeResult& found) {
+    return FoldedPairs(SurfaceOf(found)) > folds_before;
+  };
   OptimizeResult result = optimise();
   // What few data do not determine fairness holds, where it is free.
-  while (!options.terms && leaves_box(result) && !result.cancelled && !options.smoothing &&
-         optimize.fairness < kFairnessToHold) {
+  while (!options.terms && (leaves_box(result) || folds(result)) && !result.cancelled &&
+         !options.smoothing && optimize.fairness < kFairnessToHold) {
     optimize.fairness *= kStepOfHolding;
     result = optimise();
   }
@@ -332,6 +339,10 @@ void OptimiseWhereItPays(SurfaceState& draft,
   }
   if (leaves_box(result)) {
     report.optimize.why += "; what it found leaves the box of the points and was not taken";
+    return;
+  }
+  if (folds(result)) {
+    report.optimize.why += "; what it found folds and was not taken";
     return;
   }
   take();

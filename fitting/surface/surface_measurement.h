@@ -3,7 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/poles.h"
@@ -26,9 +29,11 @@ struct SurfaceState {
 
 // Runs the joint optimization of the draft with the variables the options free; where they leave it
 // open, only where it pays: residuals are above the noise and there are points enough for free
-// parameters. Fills report.optimize.
+// parameters. Fills report.optimize. `held`, asked only then, is OptimizeOptions::held of the used
+// points.
 void OptimiseWhereItPays(SurfaceState& draft,
                          const SurfaceFitOptions& options,
+                         const std::function<std::vector<std::uint8_t>()>& held,
                          ThreadPool& pool,
                          StageClock& clock,
                          FitReport& report);

@@ -18,32 +18,14 @@
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/constraints/symmetric_net.h"
 #include "fitting/linear/coefficient_order.h"
-#include "fitting/outline/outline_in_box.h"
 #include "fitting/primitives/snap.h"
+#include "fitting/surface/base_borders.h"
 #include "fitting/surface/surface_overshoot.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kEmptyToTrim = 0.02;  // share of the area
-
-// Whether the points fill the rectangle of the parameterization. Foot points on a coarse surface
-// may later leave a protruding part of it empty.
-bool FillBase(const PreparedCloud& prepared, const PointMask& used, ThreadPool& pool) {
-  const Parameterization& base = prepared.base;
-  if (base.poles.any()) return false;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < used.size(); ++k)
-    if (used[k] && prepared.reached[k]) kept.push_back(k);
-  OutlineOptions options;
-  options.spacing = prepared.statistics.spacing;
-  options.noise = prepared.statistics.noise;
-  options.periodic_u = base.periodic_u;
-  options.periodic_v = base.periodic_v;
-  options.length_u = base.length_u;
-  options.length_v = base.length_v;
-  return FillTheirBox(base.parameters(Eigen::all, kept), options, pool);
-}
 
 }  // namespace
 

@@ -80,61 +80,6 @@ std::vector<std::int64_t> Snapped(std::vector<double>& values, Snap&& snap) {
   return lines;
 }
 
-// The distance of a point from a straight piece.
-double Distance(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d along = b - a;
-  const double square = along.squaredNorm();
-  const double share = square > 0 ? std::clamp((point - a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (point - a - share * along).norm();
-}
-
-// Halves a piece of a loop until it is straight enough.
-class LoopHalving {
- public:
-  LoopHalving(const NurbsCurve<2>& loop, const SurfaceEvaluator& surface, double tolerance)
-      : loop_(loop), surface_(surface), tolerance_(tolerance) {}
-
-  // Appends the place at `lower` and those up to `upper`, without that.
-  void Add(double lower, double upper, std::vector<Eigen::Vector2d>& places, int depth = 0) const {
-    constexpr int kDeepest = 22;
-    const Eigen::Vector2d a = loop_.At(lower), b = loop_.At(upper);
-    if (depth < kDeepest && !Straight(lower, a, upper, b)) {
-      const double middle = std::midpoint(lower, upper);
-      Add(lower, middle, places, depth + 1);
-      Add(middle, upper, places, depth + 1);
-    } else {
-      places.push_back(a);
-    }
-  }
-
- private:
-  bool Straight(double lower,
-                const Eigen::Vector2d& a,
-                double upper,
-                const Eigen::Vector2d& b) const {
-    const SplineBasis& basis_u = surface_.surface().basis_u();
-    const SplineBasis& basis_v = surface_.surface().basis_v();
-    const auto far = [](const SplineBasis& basis, double x, double y) {
-      return std::abs(basis.Span(x) - basis.Span(y)) > basis.degree();
-    };
-    if (far(basis_u, a[0], b[0]) || far(basis_v, a[1], b[1])) return false;
-    const Eigen::Vector3d first = surface_.At(a[0], a[1]), last = surface_.At(b[0], b[1]);
-    for (const double share : {0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875}) {
-      const Eigen::Vector2d on_loop = loop_.At(lower + share * (upper - lower));
-      const Eigen::Vector2d on_line = a + share * (b - a);
-      if (Distance(surface_.At(on_loop[0], on_loop[1]), first, last) > tolerance_ ||
-          Distance(surface_.At(on_line[0], on_line[1]), first, last) > tolerance_) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  const NurbsCurve<2>& loop_;
-  const SurfaceEvaluator& surface_;
-  double tolerance_;
-};
-
 }  // namespace
 
 MeshDomain::MeshDomain(const NurbsSurface& surface)
@@ -173,6 +118,14 @@ LatticePoint MeshDomain::Snap(const Eigen::Vector2d& parameter) const {
           std::llround(share[1] * static_cast<double>(height_))};
 }
 
+LatticePoint MeshDomain::OntoBorder(LatticePoint point, std::int64_t within) const {
+  if (point.x <= within) point.x = 0;
+  if (point.y <= within) point.y = 0;
+  if (point.x >= width_ - within) point.x = width_;
+  if (point.y >= height_ - within) point.y = height_;
+  return point;
+}
+
 Eigen::Vector2d MeshDomain::ParameterOf(const LatticePoint& point) const {
   const auto mixed = [](double lower,
                         double upper,
@@ -209,22 +162,6 @@ LatticePoint MeshDomain::Canonical(LatticePoint point) const {
   if ((poles_.u_lower && point.x == 0) || (poles_.u_upper && point.x == width_)) point.y = 0;
   if ((poles_.v_lower && point.y == 0) || (poles_.v_upper && point.y == height_)) point.x = 0;
   return point;
-}
-
-std::vector<Eigen::Vector2d> LoopVertices(const NurbsCurve<2>& loop,
-                                          const SurfaceEvaluator& surface,
-                                          double tolerance) {
-  constexpr int kCurved = 4;  // pieces of a span to begin with, unless it is straight
-  const SplineBasis& basis = loop.basis();
-  const int parts = basis.degree() == 1 ? 1 : kCurved;
-  const LoopHalving halving(loop, surface, tolerance);
-  std::vector<Eigen::Vector2d> places;
-  for (const int span : basis.Spans()) {
-    const double lower = basis.knots()[span], upper = basis.knots()[span + 1];
-    const auto at = [&](int k) { return k == parts ? upper : lower + (upper - lower) * k / parts; };
-    for (int k = 0; k < parts; ++k) halving.Add(at(k), at(k + 1), places);
-  }
-  return places;
 }
 
 }  // namespace batten::internal

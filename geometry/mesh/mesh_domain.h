@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A surface's domain as a lattice of whole numbers, its border and its first vertices. Internal to
-// geometry.
+// A surface's domain as a lattice of whole numbers, and its border. Internal to geometry.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +8,6 @@
 
 #include "batten/geometry/closure.h"
 #include "batten/geometry/nurbs_surface.h"
-#include "batten/geometry/surface_evaluator.h"
 #include "geometry/numeric/constrained_delaunay.h"
 
 namespace batten::internal {
@@ -30,6 +28,8 @@ class MeshDomain {
   Eigen::Vector2d ParameterOf(const LatticePoint& point) const;
 
   bool OnBorder(const LatticePoint& point) const;
+  // The point on the border where it is that many steps from it or fewer, else as it is.
+  LatticePoint OntoBorder(LatticePoint point, std::int64_t within) const;
   // The points of the other sides of the seams that are the same point of the surface.
   std::vector<LatticePoint> Mirrored(const LatticePoint& point) const;
   // One point for all that are the same point of the surface by seams and poles.
@@ -51,11 +51,5 @@ class MeshDomain {
   std::vector<std::int64_t> lines_u_, lines_v_, creases_u_, creases_v_;
   std::vector<double> values_u_, values_v_;  // of the lines
 };
-
-// Places along a loop, its corners and ends of spans among them, between which straight lines, in
-// the domain or in space, leave the loop on the surface by no more than the tolerance.
-std::vector<Eigen::Vector2d> LoopVertices(const NurbsCurve<2>& loop,
-                                          const SurfaceEvaluator& surface,
-                                          double tolerance);
 
 }  // namespace batten::internal

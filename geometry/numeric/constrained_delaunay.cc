@@ -185,6 +185,7 @@ std::optional<int> ConstrainedDelaunay::SplitEdge(Place place, const LatticePoin
   at_.push_back(t);
   const int t2 = static_cast<int>(triangles_.size()), o2 = t2 + 1;
   const std::uint8_t fixed = near.fixed >> e & 1, odd = near.odd >> e & 1;
+  if (fixed) NoteCut(a, b, vertex);
   // A part has the vertex first, then the edge of the whole that it keeps.
   const auto part = [vertex](const Triangle& whole, int kept, int second, int third) {
     Triangle result;
@@ -313,7 +314,7 @@ void ConstrainedDelaunay::FixStep(const Segment& segment) {
           (to.x - from.x) * (point.x - from.x) + (to.y - from.y) * (point.y - from.y) > 0;
       if (side(vertex) != 0 || !ahead) continue;
       Mark(segment.from, vertex, segment.odd);
-      waiting_.push_back({vertex, segment.to, segment.odd});
+      Shorten(segment, vertex);
       return;
     }
     if (side(v[Next(place.edge)]) < 0 && side(v[Last(place.edge)]) > 0) crossed = place;
@@ -354,7 +355,14 @@ void ConstrainedDelaunay::FixStep(const Segment& segment) {
   }
   Mark(segment.from, target, segment.odd);
   LegalizeEdges(std::move(made));
-  waiting_.push_back({target, segment.to, segment.odd});
+  Shorten(segment, target);
+}
+
+// What is left of the segment beyond a vertex on it.
+void ConstrainedDelaunay::Shorten(const Segment& segment, int vertex) {
+  if (vertex == segment.to) return;
+  NoteCut(segment.from, segment.to, vertex);
+  waiting_.push_back({vertex, segment.to, segment.odd});
 }
 
 // The segment meets the fixed edge between two vertices: both go through a vertex there.
@@ -376,12 +384,23 @@ void ConstrainedDelaunay::BendAt(const Segment& segment, Place place) {
     triangle.odd &= static_cast<std::uint8_t>(~(1 << e));
   }
   const int vertex = Insert(meeting);
+  NoteCut(a, b, vertex);
+  NoteCut(segment.from, segment.to, vertex);
   for (const Segment& part : {Segment{vertex, segment.to, segment.odd},
                               Segment{segment.from, vertex, segment.odd},
                               Segment{vertex, b, odd},
                               Segment{a, vertex, odd}}) {
     waiting_.push_back(part);
   }
+}
+
+void ConstrainedDelaunay::NoteCut(int from, int to, int vertex) {
+  if (vertex != from && vertex != to) cuts_.emplace(std::minmax(from, to), vertex);
+}
+
+int ConstrainedDelaunay::CutOf(int from, int to) const {
+  const auto found = cuts_.find(std::minmax(from, to));
+  return found == cuts_.end() ? -1 : found->second;
 }
 
 void ConstrainedDelaunay::FindInside() {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -68,6 +69,10 @@ class ConstrainedDelaunay {
   // The edge in one of its two triangles; none where the two are not joined.
   std::optional<Place> EdgeBetween(int from, int to) const;
 
+  // The vertex that has come to lie between two that were the ends of a fixed segment or of a part
+  // of one; −1: none, they are joined.
+  int CutOf(int from, int to) const;
+
   // Triangles made or changed since the last call, some more than once.
   std::vector<int> TakeChanged() { return std::exchange(changed_, {}); }
 
@@ -86,14 +91,17 @@ class ConstrainedDelaunay {
   void LegalizeEdges(std::vector<std::pair<int, int>> edges);
   int SplitTriangle(int triangle, const LatticePoint& point);
   void FixStep(const Segment& segment);
+  void Shorten(const Segment& segment, int vertex);
   void BendAt(const Segment& segment, Place place);
   void Mark(int from, int to, bool odd);
+  void NoteCut(int from, int to, int vertex);
   std::vector<Place> Around(int vertex) const;
 
   std::vector<LatticePoint> points_;
   std::vector<Triangle> triangles_;
   std::vector<int> at_;  // a triangle of every vertex
   std::vector<int> changed_;
+  std::map<std::pair<int, int>, int> cuts_;  // of fixed segments, the lesser end first
   std::vector<Segment> waiting_;
   int last_ = 0;  // where searches begin
   unsigned turns_ = 1;

@@ -117,6 +117,21 @@ SolidModel SolidModel::Translated(const Eigen::Vector3d& shift) const {
   return moved;
 }
 
+std::vector<FaceBorder> BordersOf(const SolidModel& solid) {
+  std::vector<FaceBorder> borders;
+  for (const SolidFace& face : solid.faces) {
+    std::vector<BorderPiece>& loop = borders.emplace_back().loops.emplace_back();
+    for (const SolidCoedge& coedge : face.loop) {
+      Eigen::Matrix2d ends;
+      ends.col(0) = coedge.reversed ? coedge.to : coedge.from;
+      ends.col(1) = coedge.reversed ? coedge.from : coedge.to;
+      loop.push_back(
+          {NurbsCurve<2>(SplineBasis(1, {0, 0, 1, 1}), ends), coedge.edge, coedge.reversed});
+    }
+  }
+  return borders;
+}
+
 SolidAudit AuditSolid(const SolidModel& solid, int samples) {
   SolidAudit audit;
   std::vector<std::vector<std::pair<int, const SolidCoedge*>>> uses(solid.edges.size());

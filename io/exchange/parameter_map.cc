@@ -8,10 +8,9 @@
 namespace batten::internal {
 namespace {
 
-struct Node {
-  double parameter;
-  Eigen::Vector2d point, slope;
-};
+using Node = CurveNode;
+
+constexpr int kDeepestCubic = 12;  // halvings
 
 class MappedCurve {
  public:
@@ -43,7 +42,8 @@ Eigen::Vector2d Hermite(const Node& a, const Node& b, double share) {
 }
 
 // Appends to `nodes`, which ends with `a`, the nodes up to `b`.
-void Refine(const MappedCurve& curve,
+template <class NodeAt>
+void Refine(const NodeAt& curve,
             const Node& a,
             const Node& b,
             const Eigen::Array2d& tolerance,
@@ -52,14 +52,14 @@ void Refine(const MappedCurve& curve,
   const double h = b.parameter - a.parameter;
   bool near = true;
   for (const double share : {0.25, 0.5, 0.75}) {
-    const Eigen::Vector2d exact = curve.At(a.parameter + share * h, false).point;
+    const Eigen::Vector2d exact = curve(a.parameter + share * h).point;
     near = near && ((Hermite(a, b, share) - exact).array().abs() <= tolerance).all();
   }
   if (near || depth == 0) {
     nodes.push_back(b);
     return;
   }
-  const Node middle = curve.At(a.parameter + h / 2, false);
+  const Node middle = curve(a.parameter + h / 2);
   Refine(curve, a, middle, tolerance, depth - 1, nodes);
   Refine(curve, middle, b, tolerance, depth - 1, nodes);
 }
@@ -92,7 +92,31 @@ bool OnParameterLine(const NurbsCurve<2>& curve) {
   return extent.minCoeff() <= kRounding * extent.maxCoeff();
 }
 
+// Whether the mapped curve is where a line between its ends is at the same parameters.
+bool RunsEvenly(const MappedCurve& mapped, const SplineBasis& basis, const Eigen::Array2d& near) {
+  constexpr int kPlaces = 16;
+  const double lower = basis.lower(), length = basis.upper() - lower;
+  const Eigen::Vector2d start = mapped.At(lower, false).point;
+  const Eigen::Vector2d way = mapped.At(basis.upper(), false).point - start;
+  for (int k = 1; k < kPlaces; ++k) {
+    const double share = static_cast<double>(k) / kPlaces;
+    const Eigen::Vector2d off =
+        mapped.At(lower + share * length, false).point - start - share * way;
+    if (!(off.array().abs() <= near).all()) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+NurbsCurve<2> CubicOf(const std::function<CurveNode(double)>& curve,
+                      double lower,
+                      double upper,
+                      const Eigen::Array2d& tolerance) {
+  std::vector<Node> run{curve(lower)};
+  Refine(curve, run.front(), curve(upper), tolerance, kDeepestCubic, run);
+  return Cubic({run});
+}
 
 ParameterMap::ParameterMap(double first, double last, const SplineBasis& basis, bool angle)
     : first_(first), last_(last), angle_(angle) {
@@ -134,7 +158,8 @@ NurbsCurve<2> Mapped(const NurbsCurve<2>& curve,
                      const ParameterMap& u,
                      const ParameterMap& v,
                      const Eigen::Array2d& sides,
-                     double tolerance) {
+                     double tolerance,
+                     CurveSpeed speed) {
   const SplineBasis& basis = curve.basis();
   if (u.linear() && v.linear()) {
     Eigen::Matrix2Xd points = curve.control_points();
@@ -144,20 +169,21 @@ NurbsCurve<2> Mapped(const NurbsCurve<2>& curve,
     return NurbsCurve<2>(basis, std::move(points), curve.weights());
   }
   const MappedCurve mapped(curve, u, v);
-  if (OnParameterLine(curve)) {
+  if (OnParameterLine(curve) &&
+      (speed == CurveSpeed::kAny || RunsEvenly(mapped, basis, tolerance * sides))) {
     Eigen::Matrix2Xd ends(2, 2);
     ends << mapped.At(basis.lower(), false).point, mapped.At(basis.upper(), false).point;
     return NurbsCurve<2>(
         SplineBasis(1, {basis.lower(), basis.lower(), basis.upper(), basis.upper()}),
         std::move(ends));
   }
-  constexpr int kDeepest = 12;
+  const auto node_at = [&](double t) { return mapped.At(t, false); };
   std::vector<std::vector<Node>> runs;
   for (const int span : basis.Spans()) {
     const Node a = mapped.At(basis.knots()[span], false);
     const Node b = mapped.At(basis.knots()[span + 1], true);
     std::vector<Node>& run = runs.emplace_back(std::vector<Node>{a});
-    Refine(mapped, a, b, tolerance * sides, kDeepest, run);
+    Refine(node_at, a, b, tolerance * sides, kDeepestCubic, run);
   }
   return Cubic(runs);
 }

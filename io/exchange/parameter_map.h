@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "batten/geometry/nurbs_curve.h"
@@ -30,12 +31,31 @@ class ParameterMap {
   bool angle_;
 };
 
+// Whether a curve that is made of another has to be at the same place at the same parameter, not
+// only to run the same way.
+enum class CurveSpeed { kAny, kKept };
+
+// A place of a curve and its derivative there.
+struct CurveNode {
+  double parameter;
+  Eigen::Vector2d point, slope;
+};
+
+// The C^1 cubic, within `tolerance` in each coordinate, of a curve without corners given by its
+// nodes.
+NurbsCurve<2> CubicOf(const std::function<CurveNode(double)>& curve,
+                      double lower,
+                      double upper,
+                      const Eigen::Array2d& tolerance);
+
 // The curve with u and v mapped: exact where both maps are linear or the curve runs along a
-// parameter line, else a C^1 cubic within `tolerance` of each domain.
+// parameter line, at the same speed if that is to be kept, else a C^1 cubic within `tolerance` of
+// each domain.
 NurbsCurve<2> Mapped(const NurbsCurve<2>& curve,
                      const ParameterMap& u,
                      const ParameterMap& v,
                      const Eigen::Array2d& sides,
-                     double tolerance);
+                     double tolerance,
+                     CurveSpeed speed = CurveSpeed::kAny);
 
 }  // namespace batten::internal

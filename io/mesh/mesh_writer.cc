@@ -19,6 +19,7 @@
 #include "batten/io/read_error.h"
 #include "io/base/little_endian.h"
 #include "io/mesh/glb_writer.h"
+#include "io/mesh/vertex_numbers.h"
 
 namespace batten {
 using namespace internal;
@@ -36,8 +37,15 @@ struct Scene {
   const std::vector<SurfaceMesh>& meshes;
   std::vector<std::string> names;
   std::vector<RgbColumns> colours;  // of each mesh; no columns: none
-  bool coloured = false;            // any of them
+  // Of every vertex of each mesh: its number in the file.
+  std::vector<std::vector<std::int64_t>> numbers;
+  bool coloured = false;  // any of them
   Eigen::Index vertices = 0, triangles = 0;
+
+  // Whether the vertex is the first with its number when the vertices are gone through in order.
+  bool First(std::size_t mesh, Eigen::Index vertex, std::int64_t written) const {
+    return numbers[mesh][static_cast<std::size_t>(vertex)] == written;
+  }
 };
 
 double RangeOf(const std::vector<SurfaceMesh>& meshes) {
@@ -53,7 +61,7 @@ double RangeOf(const std::vector<SurfaceMesh>& meshes) {
 }
 
 Scene SceneOf(const std::vector<SurfaceMesh>& meshes, double range) {
-  Scene scene{meshes, {}, {}};
+  Scene scene{meshes, {}, {}, VertexNumbers(meshes)};
   const double shown = range > 0 ? range : RangeOf(meshes);
   for (const SurfaceMesh& one : meshes) {
     if (one.deviations.size() != 0 && one.deviations.size() != one.mesh.vertices.cols()) {
@@ -63,8 +71,12 @@ Scene SceneOf(const std::vector<SurfaceMesh>& meshes, double range) {
     scene.names.push_back(one.name.empty() ? fmt::format("surface-{}", number) : one.name);
     scene.colours.push_back(DeviationColours(one.deviations, shown));
     scene.coloured = scene.coloured || one.deviations.size() > 0;
-    scene.vertices += one.mesh.vertices.cols();
     scene.triangles += one.mesh.triangles.cols();
+  }
+  for (const std::vector<std::int64_t>& own : scene.numbers) {
+    for (const std::int64_t number : own) {
+      scene.vertices = std::max<Eigen::Index>(scene.vertices, number + 1);
+    }
   }
   return scene;
 }
@@ -94,6 +106,8 @@ void WriteObj(const Scene& scene, AtomicFile& file) {
     const RgbColumns& colours = scene.colours[m];
     put("o {}\n", ObjName(scene.names[m]));
     for (Eigen::Index k = 0; k < mesh.vertices.cols(); ++k) {
+      if (!scene.First(m, k, places)) continue;
+      ++places;
       const auto p = mesh.vertices.col(k);
       if (colours.cols() == 0) {
         put("v {} {} {}\n", p[0], p[1], p[2]);
@@ -119,17 +133,18 @@ void WriteObj(const Scene& scene, AtomicFile& file) {
       named(corner.corner, corner.triangle) = static_cast<int>(mesh.vertices.cols()) + corner.side;
     }
     for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-      const auto place = mesh.triangles.col(t);
+      const auto place = [&](int corner) {
+        return scene.numbers[m][static_cast<std::size_t>(mesh.triangles(corner, t))] + 1;
+      };
       const auto side = named.col(t);
       put("f {0}/{1}/{1} {2}/{3}/{3} {4}/{5}/{5}\n",
-          places + place[0] + 1,
+          place(0),
           sides + side[0] + 1,
-          places + place[1] + 1,
+          place(1),
           sides + side[1] + 1,
-          places + place[2] + 1,
+          place(2),
           sides + side[2] + 1);
     }
-    places += mesh.vertices.cols();
     sides += mesh.vertices.cols() + static_cast<Eigen::Index>(mesh.other_sides.size());
   }
 }
@@ -171,10 +186,13 @@ void WritePly(const Scene& scene, AtomicFile& file) {
                         scene.triangles);
   file.Write(record);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::int64_t written = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const TriangleMesh& mesh = scene.meshes[m].mesh;
     const Eigen::VectorXd& deviations = scene.meshes[m].deviations;
     for (Eigen::Index k = 0; k < mesh.vertices.cols(); ++k) {
+      if (!scene.First(m, k, written)) continue;
+      ++written;
       record.clear();
       AppendAllLittleEndian<double>(record, mesh.vertices.col(k));
       AppendAllLittleEndian<double>(record, mesh.normals.col(k));
@@ -191,15 +209,16 @@ void WritePly(const Scene& scene, AtomicFile& file) {
       file.Write(record);
     }
   }
-  std::int32_t first = 0;
-  for (const SurfaceMesh& one : scene.meshes) {
-    for (const auto triangle : one.mesh.triangles.colwise()) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    for (const auto triangle : scene.meshes[m].mesh.triangles.colwise()) {
       record.clear();
       AppendLittleEndian(record, std::uint8_t{3});
-      for (const int vertex : triangle) AppendLittleEndian(record, std::int32_t{first + vertex});
+      for (const int vertex : triangle) {
+        const std::int64_t number = scene.numbers[m][static_cast<std::size_t>(vertex)];
+        AppendLittleEndian(record, static_cast<std::int32_t>(number));
+      }
       file.Write(record);
     }
-    first += static_cast<std::int32_t>(one.mesh.vertices.cols());
   }
 }
 

@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/opencascade/face_loops.h"
+
 namespace batten::internal {
 namespace {
 
@@ -38,6 +40,27 @@ double SizeOf(const std::vector<TopoDS_Face>& faces) {
   return box.IsVoid() || box.IsOpen() ? 0 : std::sqrt(box.SquareExtent());
 }
 
+std::vector<FaceBorder> BordersOf(const std::vector<BodyFace>& faces) {
+  TopTools_IndexedMapOfShape known;
+  std::vector<FaceBorder> borders;
+  for (const BodyFace& face : faces) {
+    FaceBorder& border = borders.emplace_back();
+    border.reversed = (face.face.Orientation() == TopAbs_REVERSED) != face.wires.turned;
+    const auto& curves = face.wires.curves;
+    if (curves.empty()) continue;
+    const std::vector<std::vector<TopoDS_Edge>> edges = EdgesOfWires(face.face);
+    for (size_t w = 0; w < curves.size(); ++w) {
+      auto& loop = border.loops.emplace_back();
+      for (size_t k = 0; k < curves[w].size(); ++k) {
+        const TopoDS_Edge& edge = edges[w][k];
+        const int number = BRep_Tool::Degenerated(edge) ? -1 : known.Add(edge) - 1;
+        loop.push_back({curves[w][k], number, edge.Orientation() == TopAbs_REVERSED});
+      }
+    }
+  }
+  return borders;
+}
+
 }  // namespace
 
 std::vector<EdgeOfFaces> FaceEdges(const std::vector<TopoDS_Face>& faces) {
@@ -60,16 +83,21 @@ std::vector<EdgeOfFaces> FaceEdges(const std::vector<TopoDS_Face>& faces) {
   return found;
 }
 
-GeometryBody BodyOf(const std::vector<TopoDS_Face>& faces, const std::vector<size_t>& surfaces) {
+GeometryBody BodyOf(const std::vector<BodyFace>& faces) {
   GeometryBody body;
-  body.surfaces = surfaces;
-  body.tolerance = kLeastTolerance * SizeOf(faces);
-  for (const EdgeOfFaces& one : FaceEdges(faces)) {
+  std::vector<TopoDS_Face> shapes;
+  for (const BodyFace& one : faces) {
+    body.surfaces.push_back(one.surface);
+    shapes.push_back(one.face);
+  }
+  body.borders = BordersOf(faces);
+  body.tolerance = kLeastTolerance * SizeOf(shapes);
+  for (const EdgeOfFaces& one : FaceEdges(shapes)) {
     if (one.faces.size() > 1) {
       ++body.shared_edges;
       body.tolerance = std::max(body.tolerance, ToleranceOf(one.edge));
     } else if (one.free()) {
-      body.free_edges.push_back({surfaces[one.faces[0]],
+      body.free_edges.push_back({body.surfaces[one.faces[0]],
                                  Place(TopExp::FirstVertex(one.edge, true)),
                                  Place(TopExp::LastVertex(one.edge, true))});
     }

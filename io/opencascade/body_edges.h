@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/io/geometry_types.h"
+#include "io/opencascade/occt_face.h"
 
 namespace batten::internal {
 
@@ -21,7 +22,13 @@ struct EdgeOfFaces {
 // Every edge that is not a point, once.
 std::vector<EdgeOfFaces> FaceEdges(const std::vector<TopoDS_Face>& faces);
 
-// A body of faces that have become these surfaces.
-GeometryBody BodyOf(const std::vector<TopoDS_Face>& faces, const std::vector<size_t>& surfaces);
+// A face of a body, and the surface it has become: its place in the file's geometry.
+struct BodyFace {
+  TopoDS_Face face;
+  size_t surface;
+  FaceWires wires;
+};
+
+GeometryBody BodyOf(const std::vector<BodyFace>& faces);
 
 }  // namespace batten::internal

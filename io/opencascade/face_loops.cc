@@ -5,6 +5,8 @@
 #include <BRep_Tool.hxx>
 #include <Geom2dConvert.hxx>
 #include <Geom2d_BSplineCurve.hxx>
+#include <Geom2d_BoundedCurve.hxx>
+#include <Geom2d_Line.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
 #include <Geom_Surface.hxx>
 #include <TopExp_Explorer.hxx>
@@ -38,10 +40,43 @@ std::vector<TopoDS_Edge> EdgesOf(const TopoDS_Wire& wire, const TopoDS_Face& fac
   return connected.size() == stored.size() ? connected : stored;
 }
 
-NurbsCurve<2> CurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+Handle(Geom2d_Curve) BasisOf(const Handle(Geom2d_Curve) & curve) {
+  const auto part = Handle(Geom2d_TrimmedCurve)::DownCast(curve);
+  return part.IsNull() ? curve : BasisOf(part->BasisCurve());
+}
+
+// Whether OpenCASCADE's B-spline of a curve has its parameters.
+bool KeepsSpeed(const Handle(Geom2d_Curve) & curve) {
+  const Handle(Geom2d_Curve) basis = BasisOf(curve);
+  return basis->IsKind(STANDARD_TYPE(Geom2d_Line)) ||
+         basis->IsKind(STANDARD_TYPE(Geom2d_BoundedCurve));
+}
+
+NurbsCurve<2> PacedCurve(const Geom2d_Curve& curve, double first, double last) {
+  constexpr double kNear = 1e-7;  // of the size
+  constexpr int kPlaces = 16;
+  Eigen::AlignedBox2d box;
+  const auto node_at = [&](double t) {
+    gp_Pnt2d point;
+    gp_Vec2d slope;
+    curve.D1(t, point, slope);
+    return CurveNode{t, {point.X(), point.Y()}, {slope.X(), slope.Y()}};
+  };
+  for (int k = 0; k <= kPlaces; ++k) {
+    box.extend(node_at(first + (last - first) * k / kPlaces).point);
+  }
+  return CubicOf(node_at, first, last, Eigen::Array2d::Constant(kNear * box.diagonal().norm()));
+}
+
+NurbsCurve<2> CurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, CurveSpeed speed) {
   double first = 0, last = 0;
   const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
   if (curve.IsNull()) throw std::invalid_argument("an edge has no curve on the surface");
+  const auto turned = [&](const NurbsCurve<2>& one) {
+    return edge.Orientation() == TopAbs_REVERSED ? Reversed(one) : one;
+  };
+  if (speed == CurveSpeed::kKept && !KeepsSpeed(curve))
+    return turned(PacedCurve(*curve, first, last));
   auto bspline = Handle(Geom2d_BSplineCurve)::DownCast(curve);
   const double slack = 1e-12 * (last - first);
   const bool whole = !bspline.IsNull() && std::abs(first - bspline->FirstParameter()) <= slack &&
@@ -55,8 +90,7 @@ NurbsCurve<2> CurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face) {
     if (bspline->IsPeriodic()) bspline->SetNotPeriodic();
     bspline->Segment(bspline->FirstParameter(), bspline->LastParameter());
   }
-  const NurbsCurve<2> result = FromOcct(*bspline);
-  return edge.Orientation() == TopAbs_REVERSED ? Reversed(result) : result;
+  return turned(FromOcct(*bspline));
 }
 
 NurbsCurve<2> Moved(const NurbsCurve<2>& curve, const Eigen::Vector2d& by) {
@@ -91,19 +125,28 @@ Eigen::AlignedBox2d Around(const Wire& wire) {
 
 }  // namespace
 
-std::vector<Wire> WiresOf(const TopoDS_Face& face) {
+std::vector<std::vector<TopoDS_Edge>> EdgesOfWires(const TopoDS_Face& face) {
+  std::vector<std::vector<TopoDS_Edge>> wires;
+  for (TopExp_Explorer explorer(face, TopAbs_WIRE); explorer.More(); explorer.Next()) {
+    wires.push_back(EdgesOf(TopoDS::Wire(explorer.Current()), face));
+    if (wires.back().empty()) wires.pop_back();
+  }
+  return wires;
+}
+
+std::vector<Wire> WiresOf(const TopoDS_Face& face, CurveSpeed speed) {
   const Eigen::Vector2d periods = PeriodsOf(face);
   std::vector<Wire> wires;
-  for (TopExp_Explorer explorer(face, TopAbs_WIRE); explorer.More(); explorer.Next()) {
+  for (const std::vector<TopoDS_Edge>& edges : EdgesOfWires(face)) {
     Wire wire;
-    for (const TopoDS_Edge& edge : EdgesOf(TopoDS::Wire(explorer.Current()), face)) {
-      NurbsCurve<2> curve = CurveOf(edge, face);
+    for (const TopoDS_Edge& edge : edges) {
+      NurbsCurve<2> curve = CurveOf(edge, face, speed);
       if (!wire.empty()) {
         curve = Moved(curve, WholePeriods(End(wire.back()) - Start(curve), periods));
       }
       wire.push_back(std::move(curve));
     }
-    if (!wire.empty()) wires.push_back(std::move(wire));
+    wires.push_back(std::move(wire));
   }
   if (wires.empty() || periods.isZero(0)) return wires;
   const Eigen::AlignedBox2d outer = Around(wires[0]);

@@ -79,17 +79,6 @@ struct DirectSurface {
   bool turned = false;
 };
 
-NurbsSurface Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
-  const DirectSurface direct(face);
-  const Handle(Geom_Surface) surface = direct.surface;
-  if (direct.turned) box = {direct.U(box.u1), direct.U(box.u0), box.v0, box.v1};
-  if (const auto exact = FromAnalytic(surface, box, SeamsOf(face))) return ToNurbs(*exact);
-  const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
-  const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
-                     box == NaturalRectangle(*surface);
-  return whole ? FromOcct(*bspline) : Part(surface, box);
-}
-
 // Whether a rectangle is all of a B-spline surface, or the surface is of another kind.
 bool FillsIt(const Handle(Geom_Surface) & surface, const ParameterRectangle& box) {
   if (AsBSpline(surface).IsNull()) return true;
@@ -99,8 +88,9 @@ bool FillsIt(const Handle(Geom_Surface) & surface, const ParameterRectangle& box
          as_long(box.v1 - box.v0, natural.v1 - natural.v0);
 }
 
-// The wires moved by whole periods so that the box lies in the natural domain where it can.
-void MoveIntoDomain(const Geom_Surface& surface, Wires& wires) {
+// By how many whole periods wires have to move for their box to lie in the natural domain where it
+// can.
+Eigen::Vector2d WayIntoDomain(const Geom_Surface& surface, const Wires& wires) {
   constexpr double kSlack = 1e-7;
   const ParameterRectangle natural = NaturalRectangle(surface), box = BoxOf(wires);
   const auto step = [](bool periodic, double from, double lower, double upper) {
@@ -108,8 +98,11 @@ void MoveIntoDomain(const Geom_Surface& surface, Wires& wires) {
     const double period = upper - lower;
     return -period * std::floor((from - lower) / period + kSlack);
   };
-  const Eigen::Vector2d by(step(surface.IsUPeriodic(), box.u0, natural.u0, natural.u1),
-                           step(surface.IsVPeriodic(), box.v0, natural.v0, natural.v1));
+  return {step(surface.IsUPeriodic(), box.u0, natural.u0, natural.u1),
+          step(surface.IsVPeriodic(), box.v0, natural.v0, natural.v1)};
+}
+
+void Move(Wires& wires, const Eigen::Vector2d& by) {
   if (by.isZero(0)) return;
   for (auto& wire : wires) {
     for (NurbsCurve<2>& curve : wire) {
@@ -151,8 +144,8 @@ Mapping OfOther(const Handle(Geom_Surface) & surface,
   return {std::move(result), u, v};
 }
 
-// That places of the wires are the same points of both surfaces.
-void CheckMapping(const Geom_Surface& surface, const Mapping& mapping, const Wires& wires) {
+// Whether places of the wires are the same points of both surfaces.
+bool SamePoints(const Geom_Surface& surface, const Mapping& mapping, const Wires& wires) {
   constexpr double kSamePoint = 1e-6;
   constexpr int kPlaces = 16;
   const Eigen::Matrix3Xd& net = mapping.surface.control_points();
@@ -166,14 +159,14 @@ void CheckMapping(const Geom_Surface& surface, const Mapping& mapping, const Wir
             curve.At(basis.lower() + share * (basis.upper() - basis.lower()));
         const gp_Pnt there = surface.Value(at[0], at[1]);
         const Eigen::Vector3d here = mapping.surface.At(mapping.u.At(at[0]), mapping.v.At(at[1]));
-        if ((here - Eigen::Vector3d(there.X(), there.Y(), there.Z())).norm() <= kSamePoint * size) {
-          continue;
+        if (!((here - Eigen::Vector3d(there.X(), there.Y(), there.Z())).norm() <=
+              kSamePoint * size)) {
+          return false;
         }
-        throw std::invalid_argument(
-            "is trimmed on a surface whose parameters are not those of a NURBS surface");
       }
     }
   }
+  return true;
 }
 
 // The least length of rows and columns of control points.
@@ -210,13 +203,16 @@ double LargestGap(const TopoDS_Face& face, const NurbsSurface& surface) {
   return extent > 0 ? std::clamp(2 * tolerance / extent, kCadGap, kWidest) : kCadGap;
 }
 
-NurbsCurve<2> LoopOf(const std::vector<NurbsCurve<2>>& wire, const Mapping& mapping, double gap) {
+Wires MappedWires(const Wires& wires, const Mapping& mapping, CurveSpeed speed) {
   const Eigen::Array2d sides = DomainSides(mapping.surface);
-  std::vector<NurbsCurve<2>> pieces;
-  for (const NurbsCurve<2>& curve : wire) {
-    pieces.push_back(Mapped(curve, mapping.u, mapping.v, sides, kMapping));
+  Wires mapped;
+  for (const auto& wire : wires) {
+    mapped.emplace_back();
+    for (const NurbsCurve<2>& curve : wire) {
+      mapped.back().push_back(Mapped(curve, mapping.u, mapping.v, sides, kMapping, speed));
+    }
   }
-  return Shut(Chained(std::move(pieces), sides, gap, false), sides, gap);
+  return mapped;
 }
 
 void Turn(const DirectSurface& direct, Wires& wires) {
@@ -229,29 +225,82 @@ void Turn(const DirectSurface& direct, Wires& wires) {
   }
 }
 
-NurbsSurface Trimmed(const TopoDS_Face& face) {
+// What sewing over a gap has stretched beyond a B-spline without a period ends with it.
+void KeepOnSurface(const Handle(Geom_Surface) & surface, ParameterRectangle& box, Wires& wires) {
+  if (AsBSpline(surface).IsNull()) return;
+  const ParameterRectangle natural = NaturalRectangle(*surface);
+  Eigen::Array2d lower(natural.u0, natural.v0), upper(natural.u1, natural.v1);
+  if (surface->IsUPeriodic()) lower[0] = box.u0, upper[0] = box.u1;
+  if (surface->IsVPeriodic()) lower[1] = box.v0, upper[1] = box.v1;
+  box = {std::max(box.u0, lower[0]),
+         std::min(box.u1, upper[0]),
+         std::max(box.v0, lower[1]),
+         std::min(box.v1, upper[1])};
+  for (auto& wire : wires) {
+    for (NurbsCurve<2>& curve : wire) {
+      Eigen::Matrix2Xd points = curve.control_points();
+      for (auto point : points.colwise()) point = point.array().max(lower).min(upper);
+      if (points != curve.control_points()) {
+        curve = NurbsCurve<2>(curve.basis(), points, curve.weights());
+      }
+    }
+  }
+}
+
+FaceShape Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
   const DirectSurface direct(face);
   const Handle(Geom_Surface) surface = direct.surface;
-  Wires wires = WiresOf(face);
+  Wires wires = WiresOf(face, CurveSpeed::kKept);
+  if (direct.turned) {
+    box = {direct.U(box.u1), direct.U(box.u0), box.v0, box.v1};
+    Turn(direct, wires);
+  }
+  const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
+  KeepOnSurface(surface, box, wires);
+  const bool whole = !bspline.IsNull() && !bspline->IsUPeriodic() && !bspline->IsVPeriodic() &&
+                     box == NaturalRectangle(*surface);
+  const Mapping mapping = whole ? OfBSpline(bspline, box) : OfOther(surface, box, SeamsOf(face));
+  FaceShape shape{mapping.surface, {{}, direct.turned}};
+  if (SamePoints(*surface, mapping, wires)) {
+    shape.wires.curves = MappedWires(wires, mapping, CurveSpeed::kKept);
+  }
+  return shape;
+}
+
+FaceShape Trimmed(const TopoDS_Face& face) {
+  const DirectSurface direct(face);
+  const Handle(Geom_Surface) surface = direct.surface;
+  Wires wires = WiresOf(face), paced = WiresOf(face, CurveSpeed::kKept);
   if (wires.empty()) throw std::invalid_argument("has no boundary");
-  if (direct.turned) Turn(direct, wires);
-  MoveIntoDomain(*surface, wires);
+  if (direct.turned) {
+    Turn(direct, wires);
+    Turn(direct, paced);
+  }
+  const Eigen::Vector2d way = WayIntoDomain(*surface, wires);
+  Move(wires, way);
+  Move(paced, way);
   const ParameterRectangle box = BoxOf(wires);
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
   const Mapping mapping =
       bspline.IsNull() ? OfOther(surface, box, SeamsOf(face)) : OfBSpline(bspline, box);
-  CheckMapping(*surface, mapping, wires);
+  if (!SamePoints(*surface, mapping, wires)) {
+    throw std::invalid_argument(
+        "is trimmed on a surface whose parameters are not those of a NURBS surface");
+  }
+  const Wires pieces = MappedWires(wires, mapping, CurveSpeed::kAny);
   const double gap = LargestGap(face, mapping.surface);
+  const Eigen::Array2d sides = DomainSides(mapping.surface);
   std::vector<NurbsCurve<2>> loops;
-  for (size_t i = 0; i < wires.size(); ++i) {
+  for (size_t i = 0; i < pieces.size(); ++i) {
     try {
-      loops.push_back(LoopOf(wires[i], mapping, gap));
+      loops.push_back(Shut(Chained(pieces[i], sides, gap, false), sides, gap));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("loop " + std::to_string(i + 1) + ": " + error.what());
     }
   }
   try {
-    return WithTurnedLoops(mapping.surface, std::move(loops), gap);
+    return {WithTurnedLoops(mapping.surface, std::move(loops), gap),
+            {MappedWires(paced, mapping, CurveSpeed::kKept), direct.turned}};
   } catch (const LoopError& error) {
     throw std::invalid_argument("loop " + std::to_string(error.loop() + 1) + " " + error.what());
   }
@@ -259,7 +308,7 @@ NurbsSurface Trimmed(const TopoDS_Face& face) {
 
 }  // namespace
 
-NurbsSurface FaceToNurbs(const TopoDS_Face& face) {
+FaceShape FaceToNurbs(const TopoDS_Face& face) {
   const auto box = RectangleOf(face);
   if (box && FillsIt(BRep_Tool::Surface(face), *box)) return Untrimmed(face, *box);
   return Trimmed(face);

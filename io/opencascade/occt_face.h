@@ -3,10 +3,24 @@
 #pragma once
 
 #include <TopoDS_Face.hxx>
+#include <vector>
 
+#include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten::internal {
+
+// The wires of a face (EdgesOfWires) as curves in the parameters of its surface; none where they
+// can't be brought there.
+struct FaceWires {
+  std::vector<std::vector<NurbsCurve<2>>> curves = {};
+  bool turned = false;  // the surface's normal is opposite to that of the face's own surface
+};
+
+struct FaceShape {
+  NurbsSurface surface;
+  FaceWires wires;
+};
 
 // A face that fills a rectangle of an analytic surface, or all of a B-spline one, comes untrimmed;
 // any other with a loop for every wire, over the B-spline as it stands or over the box of its
@@ -15,6 +29,6 @@ namespace batten::internal {
 // corners, for surfaces whose parameters are not those of a NURBS
 // form (swept ones, offsets), and where batten's constructors do; Standard_Failure where
 // OpenCASCADE does.
-NurbsSurface FaceToNurbs(const TopoDS_Face& face);
+FaceShape FaceToNurbs(const TopoDS_Face& face);
 
 }  // namespace batten::internal

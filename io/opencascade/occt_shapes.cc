@@ -74,14 +74,12 @@ void ShapeCollector::Add(const TopoDS_Shape& root) {
 }
 
 // In the order of an explorer's visits.
-void ShapeCollector::AddFaces(const TopoDS_Shape& shape, Body* body) {
+void ShapeCollector::AddFaces(const TopoDS_Shape& shape, std::vector<BodyFace>* body) {
   const TopAbs_ShapeEnum type = shape.ShapeType();
   if (type == TopAbs_FACE) {
     const TopoDS_Face face = TopoDS::Face(shape);
-    AddFace(face);
-    if (body == nullptr) return;
-    body->faces.push_back(face);
-    body->surfaces.push_back(contents_.geometry.size() - 1);
+    FaceWires wires = AddFace(face);
+    if (body != nullptr) body->push_back({face, contents_.geometry.size() - 1, std::move(wires)});
     return;
   }
   if (type > TopAbs_FACE) return;
@@ -91,20 +89,26 @@ void ShapeCollector::AddFaces(const TopoDS_Shape& shape, Body* body) {
 
 // Shells of one face share nothing.
 void ShapeCollector::AddBody(const TopoDS_Shape& shape) {
-  Body body;
-  for (TopoDS_Iterator parts(shape); parts.More(); parts.Next()) AddFaces(parts.Value(), &body);
+  std::vector<BodyFace> faces;
+  for (TopoDS_Iterator parts(shape); parts.More(); parts.Next()) AddFaces(parts.Value(), &faces);
   const bool solid = shape.ShapeType() == TopAbs_SOLID;
-  if (body.faces.empty() || (body.faces.size() == 1 && !solid)) return;
-  GeometryBody one = BodyOf(body.faces, body.surfaces);
+  if (faces.empty() || (faces.size() == 1 && !solid)) return;
+  GeometryBody one = BodyOf(faces);
   one.solid = solid;
   if (names_) one.name = names_(shape);
   contents_.bodies.push_back(std::move(one));
 }
 
-void ShapeCollector::AddFace(const TopoDS_Face& face) {
+FaceWires ShapeCollector::AddFace(const TopoDS_Face& face) {
   const std::string name = "face " + std::to_string(++faces_);
   if (BRep_Tool::Surface(face).IsNull()) throw ReadError(path_, name + " has no surface");
-  Keep(name, face, [&] { return FaceToNurbs(face); });
+  FaceWires wires;
+  Keep(name, face, [&] {
+    FaceShape shape = FaceToNurbs(face);
+    wires = std::move(shape.wires);
+    return std::move(shape.surface);
+  });
+  return wires;
 }
 
 void ShapeCollector::AddEdge(const TopoDS_Edge& edge) {

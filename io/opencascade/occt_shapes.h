@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batten/io/geometry_types.h"
+#include "io/opencascade/body_edges.h"
 
 namespace batten::internal {
 
@@ -26,14 +27,9 @@ class ShapeCollector {
   void Add(const TopoDS_Shape& root);
 
  private:
-  // The faces of one body, with the surfaces they have become.
-  struct Body {
-    std::vector<TopoDS_Face> faces;
-    std::vector<size_t> surfaces;
-  };
-  void AddFaces(const TopoDS_Shape& shape, Body* body);
+  void AddFaces(const TopoDS_Shape& shape, std::vector<BodyFace>* body);
   void AddBody(const TopoDS_Shape& shape);
-  void AddFace(const TopoDS_Face& face);
+  FaceWires AddFace(const TopoDS_Face& face);
   void AddEdge(const TopoDS_Edge& edge);
   template <typename Convert>
   void Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert);

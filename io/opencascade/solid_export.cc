@@ -13,8 +13,6 @@
 #include <STEPControl_Writer.hxx>
 #include <ShapeFix_ShapeTolerance.hxx>
 #include <Standard_Failure.hxx>
-#include <StepBasic_Product.hxx>
-#include <StepData_StepModel.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
@@ -179,17 +177,6 @@ Census Reread(const std::string& text) {
   return CensusOf(solids, "the solid read back");
 }
 
-void NameProducts(const Handle(StepData_StepModel) & model) {
-  int count = 0;
-  for (int k = 1; k <= model->NbEntities(); ++k) {
-    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(k));
-    if (product.IsNull()) continue;
-    const std::string name = "batten-" + std::to_string(++count);
-    product->SetId(Text(name));
-    product->SetName(Text(name));
-  }
-}
-
 std::string ToStep(const SolidModel& solid, const char* unit, const char* schema) {
   const std::vector<TopoDS_Solid> solids = SolidBuilder(solid).Build();
   const double size =
@@ -210,7 +197,7 @@ std::string ToStep(const SolidModel& solid, const char* unit, const char* schema
       Fail("OpenCASCADE does not translate the solid");
     }
   }
-  NameProducts(writer.Model());
+  NameProducts(writer, {});
   std::string text = StepTextOf(writer);
   const Census read = Reread(text);
   constexpr double kSameVolume = 1e-6;

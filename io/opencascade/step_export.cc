@@ -4,8 +4,6 @@
 #include <STEPConstruct.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
-#include <StepBasic_Product.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopoDS_Shape.hxx>
@@ -23,21 +21,6 @@
 
 namespace batten::internal {
 namespace {
-
-// "batten-1", "batten-2", … where there is no name: OpenCASCADE's own count the products of the
-// whole process.
-void NameProducts(const Handle(StepData_StepModel) & model, const std::vector<ExportPart>& parts) {
-  size_t count = 0;
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(i));
-    if (product.IsNull()) continue;
-    std::string name = count < parts.size() ? parts[count].name : "";
-    ++count;
-    if (name.empty()) name = "batten-" + std::to_string(count);
-    product->SetId(Text(name));
-    product->SetName(Text(name));
-  }
-}
 
 // Gives the name to the entity of a shape, which of an edge is that of its curve.
 void NameItem(const STEPControl_Writer& writer,
@@ -61,7 +44,9 @@ std::string ToStep(const std::vector<ExportPart>& parts, const char* unit, const
     NameItem(writer, part.shape, part.name);
     for (const auto& [face, name] : part.faces) NameItem(writer, face, name);
   }
-  NameProducts(writer.Model(), parts);
+  std::vector<std::string> names;
+  for (const ExportPart& part : parts) names.push_back(part.name);
+  NameProducts(writer, names);
   return StepTextOf(writer);
 }
 

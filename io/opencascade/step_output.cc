@@ -5,6 +5,7 @@
 #include <Interface_Static.hxx>
 #include <STEPControl_Controller.hxx>
 #include <Standard_Failure.hxx>
+#include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
@@ -39,6 +40,20 @@ void BeginStep(const char* unit, const char* schema) {
   Interface_Static::SetCVal("write.step.unit", unit);
   Interface_Static::SetCVal("xstep.cascade.unit", unit);
   Interface_Static::SetCVal("write.step.product.name", "batten");
+}
+
+void NameProducts(STEPControl_Writer& writer, const std::vector<std::string>& names) {
+  const Handle(StepData_StepModel) model = writer.Model();
+  size_t count = 0;
+  for (int k = 1; k <= model->NbEntities(); ++k) {
+    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(k));
+    if (product.IsNull()) continue;
+    std::string name = count < names.size() ? names[count] : "";
+    ++count;
+    if (name.empty()) name = "batten-" + std::to_string(count);
+    product->SetId(internal::Text(name));
+    product->SetName(internal::Text(name));
+  }
 }
 
 std::string StepTextOf(STEPControl_Writer& writer) {

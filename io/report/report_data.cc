@@ -141,7 +141,7 @@ std::string ToReportData(const FitReport& report,
   std::string text;
   Writer json(text);
   json.Open('{');
-  json.Key("schema").Value("batten-view-1");
+  json.Key("schema").Value(kViewSchema);
   json.Key("title").Value(ReportTitle(report, context));
   if (!context.date.empty()) json.Key("date").Value(context.date);
   json.Key("kind").Value(scene.surfaces.empty() ? "curve" : "surface");

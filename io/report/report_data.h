@@ -13,7 +13,9 @@ namespace batten::internal {
 // The name of the geometry's file without folders; without a file the kind of geometry. UTF-8.
 std::string ReportTitle(const FitReport& report, const ReportContext& context);
 
-// The schema "batten-view-1", a JSON object. Arrays of numbers are base64 of
+inline constexpr const char* kViewSchema = "batten-view-1";
+
+// That schema, a JSON object. Arrays of numbers are base64 of
 // little-endian binary, {"f32": …}, {"u32": …}, {"u8": …}; NaN in them says that there is none.
 //   schema, title, date (absent when the context has none), kind ("surface" or "curve"), unit,
 //   center, size, tolerance (or null), limit, signed, report (ToReportJson),

@@ -15,19 +15,42 @@ from ._surface import Surface
 
 
 class Branch(NamedTuple):
-    """A curve along which two surfaces meet. All curves have the same parameter; `on_first` and `on_second` lie in the
-    domains, one each unless the branch runs over a seam."""
+    """A curve along which two surfaces meet.
 
-    kind: str  # 'transversal', 'tangential' or 'overlap'
+    Attributes
+    ----------
+    kind : str
+        'transversal', 'tangential' or 'overlap'.
+    closed : bool
+        Whether the branch ends where it begins.
+    curve : Curve
+        The branch in space.
+    on_first, on_second : list of Curve
+        The branch in the parameters of the surfaces, on the same parameter as the curve; one each unless it runs over a seam.
+    deviation : float
+        The greatest distance of the curve from either surface, measured between the knots.
+    """
+
+    kind: str
     closed: bool
     curve: Curve
     on_first: List[Curve]
     on_second: List[Curve]
-    deviation: float  # the greatest distance from either surface, measured between knots
+    deviation: float
 
 
 class Meeting(NamedTuple):
-    """A place that two shapes have in common, by its point and its parameters."""
+    """A place that two shapes have in common.
+
+    Attributes
+    ----------
+    point : numpy.ndarray
+        The place.
+    first, second : numpy.ndarray
+        Its parameters on the shapes, one of a curve and two of a surface.
+    tangential : bool
+        Whether the shapes touch there.
+    """
 
     point: Floats
     first: Floats
@@ -36,14 +59,30 @@ class Meeting(NamedTuple):
 
 
 class Overlap(NamedTuple):
-    """What coincides: intervals of parameters, one row for each direction."""
+    """What coincides.
+
+    Attributes
+    ----------
+    first, second : numpy.ndarray
+        Intervals of the parameters, one row for each direction.
+    """
 
     first: Floats
     second: Floats
 
 
 class Intersection(NamedTuple):
-    """Everything in which two shapes meet."""
+    """Everything in which two shapes meet.
+
+    Attributes
+    ----------
+    branches : list of Branch
+        The curves of two surfaces.
+    points : list of Meeting
+        Single places.
+    overlaps : list of Overlap
+        Where the shapes are the same.
+    """
 
     branches: List[Branch]
     points: List[Meeting]
@@ -51,13 +90,27 @@ class Intersection(NamedTuple):
 
 
 class Offset(NamedTuple):
-    """A curve or surface at a distance."""
+    """A curve or surface at a distance.
 
-    geometry: List[Geometry]  # one; of a curve without its loops also several, or none
+    Attributes
+    ----------
+    geometry : list of Curve or Surface
+        One; of a curve without its loops also several, or none.
+    exact : bool
+        Whether it is the offset to rounding.
+    deviation : float
+        The greatest distance from the exact offset, measured.
+    self_meetings : numpy.ndarray
+        Where it meets itself, one point a row.
+    ok : bool
+        Whether the tolerance is kept.
+    """
+
+    geometry: List[Geometry]
     exact: bool
     deviation: float
-    self_meetings: Floats  # (N, 2 or 3): where it meets itself
-    ok: bool  # the tolerance is kept
+    self_meetings: Floats
+    ok: bool
 
 
 def _size(shape: Geometry) -> float:

@@ -136,15 +136,23 @@ class Fit:
         """
         self._write(path, "json", unit, name)
 
-    def to_html(self, path: Path) -> None:
+    def to_html(self, path: Path, *, beside: Optional[Path] = None) -> None:
         """Writes the report as a page that any browser shows: figures, warnings, and the points and the geometry in 3D.
 
         Parameters
         ----------
         path : path-like
             Some 3 MB and more.
+        beside : path-like, optional
+            A page of an earlier report in the same unit, to be shown beside this one on one scale.
         """
-        _core.write_text(path_bytes("path", path), self._fit.page(150000, 150000))
+        other = b""
+        if beside is not None:
+            with open(path_bytes("beside", beside), "rb") as file:
+                other = file.read()
+            if not other:
+                raise ValueError("beside: holds nothing: give a page that to_html or --report wrote")
+        _core.write_text(path_bytes("path", path), self._fit.page(150000, 150000, other))
 
     def to_report(self, path: Path) -> None:
         """Writes the report as JSON.
@@ -169,7 +177,7 @@ class Fit:
     def _repr_html_(self) -> str:
         import html
 
-        page = html.escape(self._fit.page(NOTEBOOK_POINTS, NOTEBOOK_TRIANGLES), quote=True)
+        page = html.escape(self._fit.page(NOTEBOOK_POINTS, NOTEBOOK_TRIANGLES, b""), quote=True)
         return f'<iframe srcdoc="{page}" style="width:100%;height:640px;border:0" title="{html.escape(repr(self))}"></iframe>'
 
     def plot(self, ax: Any = None, *, colours: bool = True, knots: bool = True, points: bool = True) -> Any:

@@ -57,7 +57,10 @@ ReportContext ContextOf(const Fit& fit, const std::string& file) {
   return context;
 }
 
-std::string Page(const FitPtr& fit, Eigen::Index most_points, Eigen::Index most_triangles) {
+std::string Page(const FitPtr& fit,
+                 Eigen::Index most_points,
+                 Eigen::Index most_triangles,
+                 const std::string& beside) {
   return Watched([=](Watch& watch) {
     const Eigen::MatrixXd parameters = ParameterColumns(*fit);
     const MeasuredPoints points{.cloud = fit->points->cloud,
@@ -84,7 +87,7 @@ std::string Page(const FitPtr& fit, Eigen::Index most_points, Eigen::Index most_
     char text[32] = "";
     if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
     context.date = text;
-    return ToReportHtml(fit->report, context, scene);
+    return ToReportHtml(fit->report, context, scene, beside);
   });
 }
 

@@ -78,6 +78,10 @@ class ReportTest(unittest.TestCase):
         run("compare", "panel.step", panel, "--report", "compare.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheet.step", "--part", "1", "--report", "part.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheets.step", "--part", "all", "--report", "parts.html")
+        run("fit", "surface", panel, "-o", "coarse.step", "--control-points", "6,5", "--trim", "none", "--report", "pair.html",
+            "--beside", "panel.html")
+        run("fit", "curve", "helix.xyz", "-o", "again.step", "--report", "mixed.html", "--beside", "panel.html")
+        run("fit", "curve", "oval.xy", "-o", "loose.step", "--control-points", "7", "--report", "ovals.html", "--beside", "oval.html")
         cls.browser = webdriver.Browser()
 
     @classmethod
@@ -256,6 +260,60 @@ class ReportTest(unittest.TestCase):
         counts = self.browser.run("return JSON.parse(document.getElementById('batten-data').textContent).histogram.counts")
         self.assertEqual(self.browser.run("return document.querySelectorAll('rect.bar').length"), sum(c > 0 for c in counts))
         self.assertGreaterEqual(self.browser.run("return document.querySelectorAll('.side .tolerance-line').length"), 2)
+
+    def test_two_reports_stand_side_by_side_on_one_scale(self):
+        self.open("pair.html", 1440, 900)
+        both = """
+          const id = (k) => JSON.parse(document.getElementById(k).textContent);
+          const a = id("batten-data"), b = id("batten-beside"), legends = [...document.querySelectorAll(".legend")];
+          return { limits: [a.limit, b.limit], rms: [a.report.error.rms, b.report.error.rms], legends: legends.map((l) => l.textContent),
+                   axes: [...document.querySelectorAll(".chart[aria-label='Histogram of deviations'] text")].map((t) => t.textContent) };"""
+        seen = self.browser.run(both)
+        self.assertNotEqual(*seen["limits"])
+        number = [re.sub("[^0-9.]", "", legend.replace("tol.", "")) for legend in seen["legends"]]
+        self.assertIn(f"{max(seen['limits']):.2g}"[:3], number[0], "the wider range serves both")
+        rows = dict(self.browser.run("""return [...document.querySelectorAll(".compared tbody tr")].map((r) =>
+          [r.children[0].textContent, [...r.children].slice(1).map((c) => c.textContent)])"""))
+        plain = [text.replace("\u2212", "-").replace("\u202f", "") for text in rows["rms [mm]"]]
+        self.assertAlmostEqual(float(plain[0]), seen["rms"][0], 2)
+        self.assertAlmostEqual(float(plain[1]), seen["rms"][1], 2)
+        self.assertAlmostEqual(float(plain[2].split(" (")[0]), seen["rms"][0] - seen["rms"][1], 2)
+        self.assertEqual(rows["points read"][2], "0")
+        self.browser.screenshot(os.path.join(self.work, "pair.png"))
+        self.assert_within_the_page()
+        self.assert_calm()
+
+    def test_of_two_reports_one_turns_and_colours_both(self):
+        self.open("pair.html", 1440, 900)
+        other = SUMMARY.replace("battenReport", "battenReport.beside")
+        def seen():
+            return self.summary()["hash"], self.browser.run(other)["hash"]
+        first = seen()
+        for act in ("battenReport.setMode('zebra')", "battenReport.setMode('deviation')", "battenReport.setLayer('cloud', true)",
+                    "battenReport.setLayer('cloud', false)", "battenReport.setLimit(0.07)", "battenReport.beside.setView('z')",
+                    "battenReport.setView('all')"):
+            before = seen()
+            self.browser.run(act)
+            self.browser.run("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            after = seen()
+            self.assertNotEqual(after[0], before[0], act)
+            self.assertNotEqual(after[1], before[1], act)
+        self.open("pair.html", 1440, 900)
+        self.assertEqual(seen(), first, "the same each time")
+        self.assert_calm()
+
+    def test_two_reports_fit_a_phone_print_and_need_no_likeness(self):
+        self.open("pair.html", 390, 844)
+        self.assert_within_the_page()
+        self.assertTrue(self.browser.print_page().startswith(b"%PDF"))
+        for name in ("mixed.html", "ovals.html"):
+            self.open(name, 1240, 800)
+            text = self.browser.run("return document.querySelector('main').textContent")
+            self.assertIsNone(re.search(r"undefined|NaN|null|Infinity|\[object", text), name)
+            self.assertGreater(self.browser.run(SUMMARY.replace("battenReport", "battenReport.beside"))["inked"], 0.002)
+            self.browser.screenshot(os.path.join(self.work, name[:-4] + "png"))
+            self.assert_within_the_page()
+            self.assert_calm()
 
     def test_a_comparison_has_no_convergence_and_no_gap(self):
         self.open("compare.html")

@@ -66,6 +66,29 @@ TEST_F(FitPartsTest, OneOrAllAreFitted) {
   EXPECT_EQ(std::count(residuals.begin(), residuals.end(), '\n'), 4001);
 }
 
+// Two halves of one plane, a gap between them.
+TEST_F(FitPartsTest, AreSewnWhereTheirEdgesMeet) {
+  std::vector<Row> rows;
+  for (int i = 0; i <= 40; ++i) {
+    for (int j = 0; j <= 40; ++j) {
+      for (const double at : {0.0, 5.0}) rows.push_back({at + 0.1 * i, 0.1 * j, 0});
+    }
+  }
+  cloud_ = folder_.With("halves.xyz", ToText(rows));
+  out_ = folder_.File("o.step");
+  ProgramRun run = Fit({"--part", "all", "--trim", "none", "--sew", "1.2"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("2 surfaces sewn into an open shell; 1 shared edges"));
+  EXPECT_EQ(Json::parse(Batten({"info", out_, "--json"}).out)["bodies"].size(), 1u);
+  run = Fit({"--sew", "1.2"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("it needs --part all"));
+  out_ = folder_.File("o.json");
+  run = Fit({"--part", "all", "--sew", "1.2"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("holds no shells"));
+}
+
 TEST(CleaningTest, TakesStrayPointsAwayBeforeTheFitOrNone) {
   const TemporaryFolder folder;
   std::vector<Row> rows = WavySheet(3000);

@@ -67,6 +67,18 @@ TEST(FitSolidCommandTest, TakesTheFacesOfAMeshAndALayout) {
   EXPECT_THAT(folder.Text("a.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
 }
 
+TEST(FitSolidCommandTest, WritesWatertightTriangles) {
+  const TemporaryFolder folder;
+  WriteQuadMesh(CubeSphere(4), folder.File("ball.obj"));
+  for (const char* name : {"a.ply", "a.stl"}) {
+    const ProgramRun run =
+        Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File(name)});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("surfaces, watertight"));
+    EXPECT_GT(ReadPolygons(folder.File(name)).faces.size(), 100u);
+  }
+}
+
 TEST(FitSolidCommandTest, RefusesWithAReasonAndWithoutAFile) {
   const TemporaryFolder folder;
   const std::string out = folder.File("no.step");

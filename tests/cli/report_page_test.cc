@@ -58,6 +58,43 @@ TEST_F(ReportPageTest, ASurfaceFitGivesAPageThatHoldsItsReport) {
   EXPECT_FALSE(report.contains("date"));
 }
 
+TEST_F(ReportPageTest, AnEarlierPageStandsBesideTheNewOne) {
+  const std::string first = folder_.File("first.html"), both = folder_.File("both.html");
+  const std::string out = folder_.File("a.json");
+  EXPECT_EQ(Batten({"fit", "surface", cloud_, "-o", out, "--report", first, "--quiet"}).code, 0);
+  const std::vector<std::string> compare = {
+      "compare", out, cloud_, "--report", both, "--beside", first, "--quiet"};
+  const ProgramRun run = Batten(compare);
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto data = [](const std::string& html, const std::string& open) {
+    const std::size_t begin = html.find(open) + open.size();
+    return html.substr(begin, html.find("</script", begin) - begin);
+  };
+  EXPECT_EQ(data(folder_.Text("both.html"), "id=\"batten-beside\">"),
+            data(folder_.Text("first.html"), "id=\"batten-data\">"));
+}
+
+TEST_F(ReportPageTest, WhatCannotStandBesideIsToldBeforeTheWork) {
+  const std::string page = folder_.File("page.html"), out = folder_.File("a.json");
+  const auto refusal = [&](std::vector<std::string> flags, int code) {
+    std::vector<std::string> words = {"fit", "surface", cloud_, "-o", out};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const ProgramRun run = Batten(words);
+    EXPECT_EQ(run.code, code);
+    EXPECT_FALSE(std::filesystem::exists(out));
+    return run.err;
+  };
+  EXPECT_THAT(refusal({"--beside", cloud_}, 2), HasSubstr("it needs --report R.html"));
+  EXPECT_THAT(refusal({"--report", page, "--beside", cloud_}, 1), HasSubstr("no page that batten"));
+  EXPECT_THAT(refusal({"--report", page, "--beside", folder_.File("none.html")}, 1),
+              HasSubstr("none.html"));
+  EXPECT_EQ(Batten({"fit", "surface", cloud_, "-o", folder_.File("b.json"), "--report", page}).code,
+            0);
+  EXPECT_THAT(refusal({"--report", page, "--beside", page}, 2), HasSubstr("would be lost"));
+  EXPECT_THAT(refusal({"--report", folder_.File("c.html"), "--beside", page, "--unit", "m"}, 1),
+              HasSubstr("its lengths are in mm, these in m: give both the same --unit"));
+}
+
 TEST_F(ReportPageTest, CurvesPrimitivesGridsAndComparisonsHavePages) {
   std::vector<Row> rows, grid;
   for (int ring = 0; ring < 2; ++ring) {

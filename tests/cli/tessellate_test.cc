@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +12,7 @@
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/io/geometry_file.h"
+#include "batten/io/polygon_reader.h"
 #include "test_clouds.h"
 
 namespace batten::internal::tessellate_test {
@@ -102,6 +104,36 @@ TEST_F(TessellateCommandTest, StandardOutputTakesTheMesh) {
   const ProgramRun run = Batten({"tessellate", in, "-o", "-", "--format", "obj"});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, StartsWith("# written by batten\no surface-1\nv "));
+}
+
+// The sides of a box stand apart in JSON and are one solid in STEP.
+TEST_F(TessellateCommandTest, FacesOfASolidShareTheirEdges) {
+  std::vector<Geometry> sides;
+  const Eigen::Vector3d o(0, 0, 0), x(3, 0, 0), y(0, 2, 0), z(0, 0, 1);
+  for (const auto& [at, u, v] :
+       {std::array{o, x, y}, {z, x, y}, {o, x, z}, {y, x, z}, {o, y, z}, {x, y, z}}) {
+    sides.emplace_back(MakeBilinear(at, at + u, at + v, at + u + v));
+  }
+  const std::string apart = Written("in.json", sides);
+  ASSERT_EQ(Batten({"convert", apart, File("in.step"), "--sew", "0.001"}).code, 0);
+  const auto meshed = [&](const std::string& in, const std::string& out) {
+    const ProgramRun run = Batten({"tessellate", in, "-o", File(out), "--json"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+    return Json::parse(run.out)["files"][0];
+  };
+  EXPECT_EQ(meshed(apart, "a.ply")["open_edges"], 24);
+  for (const char* name : {"b.ply", "b.obj", "b.stl", "b.glb"}) {
+    const Json solid = meshed(File("in.step"), name);
+    EXPECT_EQ(solid["open_edges"], 0);
+    EXPECT_EQ(solid["vertices"], 8);
+    EXPECT_EQ(solid["triangles"], 12);
+  }
+  for (const char* name : {"b.ply", "b.obj"}) {
+    EXPECT_EQ(ReadPolygons(File(name)).vertices.cols(), 8) << name;
+  }
+  EXPECT_THAT(Batten({"tessellate", File("in.step"), "-o", File("c.stl")}).out,
+              HasSubstr("within 0.00374 of 6 surfaces, watertight"));
 }
 
 TEST_F(TessellateCommandTest, CurvesAreLeftOut) {

@@ -471,7 +471,16 @@ def test_what_a_fit_writes(tmp_path, sheet_fit, curve_fit):
         assert json.loads((tmp_path / "report.json").read_text())["error"] == fit.report["error"]
         assert len(batten.read_geometry(tmp_path / "a.step")) >= 1
     sheet_fit.to_mesh(tmp_path / "a.stl")
+    sheet_fit.to_html(tmp_path / "both.html", beside=tmp_path / "a.html")
+    data = page[page.index('id="batten-data">') + 17:].partition("</script")[0]
+    assert 'id="batten-beside">' + data + "</script" in (tmp_path / "both.html").read_text()
     inches = batten.fit_surface(sheet(300), unit="inch", optimize="none")
+    for other in ("a.html", "report.json"):
+        with pytest.raises(ValueError, match="^beside: "):
+            inches.to_html(tmp_path / "bad.html", beside=tmp_path / other)
+    with pytest.raises(FileNotFoundError):
+        inches.to_html(tmp_path / "bad.html", beside=tmp_path / "absent.html")
+    assert not (tmp_path / "bad.html").exists()
     inches.to_step(tmp_path / "inch.step")
     inches.to_iges(tmp_path / "metre.iges", unit="m")
     assert [batten.read_geometry(tmp_path / name).unit for name in ("inch.step", "metre.iges")] == ["inch", "m"]

@@ -32,6 +32,8 @@ struct OptimizeOptions {
   double loss_scale = 1;      // > 0, standard deviation of good points, the data's units
   double fairness = 1e-6;     // ≥ 0, thin plate relative to the data
   std::vector<int> fixed_control_points;  // indices, v fastest
+  std::vector<std::uint8_t> held;  // of each point of a surface: 1 where its u stays as given, 2
+                                   // where v does, 3 both, 0 neither; empty: none
   ResidualTerms terms;
   double seconds = 0;  // ≥ 0; stop after so long, 0: never. Results then depend on the machine
   std::uint64_t seed = 1;  // of random starts for knots

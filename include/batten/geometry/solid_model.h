@@ -7,6 +7,7 @@
 
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/geometry/triangle_mesh.h"
 
 namespace batten {
 
@@ -40,6 +41,9 @@ struct SolidModel {
   // The solid moved by `shift`.
   SolidModel Translated(const Eigen::Vector3d& shift) const;
 };
+
+// The borders of its faces, for TessellateShell.
+std::vector<FaceBorder> BordersOf(const SolidModel& solid);
 
 // How well the faces of a solid meet.
 struct SolidAudit {

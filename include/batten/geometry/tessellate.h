@@ -1,45 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Triangle meshes of surfaces.
+// Surfaces and shells into triangles.
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
 #include <vector>
 
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/geometry/triangle_mesh.h"
 
 namespace batten {
-
-// A vertex as some of the triangles around it see it: across a seam it has other parameters, across
-// a crease another normal, and at a pole each triangle has its own.
-struct OtherSide {
-  int vertex;
-  Eigen::Vector2d parameter;
-  Eigen::Vector3d normal;
-};
-
-// A corner (0, 1, 2) of a triangle that belongs to an OtherSide of its vertex.
-struct SideCorner {
-  int triangle, corner, side;
-};
-
-struct TriangleMesh {
-  Eigen::Matrix3Xd vertices;
-  Eigen::Matrix2Xd parameters;  // of the vertices; on a seam, those of one of its sides
-  Eigen::Matrix3Xd normals;     // the surface's unit normals; at tips the mean of the triangles'
-  Eigen::Matrix3Xi triangles;   // indices of vertices, counter-clockwise seen against the normals
-  // What is not as above: for textures and shading that have to be right at seams and creases.
-  std::vector<OtherSide> other_sides = {};
-  std::vector<SideCorner> side_corners = {};
-};
-
-struct TessellateOptions {
-  double chord_tolerance = 0;  // ≥ 0, in the data's units; 0: 1e-3 of the surface's diagonal
-  Eigen::Index max_triangles = 50000000;  // > 0; what needs more is refused
-  // Called from time to time with the share of the triangles so far that are done; what it throws
-  // ends the work.
-  std::function<void(double)> progress = nullptr;
-};
 
 // Triangles that follow the surface, the part inside its trims, within the chord tolerance: the
 // triangles' planes lie that near to the surface between their corners, which lie on it, and edges
@@ -64,7 +32,20 @@ struct TessellateOptions {
 // begins. [second-derivative bound: Filip, Magedson & Markot 1986; hulls: Lane & Riesenfeld 1980]
 TriangleMesh Tessellate(const NurbsSurface& surface, const TessellateOptions& options = {});
 
-// The meshes as one, in their order; nothing is joined.
-TriangleMesh JoinedMeshes(const std::vector<TriangleMesh>& meshes);
+// Meshes of faces that share edges: along them all have the same vertices, so that of a closed
+// shell every edge of the mesh lies between two triangles, which run along it in opposite
+// directions. `borders` are those of the surfaces, in their order; equal shares of the domains of
+// an edge's curves are one point in space but for the gap between its faces. A face with no loops
+// has no edges in common. The triangles of each face lie within the chord tolerance of it as
+// Tessellate's do, and where `gap` is above a quarter of that by so much more along edges. A knot
+// line that ends on an edge needs no vertex there.
+//
+// How: edges are divided for all their faces together, each face is refined to three quarters of
+// the tolerance, and what it splits on an edge the others split too, until none does. Two edges of
+// the mesh with the same ends in different faces get vertices of their own. Throws as Tessellate,
+// and std::invalid_argument where there is not one border for each surface or a loop is empty.
+ShellMesh TessellateShell(const std::vector<NurbsSurface>& surfaces,
+                          const std::vector<FaceBorder>& borders,
+                          const TessellateOptions& options = {});
 
 }  // namespace batten

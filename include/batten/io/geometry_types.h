@@ -11,6 +11,7 @@
 
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/geometry/triangle_mesh.h"
 
 namespace batten {
 
@@ -35,6 +36,9 @@ struct GeometryBody {
   std::vector<size_t> surfaces = {};  // its faces, in the file's geometry
   size_t shared_edges = 0;            // between faces, seams aside
   std::vector<FreeEdge> free_edges = {};
+  // Of its surfaces, in their order, for TessellateShell: which edges the faces share, and where
+  // those lie in their parameters. A face whose edges can't be followed there has no loops.
+  std::vector<FaceBorder> borders = {};
   // Within which edges are shared: the largest tolerance the file gives them and their corners, at
   // least 1e-6 of the body's size, in the unit of the coordinates.
   double tolerance = 0;

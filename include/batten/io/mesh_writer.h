@@ -28,11 +28,13 @@ struct MeshWriteOptions {
 };
 
 // Writes meshes whole or not at all; "-" is standard output. OBJ and GLB keep them apart, as
-// objects of their names; PLY and STL hold all triangles in their order. Where there are deviations
-// vertices are coloured by them (DeviationColour), in PLY beside properties `deviation` and
-// `measured` (0 where there is none; the deviation is then 0 too). Throws WriteError; UsageError
-// as above and for deviations in STL, which has no colours; std::invalid_argument where sizes do
-// not agree.
+// objects of their names; PLY and STL hold all triangles in their order. Vertices that are the same
+// point (SurfaceMesh::joints) are one in OBJ and PLY, there with the normal and parameters of the
+// first of them; GLB, which has normals by vertex, and STL repeat its coordinates. Where there are
+// deviations vertices are coloured by them (DeviationColour), in PLY beside properties `deviation`
+// and `measured` (0 where there is none; the deviation is then 0 too). Throws WriteError;
+// UsageError as above and for deviations in STL, which has no colours; std::invalid_argument where
+// sizes do not agree.
 void WriteMeshes(const std::vector<SurfaceMesh>& meshes,
                  const std::string& path,
                  const MeshWriteOptions& options = {});

@@ -4,8 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <string>
+#include <vector>
 
-#include "batten/geometry/tessellate.h"
+#include "batten/geometry/triangle_mesh.h"
 
 namespace batten {
 
@@ -16,6 +17,9 @@ struct SurfaceMesh {
   Eigen::AlignedBox2d domain = {};
   // Signed, one for each vertex, NaN where it is not known; or none at all.
   Eigen::VectorXd deviations = {};
+  // For each vertex a number that it has in common with the vertices of other meshes that are the
+  // same point, −1: none (ShellMesh::joints); or none at all.
+  std::vector<int> joints = {};
 };
 
 }  // namespace batten

@@ -22,7 +22,8 @@ function momentsOf(histogram) {
 
 function drawHistogram(svg, data, limit, width) {
   const histogram = data.histogram;
-  const { low, high, counts } = histogram;
+  const { counts } = histogram;
+  const { low, high } = data.reach || histogram;  // of two histograms side by side
   const scale = new Scale(Math.max(Math.abs(low), Math.abs(high)), data.unit);
   const chart = new Chart(svg, {
     width, height: Math.round(Math.min(250, 0.42 * width + 70)), left: 14, right: 14, top: 22, bottom: 40,
@@ -37,10 +38,10 @@ function drawHistogram(svg, data, limit, width) {
   chart.linearX(from, to);
   const most = Math.max(...counts, 1);
   chart.linearY(0, most * 1.04);
-  const step = (high - low) / counts.length;
+  const step = (histogram.high - histogram.low) / counts.length;
   counts.forEach((c, i) => {
     if (c === 0) return;
-    const v = low + i * step;
+    const v = histogram.low + i * step;
     const x = chart.x(v), w = chart.x(v + step) - x;
     const bar = add(svg, "rect", {
       x, width: Math.max(0.6, w - 0.6), y: chart.y(c), height: chart.bottom - chart.y(c),

@@ -244,6 +244,7 @@ class SpaceView {
   }
 
   draw() {
+    if (this.onDraw) this.onDraw();
     if (this.pending) return;
     this.pending = true;
     requestAnimationFrame(() => { if (this.pending) this.renderNow(); });

@@ -80,8 +80,10 @@ function cloudOf(cloud) {
   };
 }
 
+// null where the page holds none.
 function readViewData(text) {
   const json = JSON.parse(text);
+  if (json === null) return null;
   const data = {
     title: json.title || "",
     date: json.date || "",

@@ -5,8 +5,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "joint_cases.h"
 #include "tolerances.h"
@@ -32,10 +35,12 @@ void ForShapes(const std::function<void(RandomSplines&, const JointCase&, const 
 FootPointSet Project(const TensorShape& shape,
                      const FittingData& data,
                      bool orthogonal,
-                     int threads = 1) {
+                     int threads = 1,
+                     std::vector<std::uint8_t> held = {}) {
   ThreadPool pool(threads);
   FootPointSet feet;
-  FootProjector(data.values, orthogonal, pool).Project(shape, data.parameters, feet);
+  FootProjector(data.values, orthogonal, pool, std::move(held))
+      .Project(shape, data.parameters, feet);
   return feet;
 }
 
@@ -106,6 +111,44 @@ TEST(FootProjectorTest, LeavesParametersAloneWhereDistancesAreNotOrthogonal) {
     EXPECT_EQ(feet.parameters, c.problem.data().parameters);
     for (const auto count : feet.directions) EXPECT_EQ(count, 0);
   });
+}
+
+TEST(FootProjectorTest, KeepsParametersThatAreHeldAndFindsTheNearestPlaceAlongTheOthers) {
+  int along = 0;
+  ForShapes(
+      [&](RandomSplines&, const JointCase& c, const TensorShape& shape) {
+        if (!shape.basis_v) return;
+        const FittingData& data = c.problem.data();
+        std::vector<std::uint8_t> held(static_cast<size_t>(data.values.cols()));
+        for (size_t k = 0; k < held.size(); ++k) held[k] = static_cast<std::uint8_t>(k % 4);
+        const FootPointSet feet = Project(shape, data, true, 1, held),
+                           free = Project(shape, data, true);
+        for (Eigen::Index k = 0; k < data.values.cols(); ++k) {
+          const int sides = held[static_cast<size_t>(k)];
+          if (sides == 0) {
+            EXPECT_EQ(feet.parameters.col(k), free.parameters.col(k));
+            continue;
+          }
+          for (const int row : {0, 1}) {
+            const SplineBasis& basis = row == 0 ? shape.basis_u : *shape.basis_v;
+            if ((sides & (row + 1)) != 0) {
+              EXPECT_EQ(feet.parameters(row, k), data.parameters(row, k));
+            } else if (!Held(basis, feet.parameters(row, k))) {
+              const Tangents t = TangentsAt(shape, feet.parameters(0, k), feet.parameters(1, k));
+              const Eigen::VectorXd difference = feet.difference.col(k);
+              EXPECT_LE(std::abs(difference.dot((row == 0 ? t.u : t.v).normalized())),
+                        kHalfDigits * difference.norm());
+              EXPECT_EQ(feet.directions[static_cast<size_t>(k)], 2);
+              ++along;
+            }
+          }
+          if (sides == 3) {
+            EXPECT_EQ(feet.directions[static_cast<size_t>(k)], 0);
+          }
+        }
+      },
+      {.least_degree = 2});  // without kinks, which steps only come near
+  EXPECT_GT(along, 100);
 }
 
 TEST(FootProjectorTest, KeepsWhatMovingTheFootPointCanNotUndo) {

@@ -14,6 +14,7 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/sample_geometry.h"
+#include "fitting/surface/surface_folds.h"
 #include "known_clouds.h"
 
 namespace batten::internal::fit_surface_test {
@@ -182,6 +183,33 @@ TEST(FitSurfaceTest, RefinesUntilTheToleranceHoldsAndNoFurther) {
 
 // A fifth of the points stands above the sheet, most of them by little: their distances thin out as
 // those of structure do, but none has company.
+// A coarse net that a tolerance asks for is fitted with free parameters, which would let its edges
+// wander in and out of the points, and fold beside them.
+TEST(FitSurfaceTest, EndsWhereThePointsEndAndDoesNotFoldWithinATolerance) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    SurfaceFitOptions options;
+    options.tolerance = 6 * kSigma;
+    const SurfaceFit fit = FitSurface(FrankeCloud(20000, 0, seed), options);
+    EXPECT_EQ(fit.report.termination, Termination::kToleranceReached);
+    EXPECT_TRUE(fit.report.optimize.ran);
+    EXPECT_EQ(fit.surface.trims().size(), 0);
+    EXPECT_EQ(FoldedPairs(fit.surface), 0);
+    const double spacing = fit.report.input.spacing;
+    for (int k = 0; k <= 200; ++k) {
+      const double at = k / 200.0;
+      for (const auto& [u, v] : {std::pair(at, 0.0), {at, 1.0}, {0.0, at}, {1.0, at}}) {
+        const SplineBasis &in_u = fit.surface.basis_u(), &in_v = fit.surface.basis_v();
+        const Eigen::Vector3d edge =
+            fit.surface.At(in_u.lower() + u * (in_u.upper() - in_u.lower()),
+                           in_v.lower() + v * (in_v.upper() - in_v.lower()));
+        const double depth = std::min({edge.x(), edge.y(), 1 - edge.x(), 1 - edge.y()});
+        EXPECT_LE(std::abs(depth), 2 * spacing) << u << " " << v;
+      }
+    }
+  }
+}
+
 TEST(FitSurfaceTest, IsNotPulledByOutliersToOneSide) {
   const Eigen::Matrix3Xd truth = TruthGrid(Franke, 101),
                          clean = Scatter(Franke, 20000, kSigma, 0, 5);

@@ -23,9 +23,9 @@
 #include "batten/geometry/transform.h"
 #include "batten/geometry/trim_region.h"
 #include "random_splines.h"
+#include "refusal.h"
 #include "tolerances.h"
 #include "trim_cases.h"
-#include "refusal.h"
 
 namespace batten::internal::tessellate_test {
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,39 @@ TEST(PointKdTreeTest, FindsANearestPoint) {
       const int nearest = tree.Nearest(q.data());
       const double squared = (points.colwise() - q).colwise().squaredNorm().minCoeff();
       EXPECT_NEAR((points.col(nearest) - q).squaredNorm(), squared, kRounding * squared);
+    }
+  }
+}
+
+TEST(PointKdTreeTest, VisitsEveryPointOfABallOnce) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    Eigen::Matrix3Xd points(3, random.Integer(0, 2000));
+    // Whole coordinates fall together and lie on the ball.
+    for (auto point : points.colwise()) {
+      point = seed % 2 == 0 ? Eigen::Vector3d(random.Vector(4).array().round()) : random.Vector(3);
+    }
+    const PointKdTree tree(points);
+    for (int trial = 0; trial < 50; ++trial) {
+      Eigen::Vector3d centre = random.Vector(4);
+      double radius = random.Vector(2).norm();
+      if (seed % 2 == 0) {
+        centre = centre.array().round();
+        radius = std::round(radius);
+      }
+      std::vector<int> got, expected;
+      tree.ForBall(centre, radius, [&](int k, double squared) {
+        got.push_back(k);
+        EXPECT_NEAR(squared, (points.col(k) - centre).squaredNorm(), kRounding * squared);
+      });
+      for (int k = 0; k < points.cols(); ++k) {
+        const double dx = points(0, k) - centre[0], dy = points(1, k) - centre[1],
+                     dz = points(2, k) - centre[2];
+        if (dx * dx + dy * dy + dz * dz <= radius * radius) expected.push_back(k);
+      }
+      std::sort(got.begin(), got.end());
+      EXPECT_EQ(got, expected);
     }
   }
 }

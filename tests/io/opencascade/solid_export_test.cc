@@ -77,7 +77,10 @@ TEST(SolidExportTest, LeavesNoFileOfWhatIsNoSolid) {
   };
   SolidModel open = SolidOf(Cube());
   open.faces.pop_back();
-  EXPECT_THAT(error(open), HasSubstr("can't become a solid"));
+  EXPECT_THAT(error(open), HasSubstr("the solid is not valid"));
+  SolidModel doubled = SolidOf(Cube());  // its edges belong to four faces
+  for (const SolidFace& face : SolidOf(Cube()).faces) doubled.faces.push_back(face);
+  EXPECT_THAT(error(doubled), HasSubstr("the solid is not valid"));
   SolidModel moved = SolidOf(Cube());
   moved.faces[0].surface = moved.faces[0].surface.Translated({0, 0, 0.1});
   EXPECT_THAT(error(moved), HasSubstr("not valid"));
@@ -90,7 +93,7 @@ TEST(SolidExportTest, LeavesNoFileOfWhatIsNoSolid) {
     face.surface = NurbsSurface(
         face.surface.basis_u(), face.surface.basis_v(), -face.surface.control_points());
   }
-  EXPECT_THAT(error(inside_out), HasSubstr("can't become a solid"));
+  EXPECT_THAT(error(inside_out), HasSubstr("the solid is inside out"));
   EXPECT_EQ(folder.Text("bad.step"), "");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   EXPECT_THROW(WriteSolid(SolidOf(Cube()), folder.File("a.json")), UsageError);

@@ -88,9 +88,9 @@ ReportContext Context() {
   return context;
 }
 
-// What stands between the tags of the page's data.
-std::string DataOf(const std::string& html) {
-  const std::string open = "id=\"batten-data\">";
+// What stands between the tags of the page's data, or of those beside them.
+std::string DataOf(const std::string& html, const std::string& name = "data") {
+  const std::string open = "id=\"batten-" + name + "\">";
   const std::size_t begin = html.find(open) + open.size();
   return html.substr(begin, html.find("</script", begin) - begin);
 }
@@ -190,6 +190,55 @@ TEST(ReportHtmlTest, ThePageIsWholeSmallAndNeedsNoNetwork) {
                             "src=\"//"}) {
     EXPECT_THAT(html, Not(HasSubstr(loads)));
   }
+}
+
+TEST(ReportHtmlTest, WhatStandsBesideIsTheFirstOfTheOtherPageAsItWas) {
+  FitReport report;
+  report.warnings = {"</script><script>alert('x')</script> @@STYLE@@"};
+  ReportContext context = Context();
+  context.file = "first.step";
+  const std::string first = ToReportHtml(report, context, Example());
+  EXPECT_EQ(DataOf(first, "beside"), "null");
+  context.file = "second.step";
+  const std::string second = ToReportHtml({}, context, Example(), first);
+  EXPECT_EQ(DataOf(second, "beside"), DataOf(first));
+  EXPECT_EQ(Json::parse(DataOf(second))["title"], "second.step");
+  context.file = "third.step";
+  const std::string third = ToReportHtml({}, context, Example(), second);
+  EXPECT_EQ(Json::parse(DataOf(third, "beside"))["title"], "second.step");
+  EXPECT_LT(third.size(), 3000000u);
+}
+
+TEST(ReportHtmlTest, PagesThatCannotStandBesideAreRefused) {
+  const auto refusal = [](const std::string& page, const std::string& unit) -> std::string {
+    try {
+      CheckBeside(page, unit);
+    } catch (const std::invalid_argument& refused) {
+      ReportContext context = Context();
+      context.unit = unit;
+      if (!page.empty() && !unit.empty()) {
+        EXPECT_THROW(ToReportHtml({}, context, Example(), page), std::invalid_argument);
+      }
+      return refused.what();
+    }
+    return {};
+  };
+  const std::string page = ToReportHtml({}, Context(), Example());
+  EXPECT_EQ(refusal(page, "mm"), "");
+  EXPECT_EQ(refusal(page, ""), "");
+  EXPECT_THAT(refusal(page, "inch"), HasSubstr("its lengths are in mm, these in inch"));
+  EXPECT_THAT(refusal("", "mm"), HasSubstr("it is no page that batten wrote"));
+  EXPECT_THAT(refusal("<html></html>", "mm"), HasSubstr("it is no page that batten wrote"));
+  const std::size_t data = page.find("id=\"batten-data\">") + 17;
+  for (const std::size_t end : {data, data + 1, data + 300}) {
+    EXPECT_THAT(refusal(page.substr(0, end), "mm"), HasSubstr("damaged"));
+  }
+  for (const char* json :
+       {"null", "[]", "{}", "{\"schema\":\"batten-view-2\"}", "{\"schema\":1}"}) {
+    EXPECT_THAT(refusal(page.substr(0, data) + json + "</script>", "mm"), HasSubstr("damaged"));
+  }
+  const std::string no_unit = page.substr(0, data) + "{\"schema\":\"batten-view-1\"}</script>";
+  EXPECT_THAT(refusal(no_unit, "mm"), HasSubstr("no unit"));
 }
 
 TEST(ReportHtmlTest, SameSceneGivesTheSameBytesAndTheDateIsTheCallers) {
