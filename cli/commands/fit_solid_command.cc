@@ -53,7 +53,7 @@ std::string SolidWords(const SolidFit& fit) {
   const int bodies = fit.layout.components;
   return fmt::format(
       "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
-      "within {:.2g} and {:.2g}°",
+      "within {:.2g} and {:.2g}°{}",
       bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
@@ -62,7 +62,10 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.volume,
       fit.audit.area,
       fit.audit.gap,
-      fit.audit.edge_angle * 180 / std::numbers::pi);
+      fit.audit.edge_angle * 180 / std::numbers::pi,
+      fit.held_out.size() == 0 ? ""
+                               : fmt::format("; points left out are met within rms {:.4g}",
+                                             std::sqrt(fit.held_out.mean())));
 }
 
 // The surface from whose size and shape a layout is made: the faces of the file, which are
