@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +14,6 @@
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
-#include "batten/fitting/solid_layout.h"
 #include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
@@ -53,7 +53,7 @@ std::string SolidWords(const SolidFit& fit) {
   const int bodies = fit.layout.components;
   return fmt::format(
       "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
-      "within {:.2g} and {:.2g}°",
+      "within {:.2g} and {:.2g}°{}",
       bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
@@ -62,7 +62,10 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.volume,
       fit.audit.area,
       fit.audit.gap,
-      fit.audit.edge_angle * 180 / std::numbers::pi);
+      fit.audit.edge_angle * 180 / std::numbers::pi,
+      fit.held_out.size() == 0 ? ""
+                               : fmt::format("; points left out are met within rms {:.4g}",
+                                             std::sqrt(fit.held_out.mean())));
 }
 
 // The surface from whose size and shape a layout is made: the faces of the file, which are
@@ -137,6 +140,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
+  std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
     const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
@@ -155,15 +159,11 @@ int RunFitSolid(const FitSolidArguments& a) {
       made.triangles = closed.surface.triangles;
       WriteMesh(made, a.mesh_out);
     }
-    const int faces = a.faces > 0
-                          ? a.faces
-                          : LayoutFaces(measured ? closed.surface.vertices.cols()
-                                                 : cloud.size() - MergeDuplicates(cloud).duplicates,
-                                        measured);
-    layout = files.Explained(
-        [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
+    over = closed.surface;
   }
-  SolidFit fit = files.Explained([&] { return FitSolid(cloud, layout, options); });
+  SolidFit fit = files.Explained([&] {
+    return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
+  });
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
   files.KeepSolid(fit.solid);
@@ -205,8 +205,8 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
             }
             a->faces = int(number);
           },
-          "About how many quadrilaterals the layout that is made has [one for 6 points or 4 "
-          "vertices of a mesh, 60 to 2500]")
+          "About how many quadrilaterals the layout that is made has [chosen by points left out; "
+          "at most one for 5 points, 2500]")
       ->type_name("N");
   command
       .add_option(
@@ -241,10 +241,11 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
-      "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
-      "extraordinary vertices, and the solid a face for every few of its own. One that is given\n"
-      "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
-      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from\n"
+      "Poisson reconstruction about the points, which have to go all round the body. One that is\n"
+      "given may come from a quadrilateral remesher or be drawn by hand; its vertices need not "
+      "lie\n"
+      "on the points. It is closed, each edge between two faces, faces counter-clockwise seen "
+      "from\n"
       "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
       "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"

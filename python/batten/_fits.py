@@ -501,8 +501,8 @@ def fit_solid(
     layout : (array_like of shape (V, 3), array_like of int, shape (F, 4)) or path-like, optional
         A closed mesh of quadrilaterals near the points, counter-clockwise seen from outside; made when None.
     faces : int, optional
-        About how many quadrilaterals the layout that is made has, 6 … 20000; None: one for 6 points, or 4 vertices of a
-        mesh, 60 to 2500.
+        About how many quadrilaterals the layout that is made has, 6 … 20000; None: chosen by points left out, at most
+        one for 5 points, and 2500.
     tolerance : float, optional
         Distance in the data's units; only judged.
     smoothing : float or 'auto', optional
