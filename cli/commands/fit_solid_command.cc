@@ -23,6 +23,7 @@
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/exit_codes.h"
 #include "cli/terminal/help_format.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
