@@ -2,6 +2,7 @@
 // batten compare: how far points are from a geometry.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
+#include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
 #include "fitting/core/stage_clock.h"
@@ -34,7 +36,90 @@ struct CompareArguments {
   WorkFlags work;
   std::optional<double> tolerance;
   bool unit_given = false;
+  std::string align = "none", datum, profile;
 };
+
+// T, or LOW,HIGH.
+std::optional<ProfileZone> ToZone(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::vector<double> numbers = ParseNumbers("--profile", text);
+  if (numbers.size() == 1 && numbers[0] > 0) return ProfileZone{-numbers[0] / 2, numbers[0] / 2};
+  if (numbers.size() == 2 && numbers[0] < numbers[1]) return ProfileZone{numbers[0], numbers[1]};
+  throw UsageError("--profile: '" + text +
+                   "' is neither a positive number nor LOW,HIGH with LOW below HIGH");
+}
+
+// The numbers of the datum surfaces, from 0 on, where the alignment is to them.
+std::vector<int> ToDatums(const CompareArguments& a) {
+  if (a.align != "datum") {
+    if (!a.datum.empty()) throw UsageError("--datum: needs --align datum");
+    return {};
+  }
+  if (a.datum.empty())
+    throw UsageError(
+        "--align datum: needs --datum, the numbers of its surfaces as reports have them");
+  std::vector<int> datums;
+  for (const double number : ParseNumbers("--datum", a.datum)) {
+    if (!(number >= 0 && number < 1e6 && number == std::floor(number)))
+      throw UsageError("--datum: '" + a.datum + "' are not whole numbers from 0 on");
+    datums.push_back(static_cast<int>(number));
+  }
+  return datums;
+}
+
+// The motion of the points onto the surfaces, where one is asked for.
+std::optional<RigidAlignment> AlignmentOf(const CompareArguments& a,
+                                          const std::vector<int>& datums,
+                                          const std::vector<Geometry>& geometry,
+                                          const PointCloud& cloud,
+                                          ThreadPool& pool) {
+  if (a.align == "none") return std::nullopt;
+  std::vector<NurbsSurface> surfaces;
+  for (const Geometry& one : geometry) {
+    const auto* surface = std::get_if<NurbsSurface>(&one);
+    if (surface == nullptr)
+      throw UsageError("--align " + a.align + ": " + a.geometry +
+                       " holds a curve; points are "
+                       "aligned to surfaces");
+    surfaces.push_back(*surface);
+  }
+  try {
+    return AlignRigidly(surfaces, cloud, datums, pool);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError("--align " + a.align + ": " + error.what());
+  }
+}
+
+// Distances against the zone, with the noise of the points and what it does to the motion.
+ProfileVerdict VerdictOf(const ProfileZone& zone,
+                         const PointCloud& cloud,
+                         const Eigen::VectorXd& distances,
+                         double noise,
+                         const std::optional<RigidAlignment>& alignment) {
+  Eigen::VectorXd deviations = Eigen::VectorXd::Constant(distances.size(), noise);
+  for (Eigen::Index k = 0; alignment && k < distances.size(); ++k) {
+    const Eigen::Vector3d place = cloud.World(k);
+    double most = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      most = std::max(most, alignment->Deviation(place, Eigen::Vector3d::Unit(axis)));
+    deviations[k] = noise * std::hypot(1, most);
+  }
+  return CheckProfile(distances, deviations, zone);
+}
+
+std::string ProfileWords(const ProfileVerdict& verdict) {
+  const char* const decision = verdict.decision == Conformity::kConforms    ? "conforms to"
+                               : verdict.decision == Conformity::kUndecided ? "cannot be told from"
+                                                                            : "does not conform to";
+  return fmt::format(
+      "; {} the profile zone {:.4g} ... {:.4g}: {:.4g} ... {:.4g}, uncertainty {:.2g}",
+      decision,
+      verdict.zone.low,
+      verdict.zone.high,
+      verdict.lowest,
+      verdict.highest,
+      verdict.uncertainty);
+}
 
 // The same shape with its control points moved.
 template <typename Curve>
@@ -95,12 +180,16 @@ std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
 int RunCompare(const CompareArguments& a) {
   StageClock clock(&StageSeconds::read);
   CheckOutputArguments(a.output);
+  const std::optional<ProfileZone> zone = ToZone(a.profile);
+  const std::vector<int> datums = ToDatums(a);
   std::vector<std::string> outputs = a.output.reports;
   outputs.push_back(a.output.residuals);
+  outputs.push_back(a.output.certificate);
   std::vector<std::string> inputs = a.clouds;
   inputs.push_back(a.geometry);
   CheckDistinct(outputs, a.flags.json, inputs);
   CheckWritable(a.output.residuals);
+  CheckWritable(a.output.certificate);
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
   BeginReading({a.geometry}, a.flags.quiet);
@@ -111,7 +200,6 @@ int RunCompare(const CompareArguments& a) {
   if (word_is_geometry) read.format.clear();
   BeginReading(a.clouds, a.flags.quiet);
   const CloudFile file = ReadCloud(a.clouds, read);
-  const PointCloud& cloud = file.cloud;
 
   FitReport report;
   for (const std::string& remark : contents.remarks) {
@@ -124,6 +212,9 @@ int RunCompare(const CompareArguments& a) {
   report.threads = pool.threads();
   clock.Enter(&StageSeconds::project);
   const Progress progress = MakeProgress(a.flags.quiet);
+  const std::optional<RigidAlignment> alignment =
+      AlignmentOf(a, datums, geometry, file.cloud, pool);
+  const PointCloud cloud = alignment ? alignment->Moved(file.cloud) : file.cloud;
 
   // Several geometries: every point belongs to the nearest.
   PointDistances nearest;
@@ -196,6 +287,14 @@ int RunCompare(const CompareArguments& a) {
   OutputArguments output = a.output;
   if (!contents.unit.empty()) output.unit = contents.unit;
   ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
+  target.checks.alignment = alignment;
+  if (zone) {
+    target.checks.profile = VerdictOf(*zone, cloud, nearest.distances, measured.noise, alignment);
+    target.result_line += ProfileWords(*target.checks.profile);
+  }
+  const Certified certified = CertificateFor(
+      a.output, geometry, cloud, Eigen::Vector3d::Zero(), a.tolerance, a.work.threads);
+  target.checks.certified = certified.summary;
   target.scene = SceneFor(a.output,
                           geometry,
                           points,
@@ -204,8 +303,10 @@ int RunCompare(const CompareArguments& a) {
                           a.flags.quiet);
   const auto residuals = ResidualsFor(a.output, points, a.tolerance);
   if (residuals) residuals->Commit();
+  if (certified.file) certified.file->Commit();
   report.seconds = clock.Seconds();
   WriteReports(report, target);
+  if (zone && target.checks.profile->decision != Conformity::kConforms) return kToleranceMissed;
   return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
@@ -229,6 +330,28 @@ void AddCompareCommand(CLI::App& app, Action& action) {
           },
           "Exit code 3 when a point is farther than this [none]")
       ->type_name("T");
+  Allow(
+      *command
+           .add_option("--align",
+                       a->align,
+                       "Move the points first: none, best (a rigid motion of least squares), datum "
+                       "(the same to the surfaces of --datum, one after the other)")
+           ->capture_default_str()
+           ->type_name("HOW"),
+      {"none", "best", "datum"});
+  command
+      .add_option("--datum",
+                  a->datum,
+                  "Numbers of the datum surfaces, from 0, primary first: each fixes what it "
+                  "determines and leaves the rest to the next")
+      ->type_name("A[,B,...]");
+  command
+      .add_option("--profile",
+                  a->profile,
+                  "Profile tolerance: T is the zone -T/2 ... T/2 along the normals, LOW,HIGH any; "
+                  "exit code 3 unless all points conform with their uncertainty")
+      ->type_name("T|LOW,HIGH");
+  AddCertificateArguments(command, a->output);
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
   AddWorkFlags(command, a->work);
@@ -239,7 +362,9 @@ void AddCompareCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten compare part.step scan.ply\n"
       "  batten compare part.step scan.ply --tolerance 0.05 --report out.json --residuals out.ply\n"
-      "  batten compare part.step scan.ply --report part.html");
+      "  batten compare part.step scan.ply --report part.html\n"
+      "  batten compare part.step scan.ply --align best --profile 0.2 --report part.json\n"
+      "  batten compare part.json scan.ply --tolerance 0.05 --certify --certificate proof.json");
   command.callback([a, &command, &action] {
     a->unit_given = command.count("--unit") > 0;
     action = [a] { return RunCompare(*a); };

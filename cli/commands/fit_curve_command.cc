@@ -35,6 +35,8 @@ struct FitCurveArguments : FitArguments {
 
 // Flags that say two things at once.
 void CheckFitCurve(const FitCurveArguments& a) {
+  if ((a.uncertainty || !a.uncertainty_map.empty()) && a.component == "all")
+    throw UsageError("--uncertainty: is of one curve, not of --component all");
   if (a.order == "given" && a.component != "the only one") {
     throw UsageError(
         "--order given makes the points one curve: --component has no meaning with it");
@@ -53,6 +55,7 @@ void CheckFitCurve(const FitCurveArguments& a) {
                        " has no meaning with --interpolate, which goes through every point");
     }
   };
+  refuse("--uncertainty", a.uncertainty || !a.uncertainty_map.empty());
   refuse("--control-points", a.control_points != "chosen");
   refuse("--smoothing", a.smoothing != "auto");
   refuse("--loss", a.loss != "auto" && a.loss != "none");
@@ -212,7 +215,7 @@ CurveFitOptions QuickCurveOptions(CurveFitOptions options) {
 }
 
 template <int Dim>
-int Fit(const FitFiles& files,
+int Fit(FitFiles& files,
         const PointCloud& cloud,
         const CurveFitOptions& options,
         const Component& component) {
@@ -236,6 +239,7 @@ int Fit(const FitFiles& files,
   if (options.closed == ClosedChoice::kAuto &&
       options.parameterization != CurveParameterization::kGiven)
     SuggestClosing(fits);
+  if (fits.size() == 1) files.NoteUncertainty(fits.front());
   auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;
   for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
@@ -342,6 +346,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
         {"auto", "point", "tangent", "squared", "parameter"});
   Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
         {"auto", "none"});
+  AddUncertaintyArguments(command, *a);
   GroupFitFlags(command);
   command.footer(
       "Examples:\n"

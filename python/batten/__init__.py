@@ -29,7 +29,7 @@ from ._fits import (
 from ._friends import from_geomdl, to_geomdl
 from ._geometry import Closest, Geometry, Knot, Removal
 from ._optimize import Optimized, ResidualTerm, optimize
-from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit
+from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit, Uncertainty
 from ._surface import Curvature, Mesh, Surface
 
 __all__ = [
@@ -57,6 +57,7 @@ __all__ = [
     "Statistics",
     "Surface",
     "SurfaceFit",
+    "Uncertainty",
     "WriteError",
     "cloud_parts",
     "compare",

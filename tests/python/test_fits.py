@@ -31,6 +31,21 @@ def test_exact_surface_is_found(rng):
     assert fit.ok and np.abs(fit.residuals).max() <= 1e-4
 
 
+def test_uncertainty_covers_the_truth(sheet_fit):
+    xy = np.random.default_rng(4).uniform(0.1, 0.9, (400, 2))
+    truth = np.column_stack([xy, heights(*xy.T)])
+    feet = sheet_fit.surface.closest(truth)
+    found = sheet_fit.uncertainty(feet.parameters)
+    shares = np.mean(feet.distances <= 2 * found.sigma + np.abs(found.bias))
+    assert shares > 0.85 and (found.support > 0.5).all()  # 95 % of independent places
+    assert sheet_fit.uncertainty().sigma.shape == (len(sheet_fit.residuals),)
+    with pytest.raises(ValueError, match="places"):
+        sheet_fit.uncertainty([1.0, 2.0, 3.0])
+    exact = batten.fit_primitive(batten.make.sphere(5.0).sample(300, noise=0.01), "sphere")
+    with pytest.raises(ValueError):
+        exact.uncertainty()
+
+
 def test_results_fit_together(sheet_fit):
     fit, s = sheet_fit, sheet_fit.surface
     points = fit.points.points

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+#include "claims.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace verify {
+namespace {
+
+constexpr int kHalvings = 4, kDeepestArc = 48;  // of loops: to begin with, and at most
+constexpr int kMostBoxes = 200000;              // for one point
+constexpr int kDeepestRegular = 14, kMostRegular = 200000;
+
+Interval Coordinate(const Point4& point, size_t c) { return point[c] / point[3]; }
+// The box of a piece's Bézier points, which holds the piece: weights are positive.
+std::array<Interval, 3> BoxOf(const Piece& piece) {
+  std::array<Interval, 3> box;
+  for (size_t c = 0; c < 3; ++c) {
+    box[c] = Coordinate(piece.net.front(), c);
+    for (const Point4& point : piece.net) {
+      const Interval x = Coordinate(point, c);
+      box[c] = {std::min(box[c].lo, x.lo), std::max(box[c].hi, x.hi)};
+    }
+  }
+  return box;
+}
+
+// The least squared distance of q from a box.
+double LeastSquare(const std::array<Interval, 3>& box, const Point& q) {
+  Interval sum;
+  for (size_t c = 0; c < 3; ++c) {
+    if (q[c] >= box[c].lo && q[c] <= box[c].hi) continue;
+    sum += Square(Interval(q[c]) - Interval(q[c] < box[c].lo ? box[c].lo : box[c].hi));
+  }
+  return sum.lo;
+}
+
+Interval Binomial(int n, int k) {
+  Interval value = 1;
+  for (int i = 1; i <= k; ++i) value = value * Interval(n - k + i) / Interval(i);
+  return value;
+}
+
+// A polynomial in Bernstein form, second direction fastest.
+struct Polynomial {
+  int p, q;
+  std::vector<Interval> c;
+  Polynomial(int p, int q) : p(p), q(q), c(static_cast<size_t>((p + 1) * (q + 1))) {}
+  Interval& at(int i, int j) { return c[static_cast<size_t>(i * (q + 1) + j)]; }
+  const Interval& at(int i, int j) const { return c[static_cast<size_t>(i * (q + 1) + j)]; }
+};
+
+// C(m,i) C(n,j) / C(m+n,i+j) for all i and j.
+const std::vector<Interval>& Shares(int m, int n) {
+  static std::map<std::pair<int, int>, std::vector<Interval>> known;
+  std::vector<Interval>& shares = known[{m, n}];
+  if (!shares.empty()) return shares;
+  for (int i = 0; i <= m; ++i)
+    for (int j = 0; j <= n; ++j)
+      shares.push_back(Binomial(m, i) * Binomial(n, j) / Binomial(m + n, i + j));
+  return shares;
+}
+
+// [Farin 2002, §6.10, in two variables]
+Polynomial operator*(const Polynomial& a, const Polynomial& b) {
+  Polynomial product(a.p + b.p, a.q + b.q);
+  const std::vector<Interval>&of_p = Shares(a.p, b.p), &of_q = Shares(a.q, b.q);
+  for (int i = 0; i <= a.p; ++i)
+    for (int k = 0; k <= b.p; ++k) {
+      const Interval share_u = of_p[static_cast<size_t>(i * (b.p + 1) + k)];
+      for (int j = 0; j <= a.q; ++j) {
+        const Interval left = share_u * a.at(i, j);
+        for (int l = 0; l <= b.q; ++l)
+          product.at(i + k, j + l) +=
+              left * of_q[static_cast<size_t>(j * (b.q + 1) + l)] * b.at(k, l);
+      }
+    }
+  return product;
+}
+
+Polynomial Plus(Polynomial a, const Polynomial& b, bool minus = false) {
+  for (size_t k = 0; k < a.c.size(); ++k) a.c[k] = minus ? a.c[k] - b.c[k] : a.c[k] + b.c[k];
+  return a;
+}
+
+// Coordinate c of the net, less q times the weights.
+Polynomial Component(const Piece& piece, size_t c, double q) {
+  Polynomial result(piece.p, piece.q);
+  for (size_t k = 0; k < piece.net.size(); ++k)
+    result.c[k] = c == 3 ? piece.net[k][3] : piece.net[k][c] - Interval(q) * piece.net[k][3];
+  return result;
+}
+
+// Whether |P − qw|² − lower²w² has no negative Bernstein coefficient.
+bool NoNearer(const Piece& piece, const Point& q, double lower) {
+  Polynomial sum(2 * piece.p, 2 * piece.q);
+  for (size_t c = 0; c < 4; ++c) {
+    const Polynomial part = Component(piece, c, c < 3 ? q[c] : 0);
+    Polynomial square = part * part;
+    for (Interval& value : square.c)
+      if (c == 3) value = -(Square(Interval(lower)) * value);
+    sum = Plus(std::move(sum), square);
+  }
+  return std::all_of(sum.c.begin(), sum.c.end(), [](const Interval& x) { return x.lo >= 0; });
+}
+
+Polynomial Derivative(const Polynomial& f, bool by_u) {
+  Polynomial d(by_u ? f.p - 1 : f.p, by_u ? f.q : f.q - 1);
+  for (int i = 0; i <= d.p; ++i)
+    for (int j = 0; j <= d.q; ++j)
+      d.at(i, j) =
+          Interval(by_u ? f.p : f.q) * ((by_u ? f.at(i + 1, j) : f.at(i, j + 1)) - f.at(i, j));
+  return d;
+}
+
+// d · (w P_u × P_v + w_u P_v × P + w_v P × P_u), which is w³ d · (S_u × S_v), about a point of the
+// piece.
+bool KeepsSign(const Piece& piece, const Point& direction) {
+  const Point4& corner = piece.net.front();
+  std::vector<Polynomial> f, fu, fv;
+  for (size_t c = 0; c < 4; ++c) {
+    f.push_back(Component(piece, c, Coordinate(corner, c).lo));
+    fu.push_back(Derivative(f[c], true));
+    fv.push_back(Derivative(f[c], false));
+  }
+  const auto along = [&](const std::vector<Polynomial>& a, const std::vector<Polynomial>& b) {
+    Polynomial sum(a[0].p + b[0].p, a[0].q + b[0].q);
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t x = (c + 1) % 3, y = (c + 2) % 3;
+      Polynomial part = Plus(a[x] * b[y], a[y] * b[x], true);
+      for (Interval& value : part.c) value = Interval(direction[c]) * value;
+      sum = Plus(std::move(sum), part);
+    }
+    return sum;
+  };
+  Polynomial value = f[3] * along(fu, fv);
+  value = Plus(std::move(value), fu[3] * along(fv, f));
+  value = Plus(std::move(value), fv[3] * along(f, fu));
+  return std::all_of(value.c.begin(), value.c.end(), [](const Interval& x) { return x.lo > 0; });
+}
+
+// Any direction will do.
+Point DirectionOf(const Piece& piece) {
+  const auto at = [&](int i, int j, size_t c) { return Coordinate(piece.at(i, j), c).lo; };
+  std::array<double, 3> a, b;
+  for (size_t c = 0; c < 3; ++c) {
+    a[c] = at(piece.p, piece.q, c) - at(0, 0, c);
+    b[c] = at(0, piece.q, c) - at(piece.p, 0, c);
+  }
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+}  // namespace
+
+Region::Region(const Shape& shape) {
+  for (const Shape& loop : shape.trims) {
+    std::vector<Piece> parts = loop.pieces;
+    for (int halving = 0; halving < kHalvings; ++halving) {
+      std::vector<Piece> finer;
+      for (const Piece& part : parts)
+        for (Piece& half : Halves(part)) finer.push_back(std::move(half));
+      parts = std::move(finer);
+    }
+    arcs_.insert(arcs_.end(), parts.begin(), parts.end());
+  }
+}
+
+int Region::Crossings(double u, double v, int turn) const {
+  // x and y of a turned frame: (u, v), (v, u), (−u, v), (−v, u).
+  const size_t along = turn % 2 == 0 ? 0 : 1;
+  const double sign = turn < 2 ? 1 : -1, x = sign * (along == 0 ? u : v), y = along == 0 ? v : u;
+  int crossings = 0;
+  std::vector<Piece> waiting = arcs_;
+  while (!waiting.empty()) {
+    const Piece piece = std::move(waiting.back());
+    waiting.pop_back();
+    const std::array<Interval, 3> box = BoxOf(piece);
+    const Interval far = sign > 0 ? box[along] : -box[along], level = box[1 - along];
+    if (far.hi < x || level.hi < y || level.lo > y) continue;
+    const Interval first = Coordinate(piece.net.front(), 1 - along);
+    const Interval last = Coordinate(piece.net.back(), 1 - along);
+    const bool known = (first.hi < y || first.lo > y) && (last.hi < y || last.lo > y);
+    if (known && far.lo > x) {
+      crossings += (first.lo > y) != (last.lo > y);
+      continue;
+    }
+    if (piece.depth == kDeepestArc || (!known && far.lo > x && piece.depth > 2 * kHalvings))
+      return -1;  // next to (u, v), or an end on the ray
+    for (Piece& half : Halves(piece)) waiting.push_back(std::move(half));
+  }
+  return crossings % 2;
+}
+
+Side Region::Of(double u, double v) const {
+  if (arcs_.empty()) return Side::kInside;
+  for (int turn = 0; turn < 4; ++turn) {
+    const int crossings = Crossings(u, v, turn);
+    if (crossings >= 0) return crossings == 1 ? Side::kInside : Side::kOutside;
+  }
+  return Side::kUnknown;
+}
+
+Side Region::OfBox(double u0, double u1, double v0, double v1) const {
+  if (arcs_.empty()) return Side::kInside;
+  u0 = Down(u0), v0 = Down(v0), u1 = Up(u1), v1 = Up(v1);  // ends of halves are rounded
+  std::vector<Piece> waiting = arcs_;
+  while (!waiting.empty()) {
+    const Piece piece = std::move(waiting.back());
+    waiting.pop_back();
+    const std::array<Interval, 3> box = BoxOf(piece);
+    if (box[0].hi < u0 || box[0].lo > u1 || box[1].hi < v0 || box[1].lo > v1) continue;
+    const double size = std::max(box[0].hi - box[0].lo, box[1].hi - box[1].lo);
+    if (piece.depth == kDeepestArc || size < std::max(u1 - u0, v1 - v0) / 4) return Side::kUnknown;
+    for (Piece& half : Halves(piece)) waiting.push_back(std::move(half));
+  }
+  return Of(u0 + (u1 - u0) / 2, v0 + (v1 - v0) / 2);
+}
+
+bool ProveLower(const Shape& shape, const Region& region, const Point& q, double lower) {
+  if (!(lower > 0)) return lower == 0;
+  const double square = Square(Interval(lower)).hi;
+  std::vector<Piece> waiting;
+  int boxes = 0;
+  for (const Piece& piece : shape.pieces) {
+    if (LeastSquare(BoxOf(piece), q) >= square) continue;
+    waiting.assign(1, piece);
+    while (!waiting.empty()) {
+      const Piece box = std::move(waiting.back());
+      waiting.pop_back();
+      if (++boxes > kMostBoxes) return false;
+      if (LeastSquare(BoxOf(box), q) >= square || NoNearer(box, q, lower)) continue;
+      if (shape.surface && region.OfBox(box.u0, box.u1, box.v0, box.v1) == Side::kOutside) continue;
+      for (Piece& half : Halves(box)) waiting.push_back(std::move(half));
+      if (waiting.back().u1 <= waiting.back().u0) return false;
+    }
+  }
+  return true;
+}
+
+bool ProveUpper(const Shape& shape,
+                const Region& region,
+                const Point& q,
+                double upper,
+                double u,
+                double v,
+                int loop) {
+  Interval at_u = u, at_v = v;
+  if (loop >= 0) {
+    const Shape& curve = shape.trims.at(static_cast<size_t>(loop));
+    if (!(u >= curve.u.lower() && u <= curve.u.upper())) return false;
+    const std::array<Interval, 3> on = curve.At(u, 0);
+    // Loops may run along the domain's edge, where rounding is outside of it.
+    const auto inside = [](const Interval& at, const Basis& basis) {
+      return Interval(std::clamp(at.lo, basis.lower(), basis.upper()),
+                      std::clamp(at.hi, basis.lower(), basis.upper()));
+    };
+    at_u = inside(on[0], shape.u);
+    at_v = inside(on[1], shape.v);
+  } else {
+    if (!(u >= shape.u.lower() && u <= shape.u.upper())) return false;
+    if (shape.surface && !(v >= shape.v.lower() && v <= shape.v.upper())) return false;
+    if (shape.surface && region.Of(u, v) != Side::kInside) return false;
+  }
+  const std::array<Interval, 3> on = shape.At(at_u, at_v);
+  Interval sum;
+  for (size_t c = 0; c < 3; ++c) sum += Square(on[c] - Interval(q[c]));
+  return Root(sum).hi <= upper;
+}
+
+std::vector<std::array<double, 4>> UnprovedRegularity(const Shape& shape, const Region& region) {
+  std::vector<std::array<double, 4>> unproved;
+  std::vector<Piece> waiting;
+  for (const Piece& piece : shape.pieces) {
+    int boxes = 0;
+    waiting.assign(1, piece);
+    while (!waiting.empty()) {
+      const Piece box = std::move(waiting.back());
+      waiting.pop_back();
+      if (KeepsSign(box, DirectionOf(box))) continue;
+      if (region.OfBox(box.u0, box.u1, box.v0, box.v1) == Side::kOutside) continue;
+      if (box.depth == kDeepestRegular || ++boxes > kMostRegular) {
+        unproved.push_back({box.u0, box.u1, box.v0, box.v1});
+        continue;
+      }
+      for (Piece& half : Halves(box)) waiting.push_back(std::move(half));
+    }
+  }
+  return unproved;
+}
+
+}  // namespace verify
