@@ -44,8 +44,8 @@ TEST(RigidAlignmentTest, RecoversAMotionFarFromZero) {
   const Eigen::Vector3d far(5e5, 5e6, 100);
   const Corner corner;
   const Eigen::AngleAxisd turn(0.05, Eigen::Vector3d(1, -2, 1).normalized());
-  const Eigen::Matrix3Xd moved =
-      (turn.toRotationMatrix() * corner.points).colwise() + Eigen::Vector3d(0.1, -0.05, 0.08) + far;
+  const Eigen::Matrix3Xd moved = (turn.toRotationMatrix() * corner.points).colwise() +
+                                 (Eigen::Vector3d(0.1, -0.05, 0.08) + far);
   std::vector<NurbsSurface> faces;
   for (const NurbsSurface& face : corner.faces) faces.push_back(face.Translated(far));
   ThreadPool pool(2);
