@@ -14,6 +14,7 @@
 #include <random>
 
 #include "batten/geometry/foot_point.h"
+#include "occt_surface.h"
 
 namespace batten::internal {
 namespace {
@@ -70,35 +71,6 @@ Queries QueriesAbout(const NurbsSurface& surface, Place place) {
         std::clamp(v + 0.005 * normal(generator), 0.0, 1.0);
   }
   return queries;
-}
-
-Handle(Geom_BSplineSurface) ToOpenCascade(const NurbsSurface& surface) {
-  const auto basis = [](const SplineBasis& b, auto& knots, auto& multiplicities) {
-    int count = 0;
-    for (const double knot : b.knots()) {
-      if (count > 0 && knots(count) == knot) {
-        ++multiplicities(count);
-      } else {
-        knots(++count) = knot;
-        multiplicities(count) = 1;
-      }
-    }
-  };
-  const int distinct = kNet - 2;
-  TColStd_Array1OfReal u(1, distinct), v(1, distinct);
-  TColStd_Array1OfInteger mu(1, distinct), mv(1, distinct);
-  basis(surface.basis_u(), u, mu);
-  basis(surface.basis_v(), v, mv);
-  TColgp_Array2OfPnt poles(1, kNet, 1, kNet);
-  TColStd_Array2OfReal weights(1, kNet, 1, kNet);
-  for (int i = 0; i < kNet; ++i) {
-    for (int j = 0; j < kNet; ++j) {
-      const Eigen::Vector3d p = surface.control_point(i, j);
-      poles(i + 1, j + 1) = gp_Pnt(p.x(), p.y(), p.z());
-      weights(i + 1, j + 1) = surface.weights()[i * kNet + j];
-    }
-  }
-  return new Geom_BSplineSurface(poles, weights, u, v, mu, mv, 3, 3);
 }
 
 void Global(benchmark::State& state, bool rational, Place place) {

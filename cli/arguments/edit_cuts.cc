@@ -9,6 +9,7 @@
 #include "batten/geometry/plane_section.h"
 #include "batten/geometry/split.h"
 #include "batten/io/geometry_file.h"
+#include "cli/arguments/plane_curves.h"
 
 namespace batten::internal {
 namespace {
@@ -20,15 +21,6 @@ double Share(const Shape& shape, double share) {
   return share * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
-NurbsCurve<3> InSpace(const NurbsCurve<3>& curve) { return curve; }
-
-// A plane curve, taken at z = 0.
-NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.basis().size());
-  points.topRows<2>() = curve.control_points();
-  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
-}
-
 template <int Dim>
 void CutCurve(const NurbsCurve<Dim>& curve,
               const Plane& plane,
@@ -36,7 +28,13 @@ void CutCurve(const NurbsCurve<Dim>& curve,
               std::vector<Geometry>& below) {
   constexpr double kTolerance = 1e-12;
   NurbsCurve<Dim> rest = curve;
-  const NurbsCurve<3> in_space = InSpace(curve);
+  const NurbsCurve<3> in_space = [&] {
+    if constexpr (Dim == 2) {
+      return InSpace(curve);
+    } else {
+      return curve;
+    }
+  }();
   const auto take = [&](const NurbsCurve<Dim>& piece) {
     const double middle = (piece.basis().lower() + piece.basis().upper()) / 2;
     (HeightAbove(plane, in_space.At(middle)) > 0 ? above : below).emplace_back(piece);

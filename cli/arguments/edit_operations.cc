@@ -9,28 +9,31 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
+#include "batten/geometry/bezier_curve.h"
+#include "batten/geometry/bezier_reduction.h"
 #include "batten/geometry/clamp.h"
+#include "batten/geometry/composition.h"
 #include "batten/geometry/degree_elevation.h"
 #include "batten/geometry/degree_reduction.h"
 #include "batten/geometry/extend.h"
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/iso_curve.h"
-#include "batten/geometry/modify_shape.h"
 #include "batten/geometry/remove_knots.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "batten/geometry/split.h"
 #include "batten/geometry/transform.h"
 #include "cli/arguments/edit_cuts.h"
+#include "cli/arguments/edit_forms.h"
+#include "cli/arguments/edit_shapes.h"
 
 namespace batten::internal {
 namespace {
-
-EditOutcome One(Geometry shape) { return {{std::move(shape)}, ""}; }
 
 // f(curve) or, with the direction the operation must name, f(surface, direction).
 template <typename F>
@@ -59,29 +62,6 @@ EditOutcome InEveryDirection(const EditOperation& operation, const Geometry& sha
 const NurbsSurface& RequireSurface(const EditOperation& operation, const Geometry& shape) {
   if (const auto* surface = std::get_if<NurbsSurface>(&shape)) return *surface;
   operation.Refuse("only a surface has two directions; this is a curve");
-}
-
-// The numbers of a key as a point of the shape's space; a plane curve may have a third that is
-// zero.
-template <int Dim>
-Eigen::Matrix<double, Dim, 1> PointOf(const EditOperation& operation, const std::string& key) {
-  const std::vector<double>& numbers = operation.Numbers(key);
-  const bool flat = Dim == 2 && numbers.size() == 3 && numbers[2] == 0;
-  if (static_cast<int>(numbers.size()) != Dim && !flat) {
-    operation.Refuse(Dim == 2 ? "a plane curve needs two numbers x,y, or a third that is 0"
-                              : "a shape in space needs three numbers x,y,z");
-  }
-  return Eigen::Map<const Eigen::Matrix<double, Dim, 1>>(numbers.data());
-}
-
-// The parameters of `at`, as many as the shape has.
-void RequireCount(const EditOperation& operation, const std::string& key, size_t count) {
-  if (operation.Numbers(key).size() == count) return;
-  operation.Refuse(fmt::format("{} takes {} on a {}, not {}",
-                               key,
-                               count == 1 ? "one number" : "two numbers",
-                               count == 1 ? "curve" : "surface",
-                               operation.Numbers(key).size()));
 }
 
 // What a removal or reduction may move the shape by: what is typed, or rounding.
@@ -119,7 +99,50 @@ EditOutcome RemoveKnots(const EditOperation& op, const Geometry& shape) {
   });
 }
 
+std::optional<BezierReductionRule> RuleOf(const EditOperation& op) {
+  const std::string& word = op.Word("rule");
+  if (word == "forward") return BezierReductionRule::kForward;
+  if (word == "backward") return BezierReductionRule::kBackward;
+  if (word == "least-squares") return BezierReductionRule::kLeastSquares;
+  if (word == "fixed-ends") return BezierReductionRule::kLeastSquaresFixedEnds;
+  return std::nullopt;
+}
+
+// One Bézier piece by one of its rules.
+template <int Dim>
+EditOutcome ReduceBezier(const EditOperation& op,
+                         const NurbsCurve<Dim>& curve,
+                         BezierReductionRule rule) {
+  const SplineBasis& basis = curve.basis();
+  if (!basis.clamped() || basis.Spans().size() != 1)
+    op.Refuse("rule is for Bezier pieces; decompose first");
+  const double tolerance = Tolerance(op, curve);
+  BezierCurve<Dim> piece(curve.control_points(), curve.weights());
+  double error = 0, next = 0;
+  int done = 0;
+  for (; done < op.Whole("by"); ++done) {
+    if (piece.degree() < 2) break;
+    auto reduced = Reduced(piece, rule);
+    if (!reduced) op.Refuse("a weight would not be positive");
+    next = error + reduced->error;
+    if (next > tolerance) break;
+    error = next;
+    piece = std::move(reduced->curve);
+  }
+  const double ends[] = {basis.lower(), basis.upper()};
+  return {{NurbsCurve<Dim>(
+              SplineBasis::Clamped(piece.degree(), ends), piece.control_points(), piece.weights())},
+          Shortfall(op, done, "by", "degrees taken away", tolerance, next)};
+}
+
 EditOutcome Reduce(const EditOperation& op, const Geometry& shape) {
+  if (const auto rule = RuleOf(op)) {
+    if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape))
+      return ReduceBezier(op, *plane, *rule);
+    if (const auto* curve = std::get_if<NurbsCurve<3>>(&shape))
+      return ReduceBezier(op, *curve, *rule);
+    op.Refuse("rule is for curves");
+  }
   return InDirection(op, shape, [&](const auto& one, auto... direction) -> EditOutcome {
     const double tolerance = Tolerance(op, one);
     auto reduction = Reduced(one, direction..., op.Whole("by"), tolerance);
@@ -190,32 +213,13 @@ EditOutcome Iso(const EditOperation& op, const Geometry& shape) {
   return One(IsoCurve(surface, *op.direction, op.Number("at")));
 }
 
-EditOutcome SetWeight(const EditOperation& op, const Geometry& shape) {
-  const std::vector<double>& index = op.Numbers("index");
-  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
-    RequireCount(op, "index", 2);
-    return One(WithWeight(
-        *surface, static_cast<int>(index[0]), static_cast<int>(index[1]), op.Number("value")));
-  }
-  RequireCount(op, "index", 1);
-  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
-    return One(WithWeight(*plane, static_cast<int>(index[0]), op.Number("value")));
-  }
-  return One(
-      WithWeight(std::get<NurbsCurve<3>>(shape), static_cast<int>(index[0]), op.Number("value")));
-}
-
-EditOutcome MovePoint(const EditOperation& op, const Geometry& shape) {
-  const std::vector<double>& at = op.Numbers("at");
-  if (const auto* surface = std::get_if<NurbsSurface>(&shape)) {
-    RequireCount(op, "at", 2);
-    return One(MovedPoint(*surface, at[0], at[1], PointOf<3>(op, "to")));
-  }
-  RequireCount(op, "at", 1);
-  if (const auto* plane = std::get_if<NurbsCurve<2>>(&shape)) {
-    return One(MovedPoint(*plane, at[0], PointOf<2>(op, "to")));
-  }
-  return One(MovedPoint(std::get<NurbsCurve<3>>(shape), at[0], PointOf<3>(op, "to")));
+EditOutcome Compose(const EditOperation& op, const Geometry& shape) {
+  const std::vector<double>& values = op.Numbers("values");
+  const ScalarSpline f{SplineBasis(op.Whole("degree"), op.Numbers("knots")),
+                       Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values))};
+  return InDirection(op, shape, [&](const auto& one, auto... direction) {
+    return One(Composed(one, direction..., f));
+  });
 }
 
 EditOutcome Extend(const EditOperation& op, const Geometry& shape) {
@@ -272,7 +276,10 @@ const std::map<std::string, Apply>& Table() {
       {"rotate", Rotate},
       {"scale",
        [](const EditOperation& op, const Geometry& shape) {
-         return Mapped(shape, Scaling(op.Number("")));
+         const std::vector<double>& factors = op.Numbers("");
+         if (factors.size() == 2) op.Refuse("needs one factor, or three");
+         return factors.size() == 1 ? Mapped(shape, Scaling(factors[0]))
+                                    : Mapped(shape, Scaling({factors[0], factors[1], factors[2]}));
        }},
       {"clamp",
        [](const EditOperation& op, const Geometry& shape) {
@@ -287,10 +294,26 @@ const std::map<std::string, Apply>& Table() {
          });
        }},
       {"reparameterize", Reparameterize},
+      {"compose", Compose},
       {"iso", Iso},
       {"set-weight", SetWeight},
       {"move-point", MovePoint},
+      {"move", MoveTargets},
+      {"pull", PullPoint},
+      {"warp", WarpRegion},
+      {"flatten", FlattenRegion},
+      {"bend", BendShape},
       {"extend", Extend},
+      {"to-bezier",
+       [](const EditOperation&, const Geometry& shape) { return One(BezierForm(shape)); }},
+      {"to-bspline",
+       [](const EditOperation& op, const Geometry& shape) { return One(BsplineForm(op, shape)); }},
+      {"to-power",
+       [](const EditOperation&, const Geometry& shape) { return One(PowerForm(shape)); }},
+      {"continue",
+       [](const EditOperation& op, const Geometry& shape) {
+         return EditOutcome{ContinuedPieces(op, shape), ""};
+       }},
       {"cut",
        [](const EditOperation& op, const Geometry& shape) {
          return EditOutcome{CutPieces(op, shape), ""};
@@ -337,17 +360,31 @@ void RequireWritable(const EditOperation& operation, const Geometry& shape) {
   }
 }
 
-}  // namespace
-
-EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+// f() with what it refuses said as the operation's refusal.
+template <typename F>
+auto Refusing(const EditOperation& operation, const F& f) {
   try {
-    EditOutcome outcome = Table().at(operation.name)(operation, shape);
-    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
-    return outcome;
+    return f();
   } catch (const std::invalid_argument& error) {
     operation.Refuse(Reason(error.what()));
   }
 }
+
+}  // namespace
+
+EditOutcome ApplyEdit(const EditOperation& operation, const Geometry& shape) {
+  return Refusing(operation, [&] {
+    EditOutcome outcome = Table().at(operation.name)(operation, shape);
+    for (const Geometry& piece : outcome.pieces) RequireWritable(operation, piece);
+    return outcome;
+  });
+}
+
+Geometry ApplyToAll(const EditOperation& operation, const std::vector<Geometry>& shapes) {
+  return Refusing(operation, [&] { return UnifiedCurve(operation, shapes); });
+}
+
+bool TakesAll(const EditOperation& operation) { return operation.name == "unify"; }
 
 bool CutsIntoPieces(const EditOperation& operation) {
   return operation.name == "split" || operation.name == "decompose" ||

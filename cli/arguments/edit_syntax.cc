@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/geometry/flatten.h"
 #include "batten/geometry/spline_basis.h"
+#include "batten/geometry/warp.h"
 #include "batten/io/read_error.h"
 #include "cli/terminal/help_format.h"
 #include "cli/terminal/nearest_name.h"
@@ -86,7 +88,9 @@ const std::vector<Operation>& Operations() {
        {kByKey, kTolerance},
        Dir::kMeant,
        "by=1,tolerance=T",
-       "the degree; the shape moves no more than T [1e-10 of its size]"},
+       "the degree; the shape moves no more than T [1e-10 of its size]; of a Bezier curve by "
+       "rule=forward, backward, least-squares or fixed-ends",
+       {{"rule", {"best", "forward", "backward", "least-squares", "fixed-ends"}}}},
       {"split", {kAt}, Dir::kMeant, "at=0.5", "into two, NAME-1 and NAME-2"},
       {"decompose", {}, Dir::kMeant, "", "into Bezier pieces, NAME-1, ... [both directions]"},
       {"reverse", {}, Dir::kMeant, "", "run the other way"},
@@ -102,7 +106,11 @@ const std::vector<Operation>& Operations() {
        Dir::kNone,
        "axis=0,0,1,angle=A",
        "turn about an axis through the origin, A in degrees"},
-      {"scale", {{"", 1, 1, kNotZero}}, Dir::kNone, "s", "by a factor, about the origin"},
+      {"scale",
+       {{"", 1, 3, kNotZero}},
+       Dir::kNone,
+       "s|x,y,z",
+       "by a factor, or one along each axis, about the origin"},
       {"clamp", {}, Dir::kMeant, "", "ends at control points [both directions]"},
       {"unclamp", {}, Dir::kMeant, "", "knots that go on past the ends [both directions]"},
       {"reparameterize",
@@ -110,6 +118,11 @@ const std::vector<Operation>& Operations() {
        Dir::kMeant,
        "to=a;b",
        "to the domain [a, b]; or mobius=A;B;C;D: u becomes (A u + B) / (C u + D)"},
+      {"compose",
+       {{"degree", 1, 1, kTimes}, {"knots", 4, kAnyNumber, kAny}, {"values", 2, kAnyNumber, kAny}},
+       Dir::kMeant,
+       "degree=2,knots=0;0;0;1;1;1,values=0;0.2;1",
+       "traced by s, where u is that increasing spline of s; same shape"},
       {"iso", {kAt}, Dir::kMeant, "at=0.5", "the curve of a surface on which u (or v) is fixed"},
       {"set-weight",
        {{"index", 1, 2, kIndex}, {"value", 1, 1, kPositive}},
@@ -121,12 +134,90 @@ const std::vector<Operation>& Operations() {
        Dir::kNone,
        "at=u[;v],to=x;y;z",
        "make the shape pass there, with the least change"},
+      {"move",
+       {{"at", 1, kAnyNumber, kAny},
+        {"to", 2, kAnyNumber, kAny},
+        {"order", 1, kAnyNumber, kIndex, Key::Need::kNo},
+        {"keep", 1, kAnyNumber, kAny, Key::Need::kNo},
+        {"fix", 1, kAnyNumber, kIndex, Key::Need::kNo}},
+       Dir::kNone,
+       "at=u1;u2,to=x1;y1;z1;x2;y2;z2",
+       "several points at once, with the least change; order=0;1: derivatives; keep=u3;u4: points "
+       "that stay; fix=0;1: control points that do (u;v, k;l, i;j on surfaces)"},
+      {"pull",
+       {{"at", 1, 2, kAny}, {"index", 1, 2, kIndex}, {"by", 1, 1, kAny}},
+       Dir::kNone,
+       "at=u[;v],index=i,by=L",
+       "the point towards the control point i (two neighbours i;j of a curve: their leg; i;j on "
+       "surfaces) by the length L, by weights"},
+      {"warp",
+       {{"region", 2, 4, kAny},
+        {"by", 2, 3, kAny},
+        {"spans", 1, 1, kIndex, Key::Need::kDefault, WarpOptions().spans}},
+       Dir::kMeant,
+       "region=a;b[;c;d],by=x;y;z",
+       "the middle of the region of u (and v, or dir) by a vector, the rest less; shape=tent or "
+       "plateau; spans=16: as many there",
+       {{"shape", {"bump", "tent", "plateau"}}}},
+      {"flatten",
+       {{"region", 2, 4, kAny},
+        {"plane", 4, 4, kAny},
+        {"along", 2, 3, kAny, Key::Need::kNo},
+        {"transition", 1, 1, kPositive, Key::Need::kDefault, FlattenOptions<3>().transition}},
+       Dir::kMeant,
+       "region=a;b[;c;d],plane=a;b;c;d",
+       "the region of u (and v, or dir) to the plane a x + b y + c z + d = 0, along its normal or "
+       "along=x;y;z; beyond it changes over 0.1 of the region"},
+      {"bend",
+       {{"from", 2, 3, kAny},
+        {"center", 2, 3, kAny},
+        {"axis", 3, 3, kAny, Key::Need::kNo},
+        {"length", 1, 1, kPositive},
+        {"tolerance", 1, 1, kPositive, Key::Need::kNo}},
+       Dir::kNone,
+       "from=x;y;z,center=x;y;z,length=L",
+       "about the circle through `from`, right-handed about axis=0;0;1; what is behind turns along "
+       "[tolerance=1e-6 of the size]"},
       {"extend",
        {kLength},
        Dir::kMeant,
        "end=upper,by=L,how=calm",
        "past an end or edge by a length, curvature going on; how=natural: the same polynomial",
        {{"end", {"upper", "lower"}, true}, {"how", {"calm", "natural"}}}},
+      {"to-bezier",
+       {},
+       Dir::kNone,
+       "",
+       "knots of full multiplicity: the control points of all pieces"},
+      {"to-bspline",
+       {kTolerance},
+       Dir::kNone,
+       "tolerance=T",
+       "without knots that move the shape no more than T [1e-10 of its size]"},
+      {"to-power",
+       {},
+       Dir::kNone,
+       "",
+       "powers of the parameter, in JSON; the last operation; refused where they lose the shape"},
+      {"continue",
+       {{"to", 2, 3, kAny},
+        {"alpha", 1, 1, kPositive, Key::Need::kDefault, 1},
+        {"beta", 1, 1, kPositive, Key::Need::kDefault, 1},
+        {"eta", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"beta2", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"eta2", 1, 1, kAny, Key::Need::kDefault, 0},
+        {"weight", 1, 1, kPositive, Key::Need::kDefault, 1}},
+       Dir::kMeant,
+       "end=upper,to=x;y;z,order=2,beta=1",
+       "a second shape that goes on with G1 or G2 to a point (a surface: its far edge shifted by "
+       "it); alpha, beta, eta, beta2, eta2, weight: its freedom",
+       {{"end", {"upper", "lower"}, true}, {"order", {"2", "1"}}}},
+      {"unify",
+       {kTolerance},
+       Dir::kNone,
+       "with=B.json;C.json,tolerance=T",
+       "all curves, of other files too, end to end as one cubic; gaps up to T [1e-6 of the size]",
+       {{"with", {}}}},
       {"cut",
        {kPlane},
        Dir::kNone,
@@ -268,7 +359,7 @@ void FillWords(EditOperation& operation, const Operation& known) {
       operation.Refuse("'" + key.name + "' is missing; the form is " + known.name + ':' +
                        known.form);
     }
-    operation.words[key.name] = key.words.front();
+    operation.words[key.name] = key.words.empty() ? "" : key.words.front();
   }
 }
 

@@ -255,6 +255,8 @@ void GroupFitFlags(CLI::App& command) {
               "--optimize",
               "--distance",
               "--interpolate",
+              "--spline",
+              "--method",
               "--time-limit"});
   GroupFlags(command,
              "Which shape",
@@ -272,10 +274,18 @@ void GroupFitFlags(CLI::App& command) {
               "--grid",
               "--grid-method",
               "--start-tangent",
-              "--end-tangent"});
+              "--end-tangent",
+              "--start-curvature",
+              "--end-curvature"});
   GroupFlags(command,
              "What it has to meet",
-             {"--boundary", "--boundary-tolerance", "--meet", "--symmetric", "--domain"});
+             {"--boundary",
+              "--boundary-tolerance",
+              "--meet",
+              "--through",
+              "--tangents",
+              "--symmetric",
+              "--domain"});
   GroupFlags(command,
              "Which points count",
              {"--loss",

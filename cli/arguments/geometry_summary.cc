@@ -11,6 +11,9 @@
 
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/closure.h"
+#include "batten/geometry/cubic_features.h"
+#include "batten/geometry/curve_chain.h"
+#include "batten/geometry/split.h"
 #include "cli/arguments/describe_geometry.h"
 #include "cli/terminal/streams.h"
 
@@ -135,6 +138,43 @@ void AddShape(const Shape& shape, int dimension, double tolerance, Json& info) {
   if (!parameters.is_null()) info["shape_parameters"] = std::move(parameters);
 }
 
+// What every piece is that a curve is made of; nothing for one of a single piece of higher degree.
+template <int Dim>
+void AddPieces(const NurbsCurve<Dim>& curve, double tolerance, Json& info) {
+  const int degree = curve.basis().degree();
+  if (degree == 1) return;
+  const std::vector<CurvePieceShape> pieces = PieceShapes(curve, {.tolerance = tolerance});
+  if (pieces.size() == 1 && degree != 2) return;
+  for (const CurvePieceShape& piece : pieces) {
+    Json one{{"domain", {piece.lower, piece.upper}}, {"shape", NameOf(piece.shape)}};
+    Json parameters = std::visit(ShapeParameters(Dim), piece.shape);
+    if (!parameters.is_null()) one["shape_parameters"] = std::move(parameters);
+    if (degree == 2) {
+      const Eigen::VectorXd w = Segment(curve, piece.lower, piece.upper).weights();
+      one["shape_factor"] = ConicShapeFactor(w[0], w[1], w[2]);
+    }
+    info["pieces"].push_back(std::move(one));
+  }
+}
+
+// Inflections, cusps, loops and torsion of cubic pieces.
+template <int Dim>
+void AddCubics(const NurbsCurve<Dim>& curve, double tolerance, Json& info) {
+  if (curve.basis().degree() != 3) return;
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  info["cubics"] = Json::array();
+  for (const CubicFeatures& piece : FeaturesOfCubic(curve, tolerance)) {
+    Json one{{"domain", {piece.lower, piece.upper}}, {"kind", NameOf(piece.kind)}};
+    if (!piece.inflections.empty()) one["inflections"] = piece.inflections;
+    if (piece.cusp) one["cusp"] = *piece.cusp;
+    if (piece.loop) one["loop"] = *piece.loop;
+    if (piece.torsion) {
+      one["torsion"] = {{"min", number((*piece.torsion)[0])}, {"max", number((*piece.torsion)[1])}};
+    }
+    info["cubics"].push_back(std::move(one));
+  }
+}
+
 template <int Dim>
 Json Summary(const NurbsCurve<Dim>& curve, double tolerance) {
   Json info{{"kind", "curve"}};
@@ -145,6 +185,8 @@ Json Summary(const NurbsCurve<Dim>& curve, double tolerance) {
   info["seam"] = Json::array({OrNull(SeamContinuity(curve))});
   AddMeasures(Measure(curve), Dim, "length", info);
   AddShape(curve, Dim, tolerance, info);
+  AddPieces(curve, tolerance, info);
+  AddCubics(curve, tolerance, info);
   return info;
 }
 

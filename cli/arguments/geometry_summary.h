@@ -12,13 +12,18 @@ namespace batten::internal {
 
 // {"kind", "degree", "control_points", "knots", "domain", "periodic", "continuity", "rational",
 // "closed", "seam"[, "trims"], "bounding_box", "length" | "area", "curvature", "shape"[,
-// "shape_parameters"]}.
+// "shape_parameters"][, "pieces"][, "cubics"]}.
 //  continuity: per direction, the least k of C^k over the interior knots as measured there; the
 //    degree where there is none. seam: the same from the end of a closed direction to its start,
 //    null where it is not closed. trims: of a surface, how many loops bound the part that counts,
 //    which box, area and curvature are of; 0: the whole.
 //  curvature: the extremes of a curve's curvature, of a surface's principal curvatures; null for
 //    none, and in place of what grows without bound.
+//  pieces: of a curve with knots of full multiplicity, and of every one of degree 2, what each
+//  piece
+//    is (PieceShapes): {"domain", "shape"[, "shape_parameters"][, "shape_factor"]}.
+//  cubics: of a curve of degree 3 (FeaturesOfCubic): {"domain", "kind"[, "inflections"][, "cusp"][,
+//    "loop"][, "torsion": {"min", "max"}]}.
 //  shape: NameOf(ClassifyShape(…, {tolerance})); its parameters in the data's units and radians.
 nlohmann::ordered_json SummaryOf(const Geometry& geometry, double tolerance);
 

@@ -2,15 +2,16 @@
 #include "cli/arguments/make_shapes.h"
 
 #include <cmath>
-#include <numbers>
-#include <optional>
-#include <variant>
 
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
-#include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "cli/arguments/curve_files.h"
+#include "cli/arguments/make_conics.h"
+#include "cli/arguments/make_joins.h"
+#include "cli/arguments/make_values.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "geometry/numeric/number_text.h"
 
@@ -19,92 +20,29 @@ namespace {
 
 using Shapes = std::vector<Geometry>;
 
-// A flag whose default is what its value holds; none is shown where that is empty.
-CLI::Option* AddFlag(
-    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
-  CLI::Option* option = command.add_option(flag, value, help)->type_name(type);
-  if (!value.empty()) option->capture_default_str();
-  return option;
-}
-
-void Require(
-    CLI::App& command, const char* flag, std::string& value, const char* type, const char* help) {
-  AddFlag(command, flag, value, type, help)->required();
-}
-
-void AddFrame(CLI::App& command, MakeArguments& a, const char* center, const char* axis) {
-  AddFlag(command, "--center", a.center, "X,Y,Z", center);
-  AddFlag(command, "--axis", a.axis, "X,Y,Z", axis);
-  AddFlag(
-      command,
-      "--x-axis",
-      a.x_axis,
-      "X,Y,Z",
-      "Where angle 0 is, made perpendicular to the axis [the coordinate axis farthest from it]");
-}
-
 void AddAngles(CLI::App& command, MakeArguments& a) {
   AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins about the axis");
   AddFlag(command, "--sweep", a.sweep, "DEGREES", "How far it goes, counter-clockwise");
-}
-
-Eigen::Vector3d Triple(const char* flag, const std::string& text) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  if (numbers.size() != 3) {
-    throw UsageError(std::string(flag) + ": '" + text + "' is not three numbers x,y,z");
-  }
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
-std::pair<double, double> Pair(const char* flag, const std::string& text) {
-  const std::vector<double> numbers = ParseNumbers(flag, text);
-  if (numbers.size() != 2) {
-    throw UsageError(std::string(flag) + ": '" + text + "' is not two numbers");
-  }
-  return {numbers[0], numbers[1]};
-}
-
-double Length(const char* flag, const std::string& text) {
-  return ParseNumber(flag, text, Sign::kPositive);
-}
-
-// Multiples of 90° become those of π/2 exactly.
-double Radians(double degrees) { return degrees / 360 * (2 * std::numbers::pi); }
-
-AngleRange Angles(const char* start_flag,
-                  const std::string& start,
-                  const char* sweep_flag,
-                  const std::string& sweep) {
-  const double degrees = ParseNumber(sweep_flag, sweep, Sign::kPositive);
-  if (degrees > 360) {
-    throw UsageError(std::string(sweep_flag) + ": " + sweep + " is more than 360 degrees");
-  }
-  return {Radians(ParseNumber(start_flag, start)), Radians(degrees)};
-}
-
-AngleRange AnglesOf(const MakeArguments& a) {
-  return Angles("--start-angle", a.start_angle, "--sweep", a.sweep);
-}
-
-Frame FrameOf(const MakeArguments& a) {
-  const Eigen::Vector3d center = Triple("--center", a.center), axis = Triple("--axis", a.axis);
-  if (axis.isZero(0)) throw UsageError("--axis: '" + a.axis + "' has no direction");
-  if (a.x_axis.empty()) return Frame(center, axis);
-  const Eigen::Vector3d x = Triple("--x-axis", a.x_axis);
-  try {
-    return Frame(center, axis, x);
-  } catch (const std::invalid_argument&) {
-    throw UsageError("--x-axis: '" + a.x_axis + "' does not point away from the axis " + a.axis);
-  }
 }
 
 void AddCircle(CLI::App& command, MakeArguments& a) {
   AddFrame(command, a, "Its centre", "Normal of its plane");
   Require(command, "--radius", a.radius, "R", "Its radius");
   AddFlag(command, "--start-angle", a.start_angle, "DEGREES", "Where it begins");
+  a.circle_form = "9";
+  Allow(*AddFlag(command,
+                 "--form",
+                 a.circle_form,
+                 "FORM",
+                 "9 or 7 control points of degree 2, or degree5: one piece of degree 5"),
+        {"9", "7", "degree5"});
 }
 Shapes Circle(const MakeArguments& a) {
-  return {MakeArc(FrameOf(a), Length("--radius", a.radius), AnglesOf(a))};
+  const CircleForm form = a.circle_form == "7"         ? CircleForm::kSevenPoints
+                          : a.circle_form == "degree5" ? CircleForm::kDegreeFive
+                                                       : CircleForm::kNinePoints;
+  const double start = Radians(ParseNumber("--start-angle", a.start_angle));
+  return {MakeCircle(FrameOf(a), Length("--radius", a.radius), form, start)};
 }
 
 void AddArc(CLI::App& command, MakeArguments& a) {
@@ -112,6 +50,17 @@ void AddArc(CLI::App& command, MakeArguments& a) {
   Require(command, "--radius", a.radius, "R", "Its radius");
   a.sweep = "90";
   AddAngles(command, a);
+  AddFlag(command,
+          "--segments",
+          a.segments,
+          "N",
+          "Equal pieces of less than 180 degrees [as few as are of 90 degrees at most]");
+}
+Shapes Arc(const MakeArguments& a) {
+  const double radius = Length("--radius", a.radius);
+  if (a.segments.empty()) return {MakeArc(FrameOf(a), radius, AnglesOf(a))};
+  const auto pieces = static_cast<int>(ParseWhole("--segments", a.segments, 1, 1000));
+  return {MakeArc(FrameOf(a), radius, AnglesOf(a), pieces)};
 }
 
 void AddEllipse(CLI::App& command, MakeArguments& a) {
@@ -251,18 +200,8 @@ Shapes Revolved(const MakeArguments& a) {
   const Frame frame = FrameOf(a);
   const AngleRange angles = AnglesOf(a);
   Shapes shapes;
-  for (const Geometry& one : ReadGeometry(a.curve, {a.format})) {
-    if (std::holds_alternative<NurbsSurface>(one)) {
-      throw UsageError(a.curve + ": holds a surface; only curves can be revolved");
-    }
-    if (const auto* flat = std::get_if<NurbsCurve<2>>(&one)) {
-      Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, flat->control_points().cols());
-      points.topRows<2>() = flat->control_points();
-      const NurbsCurve<3> curve(flat->basis(), std::move(points), flat->weights());
-      shapes.emplace_back(Revolve(curve, frame, angles));
-    } else {
-      shapes.emplace_back(Revolve(std::get<NurbsCurve<3>>(one), frame, angles));
-    }
+  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format)) {
+    shapes.emplace_back(Revolve(curve, frame, angles));
   }
   return shapes;
 }
@@ -280,7 +219,7 @@ const std::vector<MakeKind>& MakeKinds() {
        "An arc of a circle",
        "arc -o fillet.json --radius 2 --start-angle 180 --sweep 90",
        AddArc,
-       Circle},
+       Arc},
       {"ellipse",
        "An ellipse or an arc of one",
        "ellipse -o oval.json --radii 3,2",
@@ -306,7 +245,8 @@ const std::vector<MakeKind>& MakeKinds() {
        Cone},
       {"sphere",
        "A sphere or a part of one",
-       "sphere -o dome.step --radius 10 --latitudes 0,90",
+       "sphere -o dome.step --radius 10 --latitudes 0,90\n"
+       "  batten make sphere -o octant.step --radius 10 --latitudes 0,90 --sweep 90",
        AddSphere,
        Sphere},
       {"torus",
@@ -319,6 +259,9 @@ const std::vector<MakeKind>& MakeKinds() {
        "revolve profile.json -o vase.step --axis 0,0,1",
        AddRevolve,
        Revolved},
+      ConicKind(),
+      BlendKind(),
+      FillKind(),
   };
   return kinds;
 }

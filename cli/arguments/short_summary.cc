@@ -108,6 +108,45 @@ std::string ShapeText(const Json& one) {
   return text;
 }
 
+// "[0, 1] line", the first few of several.
+std::string PiecesText(const Json& one) {
+  if (!one.contains("pieces") || one["pieces"].size() < 2) return "";
+  const Json& pieces = one["pieces"];
+  std::string text = Line("pieces", std::to_string(pieces.size()));
+  for (size_t k = 0; k < std::min(kFew, pieces.size()); ++k) {
+    const Json& domain = pieces[k]["domain"];
+    text += Line(fmt::format("  {}", k),
+                 ShapeText(pieces[k]) + ", on " + Number(domain[0]) + " to " + Number(domain[1]));
+  }
+  if (pieces.size() > kFew) text += fmt::format("  … {} more\n", pieces.size() - kFew);
+  return text;
+}
+
+// Where plane cubics are inflected, come to rest or cross themselves.
+std::string CubicsText(const Json& one) {
+  if (!one.contains("cubics")) return "";
+  std::string inflections, cusps, loops;
+  for (const Json& piece : one["cubics"]) {
+    const auto add = [](std::string& list, const std::string& text) {
+      list += (list.empty() ? "at " : ", ") + text;
+    };
+    if (piece.contains("inflections")) {
+      for (const Json& u : piece["inflections"]) add(inflections, Number(u, kDigitsOfMeasures));
+    }
+    if (piece.contains("cusp")) add(cusps, Number(piece["cusp"], kDigitsOfMeasures));
+    if (piece.contains("loop")) {
+      add(loops,
+          Number(piece["loop"][0], kDigitsOfMeasures) + " = " +
+              Number(piece["loop"][1], kDigitsOfMeasures));
+    }
+  }
+  std::string text;
+  if (!inflections.empty()) text += Line("inflections", inflections);
+  if (!cusps.empty()) text += Line("cusps", cusps);
+  if (!loops.empty()) text += Line("crosses", loops);
+  return text;
+}
+
 std::string KindText(const Json& one) {
   std::string text = ShapeWords(one);
   if (one["rational"].get<bool>()) text += ", rational";
@@ -134,7 +173,7 @@ std::string OfOne(const Json& one) {
     };
     text += Line("curvature", bound(curvature["min"]) + " to " + bound(curvature["max"]));
   }
-  return text;
+  return text + PiecesText(one) + CubicsText(one);
 }
 
 std::string OfSeveral(const Json& info) {

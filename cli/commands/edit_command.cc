@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/edit_operations.h"
@@ -56,6 +57,11 @@ Edited EditAll(const std::vector<EditOperation>& operations,
                const Progress& progress) {
   Edited edited{std::move(shapes), std::move(names), {}};
   for (size_t k = 0; k < operations.size(); ++k) {
+    if (TakesAll(operations[k])) {
+      edited.shapes = {ApplyToAll(operations[k], edited.shapes)};
+      edited.names.resize(1);
+      continue;
+    }
     std::vector<Geometry> next;
     std::vector<std::string> next_names;
     for (size_t i = 0; i < edited.shapes.size(); ++i) {
@@ -141,8 +147,16 @@ int RunEdit(const EditArguments& a) {
   CheckDistinct({a.out}, a.flags.json);
   std::vector<EditOperation> operations;
   for (const std::string& text : a.operations) operations.push_back(ParseEditOperation(text));
+  const auto powers = std::find_if(
+      operations.begin(), operations.end(), [](const auto& one) { return one.name == "to-power"; });
+  if (powers != operations.end() && powers + 1 != operations.end()) {
+    powers->Refuse("it must be the last operation");
+  }
   const std::string& out_format = a.out_format.empty() && a.out == "-" ? a.format : a.out_format;
   CheckGeometryFormat(a.out, out_format);
+  if (powers != operations.end() && FormatOf(a.out, out_format) != FileFormat::kJson) {
+    powers->Refuse("only .json holds powers of the parameter");
+  }
   const bool pieces = std::any_of(operations.begin(), operations.end(), CutsIntoPieces);
   CheckWritable(pieces && a.out != "-" ? Numbered(a.out, 1) : a.out);
 
@@ -160,8 +174,9 @@ int RunEdit(const EditArguments& a) {
       Outputs(a.out, pieces, std::move(edited.shapes), std::move(edited.names), std::move(bodies));
   MakeRoom(files.size());
   Report(progress, "write", 1);
-  const std::vector<std::optional<SewingReport>> sewing =
-      WriteGeometryFiles(files, WriteOptions(out_format, a.output, read));
+  GeometryWriteOptions options = WriteOptions(out_format, a.output, read);
+  if (powers != operations.end()) options.format = "json-power";
+  const std::vector<std::optional<SewingReport>> sewing = WriteGeometryFiles(files, options);
   ClearProgress();
 
   Json list = Json::array();
@@ -220,8 +235,13 @@ void AddEditCommand(CLI::App& app, Action& action) {
       "  batten edit part.json -o lighter.json remove-knot:dir=v,at=0.5,tolerance=0.01\n"
       "  batten edit part.json -o edge.json iso:dir=u,at=0\n"
       "  batten edit part.json -o longer.json extend:dir=u,end=upper,by=5\n"
+      "  batten edit part.json -o dented.json move:at=0.2,0.3,0.7,0.6,to=1,2,3,4,5,6\n"
+      "  batten edit part.json -o domed.json warp:region=0.2,0.8,0.2,0.8,by=0,0,5\n"
+      "  batten edit part.json -o rolled.json bend:from=5,0,0,center=0,0,0,length=6\n"
       "  batten edit part.json -o half.step cut:plane=0;0;1;25,keep=below\n"
-      "  batten edit part.json -o holed.json trim:curve=hole.json,keep=outside");
+      "  batten edit part.json -o holed.json trim:curve=hole.json,keep=outside\n"
+      "  batten edit line.json -o outline.step unify:with=arc.json\n"
+      "  batten edit curve.json -o powers.json to-power");
   command.callback([a, &action] { action = [a] { return RunEdit(*a); }; });
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/geometry/curvature.h"
+#include "batten/geometry/tangent_inversion.h"
 #include "batten/geometry/trim_region.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -32,6 +33,7 @@ struct EvaluateArguments {
   std::string geometry, at_file, format;
   std::vector<std::string> at;
   int derivatives = 0;
+  std::string along;
   CommonFlags flags;
 };
 
@@ -40,6 +42,21 @@ Json ToJson(const Vector& v) {
   Json array = Json::array();
   for (Eigen::Index k = 0; k < v.size(); ++k) array.push_back(v[k]);
   return array;
+}
+
+// What is asked at every parameter.
+struct Question {
+  int order = 0;                              // of derivatives
+  std::optional<Eigen::Vector3d> along = {};  // a vector, whose parameter velocities are wanted
+};
+
+Question QuestionOf(const EvaluateArguments& a) {
+  Question question{a.derivatives, std::nullopt};
+  if (a.along.empty()) return question;
+  const std::vector<double> numbers = ParseNumbers("--along", a.along);
+  if (numbers.size() != 3) throw UsageError("--along: '" + a.along + "' is not a vector x,y,z");
+  question.along = Eigen::Vector3d(numbers.data());
+  return question;
 }
 
 // Parameters asked for, and where: "--at" or a line of a file.
@@ -94,8 +111,12 @@ struct RegionOf {
 };
 
 template <int Dim>
-Json Evaluate(const NurbsCurve<Dim>& curve, const TrimRegion*, const Request& request, int order) {
+Json Evaluate(const NurbsCurve<Dim>& curve,
+              const TrimRegion*,
+              const Request& request,
+              const Question& question) {
   const std::vector<double>& at = request.at;
+  const int order = question.order;
   const auto derivatives = curve.Derivatives(at[0], order);
   Json result{{"at", at}, {"point", ToJson(derivatives.col(0))}, {"derivatives", Json::array()}};
   for (int k = 0; k <= order; ++k) result["derivatives"].push_back(ToJson(derivatives.col(k)));
@@ -111,8 +132,9 @@ Json Evaluate(const NurbsCurve<Dim>& curve, const TrimRegion*, const Request& re
 Json Evaluate(const NurbsSurface& surface,
               const TrimRegion* region,
               const Request& request,
-              int order) {
+              const Question& question) {
   const std::vector<double>& at = request.at;
+  const int order = question.order;
   const SurfaceDerivatives derivatives = surface.Derivatives(at[0], at[1], order);
   Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}};
   if (region != nullptr) result["inside"] = region->Contains(at[0], at[1]);
@@ -131,6 +153,11 @@ Json Evaluate(const NurbsSurface& surface,
                              {"mean", c->mean},
                              {"principal", {c->principal_low, c->principal_high}}};
     }
+  }
+  if (question.along) {
+    result["along"] = nullptr;
+    if (const auto found = InvertTangent(surface, at[0], at[1], *question.along))
+      result["along"] = {{"du", found->du}, {"dv", found->dv}, {"residual", found->residual}};
   }
   return result;
 }
@@ -229,10 +256,16 @@ void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>&
 
 // Results are printed as they are computed: a million of them take no memory.
 int RunEvaluate(const EvaluateArguments& a) {
+  const Question question = QuestionOf(a);
   const std::vector<Request> requests = Requests(a);
   BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
   CheckAll(geometry, requests);
+  if (question.along && !std::any_of(geometry.begin(), geometry.end(), [](const Geometry& one) {
+        return std::holds_alternative<NurbsSurface>(one);
+      })) {
+    throw UsageError("--along is for surfaces: " + a.geometry + " holds none");
+  }
   const Progress progress = MakeProgress(a.flags.quiet);
   if (a.flags.json) fmt::print("{{\"results\": [");
   bool first = true;
@@ -242,7 +275,7 @@ int RunEvaluate(const EvaluateArguments& a) {
       Report(progress, "evaluate", static_cast<double>(g) / static_cast<double>(geometry.size()));
       Json result = std::visit(
           [&](const auto& shape) {
-            return Evaluate(shape, region ? &*region : nullptr, request, a.derivatives);
+            return Evaluate(shape, region ? &*region : nullptr, request, question);
           },
           geometry[g]);
       if (geometry.size() > 1) result["index"] = g;
@@ -282,6 +315,13 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
           "Derivatives up to this order; from 2 on curvature and torsion too")
       ->default_str("0")
       ->type_name("K");
+  command
+      .add_option(
+          "--along",
+          a->along,
+          "A vector: the steps du and dv of surfaces' parameters that go along it, and what "
+          "of it no step gives")
+      ->type_name("x,y,z");
   AddGeometryFormatFlag(command,
                         a->format,
                         "Format of '-' or of a file whose name does not tell: json step iges brep");
@@ -294,6 +334,7 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  batten evaluate part.json --at 0.5,0.25\n"
       "  batten evaluate part.json --at 0.5,0.25 --derivatives 2 --json     with curvature\n"
+      "  batten evaluate part.json --at 0.5,0.25 --along 1,0,0\n"
       "  batten evaluate curve.step --at 0 --at 1\n"
       "  batten evaluate curve.json --at-file parameters.csv --json");
   command.callback([a, &action] { action = [a] { return RunEvaluate(*a); }; });

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// batten make: exact curves and surfaces from numbers.
+// batten make: exact curves and surfaces from numbers, surfaces from curves.
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,18 +16,23 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
+#include "cli/arguments/geometry_summary.h"
+#include "cli/arguments/make_constructions.h"
 #include "cli/arguments/make_shapes.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/streams.h"
+#include "cli/terminal/terminal.h"
 
 namespace batten::internal {
 namespace {
 
+// Of shapes made from numbers, or of constructions from curves.
+template <typename Arguments>
 struct MakeCommandArguments {
-  MakeArguments shape;
+  Arguments shape;
   std::string out, out_format, unit = "mm", step_schema = GeometryWriteOptions().step_schema;
   CommonFlags flags;
 };
@@ -43,30 +49,46 @@ void RequireSensible(const std::vector<Geometry>& geometry) {
   }
 }
 
-int RunMake(const MakeKind& kind, const MakeCommandArguments& a) {
+template <typename Kind, typename Arguments>
+int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
   CheckUnit(a.unit);
   CheckDistinct({a.out}, a.flags.json);
   CheckGeometryFormat(a.out, a.out_format);
   CheckWritable(a.out);
   GeometryFile file{a.out, {}};
+  nlohmann::ordered_json said;
+  std::vector<std::string> notes;
   try {
-    file.geometry = kind.make(a.shape);
+    Construction made{kind.make(a.shape)};
+    file.geometry = std::move(made.shapes);
+    notes = std::move(made.notes);
     RequireSensible(file.geometry);
+    if constexpr (requires { kind.tell; }) {
+      if (kind.tell) said = kind.tell(a.shape, file.geometry);
+    }
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
   WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
-  const auto entry = FileEntry(file);
+  auto entry = FileEntry(file);
+  const std::string line = FileLine(entry);
+  if (!said.is_null()) entry.update(said);
+  if (!notes.empty()) entry["notes"] = notes;
+  if (!a.flags.quiet) {
+    for (const std::string& note : notes) PrintNote(note);
+  }
   if (a.flags.json) {
     PrintFiles(entry);
   } else if (!a.flags.quiet && a.out != "-") {
-    PrintResult(FileLine(entry));
+    PrintResult(line);
+    if (!said.is_null()) PrintAligned(said);
   }
-  return kDone;
+  return said.is_null() || said.value("tolerance_reached", true) ? kDone : kToleranceMissed;
 }
 
-void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
-  auto a = std::make_shared<MakeCommandArguments>();
+template <typename Arguments, typename Kind>
+void AddKind(CLI::App& make, const Kind& kind, Action& action) {
+  auto a = std::make_shared<MakeCommandArguments<Arguments>>();
   CLI::App& command = *make.add_subcommand(kind.name, kind.what);
   kind.add_flags(command, a->shape);
   command.add_option("-o,--output", a->out, "Where to write: .step .iges .brep .json")
@@ -83,19 +105,28 @@ void AddKind(CLI::App& make, const MakeKind& kind, Action& action) {
 }  // namespace
 
 void AddMakeCommand(CLI::App& app, Action& action) {
-  CLI::App& make = *app.add_subcommand("make", "Make exact curves and surfaces from numbers");
+  CLI::App& make = *app.add_subcommand(
+      "make", "Make exact curves and surfaces from numbers, and surfaces from curves");
   make.require_subcommand(1);
   std::string examples;
   for (const MakeKind& kind : MakeKinds()) {
-    AddKind(make, kind, action);
+    AddKind<MakeArguments>(make, kind, action);
     examples += std::string("\n  batten make ") + kind.examples;
   }
+  for (const ConstructionKind& kind : ConstructionKinds()) {
+    AddKind<ConstructionArguments>(make, kind, action);
+    examples += std::string("\n  batten make ") + kind.examples;
+  }
+  AddMakeOffsetCommand(make, action);
+  examples += "\n  batten make offset panel.step -o inner.step --distance -1.5";
   make.footer(
-      "Everything is exact to rounding, as rational quadratics on [0, 1]; u goes round the axis, v "
-      "along\n"
-      "the profile, normals look outward. In STEP planes, cylinders, cones, spheres, tori, lines "
-      "and\n"
-      "circles are the analytic shapes.\n"
+      "What is made from numbers is exact to rounding, as rational quadratics on [0, 1]; u goes "
+      "round the\n"
+      "axis, v along the profile, normals look outward. In STEP planes, cylinders, cones, spheres, "
+      "tori,\n"
+      "lines and circles are the analytic shapes. What is made from curves contains them, to "
+      "rounding or\n"
+      "to the tolerance that is told.\n"
       "Examples:" +
       examples);
 }

@@ -37,8 +37,6 @@ namespace {
 // Commands of the contract that later versions will have.
 const std::vector<std::string> kLaterCommands = {};
 const std::vector<std::string> kLaterFits = {"scan"};
-const std::vector<std::string> kLaterKinds = {
-    "conic", "extrude", "ruled", "loft", "sweep", "swing", "gordon", "coons"};
 const std::vector<std::string> kLaterFlags = {"--uncertainty", "--certify", "--stream"};
 
 bool Contains(const std::vector<std::string>& list, const std::string& word) {
@@ -111,10 +109,8 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
     return "unexpected argument '" + word + "' for '" + TypedName(app) +
            "' (--help shows what it takes)";
   }
-  const std::vector<std::string>& later = command == &app                 ? kLaterCommands
-                                          : command->get_name() == "make" ? kLaterKinds
-                                                                          : kLaterFits;
-  if (Contains(later, word)) {
+  const bool of_fit = command->get_name() == "fit";
+  if (Contains(of_fit ? kLaterFits : kLaterCommands, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
   }
   return "unknown command '" + TypedName(app) + " " + word + "'; " +
@@ -263,6 +259,7 @@ int RunProgram(int argc, char** argv) {
   AddProjectCommand(app, action);
   AddEditCommand(app, action);
   AddSectionCommand(app, action);
+  AddIntersectCommand(app, action);
   AddMakeCommand(app, action);
   AddConvertCommand(app, action);
   AddAnalyzeCommand(app, action);

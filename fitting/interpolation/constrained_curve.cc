@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/constrained_curve.h"
+#include "batten/fitting/constrained_curve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,8 @@
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 namespace {
 
 std::string NameOf(size_t index, const CurveCondition& condition) {
@@ -388,4 +389,4 @@ Eigen::MatrixXd ConstrainedLeastSquares(const SplineBasis& basis,
          middle;
 }
 
-}  // namespace batten::internal
+}  // namespace batten

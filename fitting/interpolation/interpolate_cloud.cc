@@ -7,19 +7,17 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/cubic_spline.h"
 #include "batten/fitting/interpolate_curve.h"
-#include "batten/fitting/ordered_points.h"
-#include "fitting/core/curve_excursion.h"
-#include "fitting/core/fit_end.h"
 #include "fitting/core/stage_clock.h"
+#include "fitting/interpolation/met_points.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kMostMiss = 1e-6;   // of the points' size
-constexpr double kRounding = 1e-12;  // of the points' size
+constexpr double kMostMiss = 1e-6;  // of the points' size
 
 [[noreturn]] void RefuseCloud(const std::string& reason) { throw std::invalid_argument(reason); }
 
@@ -30,74 +28,112 @@ void Check(const CloudInterpolationOptions& options) {
   if (options.closed && (options.start_tangent || options.end_tangent)) {
     RefuseCloud("a closed curve has no ends: it takes no start or end tangent");
   }
+  const bool curvatures = options.start_curvature || options.end_curvature;
+  if (options.closed && curvatures)
+    RefuseCloud("a closed curve has no ends: it takes no start or end curvature");
+  if (curvatures && !options.spline)
+    RefuseCloud("curvatures are given at the ends of a cubic spline: choose one");
+  if ((options.start_curvature && options.start_tangent) ||
+      (options.end_curvature && options.end_tangent))
+    RefuseCloud("an end takes a tangent or a curvature, not both");
+  if (options.spline && options.degree != 3)
+    RefuseCloud("a cubic spline has degree 3, not " + std::to_string(options.degree));
+  if (options.spline && (options.spline == SplineEnds::kPeriodic) != options.closed) {
+    RefuseCloud(options.closed ? "a closed spline is periodic: it has no other ends"
+                               : "a periodic spline is closed");
+  }
+  if (options.function_of_x && options.closed)
+    RefuseCloud("a function of x does not come back: it is not closed");
   if (options.degree == 1 && (options.start_tangent || options.end_tangent)) {
     RefuseCloud(
         "a curve of degree 1 goes straight to the next point: it takes no start or end tangent");
   }
 }
 
-// Points that differ from their neighbours, as the curve meets them, with their parameters where
-// these are given: as many as points, closed one more.
-template <int Dim>
-struct Row {
-  OrderedPoints ordered;
-  Eigen::Matrix<double, Dim, Eigen::Dynamic> points;
-  Eigen::VectorXd parameters;
-  bool ends_meet = false;  // the last of the ordered points is the first again and left out
-};
+bool Given(const CloudInterpolationOptions& options) {
+  return options.function_of_x || options.parameterization == CurveParameterization::kGiven;
+}
 
+// Parameters of the points, closed one more.
 template <int Dim>
-Row<Dim> RowOf(const PointCloud& cloud, const CloudInterpolationOptions& options) {
-  const bool given = options.parameterization == CurveParameterization::kGiven;
-  Row<Dim> row;
-  OrderOptions order;
-  order.parameterization = given ? CurveParameterization::kGiven : CurveParameterization::kUniform;
-  order.keep_order = options.keep_order;
-  row.ordered = OrderPoints(cloud, order);
-  row.points = row.ordered.cloud.points().template topRows<Dim>();
-  const Eigen::Index count = row.points.cols();
-  row.ends_meet = options.closed && count > 1 && row.points.col(0) == row.points.col(count - 1);
-  const Eigen::Index points = count - (row.ends_meet ? 1 : 0);
-  if (given) {
-    const Eigen::VectorXd& u = row.ordered.parameters;
-    for (Eigen::Index k = 1; k < count; ++k) {
-      if (u[k] > u[k - 1]) continue;
-      RefuseCloud("two different points have the parameter u = " + NumberText(u[k]) +
-                  ": no curve goes through both there");
-    }
-    row.parameters.resize(points + (options.closed ? 1 : 0));
-    row.parameters.head(points) = u.head(points);
-    if (row.ends_meet) {
-      row.parameters[points] = u[points];
-    } else if (options.closed) {
-      double length = 0;
-      for (Eigen::Index k = 1; k < count; ++k) {
-        length += (row.points.col(k) - row.points.col(k - 1)).stableNorm();
-      }
-      const double back = (row.points.col(count - 1) - row.points.col(0)).stableNorm();
-      row.parameters[points] = u[count - 1] + (u[count - 1] - u[0]) * (back / length);
-    }
-  }
-  row.points.conservativeResize(Dim, points);
-  return row;
+Eigen::VectorXd ParametersOf(const MetPoints<Dim>& met, const CloudInterpolationOptions& options) {
+  if (Given(options)) return met.parameters;
+  return CurveParameters(met.points, options.parameterization, options.degree, options.closed);
+}
+
+// The derivative in a direction: of functions with x' = 1, else as fast as the points step there.
+template <int Dim>
+PointDerivative<Dim> TangentAt(const MetPoints<Dim>& met,
+                               const Eigen::VectorXd& parameters,
+                               InterpolationEnd end,
+                               const Eigen::Vector3d& direction,
+                               bool function_of_x) {
+  PointDerivative<Dim> derivative =
+      EndTangent<Dim>(met.points, parameters, end, direction.head<Dim>());
+  if (!function_of_x) return derivative;
+  if (!(direction.x() > 0))
+    RefuseCloud("a function of x has no tangent (" + RoundedText(direction.x()) + ", " +
+                RoundedText(direction.y()) + "): x must increase");
+  derivative.value = direction.head<Dim>() / direction.x();
+  return derivative;
 }
 
 template <int Dim>
-InterpolatedCurve<Dim> Interpolated(const Row<Dim>& row, const CloudInterpolationOptions& options) {
+CubicEndCondition<Dim> ConditionOf(const MetPoints<Dim>& met,
+                                   const Eigen::VectorXd& parameters,
+                                   InterpolationEnd end,
+                                   const CloudInterpolationOptions& options) {
+  const bool start = end == InterpolationEnd::kStart;
+  const auto& tangent = start ? options.start_tangent : options.end_tangent;
+  const auto& curvature = start ? options.start_curvature : options.end_curvature;
+  if (tangent) {
+    return {CubicEnd::kFirstDerivative,
+            TangentAt<Dim>(met, parameters, end, *tangent, options.function_of_x).value};
+  }
+  if (curvature) {
+    CubicEndCondition<Dim> condition;
+    condition.kind = options.function_of_x ? CubicEnd::kFunctionCurvature : CubicEnd::kCurvature;
+    if (curvature->size() != (Dim == 2 ? 1 : 3)) {
+      RefuseCloud(Dim == 2 ? "the curvature of a plane curve is one number"
+                           : "the curvature of a curve in space is a vector of three numbers");
+    }
+    condition.value.head(curvature->size()) = *curvature;
+    return condition;
+  }
+  const std::string name = start ? "start" : "end";
+  if (options.spline == SplineEnds::kClamped)
+    RefuseCloud("a clamped spline needs the " + name + " tangent");
+  if (options.spline == SplineEnds::kCurvature)
+    RefuseCloud("a spline of given curvatures needs the " + name + " curvature, or its tangent");
+  return {options.spline == SplineEnds::kNatural ? CubicEnd::kNatural : CubicEnd::kNotAKnot};
+}
+
+template <int Dim>
+InterpolatedCurve<Dim> SplineThrough(const MetPoints<Dim>& met,
+                                     const CloudInterpolationOptions& options) {
+  const Eigen::VectorXd t = ParametersOf(met, options);
+  if (options.closed)
+    return {ClosedCubicSplineCurve<Dim>(met.points, t), t.head(met.points.cols())};
+  const CubicEndCondition<Dim> start = ConditionOf(met, t, InterpolationEnd::kStart, options);
+  const CubicEndCondition<Dim> end = ConditionOf(met, t, InterpolationEnd::kEnd, options);
+  return {CubicSplineCurve<Dim>(met.points, t, start, end), t};
+}
+
+template <int Dim>
+InterpolatedCurve<Dim> Interpolated(const MetPoints<Dim>& row,
+                                    const CloudInterpolationOptions& options) {
+  if (options.spline) return SplineThrough<Dim>(row, options);
   CurveInterpolationOptions how;
   how.degree = options.degree;
-  how.parameterization = options.parameterization;
+  how.parameterization = Given(options) ? CurveParameterization::kGiven : options.parameterization;
   how.parameters = row.parameters;
   how.closed = options.closed;
   std::vector<PointDerivative<Dim>> derivatives;
   if ((options.start_tangent || options.end_tangent) && row.points.cols() >= 2) {
-    const Eigen::VectorXd at =
-        options.parameterization == CurveParameterization::kGiven
-            ? row.parameters
-            : CurveParameters(row.points, options.parameterization, options.degree);
+    const Eigen::VectorXd at = ParametersOf(row, options);
     const auto add = [&](InterpolationEnd end, const std::optional<Eigen::Vector3d>& direction) {
       if (!direction) return;
-      derivatives.push_back(EndTangent<Dim>(row.points, at, end, direction->head<Dim>()));
+      derivatives.push_back(TangentAt<Dim>(row, at, end, *direction, options.function_of_x));
     };
     add(InterpolationEnd::kStart, options.start_tangent);
     add(InterpolationEnd::kEnd, options.end_tangent);
@@ -108,7 +144,7 @@ InterpolatedCurve<Dim> Interpolated(const Row<Dim>& row, const CloudInterpolatio
 // Throws where the curve misses its points: parameter steps that differ by many orders of magnitude
 // leave the solution no digits.
 template <int Dim>
-void RequireMet(const InterpolatedCurve<Dim>& local, const Row<Dim>& row) {
+void RequireMet(const InterpolatedCurve<Dim>& local, const MetPoints<Dim>& row) {
   const double size =
       (row.points.rowwise().maxCoeff() - row.points.rowwise().minCoeff()).stableNorm();
   for (Eigen::Index k = 0; k < row.points.cols(); ++k) {
@@ -121,61 +157,31 @@ void RequireMet(const InterpolatedCurve<Dim>& local, const Row<Dim>& row) {
   }
 }
 
-InputSummary Describe(const PointCloud& cloud, const OrderedPoints& ordered) {
-  InputSummary input;
-  input.points = input.used = cloud.size();
-  input.duplicates = ordered.repeats;
-  input.spacing = ordered.spacing;
-  input.noise = 0;  // there is none to a curve through every point
-  input.origin = cloud.origin();
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return input;
-}
-
 }  // namespace
 
 template <int Dim>
 CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolationOptions& options) {
   Check(options);
   StageClock clock;
-  const Row<Dim> row = RowOf<Dim>(cloud, options);
-  FitReport report;
-  report.input = Describe(cloud, row.ordered);
+  const MetPoints<Dim> row =
+      MetPointsOf<Dim>(options.function_of_x ? ParameterizedByX(cloud) : cloud,
+                       Given(options),
+                       options.keep_order,
+                       options.closed);
   clock.Enter(&StageSeconds::solve);
   const InterpolatedCurve<Dim> local = Interpolated<Dim>(row, options);
   RequireMet(local, row);
   clock.Enter(&StageSeconds::project);
-  // Errors are measured on the curve that is returned.
-  const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - options.shift).template head<Dim>();
-  CurveFit<Dim> fit{
-      NurbsCurve<Dim>(local.curve.basis(), local.curve.control_points().colwise() + move),
-      Eigen::VectorXd(cloud.size()),
-      Eigen::VectorXd(cloud.size()),
-      PointMask::Constant(cloud.size(), false),
-      {}};
-  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    const Eigen::Index place = row.ordered.place[static_cast<size_t>(k)];
-    const double u = local.parameters[place < row.points.cols() ? place : 0];
-    const Eigen::Matrix<double, Dim, 1> point = cloud.points().col(k).template head<Dim>() + move;
-    fit.parameters[k] = u;
-    fit.residuals[k] = (fit.curve.At(u) - point).norm();
-  }
-  report.error = report.error_all = Summarise(fit.residuals, options.tolerance);
-  report.geometry.kind = "curve";
-  report.geometry.base = Name(options.parameterization);
-  report.geometry.degree = {options.degree};
-  report.geometry.control_points = {fit.curve.basis().size()};
-  report.geometry.closed = {options.closed};
-  report.optimize.why = "interpolation leaves nothing free";
-  EnterExcursion<Dim>(local.curve,
-                      {row.points.rowwise().minCoeff(), row.points.rowwise().maxCoeff()},
-                      cloud.origin(),
-                      report);
-  JudgeEnd({.rounding = kRounding * (report.input.box_max - report.input.box_min).norm()}, report);
-  WarnOfExcursion(report);
-  report.seconds = clock.Seconds();
-  fit.report = std::move(report);
+  CurveFit<Dim> fit = FitThroughPoints<Dim>(
+      cloud,
+      row,
+      local,
+      {.base = Name(Given(options) ? CurveParameterization::kGiven : options.parameterization),
+       .why = "interpolation leaves nothing free",
+       .closed = options.closed,
+       .tolerance = options.tolerance,
+       .shift = options.shift});
+  fit.report.seconds = clock.Seconds();
   return fit;
 }
 

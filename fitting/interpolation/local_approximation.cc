@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/local_approximation.h"
+#include "batten/fitting/local_approximation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,13 @@
 #include <string>
 #include <utility>
 
+#include "batten/fitting/point_tangents.h"
 #include "fitting/interpolation/piece_fit.h"
-#include "fitting/interpolation/point_tangents.h"
 #include "fitting/interpolation/smooth_tangents.h"
 #include "geometry/numeric/number_text.h"
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 namespace {
 
 [[noreturn]] void RefuseApproximation(const std::string& reason) {
@@ -213,4 +214,4 @@ template LocalApproximation<3> ApproximateLocally<3>(const Eigen::Matrix3Xd&,
                                                      double,
                                                      const LocalApproximationOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

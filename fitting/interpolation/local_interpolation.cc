@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/local_interpolation.h"
+#include "batten/fitting/local_interpolation.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,7 +7,8 @@
 
 #include "fitting/interpolation/tangent_pieces.h"
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 
 template <int Dim>
 InterpolatedCurve<Dim> InterpolateLocally(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
@@ -51,4 +52,4 @@ template InterpolatedCurve<3> InterpolateLocally<3>(const Eigen::Matrix3Xd&,
                                                     LocalPieces,
                                                     const TangentOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/point_tangents.h"
+#include "batten/fitting/point_tangents.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 namespace {
 
 [[noreturn]] void RefuseTangents(const std::string& reason) { throw std::invalid_argument(reason); }
@@ -225,4 +226,4 @@ PointTangents<Dim> TangentsAt(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& 
 template PointTangents<2> TangentsAt<2>(const Eigen::Matrix2Xd&, const TangentOptions&);
 template PointTangents<3> TangentsAt<3>(const Eigen::Matrix3Xd&, const TangentOptions&);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "batten/geometry/knot_vectors.h"
 #include "geometry/numeric/reject.h"
@@ -174,6 +175,13 @@ Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,
     }
   }
   Reject("CurveParameters", "unknown parameterization");
+}
+
+PointCloud ParameterizedByX(PointCloud cloud) {
+  Eigen::Matrix2Xd parameters = Eigen::Matrix2Xd::Zero(2, cloud.size());
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) parameters(0, k) = cloud.World(k).x();
+  cloud.set_parameters(std::move(parameters));
+  return cloud;
 }
 
 }  // namespace batten

@@ -17,7 +17,7 @@ using Site = boost::polygon::point_data<std::int32_t>;
 
 constexpr double kExtent = 1 << 30;  // largest integer coordinate in magnitude
 
-using Stretch = std::function<double(const Eigen::Vector2d&)>;
+using IsGap = std::function<bool(const Eigen::Matrix2Xd&, double)>;
 
 struct Edge {
   int from, to;  // of the points; what is covered is on the left
@@ -44,45 +44,68 @@ class IntegerMap {
   double unit_;
 };
 
-// A vertex of the diagram is the circumcentre of a triangle, or of a polygon on one circle. It is
-// outside the shape if that circle is larger than the radius and holds no point of the whole cloud;
-// the triangles outside are the same for the whole cloud and for the points that touch empty discs:
-// a circle larger than the radius about the centre of an empty disc that holds any point would,
-// grown from that disc, meet one first that touches an empty disc.
+// The Delaunay triangles of the points beside empty discs, as a Voronoi diagram. A vertex of the
+// diagram is the circumcentre of a triangle, or of a polygon on one circle. Its circle is one of
+// the whole cloud's where it is larger than the radius and holds no point: a circle larger than the
+// radius about the centre of an empty disc that holds any point would, grown from that disc, meet
+// one first that touches an empty disc.
+class LargeCircles {
+ public:
+  LargeCircles(const Eigen::Matrix2Xd& points, double radius, ThreadPool& pool)
+      : discs_(points, radius, pool),
+        points_(points(Eigen::all, discs_.touched())),
+        map_(points_),
+        limit_(radius / map_.unit()) {
+    if (points_.cols() < 3) return;
+    sites_.reserve(discs_.touched().size());
+    for (Index k = 0; k < points_.cols(); ++k) sites_.push_back(map_.To(points_.col(k)));
+    boost::polygon::construct_voronoi(sites_.begin(), sites_.end(), &diagram_);
+  }
+
+  const Voronoi& diagram() const { return diagram_; }
+  const std::vector<int>& used() const { return discs_.touched(); }
+
+  // The radius of a vertex' circle, 0 where it is not large.
+  double RadiusOf(const Voronoi::vertex_type& vertex) const {
+    const Site& site = sites_[vertex.incident_edge()->cell()->source_index()];
+    const double radius = std::hypot(vertex.x() - site.x(), vertex.y() - site.y());
+    const bool large = radius > limit_ && discs_.MayBeCentre(map_.From(vertex.x(), vertex.y()));
+    return large ? radius * map_.unit() : 0;
+  }
+
+ private:
+  EmptyDiscs discs_;
+  Eigen::Matrix2Xd points_;
+  IntegerMap map_;
+  double limit_;
+  std::vector<Site> sites_;
+  Voronoi diagram_;
+};
+
+// Those between the triangles of the shape and the others.
 std::vector<Edge> BorderEdges(const Eigen::Matrix2Xd& points,
                               double radius,
-                              const Stretch& stretch,
+                              const IsGap& is_gap,
                               ThreadPool& pool) {
-  const EmptyDiscs discs(points, radius, pool);
-  const std::vector<int>& used = discs.touched();
-  if (used.size() < 3) return {};
-  const Eigen::Matrix2Xd chosen = points(Eigen::all, used);
-  const IntegerMap map(chosen);
-  std::vector<Site> sites;
-  sites.reserve(used.size());
-  for (Eigen::Index k = 0; k < chosen.cols(); ++k) sites.push_back(map.To(chosen.col(k)));
-  Voronoi diagram;
-  boost::polygon::construct_voronoi(sites.begin(), sites.end(), &diagram);
-  const double limit = radius / map.unit();
-  for (const auto& vertex : diagram.vertices()) {
-    const Site& site = sites[vertex.incident_edge()->cell()->source_index()];
-    const double circumradius = std::hypot(vertex.x() - site.x(), vertex.y() - site.y());
-    if (!(circumradius > limit) || !discs.MayBeCentre(map.From(vertex.x(), vertex.y()))) continue;
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    int count = 0;
+  const LargeCircles circles(points, radius, pool);
+  const std::vector<int>& used = circles.used();
+  const auto point_of = [&](const auto& edge) { return used[edge.cell()->source_index()]; };
+  for (const auto& vertex : circles.diagram().vertices()) {
+    const double large = circles.RadiusOf(vertex);
+    if (!(large > 0)) continue;
+    std::vector<Index> corners;
     const auto* edge = vertex.incident_edge();
     do {
-      mean += chosen.col(static_cast<Index>(edge->cell()->source_index()));
-      ++count;
+      corners.push_back(point_of(*edge));
       edge = edge->rot_next();
     } while (edge != vertex.incident_edge());
-    vertex.color(circumradius > limit * stretch(mean / count));
+    vertex.color(is_gap(points(Eigen::all, corners), large));
   }
   const auto outside = [](const auto* vertex) { return vertex == nullptr || vertex->color() != 0; };
   std::vector<Edge> edges;
-  for (const auto& edge : diagram.edges()) {
+  for (const auto& edge : circles.diagram().edges()) {
     if (outside(edge.vertex0()) || !outside(edge.vertex1())) continue;
-    edges.push_back({used[edge.twin()->cell()->source_index()], used[edge.cell()->source_index()]});
+    edges.push_back({point_of(*edge.twin()), point_of(edge)});
   }
   return edges;
 }
@@ -174,11 +197,38 @@ class Chains {
 
 }  // namespace
 
+std::vector<EmptyCircle> EmptyCircles(const Eigen::Matrix2Xd& points,
+                                      double radius,
+                                      ThreadPool& pool) {
+  const LargeCircles circles(points, radius, pool);
+  std::vector<EmptyCircle> found;
+  for (const auto& vertex : circles.diagram().vertices()) {
+    const double large = circles.RadiusOf(vertex);
+    if (!(large > 0)) continue;
+    EmptyCircle circle{Eigen::Vector2d::Zero(), large, 0};
+    const auto corner = [&](const auto* edge) -> Eigen::Vector2d {
+      return points.col(circles.used()[edge->cell()->source_index()]);
+    };
+    const auto* const start = vertex.incident_edge();
+    double corners = 0;
+    for (const auto* edge = start; corners == 0 || edge != start; edge = edge->rot_next()) {
+      const Eigen::Vector2d a = corner(edge) - corner(start),
+                            b = corner(edge->rot_next()) - corner(start);
+      circle.area += std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
+      circle.place += corner(edge);
+      ++corners;
+    }
+    circle.place /= corners;
+    found.push_back(circle);
+  }
+  return found;
+}
+
 std::vector<Eigen::Matrix2Xd> AlphaShape(const Eigen::Matrix2Xd& points,
                                          double radius,
-                                         const Stretch& stretch,
+                                         const IsGap& is_gap,
                                          ThreadPool& pool) {
-  return Chains(points, BorderEdges(points, radius, stretch, pool)).Loops();
+  return Chains(points, BorderEdges(points, radius, is_gap, pool)).Loops();
 }
 
 }  // namespace batten::internal

@@ -30,7 +30,8 @@ using Index = Eigen::Index;
 
 // Lengths are in spacings, areas in squared spacings.
 constexpr double kRadius = 2.5;      // of the alpha shape
-constexpr double kLeastArea = 36;    // smaller holes and parts are ignored
+constexpr double kLeastArea = 36;    // smaller holes and parts are ignored; of local spacings
+constexpr double kSparser = 1.5;     // local spacing that is clearly more than one
 constexpr double kOutwards = 0.43;   // how far random points' ragged border lies inside, measured
 constexpr double kExact = 1e-5;      // sagitta of the polygons that decide which points lie outside
 constexpr double kRounding = 1e-12;  // of the rectangle
@@ -76,9 +77,17 @@ std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
   return sorted;
 }
 
+// The least area of a part or hole with this border.
+double LeastArea(const Eigen::Matrix2Xd& polygon, const LocalSpacing& spacing) {
+  double local = 1;
+  for (const auto& place : polygon.colwise()) local = std::max(local, spacing.At(place));
+  return local > kSparser ? kLeastArea * local * local : kLeastArea;
+}
+
 // The loops that bound parts of some size or hold a lone point, and holes of some size.
 std::vector<OutlineLoop> SizedParts(std::vector<OutlineLoop> loops,
                                     const Eigen::Matrix2Xd& lone,
+                                    const LocalSpacing& spacing,
                                     const OutlineOptions& options,
                                     Outline& outline) {
   struct Sized {
@@ -87,9 +96,11 @@ std::vector<OutlineLoop> SizedParts(std::vector<OutlineLoop> loops,
   };
   std::vector<Sized> sized;
   for (OutlineLoop& loop : loops) {
-    const double area = AreaInSpace(PolygonOf(loop), options);
-    const bool holds = area > 0 && HoldsOneOf(lone, PolygonOf(loop));
-    if (holds || std::abs(area) >= kLeastArea / 2) sized.push_back({area, std::move(loop)});
+    const Eigen::Matrix2Xd polygon = PolygonOf(loop);
+    const double area = AreaInSpace(polygon, options);
+    const bool holds = area > 0 && HoldsOneOf(lone, polygon);
+    if (holds || std::abs(area) >= LeastArea(polygon, spacing) / 2)
+      sized.push_back({area, std::move(loop)});
   }
   std::stable_sort(sized.begin(), sized.end(), [](const auto& a, const auto& b) {
     return (a.area > 0) != (b.area > 0) ? a.area > 0 : std::abs(a.area) > std::abs(b.area);
@@ -114,25 +125,57 @@ std::string Counted(Index count, const std::string& what) {
   return std::to_string(count) + (count == 1 ? " point lies " : " points lie ") + what;
 }
 
+// The place in space of a place in spacings; beyond a seam, of the same one inside.
+PlaceInSpace PlaceOf(const OutlineOptions& options) {
+  if (!options.place) return nullptr;
+  return [&](const Eigen::Vector2d& at) -> Eigen::Vector3d {
+    Eigen::Vector2d lengths = at * options.spacing;
+    const auto wrap = [](double& length, double period) {
+      length -= period * std::floor(length / period);
+    };
+    if (options.periodic_u) wrap(lengths[0], options.length_u);
+    if (options.periodic_v) wrap(lengths[1], options.length_v);
+    return options.place(lengths.cwiseMax(0.0).cwiseMin(
+               Eigen::Vector2d(options.length_u, options.length_v))) /
+           options.spacing;
+  };
+}
+
+// The circumradius of a triangle as its map lengthens the longest side, or the distance in space of
+// its middle from the corners if that is more.
+double SizeInSpace(const Eigen::Matrix2Xd& corners, double radius, const PlaceInSpace& place) {
+  const Eigen::Vector3d middle = place(corners.rowwise().mean());
+  double length = 0, in_space = 0, away = std::numeric_limits<double>::infinity();
+  for (Index k = 0; k < corners.cols(); ++k) {
+    const Eigen::Vector2d from = corners.col(k), to = corners.col((k + 1) % corners.cols());
+    const Eigen::Vector3d corner = place(from);
+    length = std::max(length, (to - from).norm());
+    in_space = std::max(in_space, (place(to) - corner).norm());
+    away = std::min(away, (middle - corner).norm());
+  }
+  return std::max(radius * in_space / length, away);
+}
+
 class OutlineSearch {
  public:
   OutlineSearch(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options, ThreadPool& pool)
       : options_(options),
         pool_(pool),
         points_(parameters / options.spacing),
-        spacing_(points_),
+        place_(PlaceOf(options)),
+        spacing_(points_, EmptyCircles(points_, kRadius, pool), place_),
         sides_(options.length_u / options.spacing, options.length_v / options.spacing) {}
 
   // Whether the points have one border, along the edges of the rectangle.
   bool Fills() {
     Outline outline;
-    const std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, options_, outline);
+    const std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, spacing_, options_, outline);
     return parts.empty() || (parts.size() == 1 && FillsRectangle(parts.front(), spacing_, sides_));
   }
 
   Outline Find() {
     Outline outline;
-    std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, options_, outline);
+    std::vector<OutlineLoop> parts = SizedParts(Borders({}), {}, spacing_, options_, outline);
     if (parts.empty()) {
       outline.warnings.push_back("the points cover no area larger than " + NumberText(kLeastArea) +
                                  " spacings squared: no outline");
@@ -140,7 +183,7 @@ class OutlineSearch {
       return outline;
     }
     if (const Eigen::Matrix2Xd lone = LonePoints(parts); lone.cols() > 0)
-      parts = SizedParts(Borders(lone), lone, options_, outline);
+      parts = SizedParts(Borders(lone), lone, spacing_, options_, outline);
     if (outline.parts > 1)
       outline.warnings.push_back("the points fall into " + std::to_string(outline.parts) +
                                  " parts, each with an outline of its own");
@@ -165,10 +208,13 @@ class OutlineSearch {
               .cwiseMin(sides_);
     }
     const Eigen::Matrix2Xd ghosts = WithPeriodicCopies(covered, sides_, options_);
-    const auto stretch = [&](const Eigen::Vector2d& place) { return spacing_.At(place); };
+    const auto is_gap = [&](const Eigen::Matrix2Xd& corners, double radius) {
+      const double size = place_ ? SizeInSpace(corners, radius, place_) : radius;
+      return size > kRadius * spacing_.At(corners.rowwise().mean());
+    };
     std::vector<OutlineLoop> loops;
-    for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, stretch, pool_)) {
-      const bool large = std::abs(AreaInSpace(polygon, options_)) >= kLeastArea;
+    for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, is_gap, pool_)) {
+      const bool large = std::abs(AreaInSpace(polygon, options_)) >= LeastArea(polygon, spacing_);
       if (!large && !(SignedArea(polygon) > 0 && HoldsOneOf(lone, polygon))) continue;
       loops.push_back(SampledOutline(polygon, kOutwards));
       // A small part is too short to be sampled.
@@ -294,6 +340,7 @@ class OutlineSearch {
   const OutlineOptions& options_;
   ThreadPool& pool_;
   Eigen::Matrix2Xd points_;
+  PlaceInSpace place_;
   LocalSpacing spacing_;
   Eigen::Vector2d sides_;
 };

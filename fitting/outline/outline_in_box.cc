@@ -36,6 +36,11 @@ InBox MovedIntoBox(Eigen::Matrix2Xd parameters, OutlineOptions options) {
       return whole(v + shift);
     };
   }
+  if (options.place) {
+    options.place = [whole = std::move(options.place), low](const Eigen::Vector2d& at) {
+      return whole(at + low);
+    };
+  }
   return {std::move(parameters), std::move(options), low};
 }
 

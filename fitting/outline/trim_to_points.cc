@@ -132,6 +132,11 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
   options.pole_start = poles.start != PoleKind::kNone;
   options.pole_end = poles.end != PoleKind::kNone;
   if (poles.any()) options.stretch_u = RowStretch(surface, stretch[0], options.length_v);
+  options.place = [&](const Eigen::Vector2d& lengths) {
+    const Eigen::Vector2d at = low + lengths.cwiseQuotient(stretch);
+    return surface.At(std::min(at[0], surface.basis_u().upper()),
+                      std::min(at[1], surface.basis_v().upper()));
+  };
   const Eigen::Array2d most(options.length_u, options.length_v);
   Eigen::Matrix2Xd lengths = stretch.asDiagonal() * (feet.colwise() - low);
   lengths = lengths.array().max(0).matrix();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/editing/bezier_reduction.h"
+#include "batten/geometry/bezier_reduction.h"
 
 #include <Eigen/QR>
 #include <stdexcept>
@@ -7,7 +7,8 @@
 
 #include "geometry/editing/deviation_bound.h"
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 namespace {
 
 // Q_0 … Q_{n−1} one after the other from P_i = (i/n) Q_{i−1} + (1 − i/n) Q_i. [eq. 5.41]
@@ -21,9 +22,9 @@ Eigen::MatrixXd Forward(const Eigen::MatrixXd& P) {
   return Q;
 }
 
-Eigen::MatrixXd LeastSquares(const Eigen::MatrixXd& P,
-                             const Eigen::VectorXd& weights,
-                             bool fixed_ends) {
+Eigen::MatrixXd NearestInSquares(const Eigen::MatrixXd& P,
+                                 const Eigen::VectorXd& weights,
+                                 bool fixed_ends) {
   const Eigen::Index n = P.cols() - 1;
   Eigen::MatrixXd E = Eigen::MatrixXd::Zero(n + 1, n);
   for (Eigen::Index i = 0; i <= n; ++i) {
@@ -54,9 +55,9 @@ Eigen::MatrixXd ReducedColumns(const Eigen::MatrixXd& P,
     case BezierReductionRule::kBackward:
       return Forward(P.rowwise().reverse()).rowwise().reverse();
     case BezierReductionRule::kLeastSquares:
-      return LeastSquares(P, weights, false);
+      return NearestInSquares(P, weights, false);
     default:
-      return LeastSquares(P, weights, true);
+      return NearestInSquares(P, weights, true);
   }
 }
 
@@ -86,4 +87,4 @@ std::optional<BezierReduction<Dim>> Reduced(const BezierCurve<Dim>& curve,
 template std::optional<BezierReduction<2>> Reduced(const BezierCurve<2>&, BezierReductionRule);
 template std::optional<BezierReduction<3>> Reduced(const BezierCurve<3>&, BezierReductionRule);
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/modify_shape.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "geometry/nurbs/checked_parameter.h"
+#include "geometry/editing/control_forms.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/checked_parameter.h"
 
 namespace batten {
 using namespace internal;
 namespace {
-
-// How many control points are free: over a periodic basis number i stands for i + k·FreeCount too.
-int FreeCount(const SplineBasis& basis) {
-  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
-}
 
 void CheckWeight(double weight) {
   if (std::isfinite(weight) && weight > 0) return;
@@ -24,20 +22,66 @@ void CheckWeight(double weight) {
                               " is not positive and finite");
 }
 
-void CheckIndex(const char* name, int index, int count) {
+void CheckIndex(const std::string& function, const char* name, int index, int count) {
   if (index >= 0 && index < count) return;
-  throw std::invalid_argument("WithWeight: " + std::string(name) + " = " + std::to_string(index) +
+  throw std::invalid_argument(function + ": " + name + " = " + std::to_string(index) +
                               " is not in [0, " + std::to_string(count - 1) + "]");
 }
 
-// The functions that act at t, added up over the copies of a control point: result[i] for i <
-// FreeCount.
-Eigen::VectorXd FreeFunctions(const SplineBasis& basis, double t) {
-  const int p = basis.degree(), span = basis.Span(t);
-  Eigen::VectorXd N(p + 1), result = Eigen::VectorXd::Zero(FreeCount(basis));
-  basis.Values(span, t, N.data());
-  for (int r = 0; r <= p; ++r) result[(span - p + r) % result.size()] += N[r];
-  return result;
+[[noreturn]] void RefusePull(const std::string& rule) {
+  throw std::invalid_argument("Pulled: " + rule);
+}
+
+// The factor of the weights of the control points (d × as many) with these shares of the point,
+// beside the share `rest` of the others, that moves it by `by` along its line. With R the point at
+// weights of zero, Q that at infinite ones and ρ the sum of the shares, P = R + ρ(Q − R), and ρ/(1
+// − ρ) is in proportion to the factor.
+double PullFactor(const Eigen::MatrixXd& points,
+                  const Eigen::VectorXd& shares,
+                  double rest,
+                  const Eigen::VectorXd& at,
+                  double by) {
+  constexpr double kRounding = 1e-14;
+  const double share = shares.sum();
+  if (!(share > kRounding)) RefusePull("the control point does not act at the parameter");
+  if (!(rest > kRounding))
+    RefusePull("nothing else acts at the parameter: weights don't move the point there");
+  const Eigen::VectorXd towards = points * (shares / share);
+  const double reach = (towards - at).stableNorm(), line = reach / rest;
+  if (!(reach > kRounding * points.cwiseAbs().maxCoeff()))
+    RefusePull("the point lies where the pull leads to: there is no direction to move it in");
+  if (!(by < reach)) {
+    RefusePull("by = " + NumberText(by) + " is not less than " + RoundedText(reach) +
+               ", how far the point is from where the pull leads to: the weight would be infinite");
+  }
+  const double target = share + by / line;  // of Q, and what is left of R
+  if (!(target > 0)) {
+    RefusePull("by = " + NumberText(by) + " is not above " + RoundedText(-share * line) +
+               ", where the weight becomes zero");
+  }
+  return target / (rest - by / line) * rest / share;
+}
+
+// The share of all other control points.
+double RestOf(const ControlForm& form, const std::vector<Eigen::Index>& own) {
+  double rest = 0;
+  for (size_t k = 0; k < form.index.size(); ++k) {
+    if (std::find(own.begin(), own.end(), form.index[k]) == own.end())
+      rest += form.values[static_cast<Eigen::Index>(k)];
+  }
+  return rest;
+}
+
+// R_i / Σ R_j² · step for every control point i that acts.
+template <int Dim>
+Eigen::MatrixXd LeastMoves(const ControlForm& form,
+                           Eigen::Index count,
+                           const Eigen::Matrix<double, Dim, 1>& step) {
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(Dim, count);
+  const Eigen::Matrix<double, Dim, 1> unit = step / form.values.squaredNorm();
+  for (size_t k = 0; k < form.index.size(); ++k)
+    moves.col(form.index[k]) = form.values[static_cast<Eigen::Index>(k)] * unit;
+  return moves;
 }
 
 }  // namespace
@@ -45,20 +89,21 @@ Eigen::VectorXd FreeFunctions(const SplineBasis& basis, double t) {
 template <int Dim>
 NurbsCurve<Dim> WithWeight(const NurbsCurve<Dim>& curve, int i, double weight) {
   const SplineBasis& basis = curve.basis();
-  CheckIndex("index i", i, basis.size());
+  CheckIndex("WithWeight", "index i", i, basis.size());
   CheckWeight(weight);
   Eigen::VectorXd weights = curve.weights();
-  const int round = FreeCount(basis);
+  const int round = DistinctPoints(basis);
   for (int k = i % round; k < basis.size(); k += round) weights[k] = weight;
   return NurbsCurve<Dim>(basis, curve.control_points(), std::move(weights));
 }
 
 NurbsSurface WithWeight(const NurbsSurface& surface, int i, int j, double weight) {
-  CheckIndex("index i", i, surface.size_u());
-  CheckIndex("index j", j, surface.size_v());
+  CheckIndex("WithWeight", "index i", i, surface.size_u());
+  CheckIndex("WithWeight", "index j", j, surface.size_v());
   CheckWeight(weight);
   Eigen::VectorXd weights = surface.weights();
-  const int round_u = FreeCount(surface.basis_u()), round_v = FreeCount(surface.basis_v());
+  const int round_u = DistinctPoints(surface.basis_u()),
+            round_v = DistinctPoints(surface.basis_v());
   for (int k = i % round_u; k < surface.size_u(); k += round_u) {
     for (int l = j % round_v; l < surface.size_v(); l += round_v) {
       weights[Eigen::Index{k} * surface.size_v() + l] = weight;
@@ -70,19 +115,56 @@ NurbsSurface WithWeight(const NurbsSurface& surface, int i, int j, double weight
 }
 
 template <int Dim>
+NurbsCurve<Dim> Pulled(const NurbsCurve<Dim>& curve,
+                       double u,
+                       std::span<const int> control_points,
+                       double by) {
+  const size_t count = control_points.size();
+  if (count < 1 || count > 2 || (count == 2 && control_points[1] != control_points[0] + 1))
+    RefusePull("one control point, or two neighbours i and i + 1, are needed");
+  for (const int i : control_points) CheckIndex("Pulled", "index i", i, curve.basis().size());
+  u = CheckedParameter(curve.basis(), u, "Pulled", "u");
+  const ControlForm form = DerivativeForm(curve, u);
+  typename NurbsCurve<Dim>::Points points(Dim, count);
+  Eigen::VectorXd shares(count);
+  std::vector<Eigen::Index> own;
+  for (size_t k = 0; k < count; ++k) {
+    own.push_back(control_points[k] % DistinctPoints(curve));
+    const auto at = static_cast<Eigen::Index>(k);
+    points.col(at) = curve.control_points().col(control_points[k]);
+    shares[at] = form.At(own.back());
+  }
+  const double factor = PullFactor(points, shares, RestOf(form, own), curve.At(u), by);
+  NurbsCurve<Dim> pulled = curve;
+  for (const int i : control_points) pulled = WithWeight(pulled, i, factor * curve.weights()[i]);
+  return pulled;
+}
+
+NurbsSurface Pulled(const NurbsSurface& surface, double u, double v, int i, int j, double by) {
+  CheckIndex("Pulled", "index i", i, surface.size_u());
+  CheckIndex("Pulled", "index j", j, surface.size_v());
+  u = CheckedParameter(surface.basis_u(), u, "Pulled", "u");
+  v = CheckedParameter(surface.basis_v(), v, "Pulled", "v");
+  const int round_u = DistinctPoints(surface.basis_u()),
+            round_v = DistinctPoints(surface.basis_v());
+  const ControlForm form = DerivativeForm(surface, u, v);
+  const Eigen::Index own = i % round_u * round_v + j % round_v;
+  const double factor = PullFactor(surface.control_point(i, j),
+                                   Eigen::VectorXd::Constant(1, form.At(own)),
+                                   RestOf(form, {own}),
+                                   surface.At(u, v),
+                                   by);
+  return WithWeight(surface, i, j, factor * surface.weights()[i * surface.size_v() + j]);
+}
+
+template <int Dim>
 NurbsCurve<Dim> MovedPoint(const NurbsCurve<Dim>& curve,
                            double u,
                            const typename NurbsCurve<Dim>::Point& to) {
-  const SplineBasis& basis = curve.basis();
-  u = CheckedParameter(basis, u, "MovedPoint", "u");
+  u = CheckedParameter(curve.basis(), u, "MovedPoint", "u");
   if (!to.allFinite()) throw std::invalid_argument("MovedPoint: the point is not finite");
-  Eigen::VectorXd R = FreeFunctions(basis, u);
-  R.array() *= curve.weights().head(R.size()).array();
-  R /= R.sum();
-  const typename NurbsCurve<Dim>::Point step = (to - curve.At(u)) / R.squaredNorm();
-  typename NurbsCurve<Dim>::Points points = curve.control_points();
-  for (int i = 0; i < basis.size(); ++i) points.col(i) += R[i % R.size()] * step;
-  return NurbsCurve<Dim>(basis, std::move(points), curve.weights());
+  return WithMoves(
+      curve, LeastMoves<Dim>(DerivativeForm(curve, u), DistinctPoints(curve), to - curve.At(u)));
 }
 
 NurbsSurface MovedPoint(const NurbsSurface& surface,
@@ -92,25 +174,13 @@ NurbsSurface MovedPoint(const NurbsSurface& surface,
   u = CheckedParameter(surface.basis_u(), u, "MovedPoint", "u");
   v = CheckedParameter(surface.basis_v(), v, "MovedPoint", "v");
   if (!to.allFinite()) throw std::invalid_argument("MovedPoint: the point is not finite");
-  const Eigen::VectorXd Nu = FreeFunctions(surface.basis_u(), u);
-  const Eigen::VectorXd Nv = FreeFunctions(surface.basis_v(), v);
-  Eigen::MatrixXd R = Nu * Nv.transpose();
-  for (Eigen::Index i = 0; i < R.rows(); ++i) {
-    for (Eigen::Index j = 0; j < R.cols(); ++j)
-      R(i, j) *= surface.weights()[i * surface.size_v() + j];
-  }
-  R /= R.sum();
-  const Eigen::Vector3d step = (to - surface.At(u, v)) / R.squaredNorm();
-  Eigen::Matrix3Xd points = surface.control_points();
-  for (Eigen::Index i = 0; i < surface.size_u(); ++i) {
-    for (Eigen::Index j = 0; j < surface.size_v(); ++j) {
-      points.col(i * surface.size_v() + j) += R(i % R.rows(), j % R.cols()) * step;
-    }
-  }
-  return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(points), surface.weights())
-      .WithTrims(surface.trims());
+  return WithMoves(
+      surface,
+      LeastMoves<3>(DerivativeForm(surface, u, v), DistinctPoints(surface), to - surface.At(u, v)));
 }
 
+template NurbsCurve<2> Pulled(const NurbsCurve<2>&, double, std::span<const int>, double);
+template NurbsCurve<3> Pulled(const NurbsCurve<3>&, double, std::span<const int>, double);
 template NurbsCurve<2> WithWeight(const NurbsCurve<2>&, int, double);
 template NurbsCurve<3> WithWeight(const NurbsCurve<3>&, int, double);
 template NurbsCurve<2> MovedPoint(const NurbsCurve<2>&, double, const Eigen::Vector2d&);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/editing/tangent_inversion.h"
+#include "batten/geometry/tangent_inversion.h"
 
 #include <Eigen/QR>
 #include <stdexcept>
 
-namespace batten::internal {
+namespace batten {
+using namespace internal;
 
 std::optional<TangentInversion> InvertTangent(const SurfaceJet& jet,
                                               const Eigen::Vector3d& tangent) {
@@ -27,4 +28,4 @@ std::optional<TangentInversion> InvertTangent(const NurbsSurface& surface,
   return InvertTangent(surface.JetAt(u, v), tangent);
 }
 
-}  // namespace batten::internal
+}  // namespace batten

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/shapes/axis_crossings.h"
 #include "geometry/shapes/unit_arc.h"
 
 namespace batten {
@@ -68,6 +71,26 @@ Ring TorusSectionOf(const Eigen::Vector3d& point, const Frame& frame, double on_
   const Eigen::Vector3d foot = frame.origin() + height * frame.axis();
   if (!(outward.norm() > on_axis)) return {foot, {0, 0, 0}, {0, 0, 0}};
   return {foot, outward, frame.axis().cross(outward)};
+}
+
+// Beyond half a turn what lies on both sides of the axis is swept over by both.
+void RefuseCrossings(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
+  constexpr double kSlack = 1e-12;
+  if (angles.sweep <= kHalfTurn + kSlack) return;
+  const std::vector<double> crossings = AxisCrossings(profile, frame);
+  if (crossings.size() < 2) return;
+  const auto place = [&](double at) {
+    const Eigen::Vector3d p = profile.At(at);
+    return RoundedText(at) + " (" + RoundedText(p.x()) + ", " + RoundedText(p.y()) + ", " +
+           RoundedText(p.z()) + ")";
+  };
+  RequireThat(false,
+              "Revolve",
+              "the profile crosses its axis " + std::to_string(crossings.size()) +
+                  " times, first at its parameters " + place(crossings[0]) + " and " +
+                  place(crossings[1]) +
+                  ": turned by more than 180 degrees the surface would go through itself; revolve "
+                  "what lies on one side");
 }
 
 }  // namespace
@@ -152,6 +175,7 @@ NurbsSurface MakeTorus(const Frame& frame,
 
 NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
   RequireSweep("Revolve", "angles", angles);
+  RefuseCrossings(profile, frame, angles);
   const UnitArc arc(angles);
   const Eigen::Matrix3Xd& curve = profile.control_points();
   const double size = std::max(curve.cwiseAbs().maxCoeff(), frame.origin().cwiseAbs().maxCoeff());

@@ -42,9 +42,10 @@ Eigen::Vector2d UnitVectorAt(double angle) {
   return directions[turned];
 }
 
-UnitArc::UnitArc(const AngleRange& angles) : basis(ArcBasis(PiecesOf(angles))) {
-  const int pieces = PiecesOf(angles);
-  const double step = angles.full() ? kQuarter : angles.sweep / pieces;
+UnitArc::UnitArc(const AngleRange& angles) : UnitArc(angles, PiecesOf(angles)) {}
+
+UnitArc::UnitArc(const AngleRange& angles, int pieces) : basis(ArcBasis(pieces)) {
+  const double step = (angles.full() ? 4 * kQuarter : angles.sweep) / pieces;
   const bool quarters = UnitVectorAt(step).x() == 0;
   points.resize(2, 2 * pieces + 1);
   less_one.resize(points.cols());

@@ -17,6 +17,7 @@ Eigen::Vector2d UnitVectorAt(double angle);
 // exactly. [Piegl & Tiller 1997, §7.5]
 struct UnitArc {
   explicit UnitArc(const AngleRange& angles);
+  UnitArc(const AngleRange& angles, int pieces);  // equal ones of less than 180°
 
   SplineBasis basis;
   Eigen::Matrix2Xd points;

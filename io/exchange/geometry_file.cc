@@ -24,6 +24,8 @@ namespace batten {
 using namespace internal;
 namespace {
 
+constexpr const char* kPowerJson = "json-power";  // geometry_json.h
+
 enum class Format { kJson, kStep, kIges, kBrep };
 
 // From the format word, or else the extension.
@@ -37,7 +39,7 @@ Format FormatOf(const std::string& path, const std::string& word) {
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
     return static_cast<char>(std::tolower(c));
   });
-  if (name == "json") return Format::kJson;
+  if (name == "json" || name == kPowerJson) return Format::kJson;
   if (name == "step" || name == "stp") return Format::kStep;
   if (name == "iges" || name == "igs") return Format::kIges;
   if (name == "brep" || name == "brp") return Format::kBrep;
@@ -133,7 +135,7 @@ std::optional<SewingReport> WriteGeometry(const GeometryFile& file,
   }
   switch (format) {
     case Format::kJson: {
-      const std::string text = ToGeometryJson(file, options.unit);
+      const std::string text = ToGeometryJson(file, options.unit, options.format == kPowerJson);
       AtomicFile target(file.path);
       target.Write(text);
       target.Commit();

@@ -2,7 +2,6 @@
 #include "batten/io/geometry_json.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -16,6 +15,8 @@
 #include "io/base/json_document.h"
 #include "io/base/json_field.h"
 #include "io/exchange/geometry_names.h"
+#include "io/exchange/json_numbers.h"
+#include "io/exchange/json_powers.h"
 #include "io/exchange/json_splines.h"
 #include "io/exchange/json_trims.h"
 
@@ -29,7 +30,8 @@ const std::vector<std::string_view> kKnownNames = {
     "shape",    "type",     "count",          "data",         "dimension",    "degree",
     "degree_u", "degree_v", "knotvector",     "knotvector_u", "knotvector_v", "size",
     "size_u",   "size_v",   "control_points", "points",       "weights",      "trims",
-    "periodic", "name",     "unit",           "reversed"};
+    "periodic", "name",     "unit",           "reversed",     "form",         "breaks",
+    "breaks_u", "breaks_v", "coefficients"};
 
 Geometry ReadEntry(const JsonField& entry, const std::string& shape) {
   entry.Expect(EntryKind::kObject);
@@ -42,6 +44,7 @@ Geometry ReadEntry(const JsonField& entry, const std::string& shape) {
   }
   const bool surface = shape == "surface" || (shape == "mixed" && entry.Has("degree_u"));
   try {
+    if (IsPower(entry)) return ReadJsonPower(entry, surface);
     if (surface) return ReadTrimmed(entry, ReadJsonSurface(entry));
     if (entry.Member("dimension").Integer(2, 3) == 2) return ReadJsonCurve<2>(entry);
     return ReadJsonCurve<3>(entry);
@@ -68,23 +71,6 @@ std::string UnitOf(const JsonField& shape) {
   } catch (const UsageError& error) {
     unit.Fail(error.what());
   }
-}
-
-void Append(std::string& text, double number) {
-  char digits[40];
-  text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
-  if (number == 0 && std::signbit(number)) text += ".0";  // "-0" would be read as the integer 0
-}
-
-template <typename Numbers>
-void AppendList(std::string& text, const Numbers& numbers) {
-  text += '[';
-  bool first = true;
-  for (const double number : numbers) {
-    if (!std::exchange(first, false)) text += ", ";
-    Append(text, number);
-  }
-  text += ']';
 }
 
 // What curves and surfaces have in common: type, rational, dimension, and which directions are
@@ -205,7 +191,7 @@ std::string ToGeometryJson(const std::vector<Geometry>& geometry) {
   return ToGeometryJson(GeometryFile{"", geometry});
 }
 
-std::string ToGeometryJson(const GeometryFile& file, const std::string& unit) {
+std::string ToGeometryJson(const GeometryFile& file, const std::string& unit, bool powers) {
   const std::vector<Geometry>& geometry = file.geometry;
   if (geometry.empty()) throw std::invalid_argument("ToGeometryJson: there is no geometry");
   const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
@@ -220,7 +206,11 @@ std::string ToGeometryJson(const GeometryFile& file, const std::string& unit) {
   for (size_t i = 0; i < geometry.size(); ++i) {
     if (i > 0) text += ",\n ";
     const size_t begin = text.size();
-    std::visit([&](const auto& one) { AppendEntry(text, one); }, geometry[i]);
+    if (powers) {
+      text += PowerEntry(geometry[i]);
+    } else {
+      std::visit([&](const auto& one) { AppendEntry(text, one); }, geometry[i]);
+    }
     const std::string name = i < file.names.size() ? CleanName(file.names[i]) : "";
     if (!name.empty()) text.insert(begin + 1, "\"name\": " + ToJsonText(name) + ", ");
   }

@@ -28,11 +28,13 @@ from ._fits import (
 )
 from ._friends import from_geomdl, to_geomdl
 from ._geometry import Closest, Geometry, Knot, Removal
+from ._meets import Branch, Intersection, Meeting, Offset, Overlap, intersect, offset
 from ._optimize import Optimized, ResidualTerm, optimize
 from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit, Uncertainty
 from ._surface import Curvature, Mesh, Surface
 
 __all__ = [
+    "Branch",
     "Cancelled",
     "Closest",
     "Cloud",
@@ -43,9 +45,13 @@ __all__ = [
     "Fit",
     "FitRefused",
     "Geometry",
+    "Intersection",
     "Knot",
+    "Meeting",
     "Mesh",
+    "Offset",
     "Optimized",
+    "Overlap",
     "PrimitiveFit",
     "ReadError",
     "Removal",
@@ -70,7 +76,9 @@ __all__ = [
     "fit_surface",
     "from_geomdl",
     "interpolate_curve",
+    "intersect",
     "make",
+    "offset",
     "optimize",
     "read_cloud",
     "read_geometry",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -89,6 +89,22 @@ def whole(name: str, value: Any, least: Optional[int] = None) -> int:
     if abs(number) > 2**31 - 1:
         raise ValueError(f"{name}: {number} is out of range")
     return number
+
+
+def wholes(name: str, value: Any) -> List[int]:
+    """Whole numbers of any array, one after the other."""
+    return [whole(name, one) for one in np.asarray(plain(name, value)).reshape(-1).tolist()]
+
+
+def range_of(name: str, value: Any) -> Tuple[float, float]:
+    a, b = finite(name, value, 2)
+    return float(a), float(b)
+
+
+def in_space(name: str, value: Any, dimension: int) -> Floats:
+    """A point of so many coordinates with z = 0 where it is missing."""
+    given = finite(name, value, dimension)
+    return np.concatenate([given, np.zeros(3 - dimension)])
 
 
 def number(name: str, value: Any) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Floats, doubles, finite, number, whole
+from ._arrays import Floats, doubles, finite, in_space, number, one_of, range_of, whole, wholes
 from ._geometry import Geometry, Knot, Removal, _body_of
 
 
@@ -465,6 +465,154 @@ class Curve(Geometry):
             With the same knots and weights.
         """
         return Curve._of(_core.move_point(self._body, number("u", u), 0.0, finite("to", to, self.dimension)))
+
+    def move_points(
+        self,
+        u: ArrayLike,
+        to: ArrayLike,
+        *,
+        order: ArrayLike = 0,
+        keep: ArrayLike = (),
+        fixed: ArrayLike = (),
+    ) -> "Curve":
+        """The curve that has several points or derivatives at once, with the least change.
+
+        Parameters
+        ----------
+        u : array_like of shape (k,)
+            Where.
+        to : array_like of shape (k, dimension)
+            The points, or derivatives.
+        order : int or array_like of shape (k,)
+            0: points, else derivatives of that order.
+        keep : array_like of shape (m,)
+            Parameters at which points stay.
+        fixed : array_like of int, shape (n,)
+            Control points that stay, from 0.
+
+        Returns
+        -------
+        Curve
+            With the same knots and weights.
+        """
+        at, kept = finite("u", u, None), finite("keep", keep, None)
+        values = finite("to", to, at.size, self.dimension)
+        orders = wholes("order", np.broadcast_to(np.asarray(order), at.shape)) + [0] * kept.size
+        where = np.concatenate([at, kept])
+        targets = np.concatenate([values, self(kept)])
+        return Curve._of(_core.move_points(self._body, where, targets, orders, wholes("fixed", fixed)))
+
+    def pull(self, u: float, index: Union[int, Tuple[int, int]], by: float) -> "Curve":
+        """A point pulled towards a control point, or the leg between two neighbours, by their weights.
+
+        Parameters
+        ----------
+        u : float
+            Of the point.
+        index : int or two neighbouring ones
+            Of the control points, from 0.
+        by : float
+            How far, in the data's units; negative: pushed away.
+
+        Returns
+        -------
+        Curve
+            With the same control points and knots.
+        """
+        own = wholes("index", np.atleast_1d(np.asarray(index)))
+        return Curve._of(_core.pull(self._body, number("u", u), 0.0, own, number("by", by)))
+
+    def warp(self, region: Tuple[float, float], by: ArrayLike, *, shape: str = "bump", spans: int = 16) -> "Curve":
+        """Moved along a vector within a region, all of it in the middle.
+
+        Parameters
+        ----------
+        region : two floats
+            Parameters from, to.
+        by : array_like of shape (dimension,)
+            The move of the middle.
+        shape : {'bump', 'tent', 'plateau'}
+            How it falls off.
+        spans : int
+            Knots are inserted for at least so many.
+
+        Returns
+        -------
+        Curve
+            The same outside the region.
+        """
+        move = finite("by", by, self.dimension)
+        word = one_of("shape", shape, ("bump", "tent", "plateau"))
+        return Curve._of(_core.warp(self._body, (range_of("region", region), None), move, word, whole("spans", spans)))
+
+    def flatten(
+        self,
+        region: Tuple[float, float],
+        normal: ArrayLike,
+        offset: float,
+        *,
+        along: Optional[ArrayLike] = None,
+        transition: float = 0.1,
+    ) -> "Curve":
+        """Flattened to a plane, in the plane to a line, within a region.
+
+        Parameters
+        ----------
+        region : two floats
+            Parameters from, to.
+        normal : array_like of shape (dimension,)
+            Of the plane normal·x = offset.
+        offset : float
+            Of that plane.
+        along : array_like of shape (dimension,), optional
+            The direction in which points go to it; None: the normal.
+        transition : float
+            How far beyond the region, in shares of it, the curve may change.
+
+        Returns
+        -------
+        Curve
+            In the plane over the region, the same beyond the transition.
+        """
+        way = None if along is None else finite("along", along, self.dimension)
+        plane, distance = finite("normal", normal, self.dimension), number("offset", offset)
+        body = _core.flatten(
+            self._body, (range_of("region", region), None), plane, distance, way, number("transition", transition)
+        )
+        return Curve._of(body)
+
+    def bend(
+        self,
+        start: ArrayLike,
+        center: ArrayLike,
+        length: float,
+        *,
+        axis: ArrayLike = (0, 0, 1),
+        tolerance: float,
+    ) -> Tuple["Curve", float]:
+        """Bent about a circle: the line from `start` on is wound onto it, what is behind turns along.
+
+        Parameters
+        ----------
+        start, center : array_like of shape (dimension,)
+            Of the circle, which runs right-handed about the axis.
+        length : float
+            Of the line that is wound, in the data's units.
+        axis : array_like of shape (3,)
+            Of the circle.
+        tolerance : float
+            How far points may be from their images, in the data's units.
+
+        Returns
+        -------
+        tuple of Curve and float
+            The curve, and how far the farthest sample is from its image.
+        """
+        first, middle = (in_space(name, value, self.dimension) for name, value in (("start", start), ("center", center)))
+        body, error = _core.bend(
+            self._body, first, middle, finite("axis", axis, 3), number("length", length), number("tolerance", tolerance)
+        )
+        return Curve._of(body), error
 
     def extend(self, length: float, *, upper: bool = True, natural: bool = False) -> "Curve":
         """Continued past an end.

@@ -214,6 +214,9 @@ def fit_curve(
     optimize: Free = None,
     terms: Optional[Callable[[Curve], Terms]] = None,
     component: Optional[int] = None,
+    method: str = "global",
+    through: Optional[ArrayLike] = None,
+    tangents: Optional[ArrayLike] = None,
     weights: Optional[ArrayLike] = None,
     shift: Union[str, ArrayLike, None] = None,
     unit: str = "mm",
@@ -259,6 +262,13 @@ def fit_curve(
         ``terms(start) -> list of ResidualTerm``, `start` the curve from which the joint stage begins.
     component : int, optional
         Of several separate curves the one of this number by length, from 1.
+    method : {'global', 'local-parabolic', 'local-conic', 'local-cubic'}
+        Local ones go piece by piece through the points in their order or, but for parabolas, within the tolerance; they
+        take `closed` ('yes'), `corners` and `tolerance` only.
+    through : array_like of shape (k, 3) or (k, 2), optional
+        Points that the curve meets exactly.
+    tangents : array_like of shape (k, 6) or (k, 4), optional
+        Points that it meets exactly with the directions beside them.
     weights : array_like of shape (N,), optional
         Of the points, positive.
     shift : array_like of shape (3,) or 'local', optional
@@ -286,10 +296,50 @@ def fit_curve(
     ValueError
         Naming the keyword.
     """
+    if one_of("method", method, ("global", "local-parabolic", "local-conic", "local-cubic")) != "global":
+        others = (degree != 3, control_points, parameterization, parameters, order, distance, smoothing, loss, optimize, terms, component)
+        if any(given is not None and given is not False for given in (*others, through, tangents)):
+            raise ValueError(f"method: {method!r} takes closed, corners and tolerance only")
+        return _fit_locally(points, method, tolerance, closed, corners, shift, unit)
+    if through is not None or tangents is not None:
+        if terms is not None or component is not None or optimize not in (None, "none"):
+            raise ValueError("through, tangents: not beside terms, component or optimize")
+        places = _places(through, tangents)
+    else:
+        places = None
     chosen = "" if component is None else str(whole("component", component, 1))
     names = locals()
     kept = {name: names[name] for name in _CURVE_KEYWORDS}
+    kept["places"] = places
     return _fit_curves(points, "batten.fit_curve", chosen, terms, parameters, weights, shift, unit, progress, kept)[0]
+
+
+def _fit_locally(points: Any, method: str, tolerance: Any, closed: Any, corners: Any, shift: Any, unit: Any) -> CurveFit:
+    cloud, _ = _in_order(points, None, None)
+    options = {
+        "method": method,
+        "tolerance": tolerance,
+        "closed": closed is True or closed == "yes",
+        "corners": bool(corners),
+    }
+    values = _keywords(cloud, shift, unit, "batten.fit_curve", options)
+    return CurveFit(_core.fit_locally(cloud._points, values))
+
+
+def _places(through: Any, tangents: Any) -> List[List[float]]:
+    """Points, and points with directions, as three or six numbers each."""
+    places = []
+    for name, value, parts in (("through", through, 1), ("tangents", tangents, 2)):
+        if value is None:
+            continue
+        rows = finite(name, value)
+        if rows.ndim != 2 or rows.shape[1] not in (2 * parts, 3 * parts):
+            raise ValueError(f"{name}: an array of shape (k, {3 * parts}) or (k, {2 * parts}) is needed, not {rows.shape}")
+        width = rows.shape[1] // parts
+        flat = np.zeros((len(rows), parts, 3))
+        flat[:, :, :width] = rows.reshape(-1, parts, width)
+        places += flat.reshape(len(rows), -1).tolist()
+    return places
 
 
 _CURVE_KEYWORDS = (
@@ -678,6 +728,9 @@ def interpolate_curve(
     closed: bool = False,
     start_tangent: Optional[ArrayLike] = None,
     end_tangent: Optional[ArrayLike] = None,
+    spline: Optional[str] = None,
+    start_curvature: Union[float, ArrayLike, None] = None,
+    end_curvature: Union[float, ArrayLike, None] = None,
     tolerance: Optional[float] = None,
     shift: Union[str, ArrayLike, None] = None,
     unit: str = "mm",
@@ -690,14 +743,18 @@ def interpolate_curve(
         In the data's units.
     degree : int
         1 … 25.
-    parameterization : {'chord', 'centripetal', 'uniform', 'foley', 'universal'}, optional
-        Where parameters come from.
+    parameterization : {'chord', 'centripetal', 'uniform', 'foley', 'universal', 'x'}, optional
+        Where parameters come from; 'x': the curve is a function y(x).
     parameters : array_like of shape (N,), optional
         Of the points.
     closed : bool
         Periodic, as smooth at the seam as elsewhere.
     start_tangent, end_tangent : array_like of shape (3,) or (2,), optional
         Directions at the ends.
+    spline : {'natural', 'clamped', 'curvature', 'not-a-knot', 'periodic'}, optional
+        A cubic spline with a knot at every point, and its ends.
+    start_curvature, end_curvature : float or array_like of shape (3,), optional
+        At the ends of a spline, one over the radius: positive turning left; in space the vector towards the centre.
     tolerance : float, optional
         That the report counts by.
     shift : array_like of shape (3,) or 'local', optional
@@ -717,11 +774,18 @@ def interpolate_curve(
     ValueError
         Naming the keyword.
     """
-    cloud, parameterization = _in_order(points, parameterization, parameters)
+    of_x = isinstance(parameterization, str) and parameterization == "x"
+    if of_x and parameters is not None:
+        raise ValueError("parameterization: not beside parameters")
+    cloud, parameterization = _in_order(points, None if of_x else parameterization, parameters)
     options = {
         "degree": degree,
         "parameterization": parameterization,
-        "closed": closed,
+        "function_of_x": of_x,
+        "spline": spline,
+        "start_curvature": _curvature("start_curvature", start_curvature),
+        "end_curvature": _curvature("end_curvature", end_curvature),
+        "closed": closed or spline == "periodic",
         "start_tangent": _tangent("start_tangent", start_tangent),
         "end_tangent": _tangent("end_tangent", end_tangent),
         "tolerance": tolerance,
@@ -865,6 +929,15 @@ def _shape(shape: Any) -> Tuple[int, int]:
     except (TypeError, ValueError):
         raise ValueError(f"shape: {shape!r} are not two numbers") from None
     return whole("shape", rows, 2), whole("shape", columns, 2)
+
+
+def _curvature(name: str, value: Any) -> Optional[List[float]]:
+    if value is None:
+        return None
+    given = finite(name, value).reshape(-1)
+    if given.size not in (1, 3):
+        raise ValueError(f"{name}: one number in the plane, three in space are needed")
+    return [float(x) for x in given]
 
 
 def _tangent(name: str, value: Any) -> Optional[List[float]]:

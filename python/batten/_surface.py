@@ -8,7 +8,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import Floats, Path, broadcast, doubles, finite, number, one_of, plane_numbers, whole
+from ._arrays import (
+    Floats,
+    Path,
+    broadcast,
+    doubles,
+    finite,
+    in_space,
+    number,
+    one_of,
+    plain,
+    plane_numbers,
+    range_of,
+    whole,
+    wholes,
+)
 from ._curve import Curve, scalar_spline
 from ._geometry import Geometry, Knot, Removal, _body_of, direction_of
 
@@ -28,6 +42,12 @@ class Curvature(NamedTuple):
     mean: Floats
     low: Floats
     high: Floats
+
+
+def _region(u: Any, v: Any) -> Tuple[Optional[Tuple[float, float]], Optional[Tuple[float, float]]]:
+    if u is None and v is None:
+        raise ValueError("u, v: one of them at least is needed")
+    return None if u is None else range_of("u", u), None if v is None else range_of("v", v)
 
 
 class Mesh(NamedTuple):
@@ -648,6 +668,164 @@ class Surface(Geometry):
             With the same knots and weights.
         """
         return Surface._of(_core.move_point(self._body, number("u", u), number("v", v), finite("to", to, 3)))
+
+    def move_points(
+        self,
+        uv: ArrayLike,
+        to: ArrayLike,
+        *,
+        order: ArrayLike = (0, 0),
+        keep: Optional[ArrayLike] = None,
+        fixed: Optional[ArrayLike] = None,
+    ) -> "Surface":
+        """The surface that has several points or derivatives at once, with the least change.
+
+        Parameters
+        ----------
+        uv : array_like of shape (k, 2)
+            Where.
+        to : array_like of shape (k, 3)
+            The points, or derivatives.
+        order : array_like of int, shape (2,) or (k, 2)
+            Orders in u and v of the derivatives, 0, 0 for points.
+        keep : array_like of shape (m, 2), optional
+            Parameters at which points stay.
+        fixed : array_like of int, shape (n, 2), optional
+            Control points that stay, from 0.
+
+        Returns
+        -------
+        Surface
+            With the same knots, weights and trims.
+        """
+        none = np.zeros((0, 2))
+        at, kept = finite("uv", uv, None, 2), finite("keep", none if keep is None else keep, None, 2)
+        values = finite("to", to, len(at), 3)
+        orders = wholes("order", np.broadcast_to(np.asarray(order), at.shape)) + [0] * kept.size
+        targets = np.concatenate([values, self(kept[:, 0], kept[:, 1])])
+        held = [] if fixed is None else wholes("fixed", plain("fixed", fixed).reshape(-1, 2))
+        return Surface._of(_core.move_points(self._body, np.concatenate([at, kept]), targets, orders, held))
+
+    def pull(self, u: float, v: float, i: int, j: int, by: float) -> "Surface":
+        """A point pulled towards a control point by its weight.
+
+        Parameters
+        ----------
+        u, v : float
+            Of the point.
+        i, j : int
+            Of the control point, from 0.
+        by : float
+            How far, in the data's units; negative: pushed away.
+
+        Returns
+        -------
+        Surface
+            With the same control points and knots.
+        """
+        own = [whole("i", i), whole("j", j)]
+        return Surface._of(_core.pull(self._body, number("u", u), number("v", v), own, number("by", by)))
+
+    def warp(
+        self,
+        by: ArrayLike,
+        *,
+        u: Optional[Tuple[float, float]] = None,
+        v: Optional[Tuple[float, float]] = None,
+        shape: str = "bump",
+        spans: int = 16,
+    ) -> "Surface":
+        """Moved along a vector within a region, all of it in the middle.
+
+        Parameters
+        ----------
+        by : array_like of shape (3,)
+            The move of the middle.
+        u, v : two floats, optional
+            The region, from, to; one of them may be left out.
+        shape : {'bump', 'tent', 'plateau'}
+            How it falls off.
+        spans : int
+            Knots are inserted for at least so many.
+
+        Returns
+        -------
+        Surface
+            The same outside the region.
+        """
+        move = finite("by", by, 3)
+        word = one_of("shape", shape, ("bump", "tent", "plateau"))
+        return Surface._of(_core.warp(self._body, _region(u, v), move, word, whole("spans", spans)))
+
+    def flatten(
+        self,
+        normal: ArrayLike,
+        offset: float,
+        *,
+        u: Optional[Tuple[float, float]] = None,
+        v: Optional[Tuple[float, float]] = None,
+        along: Optional[ArrayLike] = None,
+        transition: float = 0.1,
+    ) -> "Surface":
+        """Flattened to a plane within a region.
+
+        Parameters
+        ----------
+        normal : array_like of shape (3,)
+            Of the plane normal·x = offset.
+        offset : float
+            Of that plane.
+        u, v : two floats, optional
+            The region, from, to; one of them may be left out.
+        along : array_like of shape (3,), optional
+            The direction in which points go to it; None: the normal.
+        transition : float
+            How far beyond the region, in shares of it, the surface may change.
+
+        Returns
+        -------
+        Surface
+            In the plane over the region, the same beyond the transition.
+        """
+        way = None if along is None else finite("along", along, 3)
+        plane, distance = finite("normal", normal, 3), number("offset", offset)
+        body = _core.flatten(
+            self._body, _region(u, v), plane, distance, way, number("transition", transition)
+        )
+        return Surface._of(body)
+
+    def bend(
+        self,
+        start: ArrayLike,
+        center: ArrayLike,
+        length: float,
+        *,
+        axis: ArrayLike = (0, 0, 1),
+        tolerance: float,
+    ) -> Tuple["Surface", float]:
+        """Bent about a circle: the line from `start` on is wound onto it, what is behind turns along.
+
+        Parameters
+        ----------
+        start, center : array_like of shape (3,)
+            Of the circle, which runs right-handed about the axis.
+        length : float
+            Of the line that is wound, in the data's units.
+        axis : array_like of shape (3,)
+            Of the circle.
+        tolerance : float
+            How far points may be from their images, in the data's units.
+
+        Returns
+        -------
+        tuple of Surface and float
+            The surface, and how far the farthest sample is from its image.
+        """
+        first, middle = (in_space(name, value, 3) for name, value in (("start", start), ("center", center)))
+        body, error = _core.bend(
+            self._body, first, middle, finite("axis", axis, 3), number("length", length), number("tolerance", tolerance)
+        )
+        return Surface._of(body), error
 
     def extend(self, direction: str, length: float, *, upper: bool = True, natural: bool = False) -> "Surface":
         """Continued past an edge.

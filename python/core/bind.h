@@ -9,9 +9,13 @@ namespace batten::python {
 void BindBodies(pybind11::module_& m);
 void BindEvaluation(pybind11::module_& m);
 void BindEditing(pybind11::module_& m);
+void BindShaping(pybind11::module_& m);
 void BindMaking(pybind11::module_& m);
+void BindJoining(pybind11::module_& m);
+void BindConstructions(pybind11::module_& m);
 void BindMeasures(pybind11::module_& m);
 void BindSections(pybind11::module_& m);
+void BindMeets(pybind11::module_& m);
 void BindClouds(pybind11::module_& m);
 void BindFiles(pybind11::module_& m);
 void BindFits(pybind11::module_& m);

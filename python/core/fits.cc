@@ -4,8 +4,10 @@
 
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_grid.h"
+#include "batten/fitting/fit_locally.h"
 #include "batten/fitting/fit_primitive.h"
 #include "batten/fitting/fit_surface.h"
+#include "batten/fitting/fit_through.h"
 #include "batten/fitting/interpolate_cloud.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
@@ -100,6 +102,7 @@ std::vector<FitPtr> FitSomeCurves(const PointsPtr& points,
                                   CurveFitOptions options,
                                   const std::string& component,
                                   const py::object& progress) {
+  const std::vector<MetPlace> places = PlacesOf(keywords);
   const Kept make_terms = keywords.Has("terms") ? Keep(keywords.Value("terms")) : nullptr;
   auto fits = Watched(
       [=](Watch& watch) mutable {
@@ -111,6 +114,11 @@ std::vector<FitPtr> FitSomeCurves(const PointsPtr& points,
           };
         }
         return Explained([&]() -> std::vector<CurveFit<Dim>> {
+          if (!places.empty()) {
+            std::vector<CurveFit<Dim>> through;
+            through.push_back(FitCurveThrough<Dim>(points->cloud, places, options));
+            return through;
+          }
           if (component == "all") return FitCurves<Dim>(points->cloud, options);
           std::vector<CurveFit<Dim>> one;
           one.push_back(component.empty()
@@ -154,6 +162,23 @@ FitPtr InterpolateOne(const PointsPtr& points, const py::dict& values) {
                                         : InterpolateIn<3>(points, keywords, options);
 }
 
+template <int Dim>
+FitPtr FitLocallyIn(const PointsPtr& points,
+                    const Keywords& keywords,
+                    const LocalFitOptions& options) {
+  std::vector<CurveFit<Dim>> one;
+  one.push_back(Watched(
+      [=](Watch&) { return Explained([&] { return FitLocally<Dim>(points->cloud, options); }); }));
+  return CurveFitsOf(points, keywords, std::move(one)).front();
+}
+
+FitPtr FitOneLocally(const PointsPtr& points, const py::dict& values) {
+  const Keywords keywords(values);
+  const LocalFitOptions options = LocalOptionsOf(keywords);
+  return points->cloud.dimension() == 2 ? FitLocallyIn<2>(points, keywords, options)
+                                        : FitLocallyIn<3>(points, keywords, options);
+}
+
 FitPtr FitOnePrimitive(const PointsPtr& points,
                        const py::dict& values,
                        const py::object& progress) {
@@ -179,6 +204,7 @@ void BindFits(py::module_& m) {
   m.def("fit_grid", &FitOneGrid);
   m.def("fit_curves", &FitTheCurves);
   m.def("interpolate_curve", &InterpolateOne);
+  m.def("fit_locally", &FitOneLocally);
   m.def("fit_primitive", &FitOnePrimitive);
 }
 

@@ -14,9 +14,13 @@ PYBIND11_MODULE(_core, m) {
   BindBodies(m);
   BindEvaluation(m);
   BindEditing(m);
+  BindShaping(m);
   BindMaking(m);
+  BindJoining(m);
+  BindConstructions(m);
   BindMeasures(m);
   BindSections(m);
+  BindMeets(m);
   BindClouds(m);
   BindFiles(m);
   BindFits(m);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "python/core/options.h"
 
+#include <pybind11/stl.h>
+
 #include <limits>
 
 #include "batten/geometry/spline_basis.h"
@@ -432,6 +434,30 @@ SolidFitOptions SolidOptionsOf(const Keywords& k) {
   return options;
 }
 
+LocalFitOptions LocalOptionsOf(const Keywords& k) {
+  LocalFitOptions options;
+  k.Choose<LocalPieces>("method",
+                        {{"local-parabolic", LocalPieces::kParabolas},
+                         {"local-conic", LocalPieces::kConics},
+                         {"local-cubic", LocalPieces::kCubics}},
+                        options.pieces);
+  k.Take("tolerance", options.tolerance);
+  k.Take("closed", options.closed);
+  k.Take("corners", options.corners);
+  k.Take("shift", options.shift);
+  return options;
+}
+
+std::vector<MetPlace> PlacesOf(const Keywords& k) {
+  std::vector<MetPlace> places;
+  if (!k.Has("places")) return places;
+  for (const auto& x : k.Value("places").cast<std::vector<std::vector<double>>>()) {
+    places.push_back({Eigen::Vector3d(x[0], x[1], x[2])});
+    if (x.size() == 6) places.back().direction = Eigen::Vector3d(x[3], x[4], x[5]);
+  }
+  return places;
+}
+
 CloudInterpolationOptions InterpolationOptionsOf(const Keywords& k) {
   CloudInterpolationOptions options;
   k.Take("degree", options.degree);
@@ -439,6 +465,25 @@ CloudInterpolationOptions InterpolationOptionsOf(const Keywords& k) {
   TakeParameterization(k, options.parameterization);
   k.Take("closed", options.closed);
   k.Take("keep_order", options.keep_order);
+  k.Take("function_of_x", options.function_of_x);
+  if (k.Has("spline")) {
+    SplineEnds ends = SplineEnds::kNatural;
+    k.Choose<SplineEnds>("spline",
+                         {{"natural", SplineEnds::kNatural},
+                          {"clamped", SplineEnds::kClamped},
+                          {"curvature", SplineEnds::kCurvature},
+                          {"not-a-knot", SplineEnds::kNotAKnot},
+                          {"periodic", SplineEnds::kPeriodic}},
+                         ends);
+    options.spline = ends;
+  }
+  const auto curvature = [&](const char* name, std::optional<Eigen::VectorXd>& field) {
+    if (!k.Has(name)) return;
+    const auto numbers = k.Value(name).cast<std::vector<double>>();
+    field = Eigen::Map<const Eigen::VectorXd>(numbers.data(), std::ssize(numbers));
+  };
+  curvature("start_curvature", options.start_curvature);
+  curvature("end_curvature", options.end_curvature);
   k.Take("start_tangent", options.start_tangent);
   k.Take("end_tangent", options.end_tangent);
   k.Take("tolerance", options.tolerance);

@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "batten/fitting/curve_options.h"
+#include "batten/fitting/fit_locally.h"
+#include "batten/fitting/fit_through.h"
 #include "batten/fitting/grid_options.h"
 #include "batten/fitting/interpolate_cloud.h"
 #include "batten/fitting/optimize.h"
@@ -81,6 +83,8 @@ CurveFitOptions CurveOptionsOf(const Keywords& keywords);
 PrimitiveFitOptions PrimitiveOptionsOf(const Keywords& keywords);
 GridFitOptions GridOptionsOf(const Keywords& keywords);
 SolidFitOptions SolidOptionsOf(const Keywords& keywords);
+LocalFitOptions LocalOptionsOf(const Keywords& keywords);
+std::vector<MetPlace> PlacesOf(const Keywords& keywords);  // three or six numbers each
 CloudInterpolationOptions InterpolationOptionsOf(const Keywords& keywords);
 OptimizeOptions OptimizeOptionsOf(const Keywords& keywords);
 

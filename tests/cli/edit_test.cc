@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cli/arguments/edit_operations.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
+#include "cli/arguments/edit_operations.h"
 #include "exact_shapes.h"
 #include "random_splines.h"
 #include "test_clouds.h"
@@ -219,6 +219,90 @@ TEST_F(EditTest, ShapesAreChangedByHand) {
   EXPECT_LT((dented.At(s, t) - Eigen::Vector3d(3, 2, 1)).norm(), kRounding);
 }
 
+TEST_F(EditTest, SeveralPointsAndDerivativesAreMetAtOnce) {
+  const NurbsCurve<2> curve(SplineBasis::Uniform(3, 8, 0, 1), Eigen::Matrix2Xd::Random(2, 8));
+  const auto moved = Edited<NurbsCurve<2>>(
+      curve, {"move:at=0.2;0.2;0.7,to=1;2;3;0;5;6,order=0;1;0,keep=0.5,fix=0;7"});
+  EXPECT_LT((moved.At(0.2) - Eigen::Vector2d(1, 2)).norm(), kRounding * 10);
+  EXPECT_LT((moved.JetAt(0.2).first - Eigen::Vector2d(3, 0)).norm(), kRounding * 1e3);
+  EXPECT_LT((moved.At(0.7) - Eigen::Vector2d(5, 6)).norm(), kRounding * 10);
+  EXPECT_LT((moved.At(0.5) - curve.At(0.5)).norm(), kRounding * 10);
+  EXPECT_EQ(moved.control_points().col(0), curve.control_points().col(0));
+  EXPECT_EQ(moved.control_points().col(7), curve.control_points().col(7));
+  const NurbsSurface surface = random_.Surface(3, 2, true, {.most_spans = 4});
+  const auto at = [&](double s) {
+    const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
+    return std::pair(u.lower() + s * (u.upper() - u.lower()),
+                     v.lower() + s * (v.upper() - v.lower()));
+  };
+  const auto [u1, v1] = at(0.2);
+  const auto [u2, v2] = at(0.8);
+  const NurbsSurface dented =
+      Edited<NurbsSurface>(surface,
+                           {"move:at=" + Shortest(u1) + ";" + Shortest(v1) + ";" + Shortest(u2) +
+                            ";" + Shortest(v2) + ",to=1;2;3;4;5;6"});
+  EXPECT_LT((dented.At(u1, v1) - Eigen::Vector3d(1, 2, 3)).norm(), kRounding * 1e3);
+  EXPECT_LT((dented.At(u2, v2) - Eigen::Vector3d(4, 5, 6)).norm(), kRounding * 1e3);
+}
+
+TEST_F(EditTest, WeightsPullPointsByALength) {
+  const NurbsCurve<2> arch(SplineBasis::Uniform(3, 4, 0, 1),
+                           Eigen::Matrix2Xd{{0, 0, 2, 2}, {0, 2, 2, 0}});
+  const auto leg = Edited<NurbsCurve<2>>(arch, {"pull:at=0.5,index=1;2,by=0.25"});
+  EXPECT_LT((leg.At(0.5) - Eigen::Vector2d(1, 1.75)).norm(), kRounding);
+  EXPECT_EQ(leg.weights()[1], leg.weights()[2]);
+  const auto one = Edited<NurbsCurve<2>>(arch, {"pull:at=0.5,index=1,by=0.25"});
+  EXPECT_NEAR((one.At(0.5) - arch.At(0.5)).norm(), 0.25, kRounding);
+  const NurbsSurface surface = std::get<NurbsSurface>(ReadGeometry(patch_).at(0));
+  const auto pulled = Edited<NurbsSurface>(surface, {"pull:at=0.7;0.4,index=1;1,by=0.1"});
+  EXPECT_NEAR((pulled.At(0.7, 0.4) - surface.At(0.7, 0.4)).norm(), 0.1, kRounding);
+}
+
+TEST_F(EditTest, RegionsAreWarpedFlattenedAndBent) {
+  const NurbsSurface surface =
+      std::get<NurbsSurface>(ReadGeometry(patch_).at(0));  // [0, 2] x [0, 1]
+  const auto warped = Edited<NurbsSurface>(surface, {"warp:region=0.5;1.5;0.25;0.75,by=0;0;2"});
+  EXPECT_LT((warped.At(1, 0.5) - surface.At(1, 0.5) - Eigen::Vector3d(0, 0, 2)).norm(),
+            kRounding * 10);
+  EXPECT_LT((warped.At(0.3, 0.5) - surface.At(0.3, 0.5)).norm(), kRounding * 10);
+  const auto strip =
+      Edited<NurbsSurface>(surface, {"warp:dir=u,region=0.5;1.5,by=0;0;2,shape=plateau,spans=8"});
+  EXPECT_EQ(strip.size_v(), surface.size_v());
+  const auto flat = Edited<NurbsSurface>(
+      surface, {"flatten:region=0.5;1.5;0.25;0.75,plane=0;0;1;-1,along=0;1;1"});
+  EXPECT_NEAR(flat.At(0.6, 0.7).z(), 1, kRounding);
+  EXPECT_LT((flat.At(0.2, 0.5) - surface.At(0.2, 0.5)).norm(), kRounding * 10);
+  const NurbsCurve<2> line(SplineBasis::Uniform(1, 2, 0, 1), Eigen::Matrix2Xd{{5, 5}, {0, 6}});
+  const auto arc = Edited<NurbsCurve<2>>(
+      line, {"elevate:by=2", "bend:from=5;0,center=0;0,length=6,tolerance=1e-6"});
+  for (int k = 0; k <= 20; ++k) EXPECT_NEAR(arc.At(k / 20.).norm(), 5, 2e-6);
+}
+
+TEST_F(EditTest, BezierCurvesAreReducedByTheirRules) {
+  const NurbsCurve<2> cubic(SplineBasis::Uniform(3, 4, 1, 2),
+                            Eigen::Matrix2Xd{{0, 1, 2, 3}, {0, 1, 1, 0.1}});
+  const auto reduced = [&](const std::string& rule) {
+    return Edited<NurbsCurve<2>>(cubic, {"reduce:tolerance=1,rule=" + rule});
+  };
+  EXPECT_EQ(reduced("forward").JetAt(1).first, cubic.JetAt(1).first);
+  EXPECT_EQ(reduced("backward").At(2), cubic.At(2));
+  EXPECT_LT((reduced("backward").JetAt(2).first - cubic.JetAt(2).first).norm(), kRounding);
+  EXPECT_EQ(reduced("fixed-ends").At(1), cubic.At(1));
+  EXPECT_EQ(reduced("fixed-ends").At(2), cubic.At(2));
+  EXPECT_LE(Gap(cubic, reduced("least-squares")), Gap(cubic, reduced("forward")));
+}
+
+TEST_F(EditTest, ASplineOfTheParameterTracesTheSameShape) {
+  const NurbsCurve<2> parabola = std::get<NurbsCurve<2>>(ReadGeometry(parabola_).at(0));
+  const auto traced =
+      Edited<NurbsCurve<2>>(parabola, {"compose:degree=2,knots=0;0;0;1;1;1,values=0;0.25;1"});
+  EXPECT_EQ(traced.basis().degree(), 4);
+  for (const double s : {0.0, 0.3, 0.8, 1.0}) {
+    const double u = 2 * s * (1 - s) * 0.25 + s * s;
+    EXPECT_LT((traced.At(s) - parabola.At(u)).norm(), kRounding);
+  }
+}
+
 TEST_F(EditTest, AnIsoCurveLiesOnTheSurface) {
   const NurbsSurface surface = random_.Surface(2, 3, true);
   const double u = (surface.basis_u().lower() + surface.basis_u().upper()) / 2;
@@ -377,6 +461,9 @@ TEST_F(EditTest, BadOperationsAreNamedWithValueAndRule) {
       {curve, {"remove-knot:at=0.5,tolerance=-1"}, {"tolerance = -1 is not 0 or more"}},
       {curve, {"reduce:tolerance=-1"}, {"tolerance = -1 is not 0 or more"}},
       {curve, {"reduce:by=2"}, {"reduce:by=2", "2"}},
+      {surface, {"reduce:dir=u,rule=forward"}, {"rule is for curves"}},
+      {curve, {"reduce:rule=forwards"}, {"rule = 'forwards' is not among"}},
+      {curve, {"insert-knot:at=0.5", "reduce:rule=forward"}, {"decompose first"}},
       {curve, {"elevate:by=24"}, {"elevate:by=24", "25"}},
       {curve, {"elevate:by=25"}, {"by = 25 is not a whole number from 1 to 24"}},
       {curve, {"elevate:by=-1"}, {"by = -1"}},
@@ -394,7 +481,7 @@ TEST_F(EditTest, BadOperationsAreNamedWithValueAndRule) {
       {curve, {"translate"}, {"its numbers are missing", "translate:x,y,z"}},
       {curve, {"translate:1,,2"}, {"'1,,2' is not a list of finite numbers"}},
       {curve, {"scale:0"}, {"scale:0", "0 is zero"}},
-      {curve, {"scale:inf"}, {"'inf' is not a finite number"}},
+      {curve, {"scale:inf"}, {"'inf' is not a list of finite numbers"}},
       {surface, {"scale:1e200"}, {"scale:1e200", "1e150"}},
       {surface, {"rotate:axis=0,0,0,angle=5"}, {"rotate:axis=0,0,0,angle=5", "axis"}},
       {curve, {"rotate:axis=1,0,0,angle=45"}, {"rotate:axis=1,0,0,angle=45", "plane"}},
@@ -415,6 +502,26 @@ TEST_F(EditTest, BadOperationsAreNamedWithValueAndRule) {
       {curve, {"move-point:at=2,to=1;1"}, {"move-point:at=2", "2", "[0, 1]"}},
       {curve, {"move-point:at=0.5,to=1;1;1"}, {"two numbers x,y"}},
       {surface, {"move-point:at=0.5,to=1;1;1"}, {"two numbers on a surface, not 1"}},
+      {curve, {"move:at=0.5;0.5,to=0;0;1;0"}, {"can't be met with the others", "0.5 are missing"}},
+      {curve, {"move:at=0.5,to=0;0;1;0"}, {"two numbers x,y"}},
+      {curve, {"move:at=0.5;0.6,to=0;0;1"}, {"to holds 3 numbers; 4 are needed"}},
+      {curve, {"move:at=0.5,to=0;0,order=0;1"}, {"order holds 2 numbers; 1 are needed"}},
+      {curve, {"move:at=0.5,to=0;0,fix=3"}, {"the fixed index i = 3 is not in [0, 2]"}},
+      {surface, {"move:at=0.5,to=0;0;0"}, {"at holds 1 numbers; on a surface they are pairs"}},
+      {curve, {"pull:at=0.5,index=1,by=1"}, {"by = 1 is not less than 1", "infinite"}},
+      {curve, {"pull:at=0.5,index=1,by=-2"}, {"by = -2 is not above -1", "zero"}},
+      {curve, {"pull:at=0.5,index=0;2,by=0.1"}, {"two neighbours"}},
+      {surface, {"pull:at=0.5,index=1;1,by=0.1"}, {"at takes two numbers on a surface"}},
+      {curve, {"warp:region=0.5;0.5,by=0;1"}, {"the range [0.5, 0.5] of u is empty"}},
+      {curve, {"warp:region=0;2,by=0;1"}, {"[0, 2] of u leaves the domain [0, 1]"}},
+      {curve, {"warp:region=0;1,by=0;1,shape=bumb"}, {"shape = 'bumb' is not among"}},
+      {curve, {"warp:region=0;1,by=0;1,dir=u"}, {"a curve has one direction"}},
+      {surface, {"warp:region=0;1,by=0;1;1"}, {"region takes four numbers on a surface"}},
+      {curve, {"flatten:region=0;1,plane=0;0;1;0"}, {"c is 0"}},
+      {curve, {"flatten:region=0;1,plane=0;0;0;1"}, {"no normal"}},
+      {curve, {"bend:from=0;0,center=0;0,length=1"}, {"lies on the axis"}},
+      {curve, {"bend:from=1;0,center=0;0,length=7"}, {"more than once round the circle, 6.28319"}},
+      {curve, {"compose:degree=1,knots=0;0;1;1,values=0;0.5"}, {"compose:degree=1"}},
       {curve, {"elevate", "insert-knot:at=0.5", "split:at=3"}, {"split:at=3"}},
       {curve, {"elevate", "splitt:at=0.3"}, {"unknown operation 'splitt'", "'split'"}},
   };
@@ -498,7 +605,13 @@ TEST_F(EditTest, HelpListsEveryOperation) {
                            "mobius=",
                            "iso:at=",
                            "set-weight:index=",
-                           "move-point:at="}) {
+                           "move-point:at=",
+                           "move:at=",
+                           "pull:at=",
+                           "warp:region=",
+                           "flatten:region=",
+                           "bend:from=",
+                           "compose:degree="}) {
     EXPECT_THAT(help, HasSubstr(name));
   }
 }

@@ -123,6 +123,39 @@ TEST_F(EvaluateTest, APoleHasTheNormalAndCurvatureOfItsLimit) {
   EXPECT_NEAR(poles[0]["curvature"]["gaussian"].get<double>(), 0.25, kIterated);
 }
 
+// A vector in the tangent plane is S_u du + S_v dv; what is left of others is along the normal.
+TEST_F(EvaluateTest, AVectorHasItsParameterVelocities) {
+  const std::string patch = folder_.With("patch.json", kRationalPatch);
+  const Json result = Json::parse(Batten({"evaluate",
+                                          patch,
+                                          "--at",
+                                          "0.7,0.4",
+                                          "--derivatives",
+                                          "1",
+                                          "--along",
+                                          "1,2,3",
+                                          "--json"})
+                                      .out)["results"][0];
+  double left = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double part =
+        result["derivatives"][1][0][k].get<double>() * result["along"]["du"].get<double>() +
+        result["derivatives"][0][1][k].get<double>() * result["along"]["dv"].get<double>();
+    const double rest = k + 1 - part;
+    left += rest * rest;
+    EXPECT_NEAR(
+        std::abs(rest),
+        std::abs(result["normal"][k].get<double>()) * result["along"]["residual"].get<double>(),
+        kRounding * 10);
+  }
+  EXPECT_NEAR(std::sqrt(left), result["along"]["residual"].get<double>(), kRounding * 10);
+  EXPECT_EQ(Batten({"evaluate", patch, "--at", "0.7,0.4", "--along", "1,2"}).code, 2);
+  EXPECT_EQ(
+      Batten({"evaluate", folder_.With("p.json", kParabola), "--at", "0.5", "--along", "1,2,3"})
+          .code,
+      2);
+}
+
 TEST_F(EvaluateTest, PeriodicDirectionsTakeAnyParameter) {
   const auto round = random_.Curve<3>(3, true, {.periodic = true});
   const double period = round.basis().upper() - round.basis().lower();

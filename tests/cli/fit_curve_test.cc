@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "batten/geometry/foot_point.h"
+#include "batten/io/geometry_file.h"
 #include "test_clouds.h"
 
 namespace batten::internal::fit_curve_test {
@@ -196,6 +198,29 @@ TEST_F(FitCurveCommandTest, RefusesMistakesAndFlagsThatContradictEachOther) {
            {{"--interpolate", "--closed", "yes", "--end-tangent", "1,0"}, "--closed yes"},
            {{"--parameterization", "given", "--order", "unordered"}, "order"},
            {{"--parameterization", "given", "--closed", "yes"}, "close"},
+           {{"--spline", "natural"}, "--spline is for --interpolate"},
+           {{"--interpolate", "--spline", "clamped"}, "needs --start-tangent and --end-tangent"},
+           {{"--interpolate", "--spline", "curvature"}, "--start-curvature and --end-curvature"},
+           {{"--interpolate", "--spline", "natural", "--closed", "yes"}, "--spline periodic"},
+           {{"--interpolate", "--spline", "periodic", "--closed", "no"}, "closes the curve"},
+           {{"--interpolate", "--spline", "natural", "--degree", "4"}, "--degree 4 is not 3"},
+           {{"--interpolate", "--start-curvature", "1"}, "--interpolate --spline"},
+           {{"--interpolate",
+             "--spline",
+             "curvature",
+             "--start-curvature",
+             "1,2",
+             "--end-curvature",
+             "1"},
+            "is not one number"},
+           {{"--interpolate", "--through", "1"}, "--through"},
+           {{"--method", "local-cubic", "--control-points", "9"}, "--control-points"},
+           {{"--method", "local-cubic", "--interpolate"}, "--interpolate"},
+           {{"--method", "local-parabolic", "--tolerance", "1"}, "goes through every point"},
+           {{"--method", "local"}, "--method"},
+           {{"--through", "0"}, "there is no point 0"},
+           {{"--through", "999"}, "they are 1 to 201"},
+           {{"--through", "1", "--component", "1"}, "--component"},
            {{"--component", "0"}, "--component"},
            {{"--component", "al"}, "--component"},
            {{"--closed", "maybe"}, "--closed"},
@@ -209,6 +234,90 @@ TEST_F(FitCurveCommandTest, RefusesMistakesAndFlagsThatContradictEachOther) {
   ExpectRefused({step_, "--control-points", "3"}, 2, "--control-points");
   ExpectRefused({step_, "--optimize", "knots,knots"}, 2, "twice");
   ExpectRefused({step_, "--optimize", "params,weight"}, 2, "list of params, weights and knots");
+}
+
+// The curve that was written.
+NurbsCurve<2> Written(const TemporaryFolder& folder) {
+  return std::get<NurbsCurve<2>>(ReadGeometry(folder.File("out.json")).at(0));
+}
+
+// y of the function at x.
+double ValueAt(const NurbsCurve<2>& curve, double x) {
+  EXPECT_NEAR(curve.At(x).x(), x, 1e-12 * (1 + std::abs(x)));
+  return curve.At(x).y();
+}
+
+TEST_F(FitCurveCommandTest, SplinesHaveTheEndsAskedFor) {
+  const std::string sine = folder_.With("sine.xy",
+                                        "2 0.9092974268256817\n0 0\n1 0.8414709848078965\n3 "
+                                        "0.1411200080598672\n4 -0.7568024953079282\n");
+  const std::vector<std::string> function = {
+      sine, "--interpolate", "--parameterization", "x", "--spline"};
+  const auto fit = [&](std::vector<std::string> flags) {
+    std::vector<std::string> all = function;
+    all.insert(all.end(), flags.begin(), flags.end());
+    EXPECT_LT(Fit(all)["error"]["max"], 1e-14);
+    return Written(folder_);
+  };
+  const NurbsCurve<2> natural = fit({"natural"});
+  EXPECT_NEAR(natural.JetAt(0).second.norm(), 0, 1e-12);
+  EXPECT_NEAR(natural.JetAt(4).second.norm(), 0, 1e-12);
+  ValueAt(natural, 2.5);
+  const NurbsCurve<2> clamped =
+      fit({"clamped", "--start-tangent", "2,2", "--end-tangent", "1,-0.65"});
+  EXPECT_NEAR((clamped.JetAt(0).first - Eigen::Vector2d(1, 1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((clamped.JetAt(4).first - Eigen::Vector2d(1, -0.65)).norm(), 0, 1e-12);
+  EXPECT_NEAR(ValueAt(clamped, 0.5), std::sin(0.5), 2e-3);
+  const NurbsCurve<2> bent = fit({"curvature", "--start-curvature", "0", "--end-curvature", "0.4"});
+  const CurveJet<2> end = bent.JetAt(4);
+  EXPECT_NEAR(end.second.y() / std::pow(end.first.norm(), 3), 0.4, 1e-9);
+  EXPECT_NEAR(end.second.x(), 0, 1e-12);
+  EXPECT_EQ(fit({"not-a-knot"}).basis().size(), 5);
+  // Along chords, ends given one by one.
+  Fit({sine, "--interpolate", "--spline", "natural", "--start-tangent", "0,1"});
+  EXPECT_NEAR(Written(folder_).JetAt(0).first.x(), 0, 1e-12);
+  EXPECT_NEAR(Written(folder_).JetAt(1).second.norm(), 0, 1e-9);
+  Fit({sine, "--interpolate", "--spline", "periodic"});
+  EXPECT_TRUE(Written(folder_).basis().periodic());
+}
+
+TEST_F(FitCurveCommandTest, LocalMethodsMeetThePointsOrKeepTheTolerance) {
+  for (const std::string method : {"local-parabolic", "local-conic", "local-cubic"}) {
+    const Json met = Fit({step_, "--method", method});
+    EXPECT_LT(met["error"]["max"], 1e-12) << method;
+    EXPECT_EQ(met["geometry"]["rational"], method == "local-conic");
+    if (method == "local-parabolic") continue;
+    const Json kept = Fit({step_, "--method", method, "--tolerance", "1e-3"});
+    EXPECT_LE(kept["error"]["max"], 1e-3) << method;
+    EXPECT_LT(kept["geometry"]["control_points"][0], 60) << method;
+    EXPECT_EQ(kept["termination"], "tolerance_reached");
+  }
+}
+
+TEST_F(FitCurveCommandTest, LocalMethodsSayWhereTheOrderFollowsNoCurve) {
+  std::vector<Row> rows = Step(201);
+  std::shuffle(rows.begin(), rows.end(), std::mt19937_64(3));
+  const std::string mixed = folder_.With("mixed.xy", ToText(rows));
+  const Json report = Fit({mixed, "--method", "local-cubic"});
+  EXPECT_THAT(report["warnings"].dump(), HasSubstr("do not follow one another along a curve"));
+}
+
+TEST_F(FitCurveCommandTest, PointsAndDirectionsAreMetExactly) {
+  const std::string tangents = folder_.With("tangents.csv", "x,y,dx,dy\n0.4,0.5,1,6\n");
+  const std::string points = folder_.With("points.xy", "0 0\n1 1\n");
+  Fit({step_, "--through", points, "--tangents", tangents, "--tolerance", "0.01"});
+  const NurbsCurve<2> curve = Written(folder_);
+  const CurveFootPoints<2> feet(curve);
+  const CurveFoot foot = feet.Nearest({0.4, 0.5, 0});
+  EXPECT_LT(foot.distance, 1e-12);
+  const Eigen::Vector2d along = curve.JetAt(foot.u).first;
+  EXPECT_NEAR(along.y() / along.x(), 6, 1e-9);
+  EXPECT_LT(feet.Nearest({0, 0, 0}).distance, 1e-12);
+  Fit({step_, "--through", "1,201"});
+  EXPECT_LT(CurveFootPoints<2>(Written(folder_)).Nearest({1, Step(201)[200][1], 0}).distance,
+            1e-12);
+  ExpectRefused({step_, "--tangents", points}, 2, "column");
+  ExpectRefused({step_, "--through", "nowhere.xy"}, 1, "nowhere.xy");
 }
 
 TEST_F(FitCurveCommandTest, GivesTheSameBytesEveryTime) {

@@ -104,7 +104,7 @@ TEST_F(UsageTest, ThinningIsOfScatteredPoints) {
 
 TEST_F(UsageTest, AFlagOfAnotherCommandIsSaidToBeThere) {
   ExpectBadFlags({"--interpolate"}, {"'--interpolate'", "'batten fit curve' has it"});
-  ExpectBadFlags({"--start-tangent", "1,0"}, {"'batten fit curve' has it"});
+  ExpectBadFlags({"--start-tangent", "1,0"}, {"'batten fit curve', 'batten make loft' have it"});
   ExpectUsageError({"compare", "a.json", "b.xyz", "--kind", "plane"},
                    {"'--kind' for 'batten compare'", "'batten fit primitive' has it"});
   ExpectUsageError({"sample", "a.json", "--tolerance", "1"},

@@ -98,6 +98,32 @@ def test_moved_points_and_weights(rng):
     assert c.extend(1.0).length == pytest.approx(c.length + 1, rel=1e-8)
 
 
+def test_several_points_are_met_at_once(rng):
+    c = random_curve(rng)
+    to = [[1, 2, 3], [0, 1, 0], [4, 5, 6]]
+    moved = c.move_points([0.2, 0.2, 0.8], to, order=[0, 1, 0], keep=[0.5], fixed=[0])
+    assert np.allclose(moved([0.2, 0.8, 0.5]), [to[0], to[2], c(0.5)], atol=1e4 * ROUNDING)
+    assert np.allclose(moved.derivatives(0.2, 1)[1], to[1], atol=1e6 * ROUNDING)
+    assert (moved.control_points[0] == c.control_points[0]).all()
+    with pytest.raises(ValueError, match="can't be met"):
+        c.move_points([0.5, 0.5], [[0, 0, 0], [1, 0, 0]])
+
+
+def test_pulls_warps_flattening_and_bends(rng):
+    arch = batten.Curve(3, [0, 0, 0, 0, 1, 1, 1, 1], [[0, 0], [0, 2], [2, 2], [2, 0]])
+    assert np.allclose(arch.pull(0.5, (1, 2), 0.25)(0.5), [1, 1.75], atol=100 * ROUNDING)
+    assert np.linalg.norm(arch.pull(0.5, 1, 0.25)(0.5) - arch(0.5)) == pytest.approx(0.25, abs=100 * ROUNDING)
+    c = random_curve(rng)
+    warped = c.warp((0.2, 0.6), [0, 0, 2], shape="tent")
+    assert np.allclose(warped(0.4), c(0.4) + [0, 0, 2], atol=1e4 * ROUNDING)
+    assert np.allclose(warped([0.1, 0.7]), c([0.1, 0.7]), atol=1e4 * ROUNDING)
+    flat = c.flatten((0.2, 0.6), [0, 1, 1], 1.0, along=[0, 0, 1])
+    assert np.allclose(flat(np.linspace(0.2, 0.6, 9)) @ [0, 1, 1], 1, atol=1e4 * ROUNDING)
+    line = batten.make.line([5, 0, 0], [5, 6, 0]).elevate(2)
+    bent, error = line.bend([5, 0, 0], [0, 0, 0], 6, tolerance=1e-6)
+    assert error <= 1e-6 and np.allclose(np.linalg.norm(bent(np.linspace(0, 1, 99)), axis=1), 5, atol=2e-6)
+
+
 def test_moebius_and_composition(rng):
     c, t = random_curve(rng, 2, 5), np.linspace(0, 1, 9)
     assert np.allclose(c.moebius(1, 0, -0.5, 1.5)(t), c(t / (1.5 - 0.5 * t)), atol=1e4 * ROUNDING)

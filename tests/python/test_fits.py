@@ -358,6 +358,51 @@ def test_interpolation_meets_the_points():
     assert ring.curve.periodic and np.abs(ring.curve(ring.parameters) - points[:-1, :2]).max() < ITERATED
 
 
+def test_splines_have_their_ends():
+    x = np.array([0.0, 1, 2, 3.5, 5])
+    points = np.column_stack([x, np.sin(x)])
+    for ends in ("natural", "not-a-knot"):
+        fit = batten.interpolate_curve(points, spline=ends, parameterization="x")
+        assert np.allclose(fit.curve(x), points, atol=ITERATED)
+    natural = batten.interpolate_curve(points, spline="natural", parameterization="x").curve
+    assert np.allclose(natural.derivatives([0.0, 5.0], 2)[2], 0, atol=ITERATED)
+    clamped = batten.interpolate_curve(
+        points, spline="clamped", parameterization="x", start_tangent=[2, 2], end_tangent=[1, np.cos(5)]
+    ).curve
+    assert np.allclose(clamped.derivatives([0.0, 5.0], 1)[1], [[1, 1], [1, np.cos(5)]], atol=ITERATED)
+    bent = batten.interpolate_curve(points, spline="curvature", start_curvature=0.2, end_curvature=-0.1).curve
+    assert np.allclose(bent.curvature([0.0, 5.0 / 5])[:, 0], [0.2, 0.1], atol=1e-8)
+    space = batten.interpolate_curve(helix(9), spline="curvature", start_curvature=[0, 0, 0.2], end_curvature=[0, 0, 0]).curve
+    assert space.curvature(1.0)[0] == pytest.approx(0, abs=1e-8)
+    assert batten.interpolate_curve(points, spline="periodic").curve.periodic
+    with pytest.raises(batten.FitRefused, match="clamped spline needs the start tangent"):
+        batten.interpolate_curve(points, spline="clamped")
+
+
+def test_local_methods_meet_points_or_keep_a_tolerance():
+    points = helix(300)
+    for method in ("local-parabolic", "local-conic", "local-cubic"):
+        assert batten.fit_curve(points, method=method).residuals.max() < ITERATED
+    for method in ("local-conic", "local-cubic"):
+        fit = batten.fit_curve(points, method=method, tolerance=1e-3)
+        assert fit.residuals.max() <= 1e-3 and len(fit.curve.control_points) < 150
+    with pytest.raises(batten.FitRefused, match="parabolas"):
+        batten.fit_curve(points, method="local-parabolic", tolerance=1e-3)
+    with pytest.raises(ValueError, match="method"):
+        batten.fit_curve(points, method="local-cubic", control_points=9)
+
+
+def test_places_and_directions_are_met():
+    points = helix(400)
+    fit = batten.fit_curve(points, through=[points[100]], tangents=[[*points[0], 0, 1, 1]])
+    foot = fit.curve.closest(np.array([points[100], points[0]]))
+    assert foot.distances.max() < ITERATED
+    along = fit.curve.tangent(foot.parameters[1])
+    assert np.allclose(np.cross(along, [0, 1, 1]), 0, atol=1e-8)
+    with pytest.raises(ValueError, match="tangents"):
+        batten.fit_curve(points, tangents=[[0, 0, 0]])
+
+
 @pytest.mark.parametrize("kind", ["line", "circle", "plane", "sphere", "cylinder", "cone", "torus"])
 def test_primitives_are_recognised(kind):
     shapes = {

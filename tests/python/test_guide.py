@@ -23,12 +23,12 @@ NOTEBOOK = os.path.join(ROOT, "examples", "scan_to_step.ipynb")
 
 
 def test_examples_of_the_guide(tmp_path, monkeypatch, capsys):
-    assert len(EXAMPLES) == 9
+    assert len(EXAMPLES) == 10
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "__main__"}
     for number, example in enumerate(EXAMPLES, 1):  # each goes on where the one before ended, as a reader does
         exec(compile(example, f"docs/python.md, example {number}", "exec"), names)
-        if number == 8:
+        if number == 9:
             assert abs(names["fit"].surface.control_points[0, 0] - names["corner"][0]).max() < 1e-3
     assert {"sheet.step", "sheet.html", "sheet.ply", "pin.step", "off.ply", "all.json", "ring.step", "ring.brep"} <= {p.name for p in tmp_path.iterdir()}
     assert batten.read_geometry("pin.step")[0].classify()[0] == "cylinder"

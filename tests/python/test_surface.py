@@ -231,6 +231,25 @@ def test_moved_point_is_met_and_weights_pull(rng):
     assert np.linalg.norm(pulled(u, v) - s.control_points[i, j]) < np.linalg.norm(s(u, v) - s.control_points[i, j])
 
 
+def test_changes_by_hand(rng):
+    s = random_surface(rng)
+    to = [[3, -1, 2], [1, 1, 1]]
+    moved = s.move_points([[0.2, 0.3], [0.8, 0.7]], to, keep=[[0.5, 0.5]], fixed=[[0, 0]])
+    assert np.allclose(moved([0.2, 0.8, 0.5], [0.3, 0.7, 0.5]), [*to, s(0.5, 0.5)], atol=1e4 * ROUNDING)
+    i, j = 3, 2
+    u, v = s.greville[0][i], s.greville[1][j]
+    assert np.linalg.norm(s.pull(u, v, i, j, 0.01)(u, v) - s(u, v)) == pytest.approx(0.01, abs=1e4 * ROUNDING)
+    warped = s.warp([0, 0, 1], u=(0.2, 0.6), v=(0.3, 0.9))
+    assert np.allclose(warped(0.4, 0.6), s(0.4, 0.6) + [0, 0, 1], atol=1e4 * ROUNDING)
+    flat = s.flatten([0, 0, 1], 2.0, u=(0.2, 0.6))
+    assert np.allclose(flat(0.4, np.linspace(0, 1, 9))[:, 2], 2, atol=1e4 * ROUNDING)
+    plate = batten.make.bilinear([5, 0, 0], [5, 6, 0], [5, 0, 1], [5, 6, 1]).elevate("u", 2)
+    bent, error = plate.bend([5, 0, 0], [0, 0, 0], 6, tolerance=1e-5)
+    assert error <= 1e-5 and len(bent.knots_v) == 4
+    with pytest.raises(ValueError, match="u, v"):
+        s.warp([0, 0, 1])
+
+
 def test_extension_keeps_the_old_part(rng):
     s = random_surface(rng, rational=False)
     longer = s.extend("u", 0.5)

@@ -25,4 +25,7 @@ Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,
                                 int degree = 3,
                                 bool closed = false);
 
+// The cloud with the x-coordinates (world) as parameters u: of a function y(x).
+PointCloud ParameterizedByX(PointCloud cloud);
+
 }  // namespace batten

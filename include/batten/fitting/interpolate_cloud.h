@@ -5,14 +5,29 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "batten/fitting/curve_parameterization.h"
 #include "batten/fitting/curve_options.h"
+#include "batten/fitting/curve_parameterization.h"
 #include "batten/fitting/point_cloud.h"
 
 namespace batten {
 
+// The ends of a cubic spline with a knot at every point.
+enum class SplineEnds {
+  kNatural,    // no curvature
+  kClamped,    // the tangents given
+  kCurvature,  // the curvatures given
+  kNotAKnot,   // the second point from either end is no knot
+  kPeriodic,   // none: closed
+};
+
 struct CloudInterpolationOptions {
   int degree = 3;  // 1 … 25
+  // A cubic spline, C² with a knot at every point; knots are means of parameters when absent. A
+  // tangent or curvature given at one end holds there whatever this says. Degree 3.
+  std::optional<SplineEnds> spline = std::nullopt;
+  // The curve of a function: y(x), in space y and z of x. Its parameter is x, the first coordinate,
+  // in which points may come in any order, and C' has x' = 1; `parameterization` is not looked at.
+  bool function_of_x = false;
   CurveParameterization parameterization = CurveParameterization::kChord;
   bool keep_order = false;  // given parameters must not decrease from point to point
   bool closed =
@@ -21,6 +36,11 @@ struct CloudInterpolationOptions {
   // (EndTangent in interpolate_curve.h). A plane cloud takes their first two coordinates.
   std::optional<Eigen::Vector3d> start_tangent = std::nullopt;
   std::optional<Eigen::Vector3d> end_tangent = std::nullopt;
+  // Curvatures at the ends of a spline: in the plane one number, positive where it turns left; in
+  // space the vector towards the centre, one over the radius long, of which the part across the
+  // curve counts.
+  std::optional<Eigen::VectorXd> start_curvature = std::nullopt;
+  std::optional<Eigen::VectorXd> end_curvature = std::nullopt;
   std::optional<double> tolerance = std::nullopt;   // that the report counts by, > 0
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
 };
@@ -34,8 +54,9 @@ struct CloudInterpolationOptions {
 // ended by kToleranceReached or kStalled where a tolerance is given, by kNoiseReached otherwise.
 // Throws std::invalid_argument, with a sentence for the user, as InterpolateCurve and OrderPoints
 // do, where two different points have one parameter, where a closed curve or a polyline is to have
-// end tangents, where rounding leaves a point more than 1e-6 of the points' size off the curve, and
-// if the tolerance is not positive. O(m log m + m·p²).
+// end tangents, where a spline lacks what its ends ask for (CubicSplineCurve), where rounding
+// leaves a point more than 1e-6 of the points' size off the curve, and if the tolerance is not
+// positive. O(m log m + m·p²).
 template <int Dim>
 CurveFit<Dim> InterpolateCloud(const PointCloud& cloud,
                                const CloudInterpolationOptions& options = {});

@@ -32,19 +32,20 @@ struct Outline {
 // the ragged border of the points, contains them all except those a spacing or more beyond it,
 // which a warning counts, none more than three beyond it, and runs exactly along edges of the
 // rectangle where it is nowhere far from them. Gaps and parts of less than 36 h² are ignored as
-// chance. Where a smooth outline would cross itself or another it follows the ragged border by
+// chance; where points are sparser than on the average, or on lines far apart, h is what it is
+// there. Where a smooth outline would cross itself or another it follows the ragged border by
 // straight lines, about the crossing only.
 //
 // Periodic directions have no edge: borders cross the seam. Where a part goes all the way round,
 // its outer loop runs along the seam on either side; holes that the seam cuts become part of the
 // outer loop. A tube with straight ends and no holes has `fills` set.
 //
-// Method: alpha shape of radius 2.5 h; corner detection by straight windows; least-squares cubics
-// between corners, with the number of spans by Schwarz' criterion; then the least move that
-// contains all points (quadratic program). O(m) and little more along the border. The result does
-// not depend on the number of threads, nor, up to rounding, on the order of the points. Throws
-// std::invalid_argument unless the spacing and lengths are positive, the noise is not negative, and
-// there is a point.
+// Method: alpha shape of radius 2.5 h, up to sixteen times that where points are sparser; corner
+// detection by straight windows; least-squares cubics between corners, with the number of spans by
+// Schwarz' criterion; then the least move that contains all points (quadratic program). O(m) and
+// little more along the border. The result does not depend on the number of threads, nor, up to
+// rounding, on the order of the points. Throws std::invalid_argument unless the spacing and lengths
+// are positive, the noise is not negative, and there is a point.
 Outline FindOutline(const Eigen::Matrix2Xd& parameters,
                     const OutlineOptions& options,
                     ThreadPool& pool);

@@ -2,6 +2,7 @@
 // The options of FindOutline: spacing and noise of the points, and their parameter rectangle.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 
 namespace batten {
@@ -16,6 +17,9 @@ struct OutlineOptions {
   // The length in space of a unit of u at height v, for surfaces with poles; 1 where not given.
   // Near a pole a point stands for a longer part of its row.
   std::function<double(double)> stretch_u = nullptr;
+  // The place in space of parameters inside the rectangle, for maps that stretch what lies between
+  // points: gaps are then measured in space. The parameters themselves where not given.
+  std::function<Eigen::Vector3d(const Eigen::Vector2d&)> place = nullptr;
 };
 
 }  // namespace batten

@@ -26,6 +26,19 @@ NurbsCurve<Dim> MakeLine(const Eigen::Matrix<double, Dim, 1>& start,
 NurbsCurve<3> MakeArc(const Frame& frame, double radius, const AngleRange& angles = {});
 NurbsCurve<2> MakeArc(const Eigen::Vector2d& center, double radius, const AngleRange& angles = {});
 
+// The same in this number of equal pieces. Throws also unless each is of less than 180°, as positive
+// weights need. Rounding: flat pieces as above; towards 180° the middle control points go to
+// infinity, and rounding grows with their distance.
+NurbsCurve<3> MakeArc(const Frame& frame, double radius, const AngleRange& angles, int pieces);
+
+// Full circles with positive weights, from the angle `start` on.
+//  kNinePoints: four quarters, as MakeArc. kSevenPoints: three pieces of 120° over a triangle.
+//  kDegreeFive: one Bézier piece of degree 5, the lowest that can, infinitely smooth but at its
+//  ends; rounding is relative to its control points, which are up to 4.2 radii away: within 16 units
+//  in the last place of the radius. [Chou 1995; Piegl & Tiller 1997, §7.5]
+enum class CircleForm { kNinePoints, kSevenPoints, kDegreeFive };
+NurbsCurve<3> MakeCircle(const Frame& frame, double radius, CircleForm form, double start = 0);
+
 // The same circle by its point at angle zero, the unit directions there, away from the centre and
 // forward, and its curvature, one over the radius. Control points are found from `point` and not
 // from the centre, so that flat arcs are exact to rounding of their own size.

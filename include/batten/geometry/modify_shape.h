@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Changes of shape by hand: one weight, one point to pass through.
+// Changes of shape by hand: weights, and one point to pass through.
 #pragma once
+
+#include <span>
 
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
@@ -15,6 +17,23 @@ namespace batten {
 template <int Dim>
 NurbsCurve<Dim> WithWeight(const NurbsCurve<Dim>& curve, int i, double weight);
 NurbsSurface WithWeight(const NurbsSurface& surface, int i, int j, double weight);
+
+// The shape whose point at this parameter is moved by `by` (data's units; negative: pushed away)
+// through the weight of one control point, on curves also of two neighbours i and i + 1 that keep
+// their ratio. The point moves straight towards the control point or, of two, towards the point of
+// their leg on which it would lie if they alone acted. With R the point where those weights are
+// zero, Q the one it moves towards, P the old and P' the new one the factor of the weights is the
+// cross-ratio (|RP'|/|P'Q|) / (|RP|/|PQ|). Control points and knots stay; over a periodic basis
+// copies take the weight too. Throws std::invalid_argument where a control point is not there or
+// does not act at the parameter, and where `by` reaches Q, so that the weight would be infinite, or
+// R, where it would not be positive: the message says how far they are. [Piegl & Tiller 1997,
+// §11.3.1, §11.3.2]
+template <int Dim>
+NurbsCurve<Dim> Pulled(const NurbsCurve<Dim>& curve,
+                       double u,
+                       std::span<const int> control_points,
+                       double by);
+NurbsSurface Pulled(const NurbsSurface& surface, double u, double v, int i, int j, double by);
 
 // The shape that has the point `to` at this parameter, with the least change: of all moves of
 // control points that do it, the one whose squares of distances sum to least. Only the control

@@ -20,6 +20,7 @@ namespace batten {
 // together, and the loops are turned as NurbsSurface::trims says. Throws ReadError naming `path`
 // and the field, as in `shape.data[0].knotvector_u`, or the line; coordinates above 1e150 in
 // magnitude are refused.
+// An entry of "form": "power" becomes a B-spline in Bézier form (power_form.h).
 // An entry's `name` and the shape's `unit`, both of batten, are kept in the contents.
 GeometryContents ParseJsonContents(std::string_view text, const std::string& path);
 std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string& path);
@@ -27,8 +28,12 @@ std::vector<Geometry> ParseGeometryJson(std::string_view text, const std::string
 // The same form; numbers in the shortest decimal form that reads back bit by bit, `periodic` only
 // where a direction is. The shape's type is "mixed" when curves and surfaces stand together, which
 // NURBS-Python does not read. Names are written where there are any, the unit where it is not mm.
-// Throws std::invalid_argument without geometry.
-std::string ToGeometryJson(const GeometryFile& file, const std::string& unit = "mm");
+// With `powers` every entry is in powers of the parameter, "form": "power" (docs/files.md), as
+// WriteGeometry writes them in the format "json-power".
+// Throws std::invalid_argument without geometry, and with powers as ToPower (power_form.h).
+std::string ToGeometryJson(const GeometryFile& file,
+                           const std::string& unit = "mm",
+                           bool powers = false);
 std::string ToGeometryJson(const std::vector<Geometry>& geometry);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/constrained_curve.h"
+#include "batten/fitting/constrained_curve.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

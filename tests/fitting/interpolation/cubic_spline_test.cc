@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/cubic_spline.h"
+#include "batten/fitting/cubic_spline.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,9 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "batten/fitting/interpolate_curve.h"
 #include "fixtures.h"
 #include "random_splines.h"
 #include "tolerances.h"
@@ -101,6 +103,146 @@ TEST(CubicSplineTest, EveryPairOfEndsIsMet) {
     for (Eigen::Index k = 1; k + 1 < data.points.cols(); ++k) {
       EXPECT_LE(curve.basis().Multiplicity(data.parameters[k]), 1);
     }
+  }
+}
+
+// The greatest difference, of which a second derivative's has the size of the points by that of the
+// shortest step squared.
+void ExpectEqual(const SplineDerivatives<3>& a, const SplineDerivatives<3>& b, double step) {
+  const double size = 1 + a.slopes.cwiseAbs().maxCoeff();
+  EXPECT_LE((a.slopes - b.slopes).cwiseAbs().maxCoeff(), kRounding * size);
+  EXPECT_LE((a.moments - b.moments).cwiseAbs().maxCoeff(), 1e2 * kRounding * size / step);
+}
+
+TEST(CubicSplineTest, SlopesAndMomentsAreThoseOfOneSplineWhateverItsEnds) {
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const Data data = RandomData(random, random.Integer(2, 12));
+    const auto condition = [&](unsigned kind) {
+      return CubicEndCondition<3>{static_cast<CubicEnd>(kind % 4), random.Vector(5)};
+    };
+    const CubicEndCondition<3> start = condition(seed), end = condition(seed / 4);
+    const auto slopes = SplineBySlopes<3>(data.points, data.parameters, start, end);
+    ExpectEqual(slopes, SplineByMoments<3>(data.points, data.parameters, start, end), 0.1);
+    // The curve has both.
+    const NurbsCurve<3> curve = CubicSplineCurve<3>(data.points, data.parameters, start, end);
+    SplineDerivatives<3> of_curve = slopes;
+    for (Eigen::Index k = 0; k < data.parameters.size(); ++k) {
+      const CurveJet<3> jet = curve.JetAt(data.parameters[k]);
+      of_curve.slopes.col(k) = jet.first;
+      of_curve.moments.col(k) = jet.second;
+    }
+    ExpectEqual(slopes, of_curve, 0.01);
+  }
+}
+
+TEST(CubicSplineTest, ClosedSplinesBySlopesAndByMomentsAreTheInterpolatingPeriodicCubic) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const Data data = RandomData(random, random.Integer(4, 13));
+    const Eigen::Matrix3Xd points = data.points.leftCols(data.points.cols() - 1);
+    ExpectEqual(ClosedSplineBySlopes<3>(points, data.parameters),
+                ClosedSplineByMoments<3>(points, data.parameters),
+                0.1);
+    const NurbsCurve<3> spline = ClosedCubicSplineCurve<3>(points, data.parameters);
+    EXPECT_TRUE(spline.basis().periodic());
+    CurveInterpolationOptions options;
+    options.parameterization = CurveParameterization::kGiven;
+    options.parameters = data.parameters;
+    options.closed = true;
+    const NurbsCurve<3> collocated = InterpolateCurve<3>(points, options).curve;
+    for (int k = 0; k <= 50; ++k) {
+      const double u =
+          data.parameters[0] + (data.parameters.tail(1)[0] - data.parameters[0]) * k / 50;
+      EXPECT_LE((spline.At(u) - collocated.At(u)).norm(), 1e2 * kRounding * (1 + SizeOf(spline)));
+    }
+  }
+}
+
+// An independent way to the clamped spline: collocation of points and end derivatives.
+TEST(CubicSplineTest, TheClampedSplineIsTheCollocatedOne) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const Data data = RandomData(random, random.Integer(2, 12));
+    const Eigen::Vector3d start = random.Vector(3), end = random.Vector(3);
+    const NurbsCurve<3> spline = CubicSplineCurve<3>(data.points,
+                                                     data.parameters,
+                                                     {CubicEnd::kFirstDerivative, start},
+                                                     {CubicEnd::kFirstDerivative, end});
+    CurveInterpolationOptions options;
+    options.parameterization = CurveParameterization::kGiven;
+    options.parameters = data.parameters;
+    options.basis = spline.basis();
+    const std::vector<PointDerivative<3>> derivatives = {{0, 1, start},
+                                                         {data.points.cols() - 1, 1, end}};
+    const NurbsCurve<3> collocated = InterpolateCurve<3>(data.points, options, derivatives).curve;
+    EXPECT_LE((spline.control_points() - collocated.control_points()).cwiseAbs().maxCoeff(),
+              1e2 * kRounding * (1 + SizeOf(spline)));
+  }
+}
+
+TEST(CubicSplineTest, StepsOfVeryDifferentLengthAndFarCoordinatesLoseNoDigits) {
+  Eigen::Matrix2Xd points(2, 6);
+  points << 5e6, 5e6 + 1, 5e6 + 1 + 1e-5, 5e6 + 2, 5e6 + 3, 5e6 + 4, 4e5, 4e5 + 1, 4e5 + 1, 4e5,
+      4e5 + 1, 4e5;
+  const Eigen::VectorXd t = points.row(0).array() - 5e6;
+  const NurbsCurve<2> curve = CubicSplineCurve<2>(points, t);
+  for (Eigen::Index k = 0; k < t.size(); ++k)
+    EXPECT_LE((curve.At(t[k]) - points.col(k)).norm(), 8 * 0x1p-52 * 5e6);
+}
+
+TEST(CubicSplineTest, CurvaturesAreMetInThePlaneInSpaceAndByFunctions) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int count = random.Integer(3, 9);
+    Eigen::Matrix2Xd plane(2, count);
+    Eigen::VectorXd t(count);
+    for (int k = 0; k < count; ++k) {
+      plane.col(k) << k, random.Real(-0.4, 0.4);
+      t[k] = k;
+    }
+    const double k0 = random.Real(-0.4, 0.4), k1 = random.Real(-0.4, 0.4);
+    const auto curvature = [](const CurveJet<2>& jet) {
+      const double cross = jet.first.x() * jet.second.y() - jet.first.y() * jet.second.x();
+      return cross / std::pow(jet.first.norm(), 3);
+    };
+    for (const CubicEnd kind : {CubicEnd::kCurvature, CubicEnd::kFunctionCurvature}) {
+      const NurbsCurve<2> curve = CubicSplineCurve<2>(plane, t, {kind, {k0, 0}}, {kind, {k1, 0}});
+      EXPECT_NEAR(curvature(curve.JetAt(t[0])), k0, 10 * kIterated);
+      EXPECT_NEAR(curvature(curve.JetAt(t[count - 1])), k1, 10 * kIterated);
+      if (kind == CubicEnd::kFunctionCurvature) {
+        for (double x = 0; x <= count - 1; x += 0.1)
+          EXPECT_NEAR(curve.At(x).x(), x, kRounding * count);
+      }
+    }
+    Eigen::Matrix3Xd space(3, count);
+    space << plane, t.transpose().array().sin().matrix();
+    const Eigen::Vector3d vector = 0.2 * random.Vector(1);
+    const NurbsCurve<3> curve = CubicSplineCurve<3>(
+        space, t, {CubicEnd::kCurvature, vector}, {CubicEnd::kCurvature, vector});
+    const CurveJet<3> jet = curve.JetAt(t[0]);
+    const Eigen::Vector3d tangent = jet.first.normalized();
+    const Eigen::Vector3d bend =
+        (jet.second - tangent * tangent.dot(jet.second)) / jet.first.squaredNorm();
+    EXPECT_LE((bend - (vector - tangent * tangent.dot(vector))).norm(), 10 * kIterated);
+  }
+}
+
+// y'' = κ (1 + y'²)^(3/2) against y'' = 4 (c − y'): none for κ this great.
+TEST(CubicSplineTest, ACurvatureTooGreatForTheFirstStepIsRefused) {
+  const Eigen::Matrix2Xd points{{0, 1, 2}, {0, 1, 0}};
+  try {
+    CubicSplineCurve<2>(points,
+                        Eigen::Vector3d(0, 1, 2),
+                        {CubicEnd::kFunctionCurvature, {1e3, 0}},
+                        {CubicEnd::kFunctionCurvature, {1e3, 0}});
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("their radius is too small"));
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/local_approximation.h"
+#include "batten/fitting/local_approximation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/local_interpolation.h"
+#include "batten/fitting/local_interpolation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

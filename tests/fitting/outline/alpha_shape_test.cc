@@ -61,7 +61,7 @@ TEST(AlphaShapeTest, IsTheBorderOfAllSmallTriangles) {
       const Eigen::Matrix2Xd points = RandomPoints(120, 11, seed);
       Directed found;
       for (const Eigen::Matrix2Xd& loop : AlphaShape(
-               points, radius, [](const Eigen::Vector2d&) { return 1.0; }, pool))
+               points, radius, [](const Eigen::Matrix2Xd&, double) { return true; }, pool))
         for (Eigen::Index i = 0; i < loop.cols(); ++i)
           EXPECT_TRUE(
               found.insert({Key(loop.col(i)), Key(loop.col((i + 1) % loop.cols()))}).second);
@@ -75,7 +75,7 @@ TEST(AlphaShapeTest, OfManyPointsIsThatOfPointsNearTheBorder) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Eigen::Matrix2Xd points = RandomPoints(10000, 100, seed);
-    const auto even = [](const Eigen::Vector2d&) { return 1.0; };
+    const auto even = [](const Eigen::Matrix2Xd&, double) { return true; };
     const auto loops = AlphaShape(points, 2.5, even, pool);
     Eigen::Matrix2Xd far(2, points.cols() + 1);  // so far that there is no grid
     far << points, Eigen::Vector2d(1e7, 1e7);
@@ -87,7 +87,7 @@ TEST(AlphaShapeTest, OfManyPointsIsThatOfPointsNearTheBorder) {
 
 TEST(AlphaShapeTest, FewPointsHaveNone) {
   ThreadPool pool(1);
-  const auto even = [](const Eigen::Vector2d&) { return 1.0; };
+  const auto even = [](const Eigen::Matrix2Xd&, double) { return true; };
   for (const int count : {0, 1, 2})
     EXPECT_TRUE(AlphaShape(RandomPoints(count, 1, 1), 5, even, pool).empty());
   EXPECT_TRUE(AlphaShape(Eigen::Matrix2Xd::Constant(2, 9, 3.0), 5, even, pool).empty());

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "geometry/bezier/bernstein.h"
-#include "geometry/editing/bezier_reduction.h"
+#include "batten/geometry/bezier_reduction.h"
 #include "geometry/nurbs/rational_derivatives.h"
 #include "fixtures.h"
 #include "random_splines.h"

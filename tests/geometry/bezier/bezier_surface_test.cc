@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "geometry/editing/deviation_bound.h"
-#include "geometry/shapes/translational_surface.h"
 #include "exact_shapes.h"
 #include "random_splines.h"
 #include "tolerances.h"
@@ -345,46 +344,6 @@ TEST(BezierNormalTest, ThereIsNoneOnALineOrAPoint) {
     EXPECT_FALSE(NormalAt(WithPoints(surface, line), u, 0));
     EXPECT_FALSE(NormalAt(WithPoints(surface, point), u, 0.5));
   }
-}
-
-// --- translational surfaces --------------------------------------------------------------------
-
-BezierCurve<3> RandomCurve(RandomSplines& random, int degree, bool rational) {
-  Eigen::Matrix3Xd points(3, degree + 1);
-  for (double& x : points.reshaped()) x = random.Real(-1, 1);
-  return BezierCurve<3>(points, rational ? random.Weights(degree + 1) : Eigen::VectorXd());
-}
-
-TEST(TranslationalSurfaceTest, IsTheSumOfItsCurvesAndIsFoundAgain) {
-  for (int seed = 0; seed < 40; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    RandomSplines random(seed);
-    const BezierCurve<3> a = RandomCurve(random, random.Integer(1, 6), random.Coin());
-    const BezierCurve<3> b = RandomCurve(random, random.Integer(1, 6), random.Coin());
-    const BezierSurface surface = TranslationalSurface(a, b);
-    for (int k = 0; k < 10; ++k) {
-      const double u = Parameter(random), v = Parameter(random);
-      EXPECT_LE((surface.At(u, v) - (a.At(u) + b.At(v) - b.At(0))).norm(), kRounding);
-    }
-    EXPECT_LE(ControlTwists(surface).norm(), kRounding * 100);
-    const auto form = AsTranslational(surface, kRounding);
-    ASSERT_TRUE(form);
-    EXPECT_LE((form->along_u.control_points() - a.control_points()).norm(), kRounding);
-    // Also when its edges are not the plain ones: after elevation, and moved by an ulp.
-    EXPECT_TRUE(AsTranslational(Elevated(surface, 2, 1), kRounding));
-    // Moving one control point by 1e-6 is found out.
-    Eigen::Matrix3Xd points = surface.control_points();
-    points.col(points.cols() - 1) += Eigen::Vector3d(0, 0, 1e-6);
-    const BezierSurface moved = WithPoints(surface, points);
-    EXPECT_FALSE(AsTranslational(moved, 1e-9));
-    const auto nearly = AsTranslational(moved, 1.1e-6);
-    ASSERT_TRUE(nearly);
-    EXPECT_GE(nearly->error, (1 - kHalfDigits) * 1e-6);  // at the corner
-    EXPECT_LE(nearly->error, 1.02e-6);
-  }
-  RandomSplines random(0);
-  EXPECT_FALSE(AsTranslational(RandomSurface(random, 2, 2, false), 1e-3));
-  EXPECT_THROW(AsTranslational(RandomSurface(random, 2, 2, false), -1), std::invalid_argument);
 }
 
 }  // namespace batten::internal::bezier_surface_test

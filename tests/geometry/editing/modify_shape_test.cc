@@ -151,6 +151,101 @@ TEST(ModifyShapeTest, WrapsParametersOfPeriodicShapes) {
   EXPECT_LE((moved.At(u) - Eigen::Vector3d(4, 5, 6)).norm(), kRounding * ExtentOf(moved));
 }
 
+// |RP'|/|P'Q| over |RP|/|PQ| with R at a weight of nearly zero: what the weight is multiplied by.
+void ExpectCrossRatio(const Eigen::Vector3d& rest,
+                      const Eigen::Vector3d& from,
+                      const Eigen::Vector3d& to,
+                      const Eigen::Vector3d& towards,
+                      double factor) {
+  const double before = (from - rest).norm() / (towards - from).norm();
+  const double after = (to - rest).norm() / (towards - to).norm();
+  EXPECT_NEAR(after / before / factor, 1, kHalfDigits);
+}
+
+TEST(ModifyShapeTest, APullMovesThePointOfACurveByItsLengthAndTheWeightByTheCrossRatio) {
+  ForRandomCurves<3>([](const NurbsCurve<3>& curve, RandomSplines& random) {
+    const SplineBasis& basis = curve.basis();
+    const double u = random.Real(basis.lower(), basis.upper());
+    const int span = basis.Span(u), i = span - random.Integer(0, basis.degree());
+    const Eigen::Vector3d from = curve.At(u), towards = curve.control_points().col(i);
+    const double reach = (towards - from).norm(), by = random.Real(0.05, 0.9) * reach;
+    if (basis.Function(i, u) < 1e-3 || reach < 1e-3) return;
+    const NurbsCurve<3> pulled = Pulled(curve, u, std::vector{i}, by);
+    const Eigen::Vector3d to = pulled.At(u);
+    EXPECT_LE((to - (from + by / reach * (towards - from))).norm(), 1e2 * kRounding);
+    EXPECT_EQ(pulled.control_points(), curve.control_points());
+    const double factor = pulled.weights()[i] / curve.weights()[i];
+    ExpectCrossRatio(
+        WithWeight(curve, i, 1e-12 * curve.weights()[i]).At(u), from, to, towards, factor);
+    // Back again.
+    const NurbsCurve<3> back = Pulled(pulled, u, std::vector{i}, -by);
+    EXPECT_NEAR(back.weights()[i] / curve.weights()[i], 1, kIterated);
+  });
+}
+
+TEST(ModifyShapeTest, TwoNeighbouringWeightsPullTowardsTheirLegAndKeepTheirRatio) {
+  ForRandomCurves<2>([](const NurbsCurve<2>& curve, RandomSplines& random) {
+    const SplineBasis& basis = curve.basis();
+    if (basis.degree() < 2) return;  // on a polygon the leg is all there is
+    const double u = random.Real(basis.lower(), basis.upper());
+    const int i = basis.Span(u) - random.Integer(1, basis.degree());
+    const double a = basis.Function(i, u) * curve.weights()[i],
+                 b = basis.Function(i + 1, u) * curve.weights()[i + 1];
+    if (basis.Function(i, u) < 1e-3 || basis.Function(i + 1, u) < 1e-3) return;
+    if (basis.periodic() && basis.size() - basis.degree() < basis.degree() + 1) return;
+    const Eigen::Vector2d foot =
+        (a * curve.control_points().col(i) + b * curve.control_points().col(i + 1)) / (a + b);
+    const Eigen::Vector2d from = curve.At(u);
+    const double reach = (foot - from).norm(), by = 0.5 * reach;
+    if (reach < 1e-3) return;
+    const NurbsCurve<2> pulled = Pulled(curve, u, std::vector{i, i + 1}, by);
+    EXPECT_LE((pulled.At(u) - (from + 0.5 * (foot - from))).norm(), 1e2 * kRounding);
+    EXPECT_NEAR(pulled.weights()[i] / pulled.weights()[i + 1],
+                curve.weights()[i] / curve.weights()[i + 1],
+                kRounding * curve.weights()[i] / curve.weights()[i + 1]);
+  });
+}
+
+TEST(ModifyShapeTest, APullMovesThePointOfASurfaceByItsLengthAndTheWeightByTheCrossRatio) {
+  ForRandomSurfaces([](const NurbsSurface& surface, RandomSplines& random) {
+    const SplineBasis &bu = surface.basis_u(), &bv = surface.basis_v();
+    const double u = random.Real(bu.lower(), bu.upper()), v = random.Real(bv.lower(), bv.upper());
+    const int i = bu.Span(u) - random.Integer(0, bu.degree());
+    const int j = bv.Span(v) - random.Integer(0, bv.degree());
+    const Eigen::Vector3d from = surface.At(u, v), towards = surface.control_point(i, j);
+    const double reach = (towards - from).norm(), by = random.Real(0.05, 0.5) * reach;
+    if (bu.Function(i, u) * bv.Function(j, v) < 1e-3 || reach < 1e-3) return;
+    const NurbsSurface pulled = Pulled(surface, u, v, i, j, by);
+    const Eigen::Vector3d to = pulled.At(u, v);
+    EXPECT_LE((to - (from + by / reach * (towards - from))).norm(), 1e2 * kRounding);
+    const double old = surface.weights()[i * surface.size_v() + j];
+    const double factor = pulled.weights()[i * surface.size_v() + j] / old;
+    ExpectCrossRatio(WithWeight(surface, i, j, 1e-12 * old).At(u, v), from, to, towards, factor);
+  });
+}
+
+TEST(ModifyShapeTest, RefusesPullsWhoseWeightsWouldNotBePositive) {
+  // (1 − u)² (0, 0) + 2u(1 − u) (1, 1) + u² (2, 0): (1, 1/2) in the middle, (1, 0) without
+  // weight 1.
+  const NurbsCurve<2> parabola(SplineBasis::Uniform(2, 3, 0, 1),
+                               Eigen::Matrix2Xd{{0, 1, 2}, {0, 1, 0}});
+  const auto refusal = [&](int i, double u, double by) {
+    return RefusalOf([&] { Pulled(parabola, u, std::vector{i}, by); });
+  };
+  EXPECT_THAT(refusal(1, 0.5, 0.5), testing::HasSubstr("by = 0.5 is not less than 0.5"));
+  EXPECT_THAT(refusal(1, 0.5, 7), testing::HasSubstr("the weight would be infinite"));
+  EXPECT_THAT(refusal(1, 0.5, -0.5), testing::HasSubstr("by = -0.5 is not above -0.5"));
+  EXPECT_THAT(refusal(1, 0, 0.1), testing::HasSubstr("does not act at the parameter"));
+  EXPECT_THAT(refusal(0, 0, 0.1), testing::HasSubstr("nothing else acts"));
+  EXPECT_THAT(refusal(3, 0.5, 0.1), testing::HasSubstr("index i = 3 is not in [0, 2]"));
+  EXPECT_THAT(refusal(1, 1.5, 0.1), testing::HasSubstr("u = 1.5 is outside the domain [0, 1]"));
+  EXPECT_THAT(RefusalOf([&] {
+                Pulled(parabola, 0.5, std::vector{0, 2}, 0.1);
+              }),
+              testing::HasSubstr("two neighbours i and i + 1"));
+  EXPECT_NEAR(Pulled(parabola, 0.5, std::vector{1}, 0.25).weights()[1], 3, kRounding);
+}
+
 TEST(ModifyShapeTest, RefusesWhatItCannotDo) {
   RandomSplines random(4);
   const NurbsCurve<3> curve(SplineBasis::Uniform(2, 4, 0, 1), Eigen::Matrix3Xd::Random(3, 4));

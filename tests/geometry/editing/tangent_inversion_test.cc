@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/editing/tangent_inversion.h"
+#include "batten/geometry/tangent_inversion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

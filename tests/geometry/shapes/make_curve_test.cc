@@ -77,6 +77,34 @@ void ExpectCirclesAreExact(unsigned seed, int cases) {
 
 TEST(MakeCurveTest, CirclesAreExactToFourUnitsInTheLastPlace) { ExpectCirclesAreExact(kSeed, 10); }
 
+// The same law for every form: three pieces, five degrees, arcs of one to four segments.
+TEST(MakeCurveTest, EveryFormOfACircleIsExactToFourUnitsInTheLastPlace) {
+  RandomSplines random(kSeed + 2);
+  for (int k = 0; k < 10; ++k) {
+    SCOPED_TRACE(k);
+    const double radius = RandomRadius(random), start = random.Coin() ? 0 : random.Real(-7, 7);
+    const Eigen::Vector3d home(0, 0, 0);
+    const double bound = 4 * Ulp(radius);
+    for (const CircleForm form :
+         {CircleForm::kNinePoints, CircleForm::kSevenPoints, CircleForm::kDegreeFive}) {
+      const NurbsCurve<3> circle = MakeCircle(Frame(), radius, form, start);
+      EXPECT_GT(circle.weights().minCoeff(), 0);
+      EXPECT_TRUE(circle.At(0) == circle.At(1));
+      // Rounding follows the control points, which are up to 4.13 radii away in the last form.
+      const double wide = form == CircleForm::kDegreeFive ? 4 * Ulp(4.13 * radius) : bound;
+      EXPECT_LE(WorstDistance(circle, home, radius, random), wide) << static_cast<int>(form);
+    }
+    for (int pieces = 1; pieces <= 4; ++pieces) {
+      const double sweep = std::min(2 * kPi, random.Real(0.01, 2.1) * pieces);
+      const NurbsCurve<3> arc = MakeArc(Frame(), radius, {start, sweep}, pieces);
+      EXPECT_EQ(arc.basis().size(), 2 * pieces + 1);
+      EXPECT_LE(WorstDistance(arc, home, radius, random), bound) << pieces;
+    }
+  }
+  EXPECT_THAT(RefusalOf([] { MakeArc(Frame(), 1, {0, 4}, 1); }), HasSubstr("180 degrees"));
+  EXPECT_THAT(RefusalOf([] { MakeArc(Frame(), 1, {0, 4}, 0); }), HasSubstr("not in [1, 1000]"));
+}
+
 TEST(LongMakeCurveTest, ManyCirclesAreExactToFourUnitsInTheLastPlace) {
   ExpectCirclesAreExact(kSeed + 1, 500);
 }

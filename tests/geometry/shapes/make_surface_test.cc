@@ -10,18 +10,18 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "angles.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/closure.h"
 #include "batten/geometry/make_curve.h"
-#include "geometry/bezier/normal_limits.h"
 #include "batten/geometry/surface_area.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "distance_in_ulps.h"
 #include "fixtures.h"
+#include "geometry/bezier/normal_limits.h"
 #include "random_splines.h"
-#include "tolerances.h"
 #include "refusal.h"
-#include "angles.h"
+#include "tolerances.h"
 
 namespace batten::internal::make_surface_test {
 
@@ -295,6 +295,43 @@ TEST(MakeSurfaceTest, RevolvingAProfileFromTheAxisMakesAPole) {
   EXPECT_LE((*normal + frame.axis()).norm(), kIterated);  // the profile leads outward: down
   const NurbsCurve<3> on_axis = MakeLine<3>(frame.At(0, 0, 1), frame.At(0, 0, 2));
   EXPECT_THROW(Revolve(on_axis, frame), std::invalid_argument);
+}
+
+// A profile in a plane with the axis may cross it once; twice, and turned by more than half a turn,
+// the surface would go through itself.
+TEST(MakeSurfaceTest, ProfilesThatCrossTheirAxisTwiceAreRefusedWithThePlaces) {
+  const Frame frame({5e6, 2, 3}, {1, 1, 1});
+  const auto profile = [&](const std::vector<double>& out) {
+    Eigen::Matrix3Xd points(3, out.size());
+    std::vector<double> knots = {0};
+    for (size_t k = 0; k < out.size(); ++k) {
+      points.col(static_cast<Eigen::Index>(k)) = frame.At(out[k], 0, static_cast<double>(k));
+      knots.push_back(static_cast<double>(k));
+    }
+    knots.push_back(knots.back());
+    return NurbsCurve<3>(SplineBasis(1, knots), points);
+  };
+  const auto refused = [&](const NurbsCurve<3>& curve, double sweep) {
+    try {
+      Revolve(curve, frame, {0, sweep});
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  constexpr double kHalf = std::numbers::pi;
+  const std::string twice = refused(profile({1, -1, 3}), 2 * kHalf);
+  EXPECT_NE(twice.find("crosses its axis 2 times, first at its parameters 0.5 ("),
+            std::string::npos)
+      << twice;
+  EXPECT_NE(twice.find("and 1.25 ("), std::string::npos) << twice;
+  EXPECT_EQ(refused(profile({1, -1, 3}), kHalf), "");
+  EXPECT_EQ(refused(profile({1, -1}), 2 * kHalf), "");          // a double cone
+  EXPECT_EQ(refused(profile({0, 1, 0}), 2 * kHalf), "");        // two poles
+  EXPECT_EQ(refused(profile({1, 0, 1, 0, 2}), 2 * kHalf), "");  // touches
+  EXPECT_NE(refused(MakeArc(Frame(frame.At(0.5, 0, 0), frame.y()), 1), 2 * kHalf), "");
+  EXPECT_NE(refused(MakeArc(Frame(frame.At(0, 0, 0), frame.y(), frame.axis()), 1), 2 * kHalf), "");
+  EXPECT_EQ(refused(MakeArc(Frame(frame.At(1, 0, 0), frame.y(), frame.axis()), 1), 2 * kHalf), "");
 }
 
 NurbsSurface Fixture(const std::string& kind, const std::vector<double>& a) {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/construction/curve_closure.h"
+
+#include <optional>
+#include <string>
+
+#include "batten/geometry/clamp.h"
+#include "batten/geometry/closure.h"
+#include "batten/geometry/join.h"
+#include "batten/geometry/split.h"
+#include "geometry/numeric/constants.h"
+#include "geometry/numeric/construction_checks.h"
+
+namespace batten::internal {
+namespace {
+
+double SizeOf(const NurbsCurve<3>& curve) {
+  const Eigen::Matrix3Xd& points = curve.control_points();
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+}
+
+double EndGap(const NurbsCurve<3>& curve) {
+  return (curve.At(curve.basis().upper()) - curve.At(curve.basis().lower())).norm();
+}
+
+}  // namespace
+
+bool IsPoint(const NurbsCurve<3>& curve) {
+  return SizeOf(curve) <= 8 * kEpsilon * curve.control_points().cwiseAbs().maxCoeff();
+}
+
+void RequireSameClosedness(const std::vector<NurbsCurve<3>>& curves,
+                           const char* function,
+                           const char* noun) {
+  const auto number = [&](std::size_t k) { return noun + (" " + std::to_string(k + 1)); };
+  std::optional<std::size_t> open, closed;
+  for (std::size_t k = 0; k < curves.size(); ++k) {
+    if (IsPoint(curves[k])) continue;
+    std::optional<std::size_t>& kind = Closed(curves[k]) ? closed : open;
+    if (!kind) kind = k;
+  }
+  if (!open || !closed) return;
+  RequireThat(false,
+              function,
+              number(*closed) + " is closed and " + number(*open) + " is open, its ends " +
+                  RoundedText(EndGap(curves[*open])) + " apart: all are to be closed, or all open");
+}
+
+NurbsCurve<3> BegunAt(const NurbsCurve<3>& closed, double at) {
+  const Eigen::VectorXd& weights = closed.weights();
+  const double tolerance = kCloses * SizeOf(closed);
+  if (closed.basis().periodic() || weights[0] == weights[weights.size() - 1]) {
+    const NurbsCurve<3> periodic = Periodic(closed, tolerance);
+    return Segment(periodic, at, at + (periodic.basis().upper() - periodic.basis().lower()));
+  }
+  const auto [before, after] = Split(closed, at);
+  return Join(after, before, tolerance);
+}
+
+}  // namespace batten::internal
