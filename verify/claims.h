@@ -19,8 +19,10 @@ struct Basis {
   int degree = 0;
   std::vector<double> knots;
   int size() const { return static_cast<int>(knots.size()) - degree - 1; }
-  double lower() const { return knots.at(static_cast<size_t>(degree)); }
-  double upper() const { return knots.at(static_cast<size_t>(size())); }
+  double knot(int k) const { return knots.at(k); }
+  double lower() const { return knot(degree); }
+  double upper() const { return knot(size()); }
+  bool Holds(double at) const { return at >= lower() && at <= upper(); }
   std::vector<int> Spans() const;  // of positive length, in the domain
 };
 
@@ -29,8 +31,8 @@ struct Piece {
   int p = 0, q = 0, depth = 0;  // depth: how often it was halved
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
   std::vector<Point4> net;
-  const Point4& at(int i, int j) const { return net[static_cast<size_t>(i * (q + 1) + j)]; }
-  Point4& at(int i, int j) { return net[static_cast<size_t>(i * (q + 1) + j)]; }
+  const Point4& at(int i, int j) const { return net[i * (q + 1) + j]; }
+  Point4& at(int i, int j) { return net[i * (q + 1) + j]; }
 };
 
 // A surface, or a curve with q = 0.
@@ -71,18 +73,17 @@ class Region {
 // Whether no point of the shape inside the region is nearer to q than `lower`.
 bool ProveLower(const Shape& shape, const Region& region, const Point& q, double lower);
 
-// Whether S(u, v) is a point of the shape within `upper` of q. With loop ≥ 0: the point of that
-// trim loop at u.
-bool ProveUpper(const Shape& shape,
-                const Region& region,
-                const Point& q,
-                double upper,
-                double u,
-                double v,
-                int loop);
+// Whether the place is a point of the shape within `upper` of q: S(u, v) or, with loop ≥ 0, the
+// point of that trim loop at u.
+struct Place {
+  double u, v;
+  int loop;
+};
+bool ProveUpper(const Shape& shape, const Region& region, const Point& q, double upper, Place at);
 
 // Parameter boxes [u0, u1, v0, v1] of the region on which S_u × S_v was not proved to keep the sign
-// along a fixed direction, so not to vanish.
-std::vector<std::array<double, 4>> UnprovedRegularity(const Shape& shape, const Region& region);
+// along a fixed direction, so not to vanish; without width, of lines of knots, not to turn over.
+using Boxes = std::vector<std::array<double, 4>>;
+Boxes UnprovedRegularity(const Shape& shape, const Region& region);
 
 }  // namespace verify

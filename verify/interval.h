@@ -8,14 +8,15 @@
 
 namespace verify {
 
+constexpr double kAll = std::numeric_limits<double>::infinity();
+
 // One operation in the nearest rounding errs by half a unit in the last place: below by less than
-// |x|·2^-52, plus the least number there is where it underflows.
+// |x|·2^-52, plus the least number there is where it underflows. What overflowed is not known.
 inline double Down(double x) {
-  return x - (std::abs(x) * 0x1p-52 + std::numeric_limits<double>::denorm_min());
+  const double down = x - (std::abs(x) * 0x1p-52 + std::numeric_limits<double>::denorm_min());
+  return std::isfinite(down) ? down : -kAll;
 }
-inline double Up(double x) {
-  return x + (std::abs(x) * 0x1p-52 + std::numeric_limits<double>::denorm_min());
-}
+inline double Up(double x) { return -Down(-x); }
 
 struct Interval {
   double lo = 0, hi = 0;
@@ -33,14 +34,15 @@ inline Interval operator-(const Interval& a, const Interval& b) {
 }
 inline Interval operator*(const Interval& a, const Interval& b) {
   const double p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
+  if (!std::isfinite(p + q + r + s)) return {-kAll, kAll};
   return {Down(std::min(std::min(p, q), std::min(r, s))),
           Up(std::max(std::max(p, q), std::max(r, s)))};
 }
 // Of a divisor that does not hold zero; else all numbers.
 inline Interval operator/(const Interval& a, const Interval& b) {
-  constexpr double kAll = std::numeric_limits<double>::infinity();
   if (b.lo <= 0 && b.hi >= 0) return {-kAll, kAll};
   const double p = a.lo / b.lo, q = a.lo / b.hi, r = a.hi / b.lo, s = a.hi / b.hi;
+  if (!std::isfinite(p + q + r + s)) return {-kAll, kAll};
   return {Down(std::min(std::min(p, q), std::min(r, s))),
           Up(std::max(std::max(p, q), std::max(r, s)))};
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kHalvings = 4, kDeepestArc = 48;  // of loops: to begin with, and at most
 constexpr int kMostBoxes = 200000;              // for one point
-constexpr int kDeepestRegular = 14, kMostRegular = 200000;
+constexpr int kDeepestRegular = 14;
 
 Interval Coordinate(const Point4& point, size_t c) { return point[c] / point[3]; }
 // The box of a piece's Bézier points, which holds the piece: weights are positive.
@@ -47,9 +47,9 @@ Interval Binomial(int n, int k) {
 struct Polynomial {
   int p, q;
   std::vector<Interval> c;
-  Polynomial(int p, int q) : p(p), q(q), c(static_cast<size_t>((p + 1) * (q + 1))) {}
-  Interval& at(int i, int j) { return c[static_cast<size_t>(i * (q + 1) + j)]; }
-  const Interval& at(int i, int j) const { return c[static_cast<size_t>(i * (q + 1) + j)]; }
+  Polynomial(int p, int q) : p(p), q(q), c((p + 1) * (q + 1)) {}
+  Interval& at(int i, int j) { return c[i * (q + 1) + j]; }
+  const Interval& at(int i, int j) const { return c[i * (q + 1) + j]; }
 };
 
 // C(m,i) C(n,j) / C(m+n,i+j) for all i and j.
@@ -69,12 +69,11 @@ Polynomial operator*(const Polynomial& a, const Polynomial& b) {
   const std::vector<Interval>&of_p = Shares(a.p, b.p), &of_q = Shares(a.q, b.q);
   for (int i = 0; i <= a.p; ++i)
     for (int k = 0; k <= b.p; ++k) {
-      const Interval share_u = of_p[static_cast<size_t>(i * (b.p + 1) + k)];
+      const Interval share_u = of_p[i * (b.p + 1) + k];
       for (int j = 0; j <= a.q; ++j) {
         const Interval left = share_u * a.at(i, j);
         for (int l = 0; l <= b.q; ++l)
-          product.at(i + k, j + l) +=
-              left * of_q[static_cast<size_t>(j * (b.q + 1) + l)] * b.at(k, l);
+          product.at(i + k, j + l) += left * of_q[j * (b.q + 1) + l] * b.at(k, l);
       }
     }
   return product;
@@ -135,9 +134,8 @@ bool KeepsSign(const Piece& piece, const Point& direction) {
     }
     return sum;
   };
-  Polynomial value = f[3] * along(fu, fv);
-  value = Plus(std::move(value), fu[3] * along(fv, f));
-  value = Plus(std::move(value), fv[3] * along(f, fu));
+  const Polynomial value =
+      Plus(Plus(f[3] * along(fu, fv), fu[3] * along(fv, f)), fv[3] * along(f, fu));
   return std::all_of(value.c.begin(), value.c.end(), [](const Interval& x) { return x.lo > 0; });
 }
 
@@ -155,15 +153,13 @@ Point DirectionOf(const Piece& piece) {
 }  // namespace
 
 Region::Region(const Shape& shape) {
-  for (const Shape& loop : shape.trims) {
-    std::vector<Piece> parts = loop.pieces;
-    for (int halving = 0; halving < kHalvings; ++halving) {
-      std::vector<Piece> finer;
-      for (const Piece& part : parts)
-        for (Piece& half : Halves(part)) finer.push_back(std::move(half));
-      parts = std::move(finer);
-    }
-    arcs_.insert(arcs_.end(), parts.begin(), parts.end());
+  for (const Shape& loop : shape.trims)
+    arcs_.insert(arcs_.end(), loop.pieces.begin(), loop.pieces.end());
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    std::vector<Piece> finer;
+    for (const Piece& arc : arcs_)
+      for (Piece& half : Halves(arc)) finer.push_back(std::move(half));
+    arcs_ = std::move(finer);
   }
 }
 
@@ -221,11 +217,10 @@ Side Region::OfBox(double u0, double u1, double v0, double v1) const {
 bool ProveLower(const Shape& shape, const Region& region, const Point& q, double lower) {
   if (!(lower > 0)) return lower == 0;
   const double square = Square(Interval(lower)).hi;
-  std::vector<Piece> waiting;
   int boxes = 0;
   for (const Piece& piece : shape.pieces) {
     if (LeastSquare(BoxOf(piece), q) >= square) continue;
-    waiting.assign(1, piece);
+    std::vector<Piece> waiting{piece};
     while (!waiting.empty()) {
       const Piece box = std::move(waiting.back());
       waiting.pop_back();
@@ -239,17 +234,12 @@ bool ProveLower(const Shape& shape, const Region& region, const Point& q, double
   return true;
 }
 
-bool ProveUpper(const Shape& shape,
-                const Region& region,
-                const Point& q,
-                double upper,
-                double u,
-                double v,
-                int loop) {
+bool ProveUpper(const Shape& shape, const Region& region, const Point& q, double upper, Place at) {
+  const auto [u, v, loop] = at;
   Interval at_u = u, at_v = v;
   if (loop >= 0) {
-    const Shape& curve = shape.trims.at(static_cast<size_t>(loop));
-    if (!(u >= curve.u.lower() && u <= curve.u.upper())) return false;
+    const Shape& curve = shape.trims.at(loop);
+    if (!curve.u.Holds(u)) return false;
     const std::array<Interval, 3> on = curve.At(u, 0);
     // Loops may run along the domain's edge, where rounding is outside of it.
     const auto inside = [](const Interval& at, const Basis& basis) {
@@ -258,10 +248,9 @@ bool ProveUpper(const Shape& shape,
     };
     at_u = inside(on[0], shape.u);
     at_v = inside(on[1], shape.v);
-  } else {
-    if (!(u >= shape.u.lower() && u <= shape.u.upper())) return false;
-    if (shape.surface && !(v >= shape.v.lower() && v <= shape.v.upper())) return false;
-    if (shape.surface && region.Of(u, v) != Side::kInside) return false;
+  } else if (!shape.u.Holds(u) ||
+             (shape.surface && !(shape.v.Holds(v) && region.Of(u, v) == Side::kInside))) {
+    return false;
   }
   const std::array<Interval, 3> on = shape.At(at_u, at_v);
   Interval sum;
@@ -269,23 +258,50 @@ bool ProveUpper(const Shape& shape,
   return Root(sum).hi <= upper;
 }
 
-std::vector<std::array<double, 4>> UnprovedRegularity(const Shape& shape, const Region& region) {
-  std::vector<std::array<double, 4>> unproved;
-  std::vector<Piece> waiting;
-  for (const Piece& piece : shape.pieces) {
-    int boxes = 0;
-    waiting.assign(1, piece);
-    while (!waiting.empty()) {
-      const Piece box = std::move(waiting.back());
-      waiting.pop_back();
-      if (KeepsSign(box, DirectionOf(box))) continue;
-      if (region.OfBox(box.u0, box.u1, box.v0, box.v1) == Side::kOutside) continue;
-      if (box.depth == kDeepestRegular || ++boxes > kMostRegular) {
-        unproved.push_back({box.u0, box.u1, box.v0, box.v1});
-        continue;
-      }
-      for (Piece& half : Halves(box)) waiting.push_back(std::move(half));
-    }
+namespace {
+
+// Adds the boxes of a piece on which no direction was found that normals keep to.
+void Regular(const Piece& piece, const Region& region, Boxes& unproved) {
+  if (KeepsSign(piece, DirectionOf(piece))) return;
+  if (region.OfBox(piece.u0, piece.u1, piece.v0, piece.v1) == Side::kOutside) return;
+  if (piece.depth == kDeepestRegular) {
+    unproved.push_back({piece.u0, piece.u1, piece.v0, piece.v1});
+    return;
+  }
+  for (const Piece& half : Halves(piece)) Regular(half, region, unproved);
+}
+
+// The same of both sides together of a line of knots between two pieces. `v`: it runs along u.
+void Creased(const Piece& low, const Piece& high, bool v, const Region& region, Boxes& unproved) {
+  const Point a = DirectionOf(low), b = DirectionOf(high);
+  const double of_a = std::hypot(a[0], a[1], a[2]), of_b = std::hypot(b[0], b[1], b[2]);
+  const Point d{a[0] / of_a + b[0] / of_b, a[1] / of_a + b[1] / of_b, a[2] / of_a + b[2] / of_b};
+  if (of_a > 0 && of_b > 0 && KeepsSign(low, d) && KeepsSign(high, d)) return;
+  if (region.OfBox(low.u0, low.u1, low.v0, low.v1) == Side::kOutside) return;
+  if (low.depth == kDeepestRegular) {
+    unproved.push_back({v ? low.u0 : low.u1, low.u1, v ? low.v1 : low.v0, low.v1});
+    return;
+  }
+  const std::array<Piece, 2> lows = Halves(low), highs = Halves(high);
+  if ((low.depth % 2 == 1) == v) return Creased(lows[1], highs[0], v, region, unproved);
+  for (size_t k = 0; k < 2; ++k) Creased(lows[k], highs[k], v, region, unproved);
+}
+
+}  // namespace
+
+Boxes UnprovedRegularity(const Shape& shape, const Region& region) {
+  Boxes unproved;
+  const auto creased = [](const Basis& basis, double knot) {
+    return knot > basis.lower() &&
+           std::count(basis.knots.begin(), basis.knots.end(), knot) >= basis.degree;
+  };
+  const size_t columns = shape.v.Spans().size();
+  for (size_t k = 0; k < shape.pieces.size(); ++k) {
+    const Piece& piece = shape.pieces[k];
+    Regular(piece, region, unproved);
+    if (creased(shape.u, piece.u0))
+      Creased(shape.pieces[k - columns], piece, false, region, unproved);
+    if (creased(shape.v, piece.v0)) Creased(shape.pieces[k - 1], piece, true, region, unproved);
   }
   return unproved;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace verify {
 namespace {
@@ -17,36 +18,32 @@ Point4 Blossom(const Basis& basis,
   for (int r = 1; r <= p; ++r) {
     for (int k = p; k >= r; --k) {
       const int i = span - p + k;
-      const Interval low = basis.knots[static_cast<size_t>(i)],
-                     high = basis.knots[static_cast<size_t>(i + p + 1 - r)];
-      const Interval& at = arguments[static_cast<size_t>(r - 1)];
+      const Interval low = basis.knot(i), high = basis.knot(i + p + 1 - r);
+      const Interval& at = arguments[r - 1];
       const Interval a = (at - low) / (high - low), b = (high - at) / (high - low);
-      for (int c = 0; c < 4; ++c)
-        values[static_cast<size_t>(k)][c] =
-            a * values[static_cast<size_t>(k)][c] + b * values[static_cast<size_t>(k - 1)][c];
+      Point4 &value = values[k], &before = values[k - 1];
+      for (size_t c = 0; c < 4; ++c) value[c] = a * value[c] + b * before[c];
     }
   }
-  return values[static_cast<size_t>(p)];
+  return values[p];
 }
 
 // Bézier points of a span: the blossom at k times the upper and p − k times the lower end.
 std::vector<Point4> BezierPoints(const Basis& basis, int span, const std::vector<Point4>& values) {
-  const Interval low = basis.knots[static_cast<size_t>(span)],
-                 high = basis.knots[static_cast<size_t>(span + 1)];
+  const Interval low = basis.knot(span), high = basis.knot(span + 1);
   std::vector<Point4> result;
   for (int k = 0; k <= basis.degree; ++k) {
-    std::vector<Interval> arguments(static_cast<size_t>(basis.degree), low);
+    std::vector<Interval> arguments(basis.degree, low);
     std::fill_n(arguments.begin(), k, high);
     result.push_back(Blossom(basis, span, values, arguments));
   }
   return result;
 }
 
-Basis ReadBasis(const Json& degree, const Json& knots, size_t size) {
+Basis ReadBasis(const Json& degree, const Json& knots, int size) {
   Basis basis{degree.get<int>(), knots.get<std::vector<double>>()};
-  if (basis.degree < 1 || basis.degree > 25 ||
-      basis.knots.size() != size + static_cast<size_t>(basis.degree) + 1 ||
-      size <= static_cast<size_t>(basis.degree))
+  if (basis.degree < 1 || basis.degree > 25 || std::ssize(basis.knots) != size + basis.degree + 1 ||
+      size <= basis.degree)
     throw std::runtime_error("a knot vector does not fit its degree and control points");
   for (size_t k = 0; k < basis.knots.size(); ++k) {
     if (!std::isfinite(basis.knots[k]) || (k > 0 && basis.knots[k] < basis.knots[k - 1]))
@@ -79,12 +76,11 @@ void MakePieces(Shape& shape) {
     for (const int sv : shape.surface ? shape.v.Spans() : std::vector<int>{0}) {
       Piece piece;
       piece.p = p, piece.q = q;
-      piece.net.resize(static_cast<size_t>((p + 1) * (q + 1)));
+      piece.net.resize((p + 1) * (q + 1));
       for (int i = 0; i <= p; ++i) {
         std::vector<Point4> row;
         for (int j = 0; j <= q; ++j) {
-          const auto& [x, y, z, weight] =
-              shape.points[static_cast<size_t>((su - p + i) * columns + sv - q + j)];
+          const auto& [x, y, z, weight] = shape.points[(su - p + i) * columns + sv - q + j];
           const Interval w = weight;
           row.push_back({w * Interval(x), w * Interval(y), w * Interval(z), w});
         }
@@ -95,14 +91,10 @@ void MakePieces(Shape& shape) {
         std::vector<Point4> column;
         for (int i = 0; i <= p; ++i) column.push_back(piece.at(i, j));
         column = BezierPoints(shape.u, su, column);
-        for (int i = 0; i <= p; ++i) piece.at(i, j) = column[static_cast<size_t>(i)];
+        for (int i = 0; i <= p; ++i) piece.at(i, j) = column[i];
       }
-      const auto span = [](const Basis& basis, int at, double& low, double& high) {
-        low = basis.knots[static_cast<size_t>(at)];
-        high = basis.knots[static_cast<size_t>(at + 1)];
-      };
-      span(shape.u, su, piece.u0, piece.u1);
-      if (shape.surface) span(shape.v, sv, piece.v0, piece.v1);
+      piece.u0 = shape.u.knot(su), piece.u1 = shape.u.knot(su + 1);
+      if (shape.surface) piece.v0 = shape.v.knot(sv), piece.v1 = shape.v.knot(sv + 1);
       shape.pieces.push_back(std::move(piece));
     }
   }
@@ -113,7 +105,7 @@ void MakePieces(Shape& shape) {
 std::vector<int> Basis::Spans() const {
   std::vector<int> spans;
   for (int k = degree; k < size(); ++k)
-    if (knots[static_cast<size_t>(k)] < knots[static_cast<size_t>(k + 1)]) spans.push_back(k);
+    if (knot(k) < knot(k + 1)) spans.push_back(k);
   return spans;
 }
 
@@ -155,15 +147,16 @@ Shape Read(const Json& entry) {
   shape.surface = entry.contains("degree_u");
   ReadPoints(entry, shape);
   if (shape.surface) {
-    const auto size_u = entry.at("size_u").get<size_t>(), size_v = entry.at("size_v").get<size_t>();
-    if (size_u * size_v != shape.points.size())
+    const int size_u = entry.at("size_u"), size_v = entry.at("size_v");
+    if (std::int64_t{size_u} * size_v != std::ssize(shape.points))
       throw std::runtime_error("size_u times size_v is not the number of control points");
     shape.u = ReadBasis(entry.at("degree_u"), entry.at("knotvector_u"), size_u);
     shape.v = ReadBasis(entry.at("degree_v"), entry.at("knotvector_v"), size_v);
     if (entry.contains("trims"))
       for (const Json& trim : entry.at("trims").at("data")) shape.trims.push_back(Read(trim));
   } else {
-    shape.u = ReadBasis(entry.at("degree"), entry.at("knotvector"), shape.points.size());
+    shape.u = ReadBasis(
+        entry.at("degree"), entry.at("knotvector"), static_cast<int>(shape.points.size()));
   }
   MakePieces(shape);
   return shape;

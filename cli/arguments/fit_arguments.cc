@@ -377,7 +377,7 @@ void FitFiles::NoteUncertainty(Fit& fit) {
   if (!a_.uncertainty && a_.uncertainty_map.empty()) return;
   UncertaintySummary& summary = fit.report.uncertainty.emplace();
   try {
-    const Uncertainty found(fit, file_.cloud, a_.work.threads);
+    const Uncertainty& found = uncertainty_.emplace(fit, file_.cloud, a_.work.threads);
     Eigen::Matrix2Xd feet = Eigen::Matrix2Xd::Zero(2, fit.residuals.size());
     if constexpr (std::is_same_v<Fit, SurfaceFit>) {
       feet = fit.parameters;
@@ -431,7 +431,8 @@ void FitFiles::RefuseMesh() const {
                    ": a curve has no triangles; it is written as .json, .step, .iges or .brep");
 }
 
-std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
+std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry,
+                                  std::optional<CertificateSummary>& certified) const {
   if (solid_ != nullptr) {
     WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";
@@ -454,6 +455,7 @@ std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
                                             chord_tolerance,
                                             MakeProgress(a_.flags.quiet),
                                             meshes);
+  if (certified) CertifyMeshes(surfaces, meshes, chord_tolerance, *certified);
   WriteMeshes(meshes, a_.out, {.format = out_format_, .metres = MetresIn(a_.output.unit)});
   return MeshWords(summary);
 }
@@ -497,8 +499,12 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   target.checks.certified = certified.summary;
   target.scene = SceneFor(
       a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
+  if (target.scene && uncertainty_ && !target.scene->surfaces.empty()) {
+    ReportSurface& drawn = target.scene->surfaces.front();
+    drawn.sigma = SigmaAt(*uncertainty_, drawn.mesh.parameters);
+  }
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
-  const std::string mesh = WriteShapes(geometry);
+  const std::string mesh = WriteShapes(geometry, target.checks.certified);
   if (written) written->Commit();
   if (certified.file) certified.file->Commit();
   if (map_ && !a_.uncertainty_map.empty())

@@ -175,8 +175,10 @@ class FitFiles {
   double Seconds() const;  // since construction
   void Clean(const StatisticalRemoval& how);
 
-  // The geometry or, where OUT is one, its mesh, of which it returns the words.
-  std::string WriteShapes(const std::vector<Geometry>& geometry) const;
+  // The geometry or, where OUT is one, its mesh, of which it returns the words; what is proved of
+  // the mesh goes to `certified`, where there is one.
+  std::string WriteShapes(const std::vector<Geometry>& geometry,
+                          std::optional<CertificateSummary>& certified) const;
   [[noreturn]] void RefuseMesh() const;
 
   const FitArguments& a_;
@@ -190,6 +192,7 @@ class FitFiles {
   Eigen::Index cleaned_ = 0;
   const SolidModel* solid_ = nullptr;
   ReportChecks checks_;
+  std::optional<Uncertainty> uncertainty_;
   std::optional<UncertaintyMap> map_;
   Eigen::VectorXd deviations_;  // of the shape at the points' feet
 };

@@ -90,23 +90,6 @@ std::optional<RigidAlignment> AlignmentOf(const CompareArguments& a,
   }
 }
 
-// Distances against the zone, with the noise of the points and what it does to the motion.
-ProfileVerdict VerdictOf(const ProfileZone& zone,
-                         const PointCloud& cloud,
-                         const Eigen::VectorXd& distances,
-                         double noise,
-                         const std::optional<RigidAlignment>& alignment) {
-  Eigen::VectorXd deviations = Eigen::VectorXd::Constant(distances.size(), noise);
-  for (Eigen::Index k = 0; alignment && k < distances.size(); ++k) {
-    const Eigen::Vector3d place = cloud.World(k);
-    double most = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      most = std::max(most, alignment->Deviation(place, Eigen::Vector3d::Unit(axis)));
-    deviations[k] = noise * std::hypot(1, most);
-  }
-  return CheckProfile(distances, deviations, zone);
-}
-
 std::string ProfileWords(const ProfileVerdict& verdict) {
   const char* const decision = verdict.decision == Conformity::kConforms    ? "conforms to"
                                : verdict.decision == Conformity::kUndecided ? "cannot be told from"
@@ -289,7 +272,8 @@ int RunCompare(const CompareArguments& a) {
   ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
   target.checks.alignment = alignment;
   if (zone) {
-    target.checks.profile = VerdictOf(*zone, cloud, nearest.distances, measured.noise, alignment);
+    target.checks.profile = CheckProfile(
+        nearest.distances, DistanceDeviations(cloud, measured.noise, alignment), *zone);
     target.result_line += ProfileWords(*target.checks.profile);
   }
   const Certified certified = CertificateFor(

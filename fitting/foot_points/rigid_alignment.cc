@@ -143,11 +143,23 @@ PointCloud RigidAlignment::Moved(const PointCloud& cloud) const {
   return moved;
 }
 
-double RigidAlignment::Deviation(const Eigen::Vector3d& place,
-                                 const Eigen::Vector3d& direction) const {
-  Vector6 row;
-  row << (place - middle).cross(direction), direction;
-  return std::sqrt(std::max(0.0, row.dot(covariance * row)));
+Eigen::Matrix3d RigidAlignment::CovarianceAt(const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d arm = place - middle;
+  Eigen::Matrix<double, 3, 6> rows;
+  rows << 0, arm[2], -arm[1], 1, 0, 0, -arm[2], 0, arm[0], 0, 1, 0, arm[1], -arm[0], 0, 0, 0, 1;
+  return rows * covariance * rows.transpose();
+}
+
+Eigen::VectorXd DistanceDeviations(const PointCloud& moved,
+                                   double noise,
+                                   const std::optional<RigidAlignment>& alignment) {
+  Eigen::VectorXd deviations = Eigen::VectorXd::Constant(moved.size(), noise);
+  for (Eigen::Index k = 0; alignment && k < moved.size(); ++k) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> most(
+        alignment->CovarianceAt(moved.World(k)), Eigen::EigenvaluesOnly);
+    deviations[k] = noise * std::sqrt(1 + std::max(0.0, most.eigenvalues()[2]));
+  }
+  return deviations;
 }
 
 RigidAlignment AlignRigidly(const std::vector<NurbsSurface>& surfaces,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include "fitting/uncertainty/spline_shape.h"
@@ -12,21 +11,6 @@ namespace batten::internal {
 namespace {
 
 constexpr double kLeastSlope = 0.1;  // a loss that leaves less has left the points
-
-std::vector<Eigen::Index> UsedPoints(const FitEstimator& estimator,
-                                     const PointMask& outliers,
-                                     const PointCloud& cloud) {
-  if (!estimator.refused.empty())
-    throw std::invalid_argument("Uncertainty: fit: " + estimator.refused);
-  if (outliers.size() != cloud.size())
-    throw std::invalid_argument("Uncertainty: cloud: it has " + std::to_string(cloud.size()) +
-                                " points, the fit " + std::to_string(outliers.size()));
-  std::vector<Eigen::Index> used;
-  for (Eigen::Index k = 0; k < outliers.size(); ++k) {
-    if (estimator.used.size() > 0 ? estimator.used[k] : !outliers[k]) used.push_back(k);
-  }
-  return used;
-}
 
 // Turns offsets into pulls under the loss, whose scale is the fit's or that of the offsets.
 WeighedPoints UnderLoss(const FitEstimator& estimator, WeighedPoints points) {
@@ -59,7 +43,7 @@ Eigen::VectorXd OwnWeights(const PointCloud& cloud, const std::vector<Eigen::Ind
 }  // namespace
 
 WeighedPoints Weigh(const SurfaceFit& fit, const PointCloud& cloud) {
-  const std::vector<Eigen::Index> used = UsedPoints(fit.estimator, fit.outliers, cloud);
+  const std::vector<Eigen::Index> used = fit.estimator.UsedPoints(fit.outliers, cloud.size());
   WeighedPoints points;
   points.parameters = fit.parameters(Eigen::all, used);
   points.pulls = fit.residuals(used).transpose();
@@ -69,7 +53,7 @@ WeighedPoints Weigh(const SurfaceFit& fit, const PointCloud& cloud) {
 
 template <int Dim>
 WeighedPoints Weigh(const CurveFit<Dim>& fit, const PointCloud& cloud) {
-  const std::vector<Eigen::Index> used = UsedPoints(fit.estimator, fit.outliers, cloud);
+  const std::vector<Eigen::Index> used = fit.estimator.UsedPoints(fit.outliers, cloud.size());
   const auto count = static_cast<Eigen::Index>(used.size());
   const SplineShape shape(fit.curve);
   WeighedPoints points;

@@ -92,46 +92,106 @@ struct OpenPart {
   int depth;
 };
 
+OpenPart Whole(const SurfacePiece& piece) {
+  return {{piece.u0, piece.u1, piece.v0, piece.v1}, {piece.p, piece.q, piece.points}, 0};
+}
+
+// Across the directions by turns: parts stay as wide as high.
+std::pair<OpenPart, OpenPart> Split(const OpenPart& part) {
+  const bool in_u = part.depth % 2 == 0;
+  auto [low, high] = Halved(part.patch, in_u ? Direction::kU : Direction::kV);
+  ParameterBox lower = part.box, upper = part.box;
+  (in_u ? lower.u1 : lower.v1) = (in_u ? upper.u0 : upper.v0) =
+      in_u ? (part.box.u0 + part.box.u1) / 2 : (part.box.v0 + part.box.v1) / 2;
+  return {{lower, std::move(low), part.depth + 1}, {upper, std::move(high), part.depth + 1}};
+}
+
+WeightedNet NetOf(const OpenPart& part) { return {part.patch.p, part.patch.q, part.patch.columns}; }
+
+bool Outside(const TrimRegion* region, const ParameterBox& box) {
+  return region && region->CoverOf(box) == TrimRegion::Cover::kOutside;
+}
+
 // Adds the parts of one cell that stay open.
 void ProveCell(const SurfacePiece& piece,
                const TrimRegion* region,
                std::vector<ParameterBox>& open) {
-  std::vector<OpenPart> waiting;
-  waiting.push_back(
-      {{piece.u0, piece.u1, piece.v0, piece.v1}, {piece.p, piece.q, piece.points}, 0});
+  std::vector<OpenPart> waiting{Whole(piece)};
   const double error = piece.errors.maxCoeff();
   int left = kMostBoxes;
   while (!waiting.empty()) {
-    OpenPart part = std::move(waiting.back());
+    const OpenPart part = std::move(waiting.back());
     waiting.pop_back();
-    const WeightedNet net{part.patch.p, part.patch.q, part.patch.columns};
-    const Eigen::Vector3d direction = DirectionOf(net);
-    if (direction.allFinite() && KeepsSign(net, direction, error)) continue;
-    if (region && region->CoverOf(part.box) == TrimRegion::Cover::kOutside) continue;
+    const WeightedNet net = NetOf(part);
+    if (KeepsSign(net, DirectionOf(net), error) || Outside(region, part.box)) continue;
     if (part.depth == kDeepest || --left < 0) {
       open.push_back(part.box);
       continue;
     }
-    const bool in_u = part.depth % 2 == 0;  // by turns: boxes stay as wide as high
-    auto [low, high] = Halved(part.patch, in_u ? Direction::kU : Direction::kV);
-    ParameterBox lower = part.box, upper = part.box;
-    (in_u ? lower.u1 : lower.v1) = (in_u ? upper.u0 : upper.v0) =
-        in_u ? (part.box.u0 + part.box.u1) / 2 : (part.box.v0 + part.box.v1) / 2;
-    waiting.push_back({lower, std::move(low), part.depth + 1});
-    waiting.push_back({upper, std::move(high), part.depth + 1});
+    auto [low, high] = Split(part);
+    waiting.push_back(std::move(low));
+    waiting.push_back(std::move(high));
   }
+}
+
+// Adds what stays open of the line of knots between two cells, where tangent planes may jump: the
+// parts next to it are to have their normals on one side of a plane.
+void ProveCrease(const SurfacePiece& before,
+                 const SurfacePiece& after,
+                 Direction across,
+                 const TrimRegion* region,
+                 std::vector<ParameterBox>& open) {
+  std::vector<std::pair<OpenPart, OpenPart>> waiting;
+  waiting.emplace_back(Whole(before), Whole(after));
+  const double error_before = before.errors.maxCoeff(), error_after = after.errors.maxCoeff();
+  while (!waiting.empty()) {
+    const auto [left, right] = std::move(waiting.back());
+    waiting.pop_back();
+    const WeightedNet one = NetOf(left), other = NetOf(right);
+    const Eigen::Vector3d direction = (DirectionOf(one) + DirectionOf(other)).normalized();
+    if (KeepsSign(one, direction, error_before) && KeepsSign(other, direction, error_after))
+      continue;
+    if (Outside(region, left.box)) continue;
+    if (left.depth == kDeepest) {
+      ParameterBox line = left.box;
+      (across == Direction::kU ? line.u0 : line.v0) = across == Direction::kU ? line.u1 : line.v1;
+      open.push_back(line);
+      continue;
+    }
+    const bool towards = (left.depth % 2 == 0) == (across == Direction::kU);
+    auto [left_low, left_high] = Split(left);
+    auto [right_low, right_high] = Split(right);
+    if (towards) {
+      waiting.emplace_back(std::move(left_high), std::move(right_low));
+    } else {
+      waiting.emplace_back(std::move(left_low), std::move(right_low));
+      waiting.emplace_back(std::move(left_high), std::move(right_high));
+    }
+  }
+}
+
+bool MayCrease(const SplineBasis& basis, double knot) {
+  return std::count(basis.knots().begin(), basis.knots().end(), knot) >= basis.degree();
 }
 
 }  // namespace
 
 std::vector<ParameterBox> UnprovedRegularity(const NurbsSurface& surface) {
-  std::optional<TrimRegion> region;
-  if (surface.trimmed()) region.emplace(surface);
+  std::optional<TrimRegion> trims;
+  if (surface.trimmed()) trims.emplace(surface);
+  const TrimRegion* const region = trims ? &*trims : nullptr;
   const SurfacePieces pieces(surface);
   std::vector<ParameterBox> open;
-  for (int i = 0; i < pieces.count_u(); ++i)
-    for (int j = 0; j < pieces.count_v(); ++j)
-      ProveCell(pieces.Piece(i, j), region ? &*region : nullptr, open);
+  for (int i = 0; i < pieces.count_u(); ++i) {
+    for (int j = 0; j < pieces.count_v(); ++j) {
+      const SurfacePiece piece = pieces.Piece(i, j);
+      ProveCell(piece, region, open);
+      if (i > 0 && MayCrease(surface.basis_u(), piece.u0))
+        ProveCrease(pieces.Piece(i - 1, j), piece, Direction::kU, region, open);
+      if (j > 0 && MayCrease(surface.basis_v(), piece.v0))
+        ProveCrease(pieces.Piece(i, j - 1), piece, Direction::kV, region, open);
+    }
+  }
   return open;
 }
 

@@ -150,7 +150,7 @@ void Summarise(const std::vector<double>& gaps, Certificate& certificate) {
     const ParameterBox& box = claim.unproved.front();
     summary.unproved.push_back("surface " + std::to_string(claim.index) + ": " +
                                std::to_string(claim.unproved.size()) +
-                               " parts where the normal may vanish, one at u " +
+                               " parts where the normal may vanish or turn over, one at u " +
                                RoundedText(box.u0) + ", v " + RoundedText(box.v0));
   }
   if (!summary.tolerance) return;
@@ -231,12 +231,17 @@ std::string ToCertificateJson(const Certificate& certificate,
     regularity.push_back({{"index", claim.index}, {"unproved", std::move(boxes)}});
   }
   const CertificateSummary& summary = certificate.summary;
+  Json certified{{"max_upper", summary.max_upper},
+                 {"max_lower", summary.max_lower},
+                 {"folds_proved_absent", summary.folds_proved_absent},
+                 {"unproved", summary.unproved}};
+  if (summary.tolerance) {
+    certified["tolerance"] = *summary.tolerance;
+    certified["proved_within"] = summary.proved_within;
+    certified["proved_out"] = summary.proved_out;
+  }
   Json json{{"schema", "batten-certificate-1"},
-            {"certified",
-             {{"max_upper", summary.max_upper},
-              {"max_lower", summary.max_lower},
-              {"folds_proved_absent", summary.folds_proved_absent},
-              {"unproved", summary.unproved}}},
+            {"certified", std::move(certified)},
             {"regularity", std::move(regularity)},
             {"columns", {"x", "y", "z", "lower", "upper", "index", "loop", "u", "v"}},
             {"points", std::move(rows)},

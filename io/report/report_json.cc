@@ -217,6 +217,7 @@ Json Certified(const CertificateSummary& certified) {
     json["proved_out"] = certified.proved_out;
     json["undecided"] = certified.undecided;
   }
+  if (certified.mesh_chord) json["mesh_chord"] = Number(*certified.mesh_chord);
   json["unproved"] = certified.unproved;
   return json;
 }

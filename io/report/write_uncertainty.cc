@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <vector>
 
 #include "batten/io/deviation_colours.h"
@@ -132,6 +133,17 @@ std::unique_ptr<AtomicFile> WriteUncertainty(const std::string& path,
     WritePly(map, geometry, *file);
   }
   return file;
+}
+
+Eigen::VectorXd SigmaAt(const Uncertainty& of, const Eigen::Matrix2Xd& parameters) {
+  const std::vector<PlaceUncertainty> places = of.At(parameters);
+  Eigen::VectorXd sigma(parameters.cols());
+  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
+    const PlaceUncertainty& place = places[static_cast<size_t>(k)];
+    sigma[k] =
+        place.support < kLeastSupport ? std::numeric_limits<double>::quiet_NaN() : place.deviation;
+  }
+  return sigma;
 }
 
 }  // namespace batten

@@ -118,6 +118,9 @@ TEST_F(CertificateTest, LiesAreFound) {
   lie = certificate;
   lie["regularity"][0]["unproved"] = Json::array();
   ExpectRefuted(lie);
+  lie["regularity"] = Json::array();
+  lie["certified"]["folds_proved_absent"] = true;  // of surfaces that nothing is said of
+  ExpectRefuted(lie);
   lie = certificate;
   lie["geometry"]["data"][0]["control_points"]["points"][7][0] = 9;
   ExpectRefuted(lie);
@@ -150,6 +153,47 @@ TEST_F(CertificateTest, FitsAreCertifiedWithTheTolerance) {
   EXPECT_EQ(certified["proved_within"], 800);
   EXPECT_TRUE(certified["folds_proved_absent"]) << certified;
   ExpectProved();
+  Json lie = Json::parse(folder_.Text("proof.json"));
+  lie["certified"]["tolerance"] = 1e-9;
+  ExpectRefuted(lie);
+}
+
+TEST_F(CertificateTest, MeshesOfFitsAreProvedNearTheSurface) {
+  const std::string cloud = folder_.With("sheet.xyz", ToText(WavySheet(800)));
+  const ProgramRun run = Batten({"fit",
+                                 "surface",
+                                 cloud,
+                                 "-o",
+                                 folder_.File("part.stl"),
+                                 "--certify",
+                                 "--tolerance",
+                                 "0.05",
+                                 "--json"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const Json certified = Json::parse(run.out)["certified"];
+  EXPECT_NEAR(certified["mesh_chord"].get<double>(), 0.025, 0.0125) << certified;
+}
+
+// A knife's edge has normals on both sides, and turns over between them.
+TEST_F(CertificateTest, CreasesThatTurnOverAreNotProved) {
+  Eigen::Matrix3Xd net(3, 6);
+  net << 0, 0, 1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0;
+  const NurbsSurface knife(SplineBasis(1, {0, 0, 1, 2, 2}), SplineBasis(1, {0, 0, 1, 1}), net);
+  const Json certificate = Certified({knife}, {0.5, 0.5, 0}, 1, 10);
+  EXPECT_FALSE(certificate["certified"]["folds_proved_absent"]);
+  ExpectProved();
+  Json lie = certificate;
+  lie["regularity"][0]["unproved"] = Json::array();
+  ExpectRefuted(lie);
+}
+
+// Numbers so large that their products overflow prove nothing.
+TEST_F(CertificateTest, OverflowsProveNothing) {
+  Json lie = Certified({Sphere(2)}, {0, 0, 0}, 3, 3);
+  for (Json& point : lie["geometry"]["data"][0]["control_points"]["points"])
+    point = {1e200, -1e200, 1e300};
+  const std::string path = folder_.With("huge.json", lie.dump());
+  EXPECT_NE(Verify(path).code, 0);
 }
 
 TEST_F(CertificateTest, ProfileDecisionsAllowForTheNoise) {

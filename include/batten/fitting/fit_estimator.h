@@ -11,7 +11,7 @@
 #include "batten/fitting/free_variables.h"
 #include "batten/fitting/mirror_plane.h"
 #include "batten/fitting/point_mask.h"
-#include "batten/fitting/poles.h"
+#include "batten/fitting/pole_kind.h"
 #include "batten/fitting/robust_loss.h"
 #include "batten/geometry/joins.h"
 
@@ -37,6 +37,10 @@ struct FitEstimator {
   std::optional<MirrorPlane> symmetric = std::nullopt;    // in the coordinates of the result
   PointMask used = {};  // the points fitted to; empty: those that are no outliers
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of the result against the points
+
+  // The indices of the points fitted to, of the cloud's `count`. Throws std::invalid_argument where
+  // the shape has no uncertainty, or the mask of its outliers is that of another cloud.
+  std::vector<Eigen::Index> UsedPoints(const PointMask& outliers, Eigen::Index count) const;
 };
 
 }  // namespace batten

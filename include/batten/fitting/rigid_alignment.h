@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "batten/fitting/point_cloud.h"
@@ -24,9 +25,9 @@ struct RigidAlignment {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // in world coordinates, after the motion
 
   PointCloud Moved(const PointCloud& cloud) const;
-  // The standard deviation along a direction at a place (world, after the motion) by points of unit
+  // The covariance of where the motion brings a place (world, after it), for points of unit
   // variance.
-  double Deviation(const Eigen::Vector3d& place, const Eigen::Vector3d& direction) const;
+  Eigen::Matrix3d CovarianceAt(const Eigen::Vector3d& place) const;
 };
 
 // The motion of least Σ d², d the distances from the nearest surface: Gauss–Newton steps on the
@@ -40,5 +41,11 @@ RigidAlignment AlignRigidly(const std::vector<NurbsSurface>& surfaces,
                             const PointCloud& cloud,
                             const std::vector<int>& datums,
                             ThreadPool& pool);
+
+// The standard deviation of the distance of every point (moved already) by noise of that deviation,
+// and by what it does to the motion, in the direction in which that is most: for CheckProfile.
+Eigen::VectorXd DistanceDeviations(const PointCloud& moved,
+                                   double noise,
+                                   const std::optional<RigidAlignment>& alignment);
 
 }  // namespace batten

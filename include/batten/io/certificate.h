@@ -34,6 +34,7 @@ struct CertificateSummary {
   std::optional<double> tolerance;
   Eigen::Index proved_within = 0, proved_out = 0, undecided = 0;  // of the tolerance
   bool folds_proved_absent = false;
+  std::optional<double> mesh_chord;   // the surfaces are so near to the planes of the triangles
   std::vector<std::string> unproved;  // a sentence each
 };
 

@@ -27,4 +27,8 @@ std::unique_ptr<AtomicFile> WriteUncertainty(const std::string& path,
 // Throws UsageError for what WriteUncertainty refuses by its name.
 void CheckUncertaintyName(const std::string& path, bool curve);
 
+// Standard deviations at places of a domain (2 × k), for ReportSurface::sigma: NaN where the points
+// do not support the shape.
+Eigen::VectorXd SigmaAt(const Uncertainty& of, const Eigen::Matrix2Xd& parameters);
+
 }  // namespace batten

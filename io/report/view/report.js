@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together. window.battenReport lets scripts do what hands do:
 //   modes, layers      the names that setMode and setLayer know
-//   setMode(name)      "deviation", "gap", "shaded", "mean", "gaussian", "zebra"; false where there is none
+//   setMode(name)      "deviation", "gap", "sigma", "shaded", "mean", "gaussian", "zebra"; false where there is none
 //   setLayer(name, on) "surface", "cloud", "outliers", "net", "trims", "knots", "curve", "comb", "whiskers"
 //   setView(name)      "x", "-x", "y", "-y", "z", "-z", "all"
 //   setLimit(value)    half the range of colours
@@ -37,7 +37,7 @@ function buildReport() {
     side.append(card);
     charts.push({ svg, draw: (w) => drawHistogram(svg, data, limit, w) });
   }
-  side.append(...[deviationTable(data), partsTable(data), inputTable(data), cloudPartsTable(data)].filter(Boolean));
+  side.append(...[...checkTables(data), deviationTable(data), partsTable(data), inputTable(data), cloudPartsTable(data)].filter(Boolean));
 
   if (data.curves.length > 0 && data.surfaces.length === 0 && data.cloud) {
     const lengths = data.curves.map((c) => arcLengths(c.points));

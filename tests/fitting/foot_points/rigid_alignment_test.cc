@@ -74,7 +74,7 @@ TEST(RigidAlignmentTest, LeavesAloneWhatThePointsDoNotSee) {
   EXPECT_EQ(found.determined, 3);
   EXPECT_NEAR((found.translation - Eigen::Vector3d(0, 0, -0.1)).norm(), 0, kHalfDigits);
   EXPECT_NEAR((found.rotation - Eigen::Matrix3d::Identity()).norm(), 0, kHalfDigits);
-  EXPECT_NEAR(found.Deviation({9, 9, 0}, Eigen::Vector3d::UnitX()), 0, kHalfDigits);
+  EXPECT_NEAR(found.CovarianceAt({9, 9, 0})(0, 0), 0, kHalfDigits);
 }
 
 // A secondary face that is out of square by an angle does not turn the primary one.
@@ -105,7 +105,7 @@ TEST(RigidAlignmentTest, DeviationIsThatOfManyDraws) {
     const RigidAlignment found = AlignRigidly(corner.faces, PointCloud(corner.points), {}, pool);
     const double error = up.dot(found.rotation * place + found.translation - place);
     squares += error * error;
-    said = 0.01 * found.Deviation(place, up);
+    said = 0.01 * std::sqrt(up.dot(found.CovarianceAt(place) * up));
   }
   // The deviation of a deviation over n draws is 1/√(2n), 5 %; three of them.
   EXPECT_NEAR(std::sqrt(squares / kDraws) / said, 1, 0.15);
