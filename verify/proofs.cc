@@ -19,10 +19,7 @@ std::array<Interval, 3> BoxOf(const Piece& piece) {
   std::array<Interval, 3> box;
   for (size_t c = 0; c < 3; ++c) {
     box[c] = Coordinate(piece.net.front(), c);
-    for (const Point4& point : piece.net) {
-      const Interval x = Coordinate(point, c);
-      box[c] = {std::min(box[c].lo, x.lo), std::max(box[c].hi, x.hi)};
-    }
+    for (const Point4& point : piece.net) box[c] = Hull(box[c], Coordinate(point, c));
   }
   return box;
 }
@@ -208,7 +205,8 @@ Side Region::OfBox(double u0, double u1, double v0, double v1) const {
     const std::array<Interval, 3> box = BoxOf(piece);
     if (box[0].hi < u0 || box[0].lo > u1 || box[1].hi < v0 || box[1].lo > v1) continue;
     const double size = std::max(box[0].hi - box[0].lo, box[1].hi - box[1].lo);
-    if (piece.depth == kDeepestArc || size < std::max(u1 - u0, v1 - v0) / 4) return Side::kUnknown;
+    if (piece.depth == kDeepestArc || !(size >= std::max(u1 - u0, v1 - v0) / 4))
+      return Side::kUnknown;
     for (Piece& half : Halves(piece)) waiting.push_back(std::move(half));
   }
   return Of(u0 + (u1 - u0) / 2, v0 + (v1 - v0) / 2);

@@ -135,7 +135,7 @@ std::array<Interval, 3> Shape::At(const Interval& at_u, const Interval& at_v) co
     const Point4 point = value(std::move(column), local(at_u, piece.u0, piece.u1));
     for (size_t c = 0; c < 3; ++c) {
       const Interval x = point[c] / point[3];
-      hull[c] = first ? x : Interval(std::min(hull[c].lo, x.lo), std::max(hull[c].hi, x.hi));
+      hull[c] = first ? x : Hull(hull[c], x);
     }
     first = false;
   }

@@ -12,6 +12,7 @@
 #include "batten/fitting/fit_estimator.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_mask.h"
+#include "batten/io/report_json.h"
 #include "python/core/body.h"
 #include "python/core/cloud.h"
 #include "python/core/options.h"
@@ -31,6 +32,7 @@ struct Fit {
   std::string command, unit = "mm";
   std::vector<std::string> names = {};
   FitEstimator estimator = {};
+  ReportChecks checks = {};
 };
 
 using FitPtr = std::shared_ptr<Fit>;

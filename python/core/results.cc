@@ -58,6 +58,7 @@ ReportContext ContextOf(const Fit& fit, const std::string& file) {
   context.shift = fit.shift;
   context.peak_memory_bytes = std::int64_t{usage.ru_maxrss} * 1024;
   context.version = BATTEN_VERSION;
+  context.checks = fit.checks;
   return context;
 }
 
