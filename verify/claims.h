@@ -13,6 +13,7 @@
 namespace verify {
 
 using Json = nlohmann::json;
+using Vector = std::array<Interval, 3>;
 using Point4 = std::array<Interval, 4>;  // w·x, w·y, w·z, w
 
 struct Basis {
@@ -41,13 +42,15 @@ struct Shape {
   Basis u, v;
   std::vector<std::array<double, 4>> points;  // x, y, z, w, second direction fastest
   std::vector<Shape> trims;                   // curves in the parameter plane
+  std::array<double, 3> origin{};             // near to the points: pieces are less by it
   std::vector<Piece> pieces;                  // filled by Read
 
-  std::array<Interval, 3> At(const Interval& u, const Interval& v) const;
+  Vector At(const Interval& u, const Interval& v) const;
 };
 
-// One entry of "data". Throws std::runtime_error naming what is wrong.
-Shape Read(const Json& entry);
+// One entry of "data", or a trim loop of one, whose origin is zero. Throws std::runtime_error
+// naming what is wrong.
+Shape Read(const Json& entry, bool loop = false);
 
 // The halves of a piece, across the two directions by turns. [de Casteljau]
 std::array<Piece, 2> Halves(const Piece& piece);

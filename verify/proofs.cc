@@ -10,13 +10,13 @@ namespace verify {
 namespace {
 
 constexpr int kHalvings = 4, kDeepestArc = 48;  // of loops: to begin with, and at most
-constexpr int kMostBoxes = 200000;              // for one point
+constexpr int kMostBoxes = 20000;               // for one point
 constexpr int kDeepestRegular = 14;
 
 Interval Coordinate(const Point4& point, size_t c) { return point[c] / point[3]; }
 // The box of a piece's Bézier points, which holds the piece: weights are positive.
-std::array<Interval, 3> BoxOf(const Piece& piece) {
-  std::array<Interval, 3> box;
+Vector BoxOf(const Piece& piece) {
+  Vector box;
   for (size_t c = 0; c < 3; ++c) {
     box[c] = Coordinate(piece.net.front(), c);
     for (const Point4& point : piece.net) box[c] = Hull(box[c], Coordinate(point, c));
@@ -24,14 +24,18 @@ std::array<Interval, 3> BoxOf(const Piece& piece) {
   return box;
 }
 
-// The least squared distance of q from a box.
-double LeastSquare(const std::array<Interval, 3>& box, const Point& q) {
+// Of a point from the origin of a shape.
+Vector Relative(const Shape& shape, const Point& q) {
+  Vector p;
+  for (size_t c = 0; c < 3; ++c) p[c] = Interval(q[c]) - Interval(shape.origin[c]);
+  return p;
+}
+
+// The squared distance of a point of a box from p.
+Interval SquaredDistance(const Vector& box, const Vector& p) {
   Interval sum;
-  for (size_t c = 0; c < 3; ++c) {
-    if (q[c] >= box[c].lo && q[c] <= box[c].hi) continue;
-    sum += Square(Interval(q[c]) - Interval(q[c] < box[c].lo ? box[c].lo : box[c].hi));
-  }
-  return sum.lo;
+  for (size_t c = 0; c < 3; ++c) sum += Square(box[c] - p[c]);
+  return sum;
 }
 
 Interval Binomial(int n, int k) {
@@ -82,18 +86,18 @@ Polynomial Plus(Polynomial a, const Polynomial& b, bool minus = false) {
 }
 
 // Coordinate c of the net, less q times the weights.
-Polynomial Component(const Piece& piece, size_t c, double q) {
+Polynomial Component(const Piece& piece, size_t c, const Interval& q) {
   Polynomial result(piece.p, piece.q);
   for (size_t k = 0; k < piece.net.size(); ++k)
-    result.c[k] = c == 3 ? piece.net[k][3] : piece.net[k][c] - Interval(q) * piece.net[k][3];
+    result.c[k] = c == 3 ? piece.net[k][3] : piece.net[k][c] - q * piece.net[k][3];
   return result;
 }
 
 // Whether |P − qw|² − lower²w² has no negative Bernstein coefficient.
-bool NoNearer(const Piece& piece, const Point& q, double lower) {
+bool NoNearer(const Piece& piece, const Vector& q, double lower) {
   Polynomial sum(2 * piece.p, 2 * piece.q);
   for (size_t c = 0; c < 4; ++c) {
-    const Polynomial part = Component(piece, c, c < 3 ? q[c] : 0);
+    const Polynomial part = Component(piece, c, c < 3 ? q[c] : Interval(0));
     Polynomial square = part * part;
     for (Interval& value : square.c)
       if (c == 3) value = -(Square(Interval(lower)) * value);
@@ -169,7 +173,7 @@ int Region::Crossings(double u, double v, int turn) const {
   while (!waiting.empty()) {
     const Piece piece = std::move(waiting.back());
     waiting.pop_back();
-    const std::array<Interval, 3> box = BoxOf(piece);
+    const Vector box = BoxOf(piece);
     const Interval far = sign > 0 ? box[along] : -box[along], level = box[1 - along];
     if (far.hi < x || level.hi < y || level.lo > y) continue;
     const Interval first = Coordinate(piece.net.front(), 1 - along);
@@ -202,7 +206,7 @@ Side Region::OfBox(double u0, double u1, double v0, double v1) const {
   while (!waiting.empty()) {
     const Piece piece = std::move(waiting.back());
     waiting.pop_back();
-    const std::array<Interval, 3> box = BoxOf(piece);
+    const Vector box = BoxOf(piece);
     if (box[0].hi < u0 || box[0].lo > u1 || box[1].hi < v0 || box[1].lo > v1) continue;
     const double size = std::max(box[0].hi - box[0].lo, box[1].hi - box[1].lo);
     if (piece.depth == kDeepestArc || !(size >= std::max(u1 - u0, v1 - v0) / 4))
@@ -215,15 +219,16 @@ Side Region::OfBox(double u0, double u1, double v0, double v1) const {
 bool ProveLower(const Shape& shape, const Region& region, const Point& q, double lower) {
   if (!(lower > 0)) return lower == 0;
   const double square = Square(Interval(lower)).hi;
+  const Vector p = Relative(shape, q);
   int boxes = 0;
   for (const Piece& piece : shape.pieces) {
-    if (LeastSquare(BoxOf(piece), q) >= square) continue;
+    if (SquaredDistance(BoxOf(piece), p).lo >= square) continue;
     std::vector<Piece> waiting{piece};
     while (!waiting.empty()) {
       const Piece box = std::move(waiting.back());
       waiting.pop_back();
       if (++boxes > kMostBoxes) return false;
-      if (LeastSquare(BoxOf(box), q) >= square || NoNearer(box, q, lower)) continue;
+      if (SquaredDistance(BoxOf(box), p).lo >= square || NoNearer(box, p, lower)) continue;
       if (shape.surface && region.OfBox(box.u0, box.u1, box.v0, box.v1) == Side::kOutside) continue;
       for (Piece& half : Halves(box)) waiting.push_back(std::move(half));
       if (waiting.back().u1 <= waiting.back().u0) return false;
@@ -238,7 +243,7 @@ bool ProveUpper(const Shape& shape, const Region& region, const Point& q, double
   if (loop >= 0) {
     const Shape& curve = shape.trims.at(loop);
     if (!curve.u.Holds(u)) return false;
-    const std::array<Interval, 3> on = curve.At(u, 0);
+    const Vector on = curve.At(u, 0);
     // Loops may run along the domain's edge, where rounding is outside of it.
     const auto inside = [](const Interval& at, const Basis& basis) {
       return Interval(std::clamp(at.lo, basis.lower(), basis.upper()),
@@ -250,10 +255,7 @@ bool ProveUpper(const Shape& shape, const Region& region, const Point& q, double
              (shape.surface && !(shape.v.Holds(v) && region.Of(u, v) == Side::kInside))) {
     return false;
   }
-  const std::array<Interval, 3> on = shape.At(at_u, at_v);
-  Interval sum;
-  for (size_t c = 0; c < 3; ++c) sum += Square(on[c] - Interval(q[c]));
-  return Root(sum).hi <= upper;
+  return Root(SquaredDistance(shape.At(at_u, at_v), Relative(shape, q))).hi <= upper;
 }
 
 namespace {

@@ -2,7 +2,6 @@
 #include "claims.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 namespace verify {
@@ -45,11 +44,8 @@ Basis ReadBasis(const Json& degree, const Json& knots, int size) {
   if (basis.degree < 1 || basis.degree > 25 || std::ssize(basis.knots) != size + basis.degree + 1 ||
       size <= basis.degree)
     throw std::runtime_error("a knot vector does not fit its degree and control points");
-  for (size_t k = 0; k < basis.knots.size(); ++k) {
-    if (!std::isfinite(basis.knots[k]) || (k > 0 && basis.knots[k] < basis.knots[k - 1]))
-      throw std::runtime_error("a knot vector decreases, or is not finite");
-  }
-  if (basis.Spans().empty()) throw std::runtime_error("a knot vector has no domain");
+  if (!std::is_sorted(basis.knots.begin(), basis.knots.end()) || basis.Spans().empty())
+    throw std::runtime_error("a knot vector decreases, or has no domain");
   return basis;
 }
 
@@ -62,8 +58,6 @@ void ReadPoints(const Json& entry, Shape& shape) {
       throw std::runtime_error("a control point has neither two nor three coordinates");
     for (size_t c = 0; c < points[k].size(); ++c) point[c] = points[k][c].get<double>();
     if (all.contains("weights")) point[3] = all.at("weights").at(k).get<double>();
-    for (const double x : point)
-      if (!std::isfinite(x)) throw std::runtime_error("a control point is not finite");
     if (!(point[3] > 0)) throw std::runtime_error("a weight is not positive");
     shape.points.push_back(point);
   }
@@ -82,7 +76,8 @@ void MakePieces(Shape& shape) {
         for (int j = 0; j <= q; ++j) {
           const auto& [x, y, z, weight] = shape.points[(su - p + i) * columns + sv - q + j];
           const Interval w = weight;
-          row.push_back({w * Interval(x), w * Interval(y), w * Interval(z), w});
+          const auto& [a, b, c] = shape.origin;  // differences first: they lose least
+          row.push_back({w * (Interval(x) - a), w * (Interval(y) - b), w * (Interval(z) - c), w});
         }
         if (shape.surface) row = BezierPoints(shape.v, sv, row);
         std::copy(row.begin(), row.end(), piece.net.begin() + i * (q + 1));
@@ -110,29 +105,26 @@ std::vector<int> Basis::Spans() const {
 }
 
 // The hull over all pieces that the parameters meet. [de Casteljau]
-std::array<Interval, 3> Shape::At(const Interval& at_u, const Interval& at_v) const {
-  const auto value = [](std::vector<Point4> points, const Interval& t) {
+Vector Shape::At(const Interval& at_u, const Interval& at_v) const {
+  const auto value = [](std::vector<Point4> points, const Interval& at, double low, double high) {
+    const Interval t = (at - low) / (Interval(high) - low);
     for (size_t r = points.size() - 1; r > 0; --r)
       for (size_t k = 0; k < r; ++k)
         for (size_t c = 0; c < 4; ++c)
           points[k][c] = (Interval(1) - t) * points[k][c] + t * points[k + 1][c];
     return points.front();
   };
-  std::array<Interval, 3> hull;
+  Vector hull;
   bool first = true;
   for (const Piece& piece : pieces) {
     if (at_u.hi < piece.u0 || at_u.lo > piece.u1) continue;
     if (surface && (at_v.hi < piece.v0 || at_v.lo > piece.v1)) continue;
-    const auto local = [](const Interval& at, double low, double high) {
-      return (at - Interval(low)) / (Interval(high) - Interval(low));
-    };
     std::vector<Point4> column;
     for (int i = 0; i <= piece.p; ++i) {
       const auto row = piece.net.begin() + i * (piece.q + 1);
-      column.push_back(surface ? value({row, row + piece.q + 1}, local(at_v, piece.v0, piece.v1))
-                               : *row);
+      column.push_back(surface ? value({row, row + piece.q + 1}, at_v, piece.v0, piece.v1) : *row);
     }
-    const Point4 point = value(std::move(column), local(at_u, piece.u0, piece.u1));
+    const Point4 point = value(std::move(column), at_u, piece.u0, piece.u1);
     for (size_t c = 0; c < 3; ++c) {
       const Interval x = point[c] / point[3];
       hull[c] = first ? x : Hull(hull[c], x);
@@ -142,10 +134,11 @@ std::array<Interval, 3> Shape::At(const Interval& at_u, const Interval& at_v) co
   return hull;
 }
 
-Shape Read(const Json& entry) {
+Shape Read(const Json& entry, bool loop) {
   Shape shape;
   shape.surface = entry.contains("degree_u");
   ReadPoints(entry, shape);
+  if (!loop && !shape.points.empty()) std::copy_n(shape.points[0].begin(), 3, shape.origin.begin());
   if (shape.surface) {
     const int size_u = entry.at("size_u"), size_v = entry.at("size_v");
     if (std::int64_t{size_u} * size_v != std::ssize(shape.points))
@@ -153,7 +146,7 @@ Shape Read(const Json& entry) {
     shape.u = ReadBasis(entry.at("degree_u"), entry.at("knotvector_u"), size_u);
     shape.v = ReadBasis(entry.at("degree_v"), entry.at("knotvector_v"), size_v);
     if (entry.contains("trims"))
-      for (const Json& trim : entry.at("trims").at("data")) shape.trims.push_back(Read(trim));
+      for (const Json& trim : entry.at("trims").at("data")) shape.trims.push_back(Read(trim, true));
   } else {
     shape.u = ReadBasis(
         entry.at("degree"), entry.at("knotvector"), static_cast<int>(shape.points.size()));

@@ -49,6 +49,15 @@ std::optional<ProfileZone> ToZone(const std::string& text) {
                    "' is neither a positive number nor LOW,HIGH with LOW below HIGH");
 }
 
+// Refuses a zone that differs on the two sides of a geometry that has none.
+void CheckSides(const std::string& profile, const std::vector<Geometry>& geometry) {
+  for (const Geometry& one : geometry) {
+    if (!std::holds_alternative<NurbsSurface>(one))
+      throw UsageError("--profile " + profile +
+                       ": distances from a curve have no side: give one number");
+  }
+}
+
 // The numbers of the datum surfaces, from 0 on, where the alignment is to them.
 std::vector<int> ToDatums(const CompareArguments& a) {
   if (a.align != "datum") {
@@ -179,6 +188,7 @@ int RunCompare(const CompareArguments& a) {
   const GeometryContents contents = ReadGeometryContents(
       a.geometry, {word_is_geometry ? a.cloud.format : "", a.unit_given ? a.output.unit : ""});
   const std::vector<Geometry>& geometry = contents.geometry;
+  if (zone && zone->low != -zone->high) CheckSides(a.profile, geometry);
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   BeginReading(a.clouds, a.flags.quiet);
@@ -272,6 +282,10 @@ int RunCompare(const CompareArguments& a) {
   ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
   target.checks.alignment = alignment;
   if (zone) {
+    if (!(measured.noise > 0)) {
+      report.warnings.push_back(
+          "--profile: the noise of the points is not known: the decision allows for none");
+    }
     target.checks.profile = CheckProfile(
         nearest.distances, DistanceDeviations(cloud, measured.noise, alignment), *zone);
     target.result_line += ProfileWords(*target.checks.profile);

@@ -222,6 +222,15 @@ TEST_F(CertificateTest, ProfileDecisionsAllowForTheNoise) {
         << bad;
   EXPECT_EQ(Batten({"compare", folder_.File("part.json"), cloud, "--align", "datum"}).code, 2);
   EXPECT_EQ(Batten({"compare", folder_.File("part.json"), cloud, "--datum", "0"}).code, 2);
+  // Distances from curves have no sign, and points along them no noise that is known.
+  WriteGeometry({Circle(10)}, folder_.File("ring.json"));
+  const std::string ring = folder_.With("ring.xyz", "10 0 0.1\n0 10 -0.1\n-10 0 0.1\n0 -10 0\n");
+  const ProgramRun sides = Batten({"compare", folder_.File("ring.json"), ring, "--profile", "0,1"});
+  EXPECT_EQ(sides.code, 2);
+  EXPECT_THAT(sides.err, HasSubstr("no side"));
+  const ProgramRun unknown = Batten({"compare", folder_.File("ring.json"), ring, "--profile", "1"});
+  EXPECT_EQ(unknown.code, 0);
+  EXPECT_THAT(unknown.err, HasSubstr("noise of the points is not known"));
 }
 
 }  // namespace batten::internal::certificate_test
