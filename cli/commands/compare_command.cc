@@ -156,6 +156,72 @@ std::vector<PartError> PartsOf(const GeometryContents& contents,
   return parts;
 }
 
+// Of several geometries every point belongs to the nearest.
+struct Nearest {
+  PointDistances found;
+  std::vector<int> owners;
+  Eigen::Index uncertified = 0;
+};
+
+Nearest NearestOf(const std::vector<Geometry>& geometry,
+                  const PointCloud& cloud,
+                  ThreadPool& pool,
+                  const Progress& progress) {
+  Nearest nearest;
+  nearest.owners.assign(static_cast<std::size_t>(cloud.size()), 0);
+  for (size_t g = 0; g < geometry.size(); ++g) {
+    Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
+    PointDistances found = std::visit(
+        [&](const auto& shape) {
+          return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool);
+        },
+        geometry[g]);
+    nearest.uncertified = std::max(nearest.uncertified, found.uncertified);
+    PointDistances& best = nearest.found;
+    if (g == 0) {
+      best = std::move(found);
+      continue;
+    }
+    if (found.parameters.rows() > best.parameters.rows()) {
+      best.parameters.conservativeResizeLike(
+          Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
+    }
+    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+      if (std::abs(found.distances[k]) >= std::abs(best.distances[k])) continue;
+      best.distances[k] = found.distances[k];
+      nearest.owners[static_cast<std::size_t>(k)] = static_cast<int>(g);
+      best.parameters.col(k).setZero();
+      best.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
+    }
+  }
+  return nearest;
+}
+
+InputSummary InputOf(const CompareArguments& a,
+                     const CloudFile& file,
+                     const PointCloud& cloud,
+                     ThreadPool& pool,
+                     const Progress& progress) {
+  const MergedCloud merged = MergeDuplicates(cloud);
+  CloudStatisticsOptions statistics;
+  statistics.find_outliers = false;
+  statistics.seed = a.work.seed;
+  const CloudStatistics measured = MeasureCloud(
+      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
+  InputSummary input;
+  input.files = a.clouds;
+  input.points = file.points_in_file - file.filtered;
+  input.used = cloud.size();
+  input.non_finite = file.non_finite;
+  input.duplicates = merged.duplicates;
+  input.spacing = measured.spacing;
+  input.noise = measured.noise;
+  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
+  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
+  input.origin = cloud.origin();
+  return input;
+}
+
 std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
   std::string line = fmt::format("{} to {}: rms {:.4g}, mean {:.4g}, max {:.4g} over {} points",
                                  JoinedNames(a.clouds),
@@ -209,60 +275,18 @@ int RunCompare(const CompareArguments& a) {
       AlignmentOf(a, datums, geometry, file.cloud, pool);
   const PointCloud cloud = alignment ? alignment->Moved(file.cloud) : file.cloud;
 
-  // Several geometries: every point belongs to the nearest.
-  PointDistances nearest;
-  std::vector<int> owners;
-  Eigen::Index uncertified = 0;
-  for (size_t g = 0; g < geometry.size(); ++g) {
-    Report(progress, "project", static_cast<double>(g) / static_cast<double>(geometry.size()));
-    PointDistances found = std::visit(
-        [&](const auto& shape) {
-          return DistancesTo(Moved(shape, -cloud.origin()), cloud.points(), pool);
-        },
-        geometry[g]);
-    uncertified = std::max(uncertified, found.uncertified);
-    if (g == 0) {
-      nearest = std::move(found);
-      owners.assign(static_cast<std::size_t>(cloud.size()), 0);
-      continue;
-    }
-    if (found.parameters.rows() > nearest.parameters.rows()) {
-      nearest.parameters.conservativeResizeLike(
-          Eigen::MatrixXd::Zero(found.parameters.rows(), cloud.size()));
-    }
-    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-      if (std::abs(found.distances[k]) >= std::abs(nearest.distances[k])) continue;
-      nearest.distances[k] = found.distances[k];
-      owners[static_cast<std::size_t>(k)] = static_cast<int>(g);
-      nearest.parameters.col(k).setZero();
-      nearest.parameters.col(k).head(found.parameters.rows()) = found.parameters.col(k);
-    }
-  }
-  if (uncertified > 0) report.warnings.push_back(UncertifiedText(uncertified));
+  const Nearest near = NearestOf(geometry, cloud, pool, progress);
+  const PointDistances& nearest = near.found;
+  if (near.uncertified > 0) report.warnings.push_back(UncertifiedText(near.uncertified));
   clock.Enter(&StageSeconds::prepare);
-  const MergedCloud merged = MergeDuplicates(cloud);
-  CloudStatisticsOptions statistics;
-  statistics.find_outliers = false;
-  statistics.seed = a.work.seed;
-  const CloudStatistics measured = MeasureCloud(
-      merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
-  report.input.files = a.clouds;
-  report.input.points = file.points_in_file - file.filtered;
-  report.input.used = cloud.size();
-  report.input.non_finite = file.non_finite;
-  report.input.duplicates = merged.duplicates;
-  report.input.spacing = measured.spacing;
-  report.input.noise = measured.noise;
-  report.input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  report.input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  report.input.origin = cloud.origin();
+  report.input = InputOf(a, file, cloud, pool, progress);
   std::visit([&](const auto& shape) { Describe(shape, report.geometry); }, geometry.front());
   if (geometry.size() > 1) {
     report.warnings.push_back(
         a.geometry + " holds " + std::to_string(geometry.size()) +
         " geometries: distances are to the nearest, degree and control points those of the first");
     report.geometry.count = static_cast<int>(geometry.size());
-    report.parts = PartsOf(contents, nearest.distances, owners, a.tolerance);
+    report.parts = PartsOf(contents, nearest.distances, near.owners, a.tolerance);
   }
   report.error = report.error_all = Summarise(nearest.distances, a.tolerance);
   report.optimize.why = "a comparison fits nothing";
@@ -274,20 +298,20 @@ int RunCompare(const CompareArguments& a) {
                               .distances = nearest.distances,
                               .parameters = nearest.parameters,
                               .outliers = PointMask::Constant(cloud.size(), false),
-                              .owners = geometry.size() > 1 ? owners : std::vector<int>{},
-                              .spacing = measured.spacing,
-                              .noise = measured.noise};
+                              .owners = geometry.size() > 1 ? near.owners : std::vector<int>{},
+                              .spacing = report.input.spacing,
+                              .noise = report.input.noise};
   OutputArguments output = a.output;
   if (!contents.unit.empty()) output.unit = contents.unit;
   ReportTarget target{output, a.flags, a.geometry, ResultLine(a, report.error)};
   target.checks.alignment = alignment;
   if (zone) {
-    if (!(measured.noise > 0)) {
+    if (!(report.input.noise > 0)) {
       report.warnings.push_back(
           "--profile: the noise of the points is not known: the decision allows for none");
     }
     target.checks.profile = CheckProfile(
-        nearest.distances, DistanceDeviations(cloud, measured.noise, alignment), *zone);
+        nearest.distances, DistanceDeviations(cloud, report.input.noise, alignment), *zone);
     target.result_line += ProfileWords(*target.checks.profile);
   }
   const Certified certified = CertificateFor(
