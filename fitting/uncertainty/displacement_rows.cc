@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "batten/fitting/poles.h"
 #include "fitting/least_squares/fairness.h"
 #include "fitting/linear/coefficient_order.h"
 

@@ -26,7 +26,7 @@ TriangleMesh MeshOf(const NurbsSurface& surface, double tolerance) {
 TEST(ChordProofTest, MeshesAreProvedWithinTheirTolerance) {
   RandomSplines random(6);
   const NurbsSurface sheet = random.Sheet(3, 2, 1);
-  const NurbsSurface trimmed = Trimmed(sheet, {Ellipse({0.5, 0.5}, 0.3, 0.2)});
+  const NurbsSurface trimmed = Trimmed(sheet, {Ellipse({0.5, 0.5}, {0.3, 0.2})});
   for (const NurbsSurface& surface : {sheet, trimmed, Cylinder(3, 5), Sphere(2), Torus(3, 1)}) {
     const double tolerance = 1e-3 * BoundingBox(surface).diagonal().norm();
     const TriangleMesh mesh = MeshOf(surface, tolerance);
