@@ -21,6 +21,7 @@ constexpr double kSettled = 1e-12;  // of the points' size: a step that moves th
 // Of the largest eigenvalue: freedoms below are not seen. Points of a plane or cylinder see the
 // others only through errors of form, the squares of 1e-4 of the size or less.
 constexpr double kSeen = 1e-6;
+constexpr double kOnSurface = 1e-10;  // of the points' size: the way to a foot is rounding
 
 // What is nearest to each point, in coordinates about the middle of the points.
 struct NearestPlaces {
@@ -30,6 +31,7 @@ struct NearestPlaces {
 
   NearestPlaces(const std::vector<SurfaceFootPoints>& searches,
                 const Eigen::Matrix3Xd& points,
+                double unit,
                 ThreadPool& pool)
       : distances(Eigen::VectorXd::Constant(points.cols(), HUGE_VAL)),
         normals(3, points.cols()),
@@ -44,9 +46,10 @@ struct NearestPlaces {
         const Eigen::Vector3d n = normal.value_or(off.normalized());
         distances[k] = n.dot(off) < 0 ? -foot.distance : foot.distance;
         // Beyond an edge the distance changes along the way to the foot.
-        normals.col(k) = foot.distance > 0 && std::abs(n.dot(off)) < 0.99 * foot.distance
-                             ? Eigen::Vector3d(off / distances[k])
-                             : n;
+        normals.col(k) =
+            foot.distance > kOnSurface * unit && std::abs(n.dot(off)) < 0.99 * foot.distance
+                ? Eigen::Vector3d(off / distances[k])
+                : n;
         owners[static_cast<size_t>(k)] = static_cast<int>(s);
       }
     }
@@ -185,7 +188,7 @@ RigidAlignment AlignRigidly(const std::vector<NurbsSurface>& surfaces,
   double rms = HUGE_VAL;
   for (int k = 0; k < kMostSteps; ++k) {
     const Eigen::Matrix3Xd points = (rotation * start).colwise() + shift;
-    const NearestPlaces near(searches, points, pool);
+    const NearestPlaces near(searches, points, unit, pool);
     const std::vector<Form> forms = FormsOf(near, points, unit, datums);
     const double now = RmsOf(forms);
     if (k == 0) found.rms_before = now;

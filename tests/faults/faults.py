@@ -44,10 +44,13 @@ class Fault(unittest.TestCase):
             with open(self.path(name), "wb") as file:
                 file.write(OLD)
 
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
     def assert_old(self, *names):
         for name in names:
-            with open(self.path(name), "rb") as file:
-                self.assertEqual(file.read(), OLD, name)
+            self.assertEqual(self.read(name), OLD, name)
 
     def assert_one_sentence(self, done, code):
         lines = [line for line in done.stderr.splitlines() if line.strip()]
@@ -86,7 +89,7 @@ class KilledTest(Fault):
         done = self.run_program(*self.command())
         whole = time.monotonic() - begin
         self.assertEqual(done.returncode, 0, done.stderr)
-        new = {name: open(self.path(name), "rb").read() for name in self.STEADY}
+        new = {name: self.read(name) for name in self.STEADY}
         chance = random.Random(7)
         replaced = 0
         for k in range(60):
@@ -99,8 +102,7 @@ class KilledTest(Fault):
             with self.subTest(at=at, how=how):
                 self.assertIn(code, (0, 130, 143, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL), error)
                 for name in self.OUTPUTS:
-                    with open(self.path(name), "rb") as file:
-                        text = file.read()
+                    text = self.read(name)
                     if text == OLD:
                         self.assertNotEqual(code, 0, f"{name}: done, but not written")
                         continue

@@ -10,7 +10,9 @@ import csv
 import json
 import math
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,7 +20,8 @@ import time
 
 import numpy as np
 
-TIME_LIMIT, GRACE = 5, 20  # seconds of a fit, and for reading, measuring and writing on a busy machine
+TIME_LIMIT = 5  # seconds of a fit
+MOST_SECONDS, MOST_WALL = 40, 600  # of all processors, with reading, measuring and writing; on a busy machine
 MEASURED = 1e-7  # of the size: what the report and this script may differ by
 WILD = 0.5  # diagonals of the points' box by which a shape may leave it without a word
 
@@ -159,9 +162,10 @@ def fit_of(r, folder):
     else:
         words += ["--time-limit", str(TIME_LIMIT)]
         words += options_of(r, SURFACE if kind == "surface" else CURVE, 0.12)
-    return name, words, p
+    return name, words
 
 
+MIRRORS = {"x": np.array([1, 0, 0]), "1,1,0,0": np.array([1, 1, 0]) / math.sqrt(2)}
 FOLLOWING = [["analyze", "part.json", "--json"], ["analyze", "part.json", "part.json", "--json"], ["info", "part.json", "--json"],
              ["convert", "part.json", "part.step"], ["convert", "part.json", "part.iges"], ["tessellate", "part.json", "-o", "mesh.stl"],
              ["section", "part.json", "--plane", "1,0,0.2,-1", "-o", "cut.json"], ["sample", "part.json", "-o", "sampled.xyz", "--count", "50"],
@@ -181,14 +185,20 @@ def strict(text):
     return json.loads(text, parse_constant=refuse)
 
 
-def run(batten, words, folder, limit):
+def limit_processor():
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
+
+
+def run(batten, words, folder):
     begin = time.monotonic()
     try:
-        done = subprocess.run([batten, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=limit, text=True,
-                              errors="replace")
+        done = subprocess.run([batten, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=MOST_WALL, text=True,
+                              errors="replace", preexec_fn=limit_processor)
     except subprocess.TimeoutExpired:
-        raise Wrong(f"runs longer than {limit} s") from None
+        raise Wrong(f"runs longer than {MOST_WALL} s") from None
     seconds = time.monotonic() - begin
+    if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise Wrong(f"takes more than {MOST_SECONDS} s of the processor")
     if done.returncode not in (0, 1, 2, 3):
         raise Wrong(f"exit code {done.returncode}: {done.stderr[-300:]}")
     if done.returncode in (1, 2) and not done.stderr.strip():
@@ -256,7 +266,7 @@ class Shape:
         return np.array([self.at(u, v) for u in axes[0] for v in axes[1]])
 
 
-def check_report(report, folder, p):
+def check_report(report, folder, mirror):
     shapes = [Shape(entry) for entry in strict(open(os.path.join(folder, "part.json"), encoding="utf-8").read())["shape"]["data"]]
     with open(os.path.join(folder, "points.csv"), encoding="ascii") as file:
         rows = list(csv.DictReader(file))
@@ -297,6 +307,8 @@ def check_report(report, folder, p):
                 raise Wrong(f"{field}.{name} {error[name]}, by the residuals {value}")
     # Nothing swings wild without a word.
     box = points[used] if used.any() else points
+    if mirror is not None:
+        box = np.vstack([box, box - 2 * np.outer(box @ mirror, mirror)])
     diagonal = np.linalg.norm(box.max(0) - box.min(0))
     beyond = np.maximum(box.min(0) - samples, samples - box.max(0)).max()
     told = [w for w in report["warnings"] if any(word in w for word in ("leaves", "without points", "beyond", "no points", "box", "far from"))]
@@ -306,17 +318,20 @@ def check_report(report, folder, p):
 
 def case(batten, seed, number, folder):
     r = np.random.default_rng([seed, number])
-    name, words, p = fit_of(r, folder)
-    code, report, seconds = run(batten, words, folder, TIME_LIMIT + GRACE)
+    name, words = fit_of(r, folder)
+    try:
+        code, report, seconds = run(batten, words, folder)
+    except Wrong as wrong:
+        raise Wrong(f"{name}: {' '.join(words)}\n  {wrong}") from None
     if code in (0, 3):
         try:
-            check_report(report, folder, p)
+            check_report(report, folder, MIRRORS.get(words[words.index("--symmetric") + 1]) if "--symmetric" in words else None)
         except Wrong as wrong:
             raise Wrong(f"{name}: {' '.join(words)}\n  {wrong}") from None
         for _ in range(2):
             following = [words[2] if w == "CLOUD" else w for w in one_of(r, *FOLLOWING)]
             try:
-                run(batten, following, folder, TIME_LIMIT + GRACE)
+                run(batten, following, folder)
             except Wrong as wrong:
                 raise Wrong(f"{name}: {' '.join(words)}\n  then {' '.join(following)}\n  {wrong}") from None
     elif os.path.exists(os.path.join(folder, "part.json")):
