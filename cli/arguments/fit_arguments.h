@@ -12,6 +12,7 @@
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
+#include "batten/fitting/uncertainty.h"
 #include "batten/geometry/solid_model.h"
 #include "batten/io/cloud_source.h"
 #include "batten/io/geometry_types.h"
@@ -37,6 +38,8 @@ struct FitArguments {
   CommonFlags flags;
   WorkFlags work;
   std::optional<double> tolerance, time_limit, sew;
+  bool uncertainty = false;     // of curves and surfaces
+  std::string uncertainty_map;  // a file; empty: none
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
               loss_scale = "auto", clean = "auto", optimize = "auto", origin = "keep",
               parameterization;
@@ -58,6 +61,9 @@ void AddEveryFitsArguments(CLI::App& command,
                            FitArguments& arguments,
                            const char* points,
                            const char* loss);
+
+// --uncertainty, --uncertainty-map, --certify and --certificate.
+void AddUncertaintyArguments(CLI::App& command, FitArguments& arguments);
 
 // Puts the flags of a fit, when all are added, under headings.
 void GroupFitFlags(CLI::App& command);
@@ -159,6 +165,13 @@ class FitFiles {
   // What is written is this solid, whose faces are the geometries; it outlives Write.
   void KeepSolid(const SolidModel& solid) { solid_ = &solid; }
 
+  // Computes the uncertainty of a fit to what was read, where it is asked for, for Write.
+  template <class Fit>
+  void NoteUncertainty(Fit& fit);
+
+  // What the report of Write says of the form.
+  void NoteForm(FormDeviation form) { checks_.form = std::move(form); }
+
   // Writes everything and returns the exit code. Of several geometries `owners` names that of each
   // point's foot.
   int Write(const std::vector<Geometry>& geometry,
@@ -172,8 +185,10 @@ class FitFiles {
   double Seconds() const;  // since construction
   void Clean(const StatisticalRemoval& how);
 
-  // The geometry or, where OUT is one, its mesh, of which it returns the words.
-  std::string WriteShapes(const std::vector<Geometry>& geometry) const;
+  // The geometry or, where OUT is one, its mesh, of which it returns the words; what is proved of
+  // the mesh goes to `certified`, where there is one.
+  std::string WriteShapes(const std::vector<Geometry>& geometry,
+                          std::optional<CertificateSummary>& certified) const;
   [[noreturn]] void RefuseMesh() const;
 
   const FitArguments& a_;
@@ -186,6 +201,10 @@ class FitFiles {
   Cleaning cleaning_;
   Eigen::Index cleaned_ = 0;
   const SolidModel* solid_ = nullptr;
+  ReportChecks checks_;
+  std::optional<Uncertainty> uncertainty_;
+  std::optional<UncertaintyMap> map_;
+  Eigen::VectorXd deviations_;  // of the shape at the points' feet
 };
 
 }  // namespace batten::internal

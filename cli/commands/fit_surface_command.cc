@@ -102,6 +102,9 @@ void CheckFitSurface(const FitSurfaceArguments& a) {
     throw UsageError(
         "--snap: an exact shape meets no conditions (--boundary, --meet, --symmetric)");
   }
+  if ((a.uncertainty || !a.uncertainty_map.empty()) && (!a.grid.empty() || a.part != "whole"))
+    throw UsageError(
+        "--uncertainty: is of one surface over scattered points, not of --grid or --part");
   if (a.parameterization == "given" && a.closed != "auto" && a.closed != "none") {
     throw UsageError("--closed " + a.closed + ": over given parameters a surface stays open");
   }
@@ -207,6 +210,7 @@ int RunFitSurface(const FitSurfaceArguments& a) {
   SurfaceFit fit =
       files.ExplainedInTime([&] { return FitSurface(cloud, options); },
                             [&] { return FitSurface(cloud, QuickOptions(options, cloud)); });
+  files.NoteUncertainty(fit);
   return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
@@ -294,6 +298,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "--snap",
       a->snap,
       "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
+  AddUncertaintyArguments(command, *a);
   GroupFitFlags(command);
   command.footer(
       "Examples:\n"
@@ -309,6 +314,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
       "  batten fit surface tile-*.las -o ground.step --memory 1GB --unit m\n"
       "  batten fit surface table.pcd -o objects.step --part all --time-limit 60\n"
+      "  batten fit surface scan.ply -o part.json --uncertainty --uncertainty-map sigma.ply\n"
       "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
       "  batten fit surface half.xyz -o hull.step --symmetric y\n"
       "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "

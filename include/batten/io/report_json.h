@@ -4,11 +4,24 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/form_deviation.h"
+#include "batten/fitting/profile_check.h"
+#include "batten/fitting/rigid_alignment.h"
+#include "batten/io/certificate.h"
 
 namespace batten {
+
+// What was proved and checked besides, each where it was asked for.
+struct ReportChecks {
+  std::optional<CertificateSummary> certified;
+  std::optional<FormDeviation> form;
+  std::optional<RigidAlignment> alignment;
+  std::optional<ProfileVerdict> profile;
+};
 
 // What the program knows beyond the fit itself.
 struct ReportContext {
@@ -19,6 +32,7 @@ struct ReportContext {
   std::int64_t peak_memory_bytes = 0;
   std::string version;    // of the program
   std::string date = {};  // as the page shows it; empty: none
+  ReportChecks checks = {};
 };
 
 // The schema "batten-report-2", indented, ending with a line feed. Numbers are written in the

@@ -24,6 +24,7 @@ function verdictOf(data) {
   const e = judgedError(r);
   const scale = lengthScale(data);
   const T = data.tolerance;
+  if (r.profile) return profileVerdict(data);
   const within = (data.signed ? "\u00b1" : "") + plain(T) + kNarrowSpace + data.unit;
   if (T !== null && r.tolerance_reached === true) {
     return {
