@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "batten/fitting/statistics.h"
@@ -55,11 +56,14 @@ FittedSurface Settled(FittedSurface shape,
                       int rounds,
                       ThreadPool& pool) {
   constexpr int kSteps = 8;
+  constexpr double kSteady = 1e-2;  // relative change of the scale
   shape = shape.TouchingNear(start.middle);
+  double before = 0;
   for (int round = 0; round < rounds; ++round) {
     const double scale = std::max(sigma, RobustScale(shape, points, pool));
+    if (std::abs(scale - before) <= kSteady * scale) break;
+    before = scale;
     shape = Minimised(shape, points, {Loss::kTukey, scale}, kSteps, pool).shape;
-    if (scale == sigma && round > 0) break;
   }
   return shape;
 }
@@ -95,7 +99,8 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
                                           double sigma,
                                           const FittedSurface* before) {
   constexpr std::size_t kFinalists = 4;
-  constexpr int kRounds = 8;
+  constexpr int kFewRounds = 2, kRounds = 8;
+  constexpr double kFarOff = 3;  // σ: of half the points, no shape that they do not reject
   if (members.size() < static_cast<std::size_t>(FreedomsOf(kind) + 1)) return std::nullopt;
   ThreadPool alone(1);
   const StartData start = StartsOf(data, members);
@@ -115,16 +120,23 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
     }
     starts = Nearest(std::move(starts), start, kFinalists, alone);
   }
+  double scale = std::numeric_limits<double>::infinity();
+  for (FittedSurface& one : starts) {
+    one = Settled(one, start, start.judges, sigma, kFewRounds, alone);
+    scale = std::min(scale, std::max(sigma, RobustScale(one, start.judges, alone)));
+  }
+  // Compared at the scale of the one that most points are closest to.
   std::optional<FittedSurface> best;
   double least = std::numeric_limits<double>::infinity();
   for (const FittedSurface& one : starts) {
-    FittedSurface settled = Settled(one, start, start.judges, sigma, kRounds, alone);
-    const double cost = CostOf(settled, start.judges, sigma, alone);
+    const double cost = CostOf(one, start.judges, scale, alone);
     if (!(cost < least)) continue;
     least = cost;
-    best = settled;
+    best = one;
   }
   if (!best) return std::nullopt;
+  best = Settled(*best, start, start.judges, sigma, kRounds, alone);
+  if (!(RobustScale(*best, start.judges, alone) <= kFarOff * sigma)) return std::nullopt;
   return Settled(*best, start, start.sample, sigma, 2, alone);
 }
 

@@ -254,7 +254,8 @@ void SettleRegions(const RegionPoints& data,
                    ThreadPool& pool) {
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<int> before = labels.label;
-    JoinNeighbours(data, sigma, labels, pool);
+    // Later rounds move borders only; what can be joined shows once shapes have been fitted again.
+    if (round < 2) JoinNeighbours(data, sigma, labels, pool);
     Compete(data, sigma, labels);
     Connect(data, fewest, labels);
     Refit(data, sigma, labels, pool);
