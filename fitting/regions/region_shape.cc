@@ -15,7 +15,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::size_t kFitPoints = 800, kJudges = 200;
+constexpr std::size_t kFitPoints = 600, kJudges = 80;
 constexpr double kFarMember = 3.5;  // standard deviations: one normal error in two thousand
 
 StartData StartsOf(const RegionPoints& data, const std::vector<int>& members) {
@@ -56,7 +56,7 @@ FittedSurface Settled(FittedSurface shape,
                       int rounds,
                       ThreadPool& pool) {
   constexpr int kSteps = 8;
-  constexpr double kSteady = 1e-2;  // relative change of the scale
+  constexpr double kSteady = 0.05;  // relative change of the scale
   shape = shape.TouchingNear(start.middle);
   double before = 0;
   for (int round = 0; round < rounds; ++round) {

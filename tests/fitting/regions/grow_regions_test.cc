@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "batten/fitting/fit_parts.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/regions/settle_regions.h"
 #include "part_clouds.h"
@@ -18,6 +19,7 @@ TEST(GrowRegionsTest, Look) {
   const auto now = [] { return std::chrono::steady_clock::now(); };
   ThreadPool pool(2);
   for (const TruthPart& part : MachinedParts()) {
+    if (const char* only = std::getenv("ONLY"); only && part.name.find(only) == std::string::npos) continue;
     for (const double sigma : {0.0, 1e-4, 1e-3}) {
       const PartCloud cloud = SampledPart(part, 20000, sigma, 7);
       if (std::getenv("DUMP")) {
@@ -44,6 +46,22 @@ TEST(GrowRegionsTest, Look) {
       for (auto& [k, n] : settled) std::printf("%s %d ", k.c_str(), n);
       long none = std::count(labels.label.begin(), labels.label.end(), kNoRegion);
       std::printf(" unlabelled %ld\n", none);
+    }
+  }
+}
+
+TEST(FitPartsTest, Look) {
+  for (const TruthPart& part : MachinedParts()) {
+    if (const char* only = std::getenv("ONLY"); only && part.name.find(only) == std::string::npos) continue;
+    for (const double sigma : {0.0, 1e-4, 1e-3}) {
+      const PartCloud cloud = SampledPart(part, 20000, sigma, 7);
+      const auto t0 = std::chrono::steady_clock::now();
+      const PartsFit fit = FitParts(PointCloud(cloud.points), {.threads = 2});
+      const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
+      std::printf("%s σ %g: %zu faces of %zu, %.2f s (prep %.2f solve %.2f trim %.2f proj %.2f) rms %.3g outliers %ld noise %.3g\n", part.name.c_str(), sigma, fit.faces.size(), part.faces.size(), s,
+        fit.report.seconds.prepare, fit.report.seconds.solve, fit.report.seconds.trim, fit.report.seconds.project, fit.report.error.rms, long(fit.report.input.outliers), fit.report.input.noise);
+      for (auto& w : fit.report.warnings) std::printf("   %s\n", w.c_str());
+      if (std::getenv("ALL")) for (auto& f : fit.summary.faces) std::printf("   %s %ld %s\n", f.kind.c_str(), long(f.points), f.primitive ? f.primitive->Words().c_str() : "");
     }
   }
 }
