@@ -281,7 +281,9 @@ void GroupFitFlags(CLI::App& command) {
   GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
 }
 
-FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
+FitFiles::FitFiles(const FitArguments& arguments,
+                   const std::vector<std::string>& beside,
+                   const std::vector<std::string>& also)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
   cleaning_ = ToCleaning(a_.clean);
@@ -299,6 +301,7 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
+  outputs.insert(outputs.end(), also.begin(), also.end());
   std::vector<std::string> inputs = a_.clouds;
   inputs.insert(inputs.end(), beside.begin(), beside.end());
   CheckDistinct(outputs, a_.flags.json, inputs);

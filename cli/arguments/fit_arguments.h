@@ -98,8 +98,10 @@ std::string FlagsThatHelp(Remedy remedy);
 // writes geometry, residuals and reports.
 class FitFiles {
  public:
-  // `beside`: files that are read too, and so not to be written.
-  explicit FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside = {});
+  // `beside`: files that are read too, and so not to be written; `also`: files that are written too.
+  explicit FitFiles(const FitArguments& arguments,
+                    const std::vector<std::string>& beside = {},
+                    const std::vector<std::string>& also = {});
 
   // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
   // can't be used.

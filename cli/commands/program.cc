@@ -253,6 +253,7 @@ int RunProgram(int argc, char** argv) {
   AddFitSurfaceCommand(fit, action);
   AddFitCurveCommand(fit, action);
   AddFitPrimitiveCommand(fit, action);
+  AddFitPartsCommand(fit, action);
   AddFitSolidCommand(fit, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);

@@ -15,6 +15,7 @@
 #include "fitting/core/stage_clock.h"
 #include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_primitive.h"
+#include "fitting/regions/face_relations.h"
 #include "fitting/regions/find_regions.h"
 #include "fitting/regions/region_face.h"
 #include "fitting/regions/settle_regions.h"
@@ -33,6 +34,7 @@ struct MadeFace {
   std::vector<int> points;  // of the merged cloud
   Eigen::VectorXd residuals;
   Eigen::Matrix2Xd parameters;
+  int shape = -1;  // the number of its fit; of free ones none
 };
 
 class PartFitter {
@@ -48,8 +50,13 @@ class PartFitter {
     clock_.Enter(&StageSeconds::solve);
     found_ = FindRegions(data_, options_.tolerance.value_or(0) / data_.unit, options_.progress, pool_);
     FitShapes();
+    clock_.Enter(&StageSeconds::optimize);
+    Relate();
     clock_.Enter(&StageSeconds::trim);
-    for (std::size_t k = 0; k < shapes_.size(); ++k) made_.push_back(Covered(shapes_[k]));
+    for (std::size_t k = 0; k < shapes_.size(); ++k) {
+      made_.push_back(Covered(shapes_[k]));
+      made_.back().shape = static_cast<int>(k);
+    }
     if (options_.free_form) FitLeftovers();
     if (made_.empty()) {
       throw RefusedData(
@@ -101,6 +108,13 @@ class PartFitter {
     }
   }
 
+  void Relate() {
+    relations_ = FindRelations(data_, shapes_, pool_);
+    if (!options_.regularise) return;
+    const std::vector<FittedSurface> related = ShapesUnder(data_, shapes_, relations_, pool_);
+    for (std::size_t k = 0; k < shapes_.size(); ++k) TakeShape(data_, related[k], move_, shapes_[k]);
+  }
+
   MadeFace Covered(const RegionFace& face) {
     std::vector<std::string> warnings = face.warnings;
     MadeFace made{CoveredFace(data_, face, move_, warnings, pool_), {}, face.points, {}, {}};
@@ -133,7 +147,7 @@ class PartFitter {
                          {"free"},
                          std::move(piece),
                          std::move(fit.residuals),
-                         std::move(fit.parameters)});
+                         fit.parameters});
       } catch (const RefusedData& refusal) {
         result_.report.warnings.push_back("a smooth region of " + std::to_string(piece.size()) +
                                           " points has no face: " + refusal.what());
@@ -174,9 +188,28 @@ class PartFitter {
       }
       result_.summary.faces.push_back(std::move(made_[k].summary));
     }
+    SummariseRelations();
     std::vector<int> owners = labels.label;
     MeasureOthers(labels.label, residuals, parameters, owners);
     Spread(labels.label, residuals, parameters, owners);
+  }
+
+  void SummariseRelations() {
+    std::vector<int> face_of(shapes_.size(), -1);
+    for (std::size_t k = 0; k < made_.size(); ++k) {
+      if (made_[k].shape >= 0) face_of[std::size_t(made_[k].shape)] = static_cast<int>(k);
+    }
+    for (const FaceRelation& relation : relations_) {
+      const bool angle =
+          relation.kind == RelationKind::kParallel || relation.kind == RelationKind::kPerpendicular;
+      const double unit = angle ? 1 : data_.unit;
+      result_.summary.relations.push_back({Name(relation.kind),
+                                           {face_of[std::size_t(relation.first)],
+                                            face_of[std::size_t(relation.second)]},
+                                           unit * relation.deviation,
+                                           unit * relation.allowed,
+                                           options_.regularise});
+    }
   }
 
   // Points of no face are measured from the nearest.
@@ -231,7 +264,7 @@ class PartFitter {
     report.input.outliers = cloud_.size() - report.input.used;
     report.input.noise = data_.unit * found_.sigma;
     report.threads = pool_.threads();
-    report.geometry.kind = "parts";
+    report.geometry.kind = "face";
     report.geometry.count = static_cast<int>(result_.faces.size());
     for (const PartFace& face : result_.faces) {
       report.geometry.trims += static_cast<int>(face.surface.trims().size());
@@ -249,6 +282,7 @@ class PartFitter {
   RegionPoints data_;
   FoundRegions found_;
   std::vector<RegionFace> shapes_;
+  std::vector<FaceRelation> relations_;
   std::vector<MadeFace> made_;
   PartsFit result_;
 };

@@ -113,7 +113,10 @@ PartFace CoveredFace(const RegionPoints& data,
                                 face.numbers.scale,
                                 pool);
   made.surface = std::move(trim.surface);
-  for (std::string& warning : trim.warnings) warnings.push_back(std::move(warning));
+  constexpr double kMany = 0.05;  // of the points: fewer stand out of a smooth outline by chance
+  if (static_cast<double>(trim.outside.size()) > kMany * static_cast<double>(points.cols())) {
+    for (std::string& warning : trim.warnings) warnings.push_back(std::move(warning));
+  }
   return made;
 }
 
