@@ -141,6 +141,9 @@ class RelationFinder {
             alike,
             nullptr);
     Cluster(RelationKind::kCoaxial, &HasAxis, alike, nullptr);
+    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return RadiusVariance(a) < RadiusVariance(b);
+    });
     Cluster(RelationKind::kEqualRadius, &HasRadius, [](int, int) { return true; }, nullptr);
     return std::move(relations_);
   }
@@ -150,6 +153,13 @@ class RelationFinder {
     const Eigen::MatrixXd& covariance = covariances_[std::size_t(face)];
     return HasDirection(faces_[std::size_t(face)].shape) ? covariance(1, 1) + covariance(2, 2)
                                                          : covariance(0, 0);
+  }
+
+  double RadiusVariance(int face) const {
+    const FittedSurface& shape = faces_[std::size_t(face)].shape;
+    if (!HasRadius(shape)) return std::numeric_limits<double>::infinity();
+    const int at = shape.kind == SurfaceKind::kTorus ? 6 : 3;
+    return covariances_[std::size_t(face)](at, at) * std::pow(RadiusOf(shape), 4);
   }
 
   // Each face that `takes` goes to the first leader that `may` lead it and has the relation, or

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -15,6 +15,7 @@
 #include "fitting/core/stage_clock.h"
 #include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_primitive.h"
+#include "fitting/regions/close_solid.h"
 #include "fitting/regions/face_relations.h"
 #include "fitting/regions/find_regions.h"
 #include "fitting/regions/region_face.h"
@@ -66,6 +67,7 @@ class PartFitter {
     }
     clock_.Enter(&StageSeconds::project);
     Assemble();
+    if (options_.solid) MakeSolid();
     FinishReport();
     return std::move(result_);
   }
@@ -199,17 +201,48 @@ class PartFitter {
     for (std::size_t k = 0; k < made_.size(); ++k) {
       if (made_[k].shape >= 0) face_of[std::size_t(made_[k].shape)] = static_cast<int>(k);
     }
+    // One entry for all that have a relation to the same face; of its members the farthest off.
+    std::map<std::pair<RelationKind, int>, RelationSummary> groups;
     for (const FaceRelation& relation : relations_) {
       const bool angle =
           relation.kind == RelationKind::kParallel || relation.kind == RelationKind::kPerpendicular;
       const double unit = angle ? 1 : data_.unit;
-      result_.summary.relations.push_back({Name(relation.kind),
-                                           {face_of[std::size_t(relation.first)],
-                                            face_of[std::size_t(relation.second)]},
-                                           unit * relation.deviation,
-                                           unit * relation.allowed,
-                                           options_.regularise});
+      RelationSummary& group = groups[{relation.kind, relation.first}];
+      const bool pair = relation.kind == RelationKind::kPerpendicular;
+      if (group.faces.empty() || pair) {
+        group = {Name(relation.kind), {face_of[std::size_t(relation.first)]}, 0, 1,
+                 options_.regularise};
+      }
+      group.faces.push_back(face_of[std::size_t(relation.second)]);
+      if (relation.deviation * group.allowed >= group.deviation * relation.allowed) {
+        group.deviation = unit * relation.deviation;
+        group.allowed = unit * relation.allowed;
+      }
+      if (pair) result_.summary.relations.push_back(group);
     }
+    for (auto& [key, group] : groups) {
+      if (key.first != RelationKind::kPerpendicular)
+        result_.summary.relations.push_back(std::move(group));
+    }
+  }
+
+  void MakeSolid() {
+    RegionLabels labels;
+    labels.label.assign(std::size_t(data_.size()), kNoRegion);
+    for (const MadeFace& made : made_) {
+      if (made.shape < 0) {
+        result_.no_solid = "face " + std::to_string(labels.regions.size()) + " is free";
+        return;
+      }
+      const RegionFace& face = shapes_[std::size_t(made.shape)];
+      for (const int point : face.points) {
+        labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
+      }
+      labels.regions.push_back({face.shape, face.points});
+    }
+    ClosedSolid closed = CloseSolid(data_, labels, found_.sigma, move_);
+    result_.solid = std::move(closed.solid);
+    result_.no_solid = std::move(closed.refused);
   }
 
   // Points of no face are measured from the nearest.

@@ -13,6 +13,7 @@
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/exact_shape.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/geometry/trimmed_solid.h"
 
 namespace batten {
 
@@ -24,6 +25,8 @@ struct PartFitOptions {
   bool regularise = false;
   // Fit free surfaces to smooth regions that no plane, sphere, cylinder, cone or torus explains.
   bool free_form = true;
+  // Make a solid of the faces too.
+  bool solid = false;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // of samples for spacing and noise
   int threads = 0;                                  // 0: all cores
@@ -72,6 +75,8 @@ struct PartsFit {
                                 // no face the distance from the nearest
   Eigen::Matrix2Xd parameters;  // of its foot
   std::vector<int> owners;      // the face that this is on
+  std::optional<TrimmedSolid> solid;  // of all faces, where it was asked for and they close
+  std::string no_solid;               // why not, a sentence without a full stop
   FitReport report;
 };
 
