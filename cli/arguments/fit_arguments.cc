@@ -381,6 +381,10 @@ void FitFiles::RefuseMesh() const {
 }
 
 std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
+  if (trimmed_ != nullptr) {
+    *census_ = WriteSolid(*trimmed_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+    return "";
+  }
   if (solid_ != nullptr) {
     WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";

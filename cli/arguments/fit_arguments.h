@@ -15,6 +15,7 @@
 #include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
+#include "batten/io/solid_writer.h"
 #include "cli/arguments/cleaning.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/fit_output.h"
@@ -150,6 +151,11 @@ class FitFiles {
 
   // What is written is this solid, whose faces are the geometries; it outlives Write.
   void KeepSolid(const SolidModel& solid) { solid_ = &solid; }
+  // The same of exact faces; `census` gets what the solid has when it is written.
+  void KeepSolid(const TrimmedSolid& solid, SolidCensus& census) {
+    trimmed_ = &solid;
+    census_ = &census;
+  }
 
   // Writes everything and returns the exit code. Of several geometries `owners` names that of each
   // point's foot.
@@ -178,6 +184,8 @@ class FitFiles {
   Cleaning cleaning_;
   Eigen::Index cleaned_ = 0;
   const SolidModel* solid_ = nullptr;
+  const TrimmedSolid* trimmed_ = nullptr;
+  SolidCensus* census_ = nullptr;
 };
 
 }  // namespace batten::internal

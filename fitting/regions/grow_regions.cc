@@ -47,7 +47,7 @@ class RegionGrower {
         Take(std::move(*best));
       } else {
         // What lies about a failed seed would fail like it.
-        for (std::size_t j = 0; j < patch.size() / 4; ++j) tried[std::size_t(patch[j])] = true;
+        for (std::size_t j = 0; j < patch.size() / 2; ++j) tried[std::size_t(patch[j])] = true;
       }
     }
     return std::move(labels_);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "batten/geometry/solid_model.h"
+#include "batten/geometry/trimmed_solid.h"
 #include "batten/io/geometry_types.h"
 
 namespace batten {
@@ -18,5 +19,17 @@ namespace batten {
 void WriteSolid(const SolidModel& solid,
                 const std::string& path,
                 const GeometryWriteOptions& options = {});
+
+// What a solid has, as OpenCASCADE counts and measures it. Seams of round faces are edges.
+struct SolidCensus {
+  int solids = 0, faces = 0, edges = 0;
+  double volume = 0, area = 0;
+};
+
+// The same of a solid of trimmed analytic faces, whose planes, cylinders, cones, spheres, tori,
+// segments and arcs stay such in the file. Returns what it has.
+SolidCensus WriteSolid(const TrimmedSolid& solid,
+                       const std::string& path,
+                       const GeometryWriteOptions& options = {});
 
 }  // namespace batten

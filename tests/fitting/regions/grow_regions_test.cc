@@ -56,10 +56,11 @@ TEST(FitPartsTest, Look) {
     for (const double sigma : {0.0, 1e-4, 1e-3}) {
       const PartCloud cloud = SampledPart(part, 20000, sigma, 7);
       const auto t0 = std::chrono::steady_clock::now();
-      const PartsFit fit = FitParts(PointCloud(cloud.points), {.threads = 2});
+      const PartsFit fit = FitParts(PointCloud(cloud.points), {.regularise = std::getenv("REG") != nullptr, .solid = true, .threads = 2});
       const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
       std::printf("%s σ %g: %zu faces of %zu, %.2f s (prep %.2f solve %.2f trim %.2f proj %.2f) rms %.3g outliers %ld noise %.3g\n", part.name.c_str(), sigma, fit.faces.size(), part.faces.size(), s,
         fit.report.seconds.prepare, fit.report.seconds.solve, fit.report.seconds.trim, fit.report.seconds.project, fit.report.error.rms, long(fit.report.input.outliers), fit.report.input.noise);
+      std::printf("   solid: %s; %zu edges (truth %d) %ld vertices (truth %d)\n", fit.no_solid.c_str(), fit.solid ? fit.solid->edges.size() : 0, part.edges, fit.solid ? long(fit.solid->vertices.cols()) : 0, part.vertices);
       for (auto& w : fit.report.warnings) std::printf("   %s\n", w.c_str());
       if (std::getenv("ALL")) for (auto& f : fit.summary.faces) std::printf("   %s %ld %s\n", f.kind.c_str(), long(f.points), f.primitive ? f.primitive->Words().c_str() : "");
     }
