@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/fit_parts.h"
+#include "batten/fitting/point_mask.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/part_words.h"
@@ -17,15 +18,26 @@ namespace {
 
 constexpr double kMostlyExact = 0.6;  // of the points: below, exact faces are not what it is made of
 
+// Some of the points, from which auto sees what a body is made of.
+PointCloud Glance(const PointCloud& cloud) {
+  constexpr Eigen::Index kEnough = 8000;
+  if (cloud.size() <= kEnough) return cloud;
+  return cloud.Picked(SampleIndices(cloud.size(), kEnough, 1));
+}
+
+double ExactShare(const PartsFit& fit) {
+  return static_cast<double>(fit.report.input.used) / static_cast<double>(fit.report.input.points);
+}
+
+std::string TooFewWords(double share) {
+  return fmt::format("{:.0f} % of the points are on planes, cylinders, cones, spheres and tori",
+                     100 * share);
+}
+
 // Why the part is no solid of exact faces; empty where it is one.
 std::string WhyNot(const PartsFit& fit) {
-  const double share = static_cast<double>(fit.report.input.used) /
-                       static_cast<double>(fit.report.input.points);
-  if (share < kMostlyExact) {
-    return fmt::format("{:.0f} % of the points are on planes, cylinders, cones, spheres and tori",
-                       100 * share);
-  }
-  return fit.no_solid;
+  const double share = ExactShare(fit);
+  return share < kMostlyExact ? TooFewWords(share) : fit.no_solid;
 }
 
 int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
@@ -35,6 +47,7 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
   for (Eigen::Index k = 0; k < outliers.size(); ++k) outliers[k] = fit.labels[std::size_t(k)] < 0;
   SolidCensus census;
   files.KeepSolid(*fit.solid, census);
+  files.KeepPart(fit.summary);
   const int code =
       files.Write(faces, fit.residuals, fit.parameters, outliers, fit.report, fit.owners);
   if (!a.flags.quiet) {
@@ -71,6 +84,12 @@ std::optional<int> RunCadSolid(const FitArguments& a,
   options = WithWork(std::move(options), a);
   std::string reason;
   try {
+    if (kind == SolidKind::kAuto) {
+      PartFitOptions quick = options;
+      quick.regularise = quick.solid = false;
+      const double share = ExactShare(FitParts(Glance(cloud), quick));
+      if (share < kMostlyExact) throw RefusedData(TooFewWords(share));
+    }
     PartsFit fit = FitParts(cloud, options);
     reason = WhyNot(fit);
     if (reason.empty()) {

@@ -445,6 +445,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   ReportTarget target{a_.output, a_.flags, a_.out, "", shift()};
   target.scene = SceneFor(
       a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
+  target.part = part_;
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
   const std::string mesh = WriteShapes(geometry);
   if (written) written->Commit();

@@ -9,6 +9,7 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
+#include "batten/fitting/part_options.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
@@ -157,6 +158,9 @@ class FitFiles {
     census_ = &census;
   }
 
+  // The faces of which the reports tell; they outlive Write.
+  void KeepPart(const PartSummary& part) { part_ = &part; }
+
   // Writes everything and returns the exit code. Of several geometries `owners` names that of each
   // point's foot.
   int Write(const std::vector<Geometry>& geometry,
@@ -186,6 +190,7 @@ class FitFiles {
   const SolidModel* solid_ = nullptr;
   const TrimmedSolid* trimmed_ = nullptr;
   SolidCensus* census_ = nullptr;
+  const PartSummary* part_ = nullptr;
 };
 
 }  // namespace batten::internal

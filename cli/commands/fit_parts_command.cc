@@ -38,6 +38,7 @@ int RunFitParts(const FitPartsArguments& a) {
   for (PartFace& face : fit.faces) faces.emplace_back(std::move(face.surface));
   PointMask outliers(cloud.size());
   for (Eigen::Index k = 0; k < outliers.size(); ++k) outliers[k] = fit.labels[std::size_t(k)] < 0;
+  files.KeepPart(fit.summary);
   if (!a.labels.empty()) WriteLabels(cloud, fit.labels, a.labels);
   const int code =
       files.Write(faces, fit.residuals, fit.parameters, outliers, fit.report, fit.owners);

@@ -213,6 +213,16 @@ class BorderFinder {
     return walk;
   }
 
+  // How many places are along a walk, away from where it began.
+  int PlacesAlong(const Walk& walk, const Places& places) const {
+    constexpr double kAway = 1, kBeside = 0.5;  // spacings
+    return static_cast<int>(
+        std::count_if(places.begin(), places.end(), [&](const Eigen::Vector3d& place) {
+          return (place - walk.points.front()).norm() > kAway * spacing_ &&
+                 FarFrom(walk.points, place) < kBeside;
+        }));
+  }
+
   void FollowEdges(const FacePair& faces, const Places& places) {
     const std::vector<int> vertices = VerticesOn(faces);
     std::vector<std::pair<int, Eigen::Vector3d>> taken;  // directions at vertices
@@ -238,6 +248,7 @@ class BorderFinder {
       for (const Eigen::Vector3d& way : {tangent, Eigen::Vector3d(-tangent)}) {
         if (is_taken(vertex, way) || !GoesOn(places, from, way)) continue;
         Walk walk = Follow(faces, places, vertices, from, way, vertex);
+        if (walk.end < 0 && PlacesAlong(walk, places) < kFewLinks) continue;  // chance at a corner
         if (walk.end < 0) {
           borders_.refused = "the border of " + Faces(faces) + " ends without a corner near " + walk.lost;
           return;

@@ -20,6 +20,7 @@
 #include "fitting/regions/find_regions.h"
 #include "fitting/regions/region_face.h"
 #include "fitting/regions/settle_regions.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten {
 using namespace internal;
@@ -63,7 +64,8 @@ class PartFitter {
       throw RefusedData(
           "no face is found: no thirty neighbouring points lie on one plane, sphere, cylinder, "
           "cone or torus to within their noise of " +
-          std::to_string(data_.unit * data_.noise));
+          RoundedText(data_.unit * data_.noise) +
+          "; a tolerance may say how far off they may be");
     }
     clock_.Enter(&StageSeconds::project);
     Assemble();
@@ -81,6 +83,8 @@ class PartFitter {
                         " different points on; there are " + std::to_string(merged_.cloud.size()));
     }
     data_ = MakeRegionPoints(merged_.cloud, options_.seed, pool_);
+    // Within a tolerance that is given a shape may miss what it misses.
+    if (options_.tolerance) data_.most_trend = 1;
     InputSummary& input = result_.report.input;
     input.points = cloud_.size();
     input.duplicates = merged_.duplicates;
@@ -102,12 +106,23 @@ class PartFitter {
                              move_,
                              options_.seed,
                              pool_);
-      if (face) {
+      if (face && Determined(*face)) {
         shapes_.push_back(std::move(*face));
         continue;
       }
       for (const int point : region.points) found_.labels.label[std::size_t(point)] = kNoRegion;
     }
+  }
+
+  // Whether the points tell radii and angles to a third: else any other shape would do as well.
+  static bool Determined(const RegionFace& face) {
+    constexpr double kVague = 1.0 / 3;
+    const PrimitiveSummary& p = face.numbers;
+    const auto told = [&](const char* name, const std::optional<double>& value) {
+      return !value || p.accuracy->Deviation(name) <= kVague * *value;
+    };
+    return told("radius", p.radius) && told("major_radius", p.major_radius) &&
+           told("minor_radius", p.minor_radius) && told("half_angle", p.half_angle);
   }
 
   void Relate() {

@@ -43,11 +43,13 @@ class RegionGrower {
       const std::vector<int> patch = PatchAbout(seed);
       if (patch.size() < kPatch / 2) continue;
       Report(progress, "regions", double(k) / double(seeds.size()));
-      if (auto best = BestFrom(seed, patch)) {
+      std::vector<int> flat;
+      if (auto best = BestFrom(patch, flat)) {
         Take(std::move(*best));
       } else {
-        // What lies about a failed seed would fail like it.
-        for (std::size_t j = 0; j < patch.size() / 2; ++j) tried[std::size_t(patch[j])] = true;
+        // What lies about a failed seed, or on the plane about it, would fail like it.
+        flat.insert(flat.end(), patch.begin(), patch.begin() + std::ssize(patch) / 2);
+        for (const int point : flat) tried[std::size_t(point)] = true;
       }
     }
     return std::move(labels_);
@@ -125,7 +127,8 @@ class RegionGrower {
     return best;
   }
 
-  std::optional<Grown> BestFrom(int, const std::vector<int>& patch) const {
+  // `flat` gets the points on the plane about the patch.
+  std::optional<Grown> BestFrom(const std::vector<int>& patch, std::vector<int>& flat) const {
     constexpr double kAsMany = 0.9;
     std::array<Grown, kSurfaceKinds.size()> grown;
     pool_.For(std::ssize(grown), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -133,6 +136,7 @@ class RegionGrower {
         grown[std::size_t(k)] = GrownAs(kSurfaceKinds[std::size_t(k)], patch);
       }
     });
+    flat = grown[0].points;
     std::size_t most = 0;
     for (const Grown& one : grown) {
       if (one.passed) most = std::max(most, one.points.size());

@@ -21,6 +21,8 @@ struct RegionPoints {
   std::vector<int> around;   // neighbours, the nearest first, symmetric
   double spacing = 0, noise = 0;
   double rounding = 0;  // distances below mean nothing
+  // The largest correlation of distances at neighbouring points that does not reject a shape.
+  double most_trend = 0.15;
   double unit = 1;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
 

@@ -145,7 +145,6 @@ ShapeTest TestShape(const RegionPoints& data,
                     const FittedSurface& shape,
                     double sigma) {
   constexpr double kLargest = 1.15, kDeviations = 3;
-  constexpr double kTrend = 0.15;  // of the variance: what a shape may miss beside the noise
   ShapeTest test;
   if (members.empty()) return test;
   const double most = kFarMember * sigma;
@@ -171,7 +170,7 @@ ShapeTest TestShape(const RegionPoints& data,
   test.trend = pairs > 0 && squares > 0 ? shared / pairs / (squares / count) : 0;
   const double chance = kDeviations / std::sqrt(2 * count);
   const bool near = test.rms <= kLargest * (1 + chance) * sigma;
-  const bool even = test.trend <= kTrend + kDeviations / std::sqrt(std::max(1.0, pairs));
+  const bool even = test.trend <= data.most_trend + kDeviations / std::sqrt(std::max(1.0, pairs));
   test.passed = near && (even || test.rms <= data.rounding);
   return test;
 }

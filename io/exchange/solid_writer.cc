@@ -15,7 +15,7 @@ using namespace internal;
 namespace {
 
 void RefuseOtherFormats(const std::string& path, const std::string& format) {
-  if (FormatOf(path, format) != FileFormat::kStep) {
+  if (batten::FormatOf(path, format) != FileFormat::kStep) {
     throw UsageError(path + ": a solid is written as .step in this version");
   }
 }
