@@ -37,7 +37,7 @@ function buildReport() {
     side.append(card);
     charts.push({ svg, draw: (w) => drawHistogram(svg, data, limit, w) });
   }
-  side.append(...[deviationTable(data), partsTable(data), inputTable(data), cloudPartsTable(data)].filter(Boolean));
+  side.append(...[deviationTable(data), partsTable(data), inputTable(data), cloudPartsTable(data), facesTable(data), relationsTable(data)].filter(Boolean));
 
   if (data.curves.length > 0 && data.surfaces.length === 0 && data.cloud) {
     const lengths = data.curves.map((c) => arcLengths(c.points));
