@@ -16,7 +16,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMostlyExact = 0.6;  // of the points: below, exact faces are not what it is made of
+constexpr double kMostlyExact =
+    0.6;  // of the points: below, exact faces are not what it is made of
 
 // Some of the points, from which auto sees what a body is made of.
 PointCloud Glance(const PointCloud& cloud) {
@@ -67,7 +68,9 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
 }  // namespace
 
 SolidKind ToSolidKind(const std::string& word) {
-  return word == "cad" ? SolidKind::kCad : word == "organic" ? SolidKind::kOrganic : SolidKind::kAuto;
+  return word == "cad"       ? SolidKind::kCad
+         : word == "organic" ? SolidKind::kOrganic
+                             : SolidKind::kAuto;
 }
 
 std::optional<int> RunCadSolid(const FitArguments& a,

@@ -100,7 +100,8 @@ std::string FlagsThatHelp(Remedy remedy);
 // writes geometry, residuals and reports.
 class FitFiles {
  public:
-  // `beside`: files that are read too, and so not to be written; `also`: files that are written too.
+  // `beside`: files that are read too, and so not to be written; `also`: files that are written
+  // too.
   explicit FitFiles(const FitArguments& arguments,
                     const std::vector<std::string>& beside = {},
                     const std::vector<std::string>& also = {});

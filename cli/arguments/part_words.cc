@@ -21,7 +21,8 @@ std::string Deviation(double value, const char* unit) {
 
 // A number with as many decimals as its deviation, or the size's rounding, leaves meaning.
 std::string Rounded(double value, double deviation) {
-  const double digit = std::isfinite(deviation) && deviation > 0 ? deviation : std::abs(value) * 1e-9;
+  const double digit =
+      std::isfinite(deviation) && deviation > 0 ? deviation : std::abs(value) * 1e-9;
   const int places =
       digit > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(digit))) + 1, 0, 12) : 6;
   const std::string text = fmt::format("{:.{}f}", value, places);
@@ -29,10 +30,8 @@ std::string Rounded(double value, double deviation) {
 }
 
 std::string Vector(const Eigen::Vector3d& v, double deviation) {
-  return fmt::format("({}, {}, {})",
-                     Rounded(v[0], deviation),
-                     Rounded(v[1], deviation),
-                     Rounded(v[2], deviation));
+  return fmt::format(
+      "({}, {}, {})", Rounded(v[0], deviation), Rounded(v[1], deviation), Rounded(v[2], deviation));
 }
 
 std::string Direction(const char* name, const PrimitiveSummary& p) {
@@ -70,7 +69,8 @@ std::string Indices(const std::vector<int>& faces) {
 }  // namespace
 
 std::string PartTable(const PartSummary& part) {
-  std::string text = fmt::format("{:>4}  {:8}  {:>8}  {:>9}  {}\n", "face", "kind", "points", "rms", "");
+  std::string text =
+      fmt::format("{:>4}  {:8}  {:>8}  {:>9}  {}\n", "face", "kind", "points", "rms", "");
   for (std::size_t k = 0; k < part.faces.size(); ++k) {
     const FaceSummary& face = part.faces[k];
     fmt::format_to(std::back_inserter(text),

@@ -57,9 +57,10 @@ void AddFitPartsCommand(CLI::App& fit, Action& action) {
       ->description(
           "Distance within which points are of one face, in the data's unit [3.5 times the noise]");
   command
-      .add_option("--labels",
-                  a->labels,
-                  "Where to write every point with the number of its face and its colour: .ply .csv")
+      .add_option(
+          "--labels",
+          a->labels,
+          "Where to write every point with the number of its face and its colour: .ply .csv")
       ->type_name("LABELLED");
   command.add_flag(
       "--regularise",

@@ -205,10 +205,11 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                ->description("Format of OUT where its name does not tell: step"),
           {"step"});
   Allow(*command
-             .add_option("--kind",
-                         a->kind,
-                         "organic: smooth faces over a layout; cad: planes, cylinders, cones, spheres "
-                         "and tori with sharp edges; auto: cad where the faces close")
+             .add_option(
+                 "--kind",
+                 a->kind,
+                 "organic: smooth faces over a layout; cad: planes, cylinders, cones, spheres "
+                 "and tori with sharp edges; auto: cad where the faces close")
              ->capture_default_str()
              ->type_name("KIND"),
         {"auto", "cad", "organic"});
@@ -272,8 +273,10 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "the points. It is closed, each edge between two faces, faces counter-clockwise seen from\n"
       "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
-      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. With --kind cad the\n"
-      "faces are those of fit parts --regularise, and their edges where these meet. Before the file\n"
+      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. With --kind cad "
+      "the\n"
+      "faces are those of fit parts --regularise, and their edges where these meet. Before the "
+      "file\n"
       "gets its name the solid is found closed, valid, without folds and the same when it is read "
       "back;\n"
       "else nothing is written, and the reason is said.\n"

@@ -117,7 +117,8 @@ class SolidCloser {
     const Eigen::Index count = edge.points.cols();
     double sum = 0;
     for (const Eigen::Index at : {count / 4, count / 2, 3 * count / 4}) {
-      const Eigen::Index next = std::min(at + 1, count - 1), before = std::max<Eigen::Index>(next - 1, 0);
+      const Eigen::Index next = std::min(at + 1, count - 1),
+                         before = std::max<Eigen::Index>(next - 1, 0);
       const Eigen::Vector3d here = (edge.points.col(before) + edge.points.col(next)) / 2;
       const Eigen::Vector3d way = edge.points.col(next) - edge.points.col(before);
       const Eigen::Vector3d left =
@@ -274,9 +275,7 @@ class SolidCloser {
     }
   }
 
-  SurfaceShape MovedCarrier(int face) const {
-    return Shape(face).Shape(data_.unit, move_);
-  }
+  SurfaceShape MovedCarrier(int face) const { return Shape(face).Shape(data_.unit, move_); }
 
   int Start(const TrimmedSolidCoedge& coedge) const {
     const TrimmedSolidEdge& edge = solid_.edges[std::size_t(coedge.edge)];

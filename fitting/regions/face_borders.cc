@@ -72,8 +72,8 @@ class BorderFinder {
       const auto sharp = places_.find(faces);
       const int places = sharp == places_.end() ? 0 : static_cast<int>(sharp->second.size());
       if (count <= std::max(kFewLinks, places)) continue;
-      borders_.refused = Faces(faces) + " meet smoothly near " + At(where) +
-                         ": points do not tell where";
+      borders_.refused =
+          Faces(faces) + " meet smoothly near " + At(where) + ": points do not tell where";
       return;
     }
     std::erase_if(places_, [](const auto& one) { return std::ssize(one.second) < kFewLinks; });
@@ -100,9 +100,8 @@ class BorderFinder {
         for (auto b = std::next(a); b != near.end(); ++b) {
           for (auto c = std::next(b); c != near.end(); ++c) {
             if (Meet(*a, *b) + Meet(*b, *c) + Meet(*a, *c) < 2) continue;
-            const auto place = PlaceOn({&Shape(*a), &Shape(*b), &Shape(*c)},
-                                       data_.points.col(k),
-                                       kReach * spacing_);
+            const auto place = PlaceOn(
+                {&Shape(*a), &Shape(*b), &Shape(*c)}, data_.points.col(k), kReach * spacing_);
             if (place) AddVertex(*place, {*a, *b, *c});
           }
         }
@@ -250,7 +249,8 @@ class BorderFinder {
         Walk walk = Follow(faces, places, vertices, from, way, vertex);
         if (walk.end < 0 && PlacesAlong(walk, places) < kFewLinks) continue;  // chance at a corner
         if (walk.end < 0) {
-          borders_.refused = "the border of " + Faces(faces) + " ends without a corner near " + walk.lost;
+          borders_.refused =
+              "the border of " + Faces(faces) + " ends without a corner near " + walk.lost;
           return;
         }
         taken.emplace_back(vertex, way);
@@ -263,8 +263,8 @@ class BorderFinder {
       if (!covered.empty() && FarFrom(covered, place) <= kCovered) continue;
       Walk walk = Follow(faces, places, vertices, place, TangentAt(faces, place), -1);
       if (!walk.closed) {
-        borders_.refused =
-            "the border of " + Faces(faces) + " neither closes nor ends in corners near " + At(place);
+        borders_.refused = "the border of " + Faces(faces) +
+                           " neither closes nor ends in corners near " + At(place);
         return;
       }
       keep(std::move(walk), -1);

@@ -39,8 +39,8 @@ struct FaceBorders {
 };
 
 // From pairs of neighbouring points of two regions: places on the shapes of both; vertices where
-// points of three regions are near; edges followed from vertex to vertex, or round, along the places
-// that the points show. Vertices nearer than `same` are one.
+// points of three regions are near; edges followed from vertex to vertex, or round, along the
+// places that the points show. Vertices nearer than `same` are one.
 FaceBorders FindBorders(const RegionPoints& data, const RegionLabels& labels, double same);
 
 }  // namespace batten::internal

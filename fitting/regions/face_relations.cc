@@ -39,8 +39,8 @@ Eigen::Vector3d MiddleOf(const FittedSurface& shape) {
 }
 
 double RadiusOf(const FittedSurface& shape) {
-  return 1 / std::abs(shape.kind == SurfaceKind::kCylinder ? shape.axis_curvature
-                                                           : shape.curvature);
+  return 1 /
+         std::abs(shape.kind == SurfaceKind::kCylinder ? shape.axis_curvature : shape.curvature);
 }
 
 // What is zero where two shapes have the relation; of coaxial and coplanar ones that are parallel,
@@ -50,7 +50,8 @@ struct RelationGap {
   Eigen::Vector3d x, y;  // across the first shape's direction
 
   RelationGap(RelationKind of, const FittedSurface& first) : kind(of) {
-    const Eigen::Vector3d along = HasDirection(first) ? DirectionOf(first) : Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d along =
+        HasDirection(first) ? DirectionOf(first) : Eigen::Vector3d::UnitZ();
     x = along.unitOrthogonal();
     y = along.cross(x);
   }
@@ -89,14 +90,15 @@ Eigen::MatrixXd DerivativesOf(const RelationGap& gap,
   for (int k = 0; k < freedoms; ++k) {
     // Curvatures move by a share of themselves, lengths and angles by a millionth.
     const bool bends = k == 3 || k == 6;
-    const double curvature = k == 6 || moving.kind == SurfaceKind::kSphere ? moving.curvature
-                                                                           : moving.axis_curvature;
+    const double curvature =
+        k == 6 || moving.kind == SurfaceKind::kSphere ? moving.curvature : moving.axis_curvature;
     const double step = 1e-6 * (bends ? std::max(std::abs(curvature), 1e-6) : 1.0);
     Freedoms by = Freedoms::Zero();
     by[k] = step;
     const FittedSurface up = Moved(moving, by), down = Moved(moving, -by);
-    result.col(k) = ((of_first ? gap(up, b) : gap(a, up)) - (of_first ? gap(down, b) : gap(a, down))) /
-                    (2 * step);
+    result.col(k) =
+        ((of_first ? gap(up, b) : gap(a, up)) - (of_first ? gap(down, b) : gap(a, down))) /
+        (2 * step);
   }
   return result;
 }
@@ -136,15 +138,17 @@ class RelationFinder {
     const auto alike = [&](int a, int b) {
       return parallel[std::size_t(a)] == parallel[std::size_t(b)];
     };
-    Cluster(RelationKind::kCoplanar,
-            [](const FittedSurface& shape) { return shape.kind == SurfaceKind::kPlane; },
-            alike,
-            nullptr);
+    Cluster(
+        RelationKind::kCoplanar,
+        [](const FittedSurface& shape) { return shape.kind == SurfaceKind::kPlane; },
+        alike,
+        nullptr);
     Cluster(RelationKind::kCoaxial, &HasAxis, alike, nullptr);
     std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
       return RadiusVariance(a) < RadiusVariance(b);
     });
-    Cluster(RelationKind::kEqualRadius, &HasRadius, [](int, int) { return true; }, nullptr);
+    Cluster(
+        RelationKind::kEqualRadius, &HasRadius, [](int, int) { return true; }, nullptr);
     return std::move(relations_);
   }
 
@@ -189,13 +193,14 @@ class RelationFinder {
   bool Test(RelationKind kind, int first, int second) {
     // One normal case in a thousand is farther, of one dimension and of two.
     constexpr double kFar[] = {10.83, 13.82};
-    const FittedSurface &a = faces_[std::size_t(first)].shape, &b = faces_[std::size_t(second)].shape;
+    const FittedSurface &a = faces_[std::size_t(first)].shape,
+                        &b = faces_[std::size_t(second)].shape;
     const RelationGap gap(kind, a);
     const Eigen::VectorXd off = gap(a, b);
-    const Eigen::MatrixXd by_a = DerivativesOf(gap, a, b, true), by_b = DerivativesOf(gap, a, b, false);
-    const Eigen::MatrixXd variance =
-        by_a * covariances_[std::size_t(first)] * by_a.transpose() +
-        by_b * covariances_[std::size_t(second)] * by_b.transpose();
+    const Eigen::MatrixXd by_a = DerivativesOf(gap, a, b, true),
+                          by_b = DerivativesOf(gap, a, b, false);
+    const Eigen::MatrixXd variance = by_a * covariances_[std::size_t(first)] * by_a.transpose() +
+                                     by_b * covariances_[std::size_t(second)] * by_b.transpose();
     if (!variance.allFinite() || !(variance.diagonal().minCoeff() > 0)) return false;
     const double far = kFar[off.size() - 1];
     if (!(off.dot(variance.ldlt().solve(off)) <= far)) return false;
@@ -209,7 +214,7 @@ class RelationFinder {
     constexpr double kAngle = 0.0175, kLength = 0.01, kRadius = 0.1;
     if (kind == RelationKind::kEqualRadius) return kRadius * RadiusOf(shape);
     return kind == RelationKind::kParallel || kind == RelationKind::kPerpendicular ? kAngle
-                                                                                    : kLength;
+                                                                                   : kLength;
   }
 
   const std::vector<RegionFace>& faces_;

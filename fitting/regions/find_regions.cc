@@ -43,7 +43,7 @@ FoundRegions FindRegions(const RegionPoints& data,
                          double tolerance,
                          const Progress& progress,
                          ThreadPool& pool) {
-  constexpr double kNearer = 0.7;      // of the noise assumed: regions at it have looser borders
+  constexpr double kNearer = 0.7;  // of the noise assumed: regions at it have looser borders
   constexpr double kAsManyPoints = 0.9;
   const double assumed = std::max(data.noise, tolerance / kFarFromShape);
   FoundRegions found{RegionsAt(data, assumed, progress, pool), assumed};

@@ -50,7 +50,8 @@ class PartFitter {
   PartsFit Fit() && {
     Prepare();
     clock_.Enter(&StageSeconds::solve);
-    found_ = FindRegions(data_, options_.tolerance.value_or(0) / data_.unit, options_.progress, pool_);
+    found_ =
+        FindRegions(data_, options_.tolerance.value_or(0) / data_.unit, options_.progress, pool_);
     FitShapes();
     clock_.Enter(&StageSeconds::optimize);
     Relate();
@@ -64,8 +65,7 @@ class PartFitter {
       throw RefusedData(
           "no face is found: no thirty neighbouring points lie on one plane, sphere, cylinder, "
           "cone or torus to within their noise of " +
-          RoundedText(data_.unit * data_.noise) +
-          "; a tolerance may say how far off they may be");
+          RoundedText(data_.unit * data_.noise) + "; a tolerance may say how far off they may be");
     }
     clock_.Enter(&StageSeconds::project);
     Assemble();
@@ -114,22 +114,28 @@ class PartFitter {
     }
   }
 
-  // Whether the points tell radii and angles to a third: else any other shape would do as well.
+  // Whether the points tell radii and angles to a third, directions to 11°: else any other shape
+  // would do as well.
   static bool Determined(const RegionFace& face) {
-    constexpr double kVague = 1.0 / 3;
+    constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
     const PrimitiveSummary& p = face.numbers;
     const auto told = [&](const char* name, const std::optional<double>& value) {
       return !value || p.accuracy->Deviation(name) <= kVague * *value;
     };
-    return told("radius", p.radius) && told("major_radius", p.major_radius) &&
-           told("minor_radius", p.minor_radius) && told("half_angle", p.half_angle);
+    const auto turned = [&](const char* name, const std::optional<Eigen::Vector3d>& value) {
+      return !value || p.accuracy->Deviation(name) <= kVagueAngle;
+    };
+    return turned("normal", p.normal) && turned("axis", p.axis) && told("radius", p.radius) &&
+           told("major_radius", p.major_radius) && told("minor_radius", p.minor_radius) &&
+           told("half_angle", p.half_angle);
   }
 
   void Relate() {
     relations_ = FindRelations(data_, shapes_, pool_);
     if (!options_.regularise) return;
     const std::vector<FittedSurface> related = ShapesUnder(data_, shapes_, relations_, pool_);
-    for (std::size_t k = 0; k < shapes_.size(); ++k) TakeShape(data_, related[k], move_, shapes_[k]);
+    for (std::size_t k = 0; k < shapes_.size(); ++k)
+      TakeShape(data_, related[k], move_, shapes_[k]);
   }
 
   MadeFace Covered(const RegionFace& face) {
@@ -225,8 +231,8 @@ class PartFitter {
       RelationSummary& group = groups[{relation.kind, relation.first}];
       const bool pair = relation.kind == RelationKind::kPerpendicular;
       if (group.faces.empty() || pair) {
-        group = {Name(relation.kind), {face_of[std::size_t(relation.first)]}, 0, 1,
-                 options_.regularise};
+        group = {
+            Name(relation.kind), {face_of[std::size_t(relation.first)]}, 0, 1, options_.regularise};
       }
       group.faces.push_back(face_of[std::size_t(relation.second)]);
       if (relation.deviation * group.allowed >= group.deviation * relation.allowed) {

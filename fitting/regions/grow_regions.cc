@@ -12,7 +12,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::size_t kPatch = 32;  // points of a seed: enough for the seven freedoms of a torus
+constexpr std::size_t kPatch = 32;   // points of a seed: enough for the seven freedoms of a torus
 constexpr double kSameSheet = 0.35;  // sine: neighbours whose normals turn by more lie over an edge
 constexpr double kAcross = 0.6;  // sine: beyond, a point on a shape is of a sheet that crosses it
 constexpr double kRoughSeed = 0.3;  // rms sine: a seed there has an edge among its neighbours
@@ -66,8 +66,7 @@ class RegionGrower {
     for (std::size_t k = 0; k < patch.size() && patch.size() < kPatch; ++k) {
       for (const int other : data_.Around(patch[k])) {
         if (seen[std::size_t(other)] || !Free(other) || patch.size() >= kPatch) continue;
-        const double turn =
-            data_.normals.col(patch[k]).cross(data_.normals.col(other)).norm();
+        const double turn = data_.normals.col(patch[k]).cross(data_.normals.col(other)).norm();
         if (turn > kSameSheet) continue;
         seen[std::size_t(other)] = true;
         patch.push_back(other);

@@ -35,11 +35,8 @@ inline constexpr double kFarFromShape = 3.5;
 // reject (TestShape) the simplest counts that explains nine tenths of what any explains. [Besl &
 // Jain 1988; Schnabel, Wahl & Klein 2007] Regions have at least `fewest` points. Does not depend on
 // the number of threads.
-RegionLabels GrowRegions(const RegionPoints& data,
-                         double sigma,
-                         int fewest,
-                         const Progress& progress,
-                         ThreadPool& pool);
+RegionLabels GrowRegions(
+    const RegionPoints& data, double sigma, int fewest, const Progress& progress, ThreadPool& pool);
 
 // The first shape of plane, sphere, cylinder, cone and torus that the points do not reject.
 std::optional<FittedSurface> SimplestShape(const RegionPoints& data,

@@ -58,8 +58,7 @@ std::optional<RegionFace> FittedFace(const RegionPoints& data,
                                      const Eigen::Vector3d& move,
                                      std::uint64_t seed,
                                      ThreadPool& pool) {
-  const Eigen::Matrix3Xd some =
-      (data.unit * data.points(Eigen::all, core)).colwise() + data.middle;
+  const Eigen::Matrix3Xd some = (data.unit * data.points(Eigen::all, core)).colwise() + data.middle;
   try {
     ShapeFitter fitter(some, {}, {.rounding = data.rounding, .seed = seed}, pool);
     const ShapeFit fit = fitter.Fit(shape.kind);
@@ -84,11 +83,10 @@ void TakeShape(const RegionPoints& data,
   face.shape = shape;
   const Eigen::Matrix3Xd core = data.points(Eigen::all, face.core);
   const ExactSurface patch = PatchOf(shape, core, NoneOf(face.core.size()), alone);
-  PrimitiveSummary numbers =
-      NumbersOf(shape.Shape(data.unit, data.middle),
-                Placed(patch, data.unit, data.middle + move),
-                data.unit * core.rowwise().mean() + data.middle,
-                move);
+  PrimitiveSummary numbers = NumbersOf(shape.Shape(data.unit, data.middle),
+                                       Placed(patch, data.unit, data.middle + move),
+                                       data.unit * core.rowwise().mean() + data.middle,
+                                       move);
   numbers.kind = std::move(face.numbers.kind);
   numbers.scale = face.numbers.scale;
   numbers.why = std::move(face.numbers.why);
@@ -106,12 +104,8 @@ PartFace CoveredFace(const RegionPoints& data,
   const ExactSurface patch = Placed(local, data.unit, data.middle + move);
   const Eigen::Matrix2Xd feet = FootPointsOn(local, points, pool);
   PartFace made{Moved(face.shape.Shape(data.unit, data.middle), move), patch, ToNurbs(patch)};
-  PointTrim trim = TrimToPoints(made.surface,
-                                feet,
-                                PolesOf(patch),
-                                data.unit * data.spacing,
-                                face.numbers.scale,
-                                pool);
+  PointTrim trim = TrimToPoints(
+      made.surface, feet, PolesOf(patch), data.unit * data.spacing, face.numbers.scale, pool);
   made.surface = std::move(trim.surface);
   constexpr double kMany = 0.05;  // of the points: fewer stand out of a smooth outline by chance
   if (static_cast<double>(trim.outside.size()) > kMany * static_cast<double>(points.cols())) {

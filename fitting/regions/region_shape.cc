@@ -112,8 +112,7 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
     if (kind == SurfaceKind::kCone || kind == SurfaceKind::kTorus) {
       for (const FittedSurface& cylinder :
            Nearest(MomentStarts(SurfaceKind::kCylinder, start), start, 1, alone)) {
-        const FittedSurface settled =
-            Settled(cylinder, start, start.judges, sigma, kRounds, alone);
+        const FittedSurface settled = Settled(cylinder, start, start.judges, sigma, kRounds, alone);
         const auto more = StartsFromCylinder(kind, settled, start);
         starts.insert(starts.end(), more.begin(), more.end());
       }

@@ -13,9 +13,9 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kPrice = 0.3;      // of a neighbour of another region, in the units of (d/σ)²/2
-constexpr double kTurned = 2;       // price of a normal at right angles to the shape's
-constexpr double kFarPoint = 4.5;   // standard deviations: farther off, a point is of no region
+constexpr double kPrice = 0.3;     // of a neighbour of another region, in the units of (d/σ)²/2
+constexpr double kTurned = 2;      // price of a normal at right angles to the shape's
+constexpr double kFarPoint = 4.5;  // standard deviations: farther off, a point is of no region
 constexpr int kMostSweeps = 30, kMostRounds = 4;
 
 // What a point pays for belonging to a region.
@@ -98,7 +98,8 @@ void Connect(const RegionPoints& data, int fewest, RegionLabels& labels) {
   labels.regions = std::move(parts);
 }
 
-// Shapes from core points; of the kind they have, or a simpler or richer one where those ask for it.
+// Shapes from core points; of the kind they have, or a simpler or richer one where those ask for
+// it.
 void Refit(const RegionPoints& data, double sigma, RegionLabels& labels, ThreadPool& pool) {
   std::vector<FittedSurface> shapes(labels.regions.size());
   pool.For(std::ssize(shapes), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -204,8 +205,8 @@ std::vector<int> CorePoints(const RegionPoints& data,
                             const RegionLabels& labels,
                             int region,
                             double sigma) {
-  constexpr double kApart = 4;      // standard deviations
-  constexpr int kRings = 4;         // of neighbours: as far as shapes of regions can be confused
+  constexpr double kApart = 4;  // standard deviations
+  constexpr int kRings = 4;     // of neighbours: as far as shapes of regions can be confused
   constexpr std::size_t kLeast = 16;
   const Region& own = labels.regions[std::size_t(region)];
   // Which other regions are near each member.
@@ -247,11 +248,8 @@ std::vector<int> CorePoints(const RegionPoints& data,
   return core.size() >= kLeast ? core : own.points;
 }
 
-void SettleRegions(const RegionPoints& data,
-                   double sigma,
-                   int fewest,
-                   RegionLabels& labels,
-                   ThreadPool& pool) {
+void SettleRegions(
+    const RegionPoints& data, double sigma, int fewest, RegionLabels& labels, ThreadPool& pool) {
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<int> before = labels.label;
     // Later rounds move borders only; what can be joined shows once shapes have been fitted again.

@@ -11,16 +11,13 @@
 namespace batten::internal {
 
 // Every point chooses among its own and its neighbours' regions by (d/σ)²/2, the turn of its normal
-// and a price for each neighbour of another region, until none changes; regions fall into what hangs
-// together, and what is smaller than `fewest` points is left out; shapes are fitted again to points
-// away from borders, of the simplest kind that those do not reject; regions that touch and that one
-// shape explains are joined. Repeated until the regions stay. [Cohen-Steiner, Alliez & Desbrun
-// 2004; Besag 1986]
-void SettleRegions(const RegionPoints& data,
-                   double sigma,
-                   int fewest,
-                   RegionLabels& labels,
-                   ThreadPool& pool);
+// and a price for each neighbour of another region, until none changes; regions fall into what
+// hangs together, and what is smaller than `fewest` points is left out; shapes are fitted again to
+// points away from borders, of the simplest kind that those do not reject; regions that touch and
+// that one shape explains are joined. Repeated until the regions stay. [Cohen-Steiner, Alliez &
+// Desbrun 2004; Besag 1986]
+void SettleRegions(
+    const RegionPoints& data, double sigma, int fewest, RegionLabels& labels, ThreadPool& pool);
 
 // Members of a region whose feet are farther than noise from the shapes of the regions about it:
 // they are of this region for certain, whatever their own distances.

@@ -10,7 +10,6 @@
 #include "batten/geometry/trimmed_solid.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
-#include "batten/io/solid_writer.h"
 
 namespace batten::internal {
 

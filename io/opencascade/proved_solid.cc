@@ -29,8 +29,6 @@ namespace {
 
 [[noreturn]] void Fail(const std::string& reason) { throw Standard_Failure(reason.c_str()); }
 
-
-
 SolidCensus CensusOf(const std::vector<TopoDS_Solid>& solids, const std::string& what) {
   SolidCensus census;
   for (const TopoDS_Solid& solid : solids) {

@@ -119,7 +119,8 @@ TEST(FitSolidKindTest, SaysWhyThereIsNoCadSolid) {
   EXPECT_THAT(run.err, HasSubstr("meet smoothly"));
   EXPECT_FALSE(std::filesystem::exists(folder.File("a.step")));
   EXPECT_EQ(
-      Batten({"fit", "solid", cloud, "-o", folder.File("a.step"), "--kind", "cad", "--faces", "100"})
+      Batten(
+          {"fit", "solid", cloud, "-o", folder.File("a.step"), "--kind", "cad", "--faces", "100"})
           .code,
       2);
 }

@@ -109,7 +109,7 @@ inline TruthFace BallFace(const Eigen::Vector3d& center,
                                       std::sin(b) * axis);
           },
           [=](double, double b) { return radius * radius * std::cos(b); },
-          radius * radius};
+          radius* radius};
 }
 
 // The part of a torus between angles round the axis and round the tube, from the outermost place.
@@ -129,7 +129,7 @@ inline TruthFace RingFace(const Eigen::Vector3d& center,
                    minor * std::sin(b) * axis;
           },
           [=](double, double b) { return minor * (major + minor * std::cos(b)); },
-          minor * (major + minor)};
+          minor*(major + minor)};
 }
 
 inline PartCloud SampledPart(const TruthPart& part, int count, double sigma, unsigned seed) {
@@ -207,17 +207,15 @@ inline TruthFace Ring(double height,
 }
 
 inline TruthFace Turned(double lower, double upper, double low, double high) {
-  return TurnedFace({0, 0, 0},
-                    {0, 0, 1},
-                    {1, 0, 0},
-                    {lower, upper},
-                    {low, high},
-                    {0, kTurn});
+  return TurnedFace({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {lower, upper}, {low, high}, {0, kTurn});
 }
 
 inline TruthPart TubePart() {
   constexpr double kOuter = 0.3, kInner = 0.15, kHigh = 0.7;
-  TruthPart part{"cylinder with a hole", {}, 4, 0,
+  TruthPart part{"cylinder with a hole",
+                 {},
+                 4,
+                 0,
                  std::numbers::pi * (kOuter * kOuter - kInner * kInner) * kHigh};
   part.faces = {Turned(kOuter, kOuter, 0, kHigh),
                 Turned(kInner, kInner, 0, kHigh),
@@ -236,7 +234,8 @@ inline TruthPart FilletedBoxPart() {
     const Eigen::Vector3d ea = Eigen::Vector3d::Unit(axis), eb = Eigen::Vector3d::Unit(b),
                           ec = Eigen::Vector3d::Unit(c);
     for (const double side : {-1.0, 1.0}) {
-      const Eigen::Vector3d corner = side * size[axis] / 2 * ea - core[b] / 2 * eb - core[c] / 2 * ec;
+      const Eigen::Vector3d corner =
+          side * size[axis] / 2 * ea - core[b] / 2 * eb - core[c] / 2 * ec;
       part.faces.push_back(side > 0 ? FlatFace(corner, core[b] * eb, core[c] * ec)
                                     : FlatFace(corner, core[c] * ec, core[b] * eb));
     }
@@ -254,13 +253,13 @@ inline TruthPart FilletedBoxPart() {
   for (int octant = 0; octant < 8; ++octant) {
     const double sx = octant & 1 ? 1 : -1, sy = octant & 2 ? 1 : -1, sz = octant & 4 ? 1 : -1;
     const double mid = std::atan2(sy, sx), quarter = std::numbers::pi / 4;
-    part.faces.push_back(
-        BallFace({sx * core[0] / 2, sy * core[1] / 2, sz * core[2] / 2},
-                 {0, 0, 1},
-                 {1, 0, 0},
-                 r,
-                 {mid - quarter, mid + quarter},
-                 sz > 0 ? std::pair(0.0, std::numbers::pi / 2) : std::pair(-std::numbers::pi / 2, 0.0)));
+    part.faces.push_back(BallFace(
+        {sx * core[0] / 2, sy * core[1] / 2, sz * core[2] / 2},
+        {0, 0, 1},
+        {1, 0, 0},
+        r,
+        {mid - quarter, mid + quarter},
+        sz > 0 ? std::pair(0.0, std::numbers::pi / 2) : std::pair(-std::numbers::pi / 2, 0.0)));
   }
   const Eigen::Vector3d k = core;
   part.volume = k.prod() + 2 * r * (k[0] * k[1] + k[1] * k[2] + k[2] * k[0]) +
@@ -275,19 +274,18 @@ inline TruthPart FlangePart() {
   for (int k = 0; k < 6; ++k) {
     holes.emplace_back(kCircle * std::cos(kTurn * k / 6), kCircle * std::sin(kTurn * k / 6));
   }
-  TruthPart part{"flange with six bores", {}, 16, 0,
+  TruthPart part{"flange with six bores",
+                 {},
+                 16,
+                 0,
                  std::numbers::pi * kHigh * (kOuter * kOuter - kBore * kBore - 6 * kHole * kHole)};
   part.faces = {Turned(kOuter, kOuter, 0, kHigh),
                 Turned(kBore, kBore, 0, kHigh),
                 Ring(0, kBore, kOuter, -1, holes, kHole),
                 Ring(kHigh, kBore, kOuter, 1, holes, kHole)};
   for (const Eigen::Vector2d& at : holes) {
-    part.faces.push_back(TurnedFace({at[0], at[1], 0},
-                                    {0, 0, 1},
-                                    {1, 0, 0},
-                                    {kHole, kHole},
-                                    {0, kHigh},
-                                    {0, kTurn}));
+    part.faces.push_back(TurnedFace(
+        {at[0], at[1], 0}, {0, 0, 1}, {1, 0, 0}, {kHole, kHole}, {0, kHigh}, {0, kTurn}));
   }
   return part;
 }
@@ -306,8 +304,7 @@ inline TruthPart ShaftPart() {
                 Turned(r[2], kTop, h[3], kEnd),
                 Ring(kEnd, 0, kTop, 1)};
   for (int k = 0; k < 3; ++k) part.volume += std::numbers::pi * r[k] * r[k] * (h[k + 1] - h[k]);
-  part.volume +=
-      std::numbers::pi / 3 * (kEnd - h[3]) * (r[2] * r[2] + r[2] * kTop + kTop * kTop);
+  part.volume += std::numbers::pi / 3 * (kEnd - h[3]) * (r[2] * r[2] + r[2] * kTop + kTop * kTop);
   return part;
 }
 
@@ -358,7 +355,12 @@ inline TruthPart BracketPart() {
 }
 
 inline std::vector<TruthPart> MachinedParts() {
-  return {BoxPart(), LBlockPart(), TubePart(), FilletedBoxPart(), FlangePart(), ShaftPart(),
+  return {BoxPart(),
+          LBlockPart(),
+          TubePart(),
+          FilletedBoxPart(),
+          FlangePart(),
+          ShaftPart(),
           BracketPart()};
 }
 

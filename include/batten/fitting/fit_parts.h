@@ -8,15 +8,16 @@
 
 namespace batten {
 
-// Finds the faces of a part. Regions grow from the points whose neighbours' normals agree best; each
-// is of the first of plane, sphere, cylinder, cone and torus that its points do not reject: robust
-// rms at most 1.15 times the noise, and no trend among neighbouring distances. Regions compete for
-// the points at their borders, and those that touch and that one shape explains become one. Where
-// the faces found are nearer to their points than the noise that was estimated, all is done again at
-// that noise. Parameters and standard deviations are those of FitPrimitive over points that are for
-// certain of the face: those at a border where two shapes cannot be told apart do not count. Smooth
-// regions of no shape get free surfaces (FitSurface). Points of fewer than 30 together, or off all
-// that is near, are of no face. [Besl & Jain 1988; Cohen-Steiner, Alliez & Desbrun 2004]
+// Finds the faces of a part. Regions grow from the points whose neighbours' normals agree best;
+// each is of the first of plane, sphere, cylinder, cone and torus that its points do not reject:
+// robust rms at most 1.15 times the noise, and no trend among neighbouring distances. Regions
+// compete for the points at their borders, and those that touch and that one shape explains become
+// one. Where the faces found are nearer to their points than the noise that was estimated, all is
+// done again at that noise. Parameters and standard deviations are those of FitPrimitive over
+// points that are for certain of the face: those at a border where two shapes cannot be told apart
+// do not count. Smooth regions of no shape get free surfaces (FitSurface). Points of fewer than 30
+// together, or off all that is near, are of no face. [Besl & Jain 1988; Cohen-Steiner, Alliez &
+// Desbrun 2004]
 //
 // With `regularise` faces are fitted together under the relations that their standard deviations
 // allow; see the relations of the summary.

@@ -62,9 +62,9 @@ struct PartSummary {
 
 // One face, in world coordinates less options.shift.
 struct PartFace {
-  SurfaceShape shape;                               // FreeForm where it is none
+  SurfaceShape shape;                                // FreeForm where it is none
   std::optional<ExactSurface> patch = std::nullopt;  // the part of the shape that the points cover
-  NurbsSurface surface;                             // the same, or a free surface, trimmed
+  NurbsSurface surface;                              // the same, or a free surface, trimmed
 };
 
 struct PartsFit {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A solid of trimmed planes, cylinders, cones, spheres and tori that share their edges and vertices.
+// A solid of trimmed planes, cylinders, cones, spheres and tori that share their edges and
+// vertices.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +27,8 @@ struct TrimmedSolidCoedge {
 // A part of a plane, cylinder, cone, sphere or torus.
 struct TrimmedSolidFace {
   SurfaceShape carrier;
-  // Outwards is against the natural normal: that of a plane, and away from axis or centre of others.
+  // Outwards is against the natural normal: that of a plane, and away from axis or centre of
+  // others.
   bool reversed = false;
   // The face is on the left of its loops seen from outside; none: the whole sphere or torus.
   std::vector<std::vector<TrimmedSolidCoedge>> loops;
@@ -38,6 +40,12 @@ struct TrimmedSolid {
   Eigen::Matrix3Xd vertices;
   std::vector<TrimmedSolidEdge> edges;
   std::vector<TrimmedSolidFace> faces;
+};
+
+// What a solid has. Seams of round faces are edges.
+struct SolidCensus {
+  int solids = 0, faces = 0, edges = 0;
+  double volume = 0, area = 0;
 };
 
 }  // namespace batten

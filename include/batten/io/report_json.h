@@ -18,8 +18,8 @@ struct ReportContext {
   std::string unit = "mm";                          // of the data
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates written
   std::int64_t peak_memory_bytes = 0;
-  std::string version;    // of the program
-  std::string date = {};  // as the page shows it; empty: none
+  std::string version;                // of the program
+  std::string date = {};              // as the page shows it; empty: none
   const PartSummary* part = nullptr;  // the faces, where a part was taken to pieces
 };
 

@@ -20,12 +20,6 @@ void WriteSolid(const SolidModel& solid,
                 const std::string& path,
                 const GeometryWriteOptions& options = {});
 
-// What a solid has, as OpenCASCADE counts and measures it. Seams of round faces are edges.
-struct SolidCensus {
-  int solids = 0, faces = 0, edges = 0;
-  double volume = 0, area = 0;
-};
-
 // The same of a solid of trimmed analytic faces, whose planes, cylinders, cones, spheres, tori,
 // segments and arcs stay such in the file. Returns what it has.
 SolidCensus WriteSolid(const TrimmedSolid& solid,

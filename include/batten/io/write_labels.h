@@ -10,7 +10,8 @@
 namespace batten {
 
 // In world coordinates, whole or not at all, by the extension, any case:
-//   .ply  binary little-endian: doubles x y z, uchars red green blue, a colour for each face and grey
+//   .ply  binary little-endian: doubles x y z, uchars red green blue, a colour for each face and
+//   grey
 //         for points of none, int label (−1: none)
 //   .csv  a header line x,y,z,red,green,blue,label and shortest numbers that read back exactly
 // Throws UsageError for another extension, WriteError where it can't be written,

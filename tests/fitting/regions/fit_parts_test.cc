@@ -132,8 +132,7 @@ TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
       const PartsFit fit = Fitted(cloud);
       const std::vector<int> truth = TruthOf(fit, cloud);
       for (std::size_t k = 0; k < truth.size(); ++k) {
-        deviations.Add(*fit.summary.faces[k].primitive,
-                       part.faces[std::size_t(truth[k])].shape);
+        deviations.Add(*fit.summary.faces[k].primitive, part.faces[std::size_t(truth[k])].shape);
       }
     }
   }
