@@ -305,7 +305,9 @@ void GroupFitFlags(CLI::App& command) {
   GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
 }
 
-FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
+FitFiles::FitFiles(const FitArguments& arguments,
+                   const std::vector<std::string>& beside,
+                   const std::vector<std::string>& also)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
   cleaning_ = ToCleaning(a_.clean);
@@ -324,6 +326,7 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(),
                  {a_.out, a_.output.residuals, a_.output.certificate, a_.uncertainty_map});
+  outputs.insert(outputs.end(), also.begin(), also.end());
   if (!a_.uncertainty_map.empty()) CheckUncertaintyName(a_.uncertainty_map, a_.curves);
   std::vector<std::string> inputs = a_.clouds;
   inputs.insert(inputs.end(), beside.begin(), beside.end());
@@ -459,6 +462,10 @@ void FitFiles::RefuseMesh() const {
 std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry,
                                   std::optional<CertificateSummary>& certified) const {
   const bool mesh = NamesMesh(a_.out, out_format_);
+  if (trimmed_ != nullptr) {
+    *census_ = WriteSolid(*trimmed_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+    return "";
+  }
   if (solid_ != nullptr && !mesh) {
     WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";
@@ -535,6 +542,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
     ReportSurface& drawn = target.scene->surfaces.front();
     drawn.sigma = SigmaAt(*uncertainty_, drawn.mesh.parameters);
   }
+  target.part = part_;
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
   const std::string mesh = WriteShapes(geometry, target.checks.certified);
   if (written) written->Commit();

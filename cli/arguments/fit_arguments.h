@@ -9,6 +9,7 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
+#include "batten/fitting/part_options.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
@@ -17,6 +18,7 @@
 #include "batten/io/cloud_source.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
+#include "batten/io/solid_writer.h"
 #include "cli/arguments/cleaning.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/fit_output.h"
@@ -105,8 +107,11 @@ std::string FlagsThatHelp(Remedy remedy);
 // writes geometry, residuals and reports.
 class FitFiles {
  public:
-  // `beside`: files that are read too, and so not to be written.
-  explicit FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside = {});
+  // `beside`: files that are read too, and so not to be written; `also`: files that are written
+  // too.
+  explicit FitFiles(const FitArguments& arguments,
+                    const std::vector<std::string>& beside = {},
+                    const std::vector<std::string>& also = {});
 
   // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
   // can't be used.
@@ -164,6 +169,14 @@ class FitFiles {
 
   // What is written is this solid, whose faces are the geometries; it outlives Write.
   void KeepSolid(const SolidModel& solid) { solid_ = &solid; }
+  // The same of exact faces; `census` gets what the solid has when it is written.
+  void KeepSolid(const TrimmedSolid& solid, SolidCensus& census) {
+    trimmed_ = &solid;
+    census_ = &census;
+  }
+
+  // The faces of which the reports tell; they outlive Write.
+  void KeepPart(const PartSummary& part) { part_ = &part; }
 
   // Computes the uncertainty of a fit to what was read, where it is asked for, for Write.
   template <class Fit>
@@ -205,6 +218,9 @@ class FitFiles {
   std::optional<Uncertainty> uncertainty_;
   std::optional<UncertaintyMap> map_;
   Eigen::VectorXd deviations_;  // of the shape at the points' feet
+  const TrimmedSolid* trimmed_ = nullptr;
+  SolidCensus* census_ = nullptr;
+  const PartSummary* part_ = nullptr;
 };
 
 }  // namespace batten::internal

@@ -214,6 +214,7 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   context.unit = target.arguments.unit;
   context.shift = target.shift;
   context.peak_memory_bytes = PeakMemory();
+  context.part = target.part;
   context.version = Version();
   context.date = Today();
   context.checks = target.checks;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/part_options.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/report_json.h"
@@ -91,6 +92,7 @@ struct ReportTarget {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   std::optional<ReportScene> scene = std::nullopt;  // where a page is wanted
   ReportChecks checks = {};
+  const PartSummary* part = nullptr;  // of a part
 };
 
 // Writes the reports asked for and prints warnings and the result line, or the report as JSON.

@@ -19,6 +19,7 @@
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
 #include "batten/io/reconstruct_surface.h"
+#include "cli/arguments/cad_solid.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
@@ -37,6 +38,7 @@ constexpr double kMostInvented = 0.15;  // of the area
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
+  std::string kind = "auto";
   int faces = 0;
   bool keep_outliers = false, every_face = false;
 };
@@ -121,7 +123,26 @@ void RefuseTinyBody(const FitFiles& files, const PointCloud& cloud) {
   }
 }
 
+// The road asked for; flags of the one over a layout ask for that.
+SolidKind KindOf(const FitSolidArguments& a) {
+  const SolidKind kind = ToSolidKind(a.kind);
+  const bool layout = !a.quads.empty() || a.faces > 0 || !a.mesh_out.empty() ||
+                      !a.layout_out.empty() || a.every_face || a.keep_outliers ||
+                      a.smoothing != "auto" || a.clean == "none";
+  if (layout && kind == SolidKind::kCad) {
+    throw UsageError(
+        "--kind cad: --quads, --faces, --mesh-out, --layout-out, --every-face, --smoothing, "
+        "--keep-outliers and --clean none are of --kind organic");
+  }
+  const bool triangles = NamesMesh(a.out, a.out_format);
+  if (triangles && kind == SolidKind::kCad)
+    throw UsageError("-o " + a.out +
+                     ": --kind cad writes .step; batten tessellate makes triangles of it");
+  return layout || triangles ? SolidKind::kOrganic : kind;
+}
+
 int RunFitSolid(const FitSolidArguments& a) {
+  const SolidKind kind = KindOf(a);
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
@@ -141,6 +162,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
+  if (const auto code = RunCadSolid(a, kind, files, cloud)) return *code;
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
@@ -189,6 +211,15 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   Suggest(*command.get_option("--output-format")
                ->description("Format of OUT where its name does not tell"),
           {"step", "stl", "obj", "ply", "glb"});
+  Allow(*command
+             .add_option(
+                 "--kind",
+                 a->kind,
+                 "organic: smooth faces over a layout; cad: planes, cylinders, cones, spheres "
+                 "and tori with sharp edges; auto: cad where the faces close")
+             ->capture_default_str()
+             ->type_name("KIND"),
+        {"auto", "cad", "organic"});
   command
       .add_option(
           "--quads",
@@ -233,13 +264,14 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       a->every_face,
       "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
-  GroupFlags(command, "Which shape", {"--quads", "--faces", "--every-face"});
+  GroupFlags(command, "Which shape", {"--kind", "--quads", "--faces", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"
       "  batten fit solid scan.ply -o part.step\n"
       "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
       "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
+      "  batten fit solid machined.ply -o part.step --kind cad\n"
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
       "Poisson reconstruction about the points, which have to go all round the body. One that is\n"
@@ -249,7 +281,10 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "from\n"
       "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
-      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
+      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. With --kind cad "
+      "the\n"
+      "faces are those of fit parts --regularise, and their edges where these meet. Before the "
+      "file\n"
       "gets its name the solid is found closed, valid, without folds and the same when it is read "
       "back;\n"
       "else nothing is written, and the reason is said. Triangles are watertight too, within the\n"

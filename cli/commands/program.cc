@@ -252,6 +252,7 @@ void AddAll(CLI::App& app, Action& action) {
   AddFitSurfaceCommand(fit, action);
   AddFitCurveCommand(fit, action);
   AddFitPrimitiveCommand(fit, action);
+  AddFitPartsCommand(fit, action);
   AddFitSolidCommand(fit, action);
   AddCompareCommand(app, action);
   AddBatchCommand(app, action);

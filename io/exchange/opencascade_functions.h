@@ -7,6 +7,7 @@
 #include <string>
 
 #include "batten/geometry/solid_model.h"
+#include "batten/geometry/trimmed_solid.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
 
@@ -28,6 +29,12 @@ struct OpenCascadeFunctions {
                               const std::string& path,
                               const char* unit,
                               const char* schema);
+  // trimmed_solid_export.h
+  std::string (*export_trimmed_solid)(const TrimmedSolid& solid,
+                                      const std::string& path,
+                                      const char* unit,
+                                      const char* schema,
+                                      SolidCensus& census);
   // iges_export.h
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
   // brep_import.h

@@ -90,6 +90,33 @@ Json Primitive(const PrimitiveSummary& primitive) {
   return json;
 }
 
+Json Faces(const std::vector<FaceSummary>& faces) {
+  Json result = Json::array();
+  for (size_t k = 0; k < faces.size(); ++k) {
+    const FaceSummary& face = faces[k];
+    result.push_back({{"index", k},
+                      {"kind", face.kind},
+                      {"points", face.points},
+                      {"rms", Number(face.rms)},
+                      {"max", Number(face.max)},
+                      {"primitive", face.primitive ? Primitive(*face.primitive) : Json(nullptr)},
+                      {"touching", face.touching}});
+  }
+  return result;
+}
+
+Json Relations(const std::vector<RelationSummary>& relations) {
+  Json result = Json::array();
+  for (const RelationSummary& relation : relations) {
+    result.push_back({{"kind", relation.kind},
+                      {"faces", relation.faces},
+                      {"deviation", Number(relation.deviation)},
+                      {"allowed", Number(relation.allowed)},
+                      {"kept", relation.kept}});
+  }
+  return result;
+}
+
 Json Shape(const GeometrySummary& geometry, const std::string& file) {
   Json json = {{"kind", geometry.kind},
                {"base", geometry.base},
@@ -297,6 +324,10 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"used", part.used}};
     if (!part.refused.empty()) entry["refused"] = part.refused;
     json["parts"].push_back(std::move(entry));
+  }
+  if (context.part != nullptr) {
+    json["faces"] = Faces(context.part->faces);
+    json["relations"] = Relations(context.part->relations);
   }
   // File names need not be UTF-8; what is not becomes the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';

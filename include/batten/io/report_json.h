@@ -9,6 +9,7 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/form_deviation.h"
+#include "batten/fitting/part_options.h"
 #include "batten/fitting/profile_check.h"
 #include "batten/fitting/rigid_alignment.h"
 #include "batten/io/certificate.h"
@@ -33,12 +34,15 @@ struct ReportContext {
   std::string version;    // of the program
   std::string date = {};  // as the page shows it; empty: none
   ReportChecks checks = {};
+  const PartSummary* part = nullptr;  // the faces, where a part was taken to pieces
 };
 
 // The schema "batten-report-2", indented, ending with a line feed. Numbers are written in the
 // shortest form that reads back bit by bit; one that is not finite, for which JSON has no form, as
 // null, and so is what was not measured. Only where it applies: input.thinned_to, and parts, one
-// {index, name, geometry, and the fields of an error} for each of several geometries.
+// {index, name, geometry, and the fields of an error} for each of several geometries. Of a part
+// faces, one {index, kind, points, rms, max, primitive, touching} for each, and relations, {kind,
+// faces, deviation, allowed, kept}.
 std::string ToReportJson(const FitReport& report, const ReportContext& context);
 
 }  // namespace batten

@@ -37,6 +37,8 @@ function partsOfReport(data, onLimit) {
   put("side", "parts", partsTable(data));
   put("side", "points", inputTable(data));
   put("side", "parts of the cloud", cloudPartsTable(data));
+  put("side", "faces", facesTable(data));
+  put("side", "relations", relationsTable(data));
   if (data.curves.length > 0 && data.surfaces.length === 0 && data.cloud) {
     const lengths = data.curves.map((c) => arcLengths(c.points));
     const places = placesAlong(data, lengths, 4000);
