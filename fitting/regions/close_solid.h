@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/geometry/trimmed_solid.h"
+#include "batten/fitting/trimmed_solid.h"
 #include "fitting/regions/face_borders.h"
 #include "fitting/regions/grow_regions.h"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/solid_model.h"
-#include "batten/geometry/trimmed_solid.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
 

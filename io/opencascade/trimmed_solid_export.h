@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "batten/geometry/trimmed_solid.h"
+#include "batten/fitting/trimmed_solid.h"
 #include "io/exchange/opencascade_functions.h"
 
 namespace batten::internal {

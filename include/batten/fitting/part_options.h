@@ -10,10 +10,10 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/progress.h"
+#include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/exact_shape.h"
 #include "batten/geometry/nurbs_surface.h"
-#include "batten/geometry/trimmed_solid.h"
 
 namespace batten {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/solid_model.h"
-#include "batten/geometry/trimmed_solid.h"
 #include "batten/io/geometry_types.h"
 
 namespace batten {
