@@ -197,8 +197,12 @@ TEST(FitPartsTest, RelationsHoldExactlyOnceTheyAreKept) {
     const PrimitiveSummary first = numbers(relation.faces[0]);
     for (const int face : relation.faces) {
       const PrimitiveSummary other = numbers(face);
-      if (relation.kind == "parallel") EXPECT_LT(along(first).cross(along(other)).norm(), kExact);
-      if (relation.kind == "equal radius") EXPECT_NEAR(*first.radius, *other.radius, kExact);
+      if (relation.kind == "parallel") {
+        EXPECT_LT(along(first).cross(along(other)).norm(), kExact);
+      }
+      if (relation.kind == "equal radius") {
+        EXPECT_NEAR(*first.radius, *other.radius, kExact);
+      }
       if (relation.kind == "coaxial") {
         EXPECT_LT((*other.point - *first.point).cross(*first.axis).norm(), kExact);
       }
@@ -238,7 +242,9 @@ TEST(FitPartsTest, SharpPartsAreSolidsWithTheirEdgesAndVertices) {
       ASSERT_TRUE(fit.solid) << fit.no_solid;
       EXPECT_EQ(std::ssize(fit.solid->edges), part.edges);
       // Every closed edge has a vertex of its own.
-      if (part.vertices > 0) EXPECT_EQ(fit.solid->vertices.cols(), part.vertices);
+      if (part.vertices > 0) {
+        EXPECT_EQ(fit.solid->vertices.cols(), part.vertices);
+      }
       std::vector<int> forward(fit.solid->edges.size()), backward(fit.solid->edges.size());
       for (const TrimmedSolidFace& face : fit.solid->faces) {
         for (const auto& loop : face.loops) {
