@@ -12,7 +12,9 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::size_t kPatch = 32;   // points of a seed: enough for the seven freedoms of a torus
+constexpr std::size_t kPatch = 32;  // points of a seed: enough for the seven freedoms of a torus
+constexpr std::size_t kLargePlane =
+    16 * kPatch;                     // points: a small one may be a piece of a round face
 constexpr double kSameSheet = 0.35;  // sine: neighbours whose normals turn by more lie over an edge
 constexpr double kAcross = 0.6;  // sine: beyond, a point on a shape is of a sheet that crosses it
 constexpr double kRoughSeed = 0.3;  // rms sine: a seed there has an edge among its neighbours
@@ -47,8 +49,9 @@ class RegionGrower {
       if (auto best = BestFrom(patch, flat)) {
         Take(std::move(*best));
       } else {
-        // What lies about a failed seed, or on the plane about it, would fail like it.
-        flat.insert(flat.end(), patch.begin(), patch.begin() + std::ssize(patch) / 2);
+        // What lies about a failed seed would fail like it, and so would the rest of a large plane.
+        if (flat.size() < kLargePlane) flat.clear();
+        flat.insert(flat.end(), patch.begin(), patch.begin() + std::ssize(patch) / 4);
         for (const int point : flat) tried[std::size_t(point)] = true;
       }
     }
@@ -100,6 +103,32 @@ class RegionGrower {
     return reached;
   }
 
+  // The points three rings and more from their border, where a neighbour that joins smoothly may
+  // have begun; all where those are few.
+  std::vector<int> Inside(const std::vector<int>& points) const {
+    constexpr int kRings = 3;
+    constexpr std::size_t kShare = 4;
+    std::vector<int> ring(labels_.label.size(), -1);
+    for (const int point : points) ring[std::size_t(point)] = kRings;
+    std::vector<int> inside = points;
+    for (int r = 0; r < kRings; ++r) {
+      std::vector<int> kept;
+      for (const int point : inside) {
+        const auto around = data_.Around(point);
+        const bool border = std::any_of(around.begin(), around.end(), [&](int other) {
+          return ring[std::size_t(other)] == r - 1;
+        });
+        if (border) {
+          ring[std::size_t(point)] = r;
+        } else {
+          kept.push_back(point);
+        }
+      }
+      inside = std::move(kept);
+    }
+    return inside.size() >= std::max(fewest_, points.size() / kShare) ? inside : points;
+  }
+
   // One kind's shape and the points it explains.
   Grown GrownAs(SurfaceKind kind, const std::vector<int>& patch) const {
     constexpr int kMostRounds = 16;
@@ -122,7 +151,11 @@ class RegionGrower {
       shape = ShapeThrough(data_, members, kind, sigma_, few ? nullptr : &best.shape);
     }
     if (best.points.size() < fewest_) return best;
-    best.passed = TestShape(data_, best.points, best.shape, sigma_).passed;
+    const std::vector<int> inside = Inside(best.points);
+    const auto settled = ShapeThrough(data_, inside, kind, sigma_, &best.shape);
+    if (!settled) return best;
+    best.shape = *settled;
+    best.passed = TestShape(data_, inside, best.shape, sigma_).passed;
     return best;
   }
 

