@@ -238,6 +238,7 @@ void GroupFitFlags(CLI::App& command) {
              "What is written",
              {"--output",
               "--report",
+              "--beside",
               "--residuals",
               "--uncertainty",
               "--uncertainty-map",

@@ -22,14 +22,21 @@ NOTEBOOK_TRIANGLES = 20000
 
 
 class Uncertainty(NamedTuple):
-    """Of places of a fitted shape; arrays of one number for each."""
+    """Of places of a fitted shape; arrays of one number for each.
+
+    Attributes
+    ----------
+    sigma : ndarray of float
+        Standard deviations along the normal by the noise of the points, in the data's units.
+    bias : ndarray of float
+        By how much fairness moved the shape along the normal, to first order.
+    support : ndarray of float
+        Share of the data in what is known there, 0 … 1; below 0.5 fairness decides.
+    """
 
     sigma: Floats
-    """Standard deviations along the normal by the noise of the points, in the data's units."""
     bias: Floats
-    """By how much fairness moved the shape along the normal, to first order."""
     support: Floats
-    """Share of the data in what is known there, 0 … 1; below 0.5 fairness decides."""
 
 
 class Fit:
