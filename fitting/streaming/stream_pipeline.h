@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "batten/fitting/fit_streamed.h"
+#include "batten/fitting/point_source.h"
+#include "batten/fitting/stream_options.h"
+#include "batten/fitting/surface_options.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/streaming/all_distances.h"
 #include "fitting/streaming/first_look.h"
