@@ -163,9 +163,9 @@ TEST_F(BatchTest, LinesThatAreNoCommandLineAreRefusedBeforeAnyJobRuns) {
 
 TEST_F(BatchTest, CtrlCLeavesNothingHalfWrittenAndTheRestForLater) {
   const std::string large = folder_.With("large.xyz", ToText(WavySheet(200000)));
-  const std::string table =
-      Table("input,output,optimize,control-points\n" + wavy_ + "," + In("a.json") + ",,\n" + large +
-            "," + In("b.json") + ",\"params,weights,knots\",\"40,40\"\n");
+  const std::string slow = ",params,\"80,80\",\"9,9\"\n";
+  const std::string table = Table("input,output,optimize,control-points,degree\n" + wavy_ + "," +
+                                  In("a.json") + ",,,\n" + large + "," + In("b.json") + slow);
   constexpr double kFirstIsDone = 3;
   const ProgramRun run =
       Batten({"batch", table}, {.standard_input = "", .interrupt_after = kFirstIsDone});
