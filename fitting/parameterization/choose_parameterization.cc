@@ -84,7 +84,8 @@ class BaseContest {
   explicit BaseContest(const BaseInput& input) : input_(input) {}
 
   void Try(const BaseMethod& candidate) {
-    if (decided_ || (candidate.last_resort && !IsNeeded(candidate))) return;
+    const bool straightens = candidate.straightens && best_ && best_->attempt.ragged;
+    if (!straightens && (decided_ || (candidate.last_resort && !IsNeeded(candidate)))) return;
     if (candidate.of_two_sheets && best_ && IsAtNoise(ScoreOf(*best_))) return;
     BaseCandidate& row = Row(candidate.name);
     BaseAttempt made = MakeFor(candidate);
@@ -94,7 +95,7 @@ class BaseContest {
       return;
     }
     served_.push_back(candidate.name);
-    decided_ = made.certain || input_.options.base != BaseShape::kAuto;
+    decided_ = decided_ || made.certain || input_.options.base != BaseShape::kAuto;
     if (best_ && Acts(Rule::kHopelessBases) && IsHopeless(made)) {
       row.refused = "predicts left-out points worse, by a few grids";
       return;
@@ -233,7 +234,8 @@ class BaseContest {
     const BaseScore::Value value = ScoreOf(scored), best = ScoreOf(*best_);
     if (best_->as_laid && !scored.as_laid && !scored.attempt.distorted)
       return !IsBetter(*best_->as_laid, value);
-    if (scored.as_laid && !best_->attempt.distorted && !IsBetter(*scored.as_laid, best))
+    const bool simpler = value.control_points < kClearlyFewer * best.control_points;
+    if (scored.as_laid && !simpler && !best_->attempt.distorted && !IsBetter(*scored.as_laid, best))
       return false;
     return IsBetter(value, best);
   }
