@@ -200,7 +200,7 @@ Shapes Revolved(const MakeArguments& a) {
   const Frame frame = FrameOf(a);
   const AngleRange angles = AnglesOf(a);
   Shapes shapes;
-  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format)) {
+  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format, *a.unit)) {
     shapes.emplace_back(Revolve(curve, frame, angles));
   }
   return shapes;

@@ -29,6 +29,15 @@ bool IsPoint(const NurbsCurve<3>& curve) {
   return SizeOf(curve) <= 8 * kEpsilon * curve.control_points().cwiseAbs().maxCoeff();
 }
 
+bool LieAlong(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction) {
+  constexpr double kFlat = 1e-9;
+  const Eigen::Matrix3Xd from = points.colwise() - points.col(0);
+  const Eigen::Vector3d along = direction.stableNormalized();
+  const double off = (from - along * (along.transpose() * from)).colwise().norm().maxCoeff();
+  return off <=
+         kFlat * from.colwise().norm().maxCoeff() + 8 * kEpsilon * points.cwiseAbs().maxCoeff();
+}
+
 void RequireSameClosedness(const std::vector<NurbsCurve<3>>& curves,
                            const char* function,
                            const char* noun) {

@@ -73,26 +73,6 @@ Ring TorusSectionOf(const Eigen::Vector3d& point, const Frame& frame, double on_
   return {foot, outward, frame.axis().cross(outward)};
 }
 
-// Beyond half a turn what lies on both sides of the axis is swept over by both.
-void RefuseCrossings(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
-  constexpr double kSlack = 1e-12;
-  if (angles.sweep <= kHalfTurn + kSlack) return;
-  const std::vector<double> crossings = AxisCrossings(profile, frame);
-  if (crossings.size() < 2) return;
-  const auto place = [&](double at) {
-    const Eigen::Vector3d p = profile.At(at);
-    return RoundedText(at) + " (" + RoundedText(p.x()) + ", " + RoundedText(p.y()) + ", " +
-           RoundedText(p.z()) + ")";
-  };
-  RequireThat(false,
-              "Revolve",
-              "the profile crosses its axis " + std::to_string(crossings.size()) +
-                  " times, first at its parameters " + place(crossings[0]) + " and " +
-                  place(crossings[1]) +
-                  ": turned by more than 180 degrees the surface would go through itself; revolve "
-                  "what lies on one side");
-}
-
 }  // namespace
 
 NurbsSurface MakeBilinear(const Eigen::Vector3d& p00,
@@ -175,7 +155,8 @@ NurbsSurface MakeTorus(const Frame& frame,
 
 NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
   RequireSweep("Revolve", "angles", angles);
-  RefuseCrossings(profile, frame, angles);
+  constexpr double kSlack = 1e-12;
+  if (angles.sweep > kHalfTurn + kSlack) RefuseCrossings(profile, frame, "Revolve");
   const UnitArc arc(angles);
   const Eigen::Matrix3Xd& curve = profile.control_points();
   const double size = std::max(curve.cwiseAbs().maxCoeff(), frame.origin().cwiseAbs().maxCoeff());
@@ -196,7 +177,8 @@ NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const Ang
       weights[i * along + j] = arc.weights[i] * profile.weights()[j];
     }
   }
-  RequireThat(turns, "Revolve", "the curve lies on the axis");
+  RequireThat(
+      turns, "Revolve", "the curve lies on the axis: move the axis, or the curve away from it");
   return NurbsSurface(arc.basis, profile.basis(), std::move(points), std::move(weights));
 }
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "batten/geometry/bezier_surface.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
@@ -74,6 +76,15 @@ TEST(SwingTest, RoundACircleItIsTheSurfaceOfRevolution) {
               HasSubstr("the trajectory leaves the plane of the x axis and the y axis by 1"));
   EXPECT_THAT(RefusalOf([&] { Swing(profile, MakeArc(Frame(), 1), Frame(), 0); }),
               HasSubstr("scale"));
+}
+
+TEST(SwingTest, AProfileOnBothSidesOfTheAxisIsRefusedWhereBothSweepTheSame) {
+  const NurbsCurve<3> profile(
+      SplineBasis::Uniform(2, 5, 0, 1),
+      Eigen::Matrix3Xd{{1, -1, -1, -1, 1}, {0, 0, 0, 0, 0}, {0, 1, 2, 3, 4}});
+  EXPECT_THAT(RefusalOf([&] { Swing(profile, MakeArc(Frame(), 1)); }),
+              HasSubstr("Swing: the profile crosses its axis 2 times"));
+  EXPECT_EQ(Swing(profile, MakeArc(Frame(), 1, {0, std::numbers::pi})).size_v(), 5);
 }
 
 }  // namespace batten::internal::swung_surface_test
