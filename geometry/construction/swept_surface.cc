@@ -122,7 +122,7 @@ double ClosingTurn(const NurbsCurve<3>& trajectory,
   RequireThat(std::abs(turns - std::round(turns)) <= kSlack,
               "Sweep",
               "the trajectory is closed, and a twist of " + RoundedText(360 * turns) +
-                  " degrees does not close the surface: take whole turns, multiples of 360");
+                  " degrees does not close the surface: only whole turns do, multiples of 360");
   return -frame.Holonomy();
 }
 

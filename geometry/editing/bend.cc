@@ -44,8 +44,10 @@ class BendMap {
     radius_ = out_.stableNorm();
     constexpr double kOnAxis = 1e-12;
     if (!(radius_ > kOnAxis * arm.stableNorm()))
-      Reject("Bent", "the point from which it bends lies on the axis: move one of them, their distance is the "
-             "radius");
+      Reject(
+          "Bent",
+          "the point from which it bends lies on the axis: move one of them, their distance is the "
+          "radius");
     out_ /= radius_;
     along_ = axis_.cross(out_);
     if (length_ > 2 * std::numbers::pi * radius_) {
@@ -291,10 +293,10 @@ Shortage ShortageOf(const NurbsSurface& old,
       const WorstOfCell worst = WorstOf(old, bent, map, us, vs, k, l);
       shortage.error = std::max(shortage.error, worst.error);
       if (worst.error <= tolerance) continue;
-      const double along_u =
-          LeastMiss(old.degree_u(), us.span[k], [&](double u) { return images(u, worst.v); });
-      const double along_v =
-          LeastMiss(old.degree_v(), vs.span[l], [&](double v) { return images(worst.u, v); });
+      const double along_u = LeastMiss(
+          old.basis_u().degree(), us.span[k], [&](double u) { return images(u, worst.v); });
+      const double along_v = LeastMiss(
+          old.basis_v().degree(), vs.span[l], [&](double v) { return images(worst.u, v); });
       const double enough = std::min(kShare * tolerance, std::max(along_u, along_v));
       if (along_u >= enough) shortage.u.push_back(us.span[k].middle());
       if (along_v >= enough) shortage.v.push_back(vs.span[l].middle());

@@ -47,7 +47,11 @@ TEST(SwingTest, IsItsFormula) {
       points.row(row).setZero();
       return NurbsCurve<3>(curve.basis(), points, curve.weights());
     };
-    const NurbsCurve<3> profile = flat(1), path = flat(2);
+    NurbsCurve<3> profile = flat(1);
+    const NurbsCurve<3> path = flat(2);
+    Eigen::Matrix3Xd one_side = profile.control_points();
+    one_side.row(0) = one_side.row(0).cwiseAbs();
+    profile = NurbsCurve<3>(profile.basis(), one_side, profile.weights());
     const Frame frame(random.Vector(3), random.Vector(1));
     Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
     place.topRows<3>() << frame.x(), frame.y(), frame.axis(), frame.origin();

@@ -39,7 +39,7 @@ TEST(TiedPointsTest, ClosedCurvesStayClosed) {
     const double length = basis.upper() - basis.lower(), bound = kRounding * ExtentOf(curve);
     const Eigen::Vector3d to = random.Vector(2);
     for (const double share : {0.0, 0.03, 0.5, 0.97, 1.0}) {
-      const double u = basis.lower() + share * length;
+      const double u = basis.Clamp(basis.lower() + share * length);
       const NurbsCurve<3> moved = MovedPoint(curve, u, to);
       EXPECT_LE(Gap(moved), bound + kRounding * ExtentOf(moved));
       EXPECT_LE((moved.At(u) - to).norm(), bound + kRounding * ExtentOf(moved));
