@@ -108,7 +108,7 @@ class CurvatureSearch {
   struct Equations {
     Unknowns values;
     Eigen::Matrix<double, 2 * Dim, 2 * Dim> by_seconds;
-    double missing;  // of the values, in shares of the second derivatives
+    double missing;  // of the values, in shares of curvature times speed squared
   };
 
   SecondBySlope<Dim> Second(int end, double share, const Place& slope) const {
@@ -122,14 +122,16 @@ class CurvatureSearch {
     equations.by_seconds.setIdentity();
     equations.missing = 0;
     for (int end : {0, 1}) {
-      const auto wanted = Second(end, share, slopes_.At(end, seconds));
+      const Place slope = slopes_.At(end, seconds);
+      const auto wanted = Second(end, share, slope);
       const Place miss = seconds[end] - wanted.value;
       equations.values.template segment<Dim>(end * Dim) = miss;
       for (int other : {0, 1}) {
         equations.by_seconds.template block<Dim, Dim>(end * Dim, other * Dim) -=
             slopes_.by(end, other) * wanted.by_slope;
       }
-      const double size = std::max(wanted.value.norm(), seconds[end].norm());
+      const double size = std::max(seconds[end].norm(),
+                                   share * conditions_[end].value.norm() * slope.squaredNorm());
       if (!miss.allFinite()) equations.missing = HUGE_VAL;
       if (size > 0) equations.missing = std::max(equations.missing, miss.norm() / size);
     }

@@ -181,9 +181,9 @@ TEST(InterpolateCloudTest, SaysWhatOfACurvatureInSpaceCannotBeMet) {
     options.end_curvature = curvature;
     return InterpolateCloud<3>(cloud, options);
   };
-  const CurveFit<3> first = fitted({0, 0, 0.1});
+  const CurveFit<3> first = fitted({0, 0, 0});
   const Eigen::Vector3d tangent = first.curve.JetAt(first.curve.basis().upper()).first.normalized();
-  const CurveFit<3> along = fitted(Eigen::Vector3d(0, 0, 0.1) + 2 * tangent);
+  const CurveFit<3> along = fitted(2 * tangent);
   ASSERT_EQ(along.report.warnings.size(), first.report.warnings.size() + 1);
   EXPECT_THAT(along.report.warnings.back(), HasSubstr("of the curvature given at the end"));
 }
