@@ -30,7 +30,7 @@ install(FILES ${PROJECT_BINARY_DIR}/battenConfig.cmake ${PROJECT_BINARY_DIR}/bat
         DESTINATION ${package_dir} COMPONENT development)
 
 if(BATTEN_BUILD_PROGRAM)
-  install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  install(TARGETS batten batten-verify RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   install(FILES cli/terminal/batten.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME batten
           COMPONENT program)
   # zsh looks into site-functions below /usr/local, into vendor-completions below /usr.

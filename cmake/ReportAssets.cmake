@@ -3,7 +3,7 @@
 
 # The viewer's files, in the order in which they are joined.
 set(BATTEN_VIEWER_FILES
-  numbers.js view_data.js svg.js colours.js histogram.js charts.js figures.js orbit.js
+  numbers.js view_data.js svg.js colours.js histogram.js charts.js figures.js checks.js orbit.js
   materials.js lines.js picking.js space_parts.js space_overlay.js space_view.js plan.js
   plan_view.js controls.js picture.js stage.js side_by_side.js report.js)
 

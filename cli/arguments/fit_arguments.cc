@@ -15,9 +15,11 @@
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "batten/io/solid_writer.h"
+#include "batten/io/write_uncertainty.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
 #include "cli/arguments/mesh_output.h"
+#include "cli/arguments/point_sharing.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
@@ -216,12 +218,31 @@ void AddFitArguments(CLI::App& command, FitArguments& a, const FitWords& words) 
       {"auto", "none", "params", "weights", "knots", "params,weights", "params,weights,knots"});
 }
 
+void AddUncertaintyArguments(CLI::App& command, FitArguments& a) {
+  command.add_flag(
+      "--uncertainty",
+      a.uncertainty,
+      "Standard deviations of the shape along its normal, by the noise of the points, in "
+      "the report, and with --residuals at every point");
+  command
+      .add_option("--uncertainty-map",
+                  a.uncertainty_map,
+                  "Write them over the whole shape: M.csv, or of a surface M.ply, a mesh coloured "
+                  "by them")
+      ->type_name("FILE");
+  AddCertificateArguments(command, a.output);
+}
+
 void GroupFitFlags(CLI::App& command) {
   GroupFlags(command,
              "What is written",
              {"--output",
               "--report",
               "--residuals",
+              "--uncertainty",
+              "--uncertainty-map",
+              "--certify",
+              "--certificate",
               "--unit",
               "--origin",
               "--output-format",
@@ -239,7 +260,8 @@ void GroupFitFlags(CLI::App& command) {
               "--interpolate",
               "--spline",
               "--method",
-              "--time-limit"});
+              "--time-limit",
+              "--memory"});
   GroupFlags(command,
              "Which shape",
              {"--kind",
@@ -283,7 +305,9 @@ void GroupFitFlags(CLI::App& command) {
   GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
 }
 
-FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside)
+FitFiles::FitFiles(const FitArguments& arguments,
+                   const std::vector<std::string>& beside,
+                   const std::vector<std::string>& also)
     : a_(arguments), word_is_geometry_(NamesGeometry(arguments.cloud.format)) {
   CheckOutputArguments(a_.output);
   cleaning_ = ToCleaning(a_.clean);
@@ -300,7 +324,10 @@ FitFiles::FitFiles(const FitArguments& arguments, const std::vector<std::string>
                      (a_.curves ? "" : ", triangles as .stl, .obj, .ply or .glb"));
   }
   std::vector<std::string> outputs = a_.output.reports;
-  outputs.insert(outputs.end(), {a_.out, a_.output.residuals});
+  outputs.insert(outputs.end(),
+                 {a_.out, a_.output.residuals, a_.output.certificate, a_.uncertainty_map});
+  outputs.insert(outputs.end(), also.begin(), also.end());
+  if (!a_.uncertainty_map.empty()) CheckUncertaintyName(a_.uncertainty_map, a_.curves);
   std::vector<std::string> inputs = a_.clouds;
   inputs.insert(inputs.end(), beside.begin(), beside.end());
   CheckDistinct(outputs, a_.flags.json, inputs);
@@ -316,6 +343,27 @@ const PointCloud& FitFiles::Read(bool parameters) {
   read_seconds_ = Seconds();
   if (cleaning_.statistical) Clean(*cleaning_.statistical);
   return file_.cloud;
+}
+
+CloudFileSource FitFiles::Source() {
+  CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
+  if (word_is_geometry_) read.format.clear();
+  BeginReading(a_.clouds, a_.flags.quiet);
+  return CloudFileSource(OwnFiles(a_.clouds), std::move(read));
+}
+
+void FitFiles::TakeSample(const CloudFileSource& source,
+                          Eigen::Index points,
+                          const PointCloud& sample) {
+  file_.cloud = sample;
+  file_.non_finite = source.non_finite();
+  file_.filtered = source.filtered();
+  file_.points_in_file = points + file_.non_finite + file_.filtered;
+}
+
+int FitFiles::ExitCode(const FitReport& report) {
+  if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
+  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
 }
 
 void FitFiles::Clean(const StatisticalRemoval& how) {
@@ -352,6 +400,38 @@ Eigen::Vector3d FitFiles::shift() const {
   return shift;
 }
 
+template <class Fit>
+void FitFiles::NoteUncertainty(Fit& fit) {
+  if (!a_.uncertainty && a_.uncertainty_map.empty()) return;
+  UncertaintySummary& summary = fit.report.uncertainty.emplace();
+  try {
+    const Uncertainty& found = uncertainty_.emplace(fit, file_.cloud, a_.work.threads);
+    Eigen::Matrix2Xd feet = Eigen::Matrix2Xd::Zero(2, fit.residuals.size());
+    if constexpr (std::is_same_v<Fit, SurfaceFit>) {
+      feet = fit.parameters;
+      map_ = MapUncertainty(found, fit.surface);
+    } else {
+      feet.row(0) = fit.parameters.transpose();
+      map_ = MapUncertainty(found, fit.curve);
+    }
+    summary = map_->Summary(found);
+    const std::vector<PlaceUncertainty> places = found.At(feet);
+    deviations_.resize(std::ssize(places));
+    for (size_t k = 0; k < places.size(); ++k)
+      deviations_[static_cast<Eigen::Index>(k)] = places[k].deviation;
+  } catch (const std::invalid_argument& error) {
+    // The library names itself and the field before the sentence.
+    const std::string text = error.what();
+    const size_t begin = text.rfind(": ");
+    summary.note = "not known: " + (begin == std::string::npos ? text : text.substr(begin + 2));
+    fit.report.warnings.push_back("the uncertainty is " + summary.note);
+  }
+}
+
+template void FitFiles::NoteUncertainty(SurfaceFit&);
+template void FitFiles::NoteUncertainty(CurveFit<2>&);
+template void FitFiles::NoteUncertainty(CurveFit<3>&);
+
 double FitFiles::Seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
@@ -379,8 +459,13 @@ void FitFiles::RefuseMesh() const {
                    ": a curve has no triangles; it is written as .json, .step, .iges or .brep");
 }
 
-std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
+std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry,
+                                  std::optional<CertificateSummary>& certified) const {
   const bool mesh = NamesMesh(a_.out, out_format_);
+  if (trimmed_ != nullptr) {
+    *census_ = WriteSolid(*trimmed_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
+    return "";
+  }
   if (solid_ != nullptr && !mesh) {
     WriteSolid(*solid_, a_.out, {out_format_, a_.output.unit, a_.step_schema});
     return "";
@@ -409,6 +494,7 @@ std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry) const {
   std::vector<SurfaceMesh> meshes;
   const MeshSummary summary =
       TessellateAll(named, chord_tolerance, MakeProgress(a_.flags.quiet), meshes);
+  if (certified) CertifyMeshes(named.surfaces, meshes, chord_tolerance, *certified);
   WriteMeshes(meshes, a_.out, {.format = out_format_, .metres = MetresIn(a_.output.unit)});
   return MeshWords(summary);
 }
@@ -443,13 +529,26 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
                                 .outliers = outliers,
                                 .owners = std::move(owners),
                                 .spacing = report.input.spacing,
-                                .noise = report.input.noise};
+                                .noise = report.input.noise,
+                                .deviations = deviations_};
   ReportTarget target{a_.output, a_.flags, a_.out, "", shift()};
+  target.checks = checks_;
+  const Certified certified =
+      CertificateFor(a_.output, geometry, file_.cloud, shift(), a_.tolerance, a_.work.threads);
+  target.checks.certified = certified.summary;
   target.scene = SceneFor(
       a_.output, geometry, measured, {a_.tolerance, shift()}, a_.work.threads, a_.flags.quiet);
+  if (target.scene && uncertainty_ && !target.scene->surfaces.empty()) {
+    ReportSurface& drawn = target.scene->surfaces.front();
+    drawn.sigma = SigmaAt(*uncertainty_, drawn.mesh.parameters);
+  }
+  target.part = part_;
   const auto written = ResidualsFor(a_.output, measured, a_.tolerance);
-  const std::string mesh = WriteShapes(geometry);
+  const std::string mesh = WriteShapes(geometry, target.checks.certified);
   if (written) written->Commit();
+  if (certified.file) certified.file->Commit();
+  if (map_ && !a_.uncertainty_map.empty())
+    WriteUncertainty(a_.uncertainty_map, *map_, geometry.front())->Commit();
   report.seconds.read = read_seconds_;
   const double fitted = report.seconds.total, now = Seconds();
   report.seconds.write = std::max(0.0, now - read_seconds_ - fitted);
@@ -457,8 +556,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
   if (!mesh.empty() && !a_.flags.quiet) PrintNote(a_.out + ": " + mesh);
-  if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
-  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
+  return ExitCode(report);
 }
 
 }  // namespace batten::internal

@@ -9,12 +9,16 @@
 
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
+#include "batten/fitting/part_options.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/robust_loss.h"
+#include "batten/fitting/uncertainty.h"
 #include "batten/geometry/solid_model.h"
+#include "batten/io/cloud_source.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/read_cloud.h"
+#include "batten/io/solid_writer.h"
 #include "cli/arguments/cleaning.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/fit_output.h"
@@ -36,6 +40,8 @@ struct FitArguments {
   CommonFlags flags;
   WorkFlags work;
   std::optional<double> tolerance, time_limit, sew;
+  bool uncertainty = false;     // of curves and surfaces
+  std::string uncertainty_map;  // a file; empty: none
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
               loss_scale = "auto", clean = "auto", optimize = "auto", origin = "keep",
               parameterization;
@@ -57,6 +63,9 @@ void AddEveryFitsArguments(CLI::App& command,
                            FitArguments& arguments,
                            const char* points,
                            const char* loss);
+
+// --uncertainty, --uncertainty-map, --certify and --certificate.
+void AddUncertaintyArguments(CLI::App& command, FitArguments& arguments);
 
 // Puts the flags of a fit, when all are added, under headings.
 void GroupFitFlags(CLI::App& command);
@@ -98,12 +107,24 @@ std::string FlagsThatHelp(Remedy remedy);
 // writes geometry, residuals and reports.
 class FitFiles {
  public:
-  // `beside`: files that are read too, and so not to be written.
-  explicit FitFiles(const FitArguments& arguments, const std::vector<std::string>& beside = {});
+  // `beside`: files that are read too, and so not to be written; `also`: files that are written
+  // too.
+  explicit FitFiles(const FitArguments& arguments,
+                    const std::vector<std::string>& beside = {},
+                    const std::vector<std::string>& also = {});
 
   // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
   // can't be used.
   const PointCloud& Read(bool parameters);
+
+  // The files as a source that is passed over, not read.
+  CloudFileSource Source();
+
+  // Goes on with the points that stand for those of a source.
+  void TakeSample(const CloudFileSource& source, Eigen::Index points, const PointCloud& sample);
+
+  // What the program ends with for a fit of this report.
+  static int ExitCode(const FitReport& report);
 
   // Of what was read: places of rows that are not finite.
   const std::vector<Eigen::Index>& missing() const { return file_.missing; }
@@ -148,6 +169,21 @@ class FitFiles {
 
   // What is written is this solid, whose faces are the geometries; it outlives Write.
   void KeepSolid(const SolidModel& solid) { solid_ = &solid; }
+  // The same of exact faces; `census` gets what the solid has when it is written.
+  void KeepSolid(const TrimmedSolid& solid, SolidCensus& census) {
+    trimmed_ = &solid;
+    census_ = &census;
+  }
+
+  // The faces of which the reports tell; they outlive Write.
+  void KeepPart(const PartSummary& part) { part_ = &part; }
+
+  // Computes the uncertainty of a fit to what was read, where it is asked for, for Write.
+  template <class Fit>
+  void NoteUncertainty(Fit& fit);
+
+  // What the report of Write says of the form.
+  void NoteForm(FormDeviation form) { checks_.form = std::move(form); }
 
   // Writes everything and returns the exit code. Of several geometries `owners` names that of each
   // point's foot.
@@ -162,8 +198,10 @@ class FitFiles {
   double Seconds() const;  // since construction
   void Clean(const StatisticalRemoval& how);
 
-  // The geometry or, where OUT is one, its mesh, of which it returns the words.
-  std::string WriteShapes(const std::vector<Geometry>& geometry) const;
+  // The geometry or, where OUT is one, its mesh, of which it returns the words; what is proved of
+  // the mesh goes to `certified`, where there is one.
+  std::string WriteShapes(const std::vector<Geometry>& geometry,
+                          std::optional<CertificateSummary>& certified) const;
   [[noreturn]] void RefuseMesh() const;
 
   const FitArguments& a_;
@@ -176,6 +214,13 @@ class FitFiles {
   Cleaning cleaning_;
   Eigen::Index cleaned_ = 0;
   const SolidModel* solid_ = nullptr;
+  ReportChecks checks_;
+  std::optional<Uncertainty> uncertainty_;
+  std::optional<UncertaintyMap> map_;
+  Eigen::VectorXd deviations_;  // of the shape at the points' feet
+  const TrimmedSolid* trimmed_ = nullptr;
+  SolidCensus* census_ = nullptr;
+  const PartSummary* part_ = nullptr;
 };
 
 }  // namespace batten::internal

@@ -93,6 +93,18 @@ bool WantsPage(const OutputArguments& arguments) {
   });
 }
 
+void AddCertificateArguments(CLI::App& command, OutputArguments& arguments) {
+  command.add_flag("--certify",
+                   arguments.certify,
+                   "Prove bounds of every point's distance, and that the surface has no folds; the "
+                   "report says what could not be proved");
+  command
+      .add_option("--certificate",
+                  arguments.certificate,
+                  "Write these bounds too, C.json, for batten-verify to prove anew")
+      ->type_name("FILE");
+}
+
 void CheckOutputArguments(const OutputArguments& arguments, bool unit_known) {
   CheckUnit(arguments.unit);
   for (const std::string& path : arguments.reports) {
@@ -101,6 +113,9 @@ void CheckOutputArguments(const OutputArguments& arguments, bool unit_known) {
       throw UsageError("--report " + path + ": a report is a .html or .json file");
   }
   if (!arguments.residuals.empty()) CheckResidualsName(arguments.residuals);
+  if (!arguments.certificate.empty() && Extension(arguments.certificate) != ".json") {
+    throw UsageError("--certificate " + arguments.certificate + ": a certificate is a .json file");
+  }
   if (arguments.beside.empty()) return;
   if (!WantsPage(arguments))
     throw UsageError("--beside is of the page of a report: it needs --report R.html");
@@ -164,9 +179,31 @@ std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
       places.cols() == 0 ? 0 : (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm();
   const double range =
       DeviationLimit(points.distances, points.outliers, tolerance, points.noise, size);
-  return WriteResiduals(
-      arguments.residuals,
-      {points.cloud, points.distances, points.parameters, points.outliers, range, points.owners});
+  return WriteResiduals(arguments.residuals,
+                        {points.cloud,
+                         points.distances,
+                         points.parameters,
+                         points.outliers,
+                         range,
+                         points.owners,
+                         points.deviations});
+}
+
+Certified CertificateFor(const OutputArguments& arguments,
+                         const std::vector<Geometry>& geometry,
+                         const PointCloud& cloud,
+                         const Eigen::Vector3d& shift,
+                         std::optional<double> tolerance,
+                         int threads) {
+  Certified certified;
+  if (!arguments.certify && arguments.certificate.empty()) return certified;
+  ThreadPool pool(threads);
+  const Certificate certificate = Certify(geometry, cloud, shift, tolerance, pool);
+  certified.summary = certificate.summary;
+  if (arguments.certificate.empty()) return certified;
+  certified.file = std::make_unique<AtomicFile>(arguments.certificate);
+  certified.file->Write(ToCertificateJson(certificate, geometry, cloud, shift));
+  return certified;
 }
 
 void WriteReports(const FitReport& report, const ReportTarget& target) {
@@ -177,8 +214,10 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   context.unit = target.arguments.unit;
   context.shift = target.shift;
   context.peak_memory_bytes = PeakMemory();
+  context.part = target.part;
   context.version = Version();
   context.date = Today();
+  context.checks = target.checks;
   for (const std::string& path : target.arguments.reports) {
     AtomicFile file(path);
     if (Extension(path) == ".html") {

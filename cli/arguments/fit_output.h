@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/part_options.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/geometry_types.h"
+#include "batten/io/report_json.h"
 #include "batten/io/report_scene.h"
 #include "cli/terminal/cli11_forward.h"
 #include "cli/terminal/common_flags.h"
@@ -23,7 +25,12 @@ struct OutputArguments {
   std::string beside;  // a page
   std::string residuals;
   std::string unit = "mm";
+  bool certify = false;     // proved bounds in the report
+  std::string certificate;  // and in a file; empty: none
 };
+// The flags --certify and --certificate.
+void AddCertificateArguments(CLI::App& command, OutputArguments& arguments);
+
 void AddOutputArguments(CLI::App& command, OutputArguments& arguments);
 
 // Refuses file names and units nothing can be written as, and a page that can't stand beside the
@@ -64,6 +71,19 @@ std::unique_ptr<AtomicFile> ResidualsFor(const OutputArguments& arguments,
                                          const MeasuredPoints& points,
                                          std::optional<double> tolerance);
 
+// The proved bounds of the points' distances, where they are wanted; the file appears on Commit()
+// of `file`, where one is.
+struct Certified {
+  std::optional<CertificateSummary> summary;
+  std::unique_ptr<AtomicFile> file;
+};
+Certified CertificateFor(const OutputArguments& arguments,
+                         const std::vector<Geometry>& geometry,
+                         const PointCloud& cloud,
+                         const Eigen::Vector3d& shift,
+                         std::optional<double> tolerance,
+                         int threads);
+
 struct ReportTarget {
   const OutputArguments& arguments;
   const CommonFlags& flags;
@@ -71,6 +91,8 @@ struct ReportTarget {
   std::string result_line;  // for standard output; empty where that carries the data
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   std::optional<ReportScene> scene = std::nullopt;  // where a page is wanted
+  ReportChecks checks = {};
+  const PartSummary* part = nullptr;  // of a part
 };
 
 // Writes the reports asked for and prints warnings and the result line, or the report as JSON.

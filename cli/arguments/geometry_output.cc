@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <variant>
 
 #include "batten/io/file_format.h"
@@ -51,6 +52,18 @@ void AddSewFlag(CLI::App& command, GeometryOutput& output) {
           "STEP and B-rep: surfaces whose edges are within T become shells, closed ones solids; 0: "
           "none do [what shares edges in GEOMETRY stays sewn, within its own tolerance]")
       ->type_name("T");
+}
+
+// Squares of lengths must stay numbers for whoever reads the file.
+void RequireSensible(const std::vector<Geometry>& geometry) {
+  constexpr double kLargest = 1e100;
+  for (const Geometry& one : geometry) {
+    const double largest =
+        std::visit([](const auto& g) { return g.control_points().cwiseAbs().maxCoeff(); }, one);
+    if (largest > kLargest) {
+      throw std::invalid_argument("coordinates beyond 1e100 are of no use to any CAD system");
+    }
+  }
 }
 
 bool KeepsBodies(const std::string& path, const std::string& format, const GeometryOutput& output) {

@@ -28,6 +28,9 @@ void AddGeometryOutput(CLI::App& command, GeometryOutput& output);
 // --sew
 void AddSewFlag(CLI::App& command, GeometryOutput& output);
 
+// Throws std::invalid_argument where a coordinate is beyond 1e100.
+void RequireSensible(const std::vector<Geometry>& geometry);
+
 // Whether what is written holds solids and shells, so that those that are read need not be lost.
 bool KeepsBodies(const std::string& path, const std::string& format, const GeometryOutput& output);
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "batten/geometry/bounding_box.h"
+#include "batten/geometry/chord_proof.h"
 #include "batten/geometry/tessellate.h"
 #include "batten/io/deviation_colours.h"
 #include "batten/io/geometry_file.h"
@@ -132,6 +134,25 @@ MeshSummary TessellateAll(const NamedSurfaces& named,
   }
   summary.census = CensusOf(meshes);
   return summary;
+}
+
+void CertifyMeshes(const std::vector<NurbsSurface>& surfaces,
+                   const std::vector<SurfaceMesh>& meshes,
+                   double chord_tolerance,
+                   CertificateSummary& summary) {
+  constexpr double kAbove = 1 + 1e-6;  // planes of rounded vertices
+  size_t open = 0;
+  double reach = 0;
+  for (size_t k = 0; k < surfaces.size(); ++k) {
+    open += UnprovedTriangles(surfaces[k], meshes[k].mesh, kAbove * chord_tolerance).size();
+    reach = std::max(reach, meshes[k].mesh.vertices.colwise().norm().maxCoeff());
+  }
+  if (open > 0) {
+    summary.unproved.push_back(
+        fmt::format("mesh: {} triangles whose distance from the surface is not proved", open));
+    return;
+  }
+  summary.mesh_chord = kAbove * chord_tolerance + reach * std::numeric_limits<float>::epsilon();
 }
 
 double MetresIn(const std::string& unit) {

@@ -8,6 +8,7 @@
 
 #include "batten/fitting/progress.h"
 #include "batten/geometry/nurbs_surface.h"
+#include "batten/io/certificate.h"
 #include "batten/io/mesh_census.h"
 #include "batten/io/surface_mesh.h"
 #include "cli/arguments/cloud_arguments.h"
@@ -48,6 +49,13 @@ MeshSummary TessellateAll(const NamedSurfaces& named,
                           double chord_tolerance,
                           const Progress& progress,
                           std::vector<SurfaceMesh>& meshes);
+
+// Adds to the summary how near the surfaces are proved to be to the planes of their meshes'
+// triangles as files have them, in single precision.
+void CertifyMeshes(const std::vector<NurbsSurface>& surfaces,
+                   const std::vector<SurfaceMesh>& meshes,
+                   double chord_tolerance,
+                   CertificateSummary& summary);
 
 // In a unit, that of no name being mm: what MeshWriteOptions asks for.
 double MetresIn(const std::string& unit);

@@ -14,9 +14,11 @@ using Action = std::function<int()>;
 // Each declares its subcommand and sets `action` when that is the one chosen.
 void AddFitCurveCommand(CLI::App& fit, Action& action);
 void AddFitPrimitiveCommand(CLI::App& fit, Action& action);
+void AddFitPartsCommand(CLI::App& fit, Action& action);
 void AddFitSolidCommand(CLI::App& fit, Action& action);
 void AddFitSurfaceCommand(CLI::App& fit, Action& action);
 void AddAnalyzeCommand(CLI::App& app, Action& action);
+void AddBatchCommand(CLI::App& app, Action& action);
 void AddCompareCommand(CLI::App& app, Action& action);
 void AddConvertCommand(CLI::App& app, Action& action);
 void AddEditCommand(CLI::App& app, Action& action);

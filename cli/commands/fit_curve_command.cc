@@ -51,6 +51,7 @@ Refusal MeaninglessWith(const std::string& what) {
 
 // What a curve through every point, or piece by piece, leaves no room for.
 void CheckInOrder(const FitCurveArguments& a, const Refusal& refuse) {
+  refuse("--uncertainty", a.uncertainty || !a.uncertainty_map.empty());
   refuse("--control-points", a.control_points != "chosen");
   refuse("--smoothing", a.smoothing != "auto");
   refuse("--loss", a.loss != "auto" && a.loss != "none");
@@ -102,6 +103,8 @@ void CheckLocal(const FitCurveArguments& a) {
 
 // Flags that say two things at once.
 void CheckFitCurve(const FitCurveArguments& a) {
+  if ((a.uncertainty || !a.uncertainty_map.empty()) && a.component == "all")
+    throw UsageError("--uncertainty: is of one curve, not of --component all");
   if (a.order == "given" && a.component != "the only one") {
     throw UsageError(
         "--order given makes the points one curve: --component has no meaning with it");
@@ -120,6 +123,7 @@ void CheckFitCurve(const FitCurveArguments& a) {
   if (a.interpolate) return CheckInterpolation(a);
   if (!a.constrained()) return;
   const Refusal refuse = MeaninglessWith("--through and --tangents");
+  refuse("--uncertainty", a.uncertainty || !a.uncertainty_map.empty());
   refuse("--component", a.component != "the only one");
   refuse("--optimize", a.optimize != "auto" && a.optimize != "none");
 }
@@ -270,7 +274,7 @@ CurveFitOptions QuickCurveOptions(CurveFitOptions options) {
 }
 
 template <int Dim>
-int Fit(const FitFiles& files,
+int Fit(FitFiles& files,
         const PointCloud& cloud,
         const CurveFitOptions& options,
         const Component& component) {
@@ -294,6 +298,7 @@ int Fit(const FitFiles& files,
   if (options.closed == ClosedChoice::kAuto &&
       options.parameterization != CurveParameterization::kGiven)
     SuggestClosing(fits);
+  if (fits.size() == 1) files.NoteUncertainty(fits.front());
   auto [joint, owners] = Together(fits, options.tolerance);
   std::vector<Geometry> curves;
   for (const CurveFit<Dim>& fit : fits) curves.push_back(fit.curve);
@@ -560,6 +565,7 @@ void AddFitCurveCommand(CLI::App& fit, Action& action) {
         {"auto", "point", "tangent", "squared", "parameter"});
   Allow(*add("--corners", a->corners, "auto (found and kept), none (a smooth curve)", "CORNERS"),
         {"auto", "none"});
+  AddUncertaintyArguments(command, *a);
   GroupFitFlags(command);
   command.footer(
       "Examples:\n"

@@ -52,6 +52,7 @@ int RunFitPrimitive(const FitPrimitiveArguments& a) {
   PrimitiveFit fit = files.Explained([&] { return FitPrimitive(cloud, options); });
   const Geometry geometry =
       std::visit([](const auto& shape) { return Geometry(shape); }, fit.geometry);
+  if (HasForm(fit)) files.NoteForm(FormDeviationOf(fit, cloud, options.shift));
   return files.Write({geometry}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
@@ -77,6 +78,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
            ->required()
            ->type_name("KIND");
   Allow(kind, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
+  AddCertificateArguments(command, a->output);
   GroupFitFlags(command);
   command.footer(
       "Examples:\n"
@@ -87,10 +89,14 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
       "--tolerance 0.05\n"
       "Two columns are points of the plane: lines and circles only. Distances are orthogonal; a\n"
       "circle in space is found with its plane.\n"
-      "The part that the points cover is written, all round where they go all round; STEP gets the\n"
+      "The part that the points cover is written, all round where they go all round; STEP gets "
+      "the\n"
       "exact shape.\n"
       "Radii, axis, centre or apex with standard deviations and covariance are in the report,\n"
       "under geometry, primitive.\n"
+      "Flatness, roundness, sphericity or cylindricity, by least squares and by the minimum zone, "
+      "are\n"
+      "under form.\n"
       "A warning says where the points do not determine them.\n"
       "Exit code 3 says the best shape is written but the tolerance is not reached.");
   command.callback([a, &action] { action = [a] { return RunFitPrimitive(*a); }; });

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,16 +14,17 @@
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
-#include "batten/fitting/solid_layout.h"
 #include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
 #include "batten/io/reconstruct_surface.h"
+#include "cli/arguments/cad_solid.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/exit_codes.h"
 #include "cli/terminal/help_format.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
@@ -36,6 +38,7 @@ constexpr double kMostInvented = 0.15;  // of the area
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
+  std::string kind = "auto";
   int faces = 0;
   bool keep_outliers = false, every_face = false;
 };
@@ -53,7 +56,7 @@ std::string SolidWords(const SolidFit& fit) {
   const int bodies = fit.layout.components;
   return fmt::format(
       "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
-      "within {:.2g} and {:.2g}°",
+      "within {:.2g} and {:.2g}°{}",
       bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
@@ -62,7 +65,10 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.volume,
       fit.audit.area,
       fit.audit.gap,
-      fit.audit.edge_angle * 180 / std::numbers::pi);
+      fit.audit.edge_angle * 180 / std::numbers::pi,
+      fit.held_out.size() == 0 ? ""
+                               : fmt::format("; points left out are met within rms {:.4g}",
+                                             std::sqrt(fit.held_out.mean())));
 }
 
 // The surface from whose size and shape a layout is made: the faces of the file, which are
@@ -117,7 +123,26 @@ void RefuseTinyBody(const FitFiles& files, const PointCloud& cloud) {
   }
 }
 
+// The road asked for; flags of the one over a layout ask for that.
+SolidKind KindOf(const FitSolidArguments& a) {
+  const SolidKind kind = ToSolidKind(a.kind);
+  const bool layout = !a.quads.empty() || a.faces > 0 || !a.mesh_out.empty() ||
+                      !a.layout_out.empty() || a.every_face || a.keep_outliers ||
+                      a.smoothing != "auto" || a.clean == "none";
+  if (layout && kind == SolidKind::kCad) {
+    throw UsageError(
+        "--kind cad: --quads, --faces, --mesh-out, --layout-out, --every-face, --smoothing, "
+        "--keep-outliers and --clean none are of --kind organic");
+  }
+  const bool triangles = NamesMesh(a.out, a.out_format);
+  if (triangles && kind == SolidKind::kCad)
+    throw UsageError("-o " + a.out +
+                     ": --kind cad writes .step; batten tessellate makes triangles of it");
+  return layout || triangles ? SolidKind::kOrganic : kind;
+}
+
 int RunFitSolid(const FitSolidArguments& a) {
+  const SolidKind kind = KindOf(a);
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
@@ -137,6 +162,8 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
+  if (const auto code = RunCadSolid(a, kind, files, cloud)) return *code;
+  std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
     const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
@@ -155,15 +182,11 @@ int RunFitSolid(const FitSolidArguments& a) {
       made.triangles = closed.surface.triangles;
       WriteMesh(made, a.mesh_out);
     }
-    const int faces = a.faces > 0
-                          ? a.faces
-                          : LayoutFaces(measured ? closed.surface.vertices.cols()
-                                                 : cloud.size() - MergeDuplicates(cloud).duplicates,
-                                        measured);
-    layout = files.Explained(
-        [&] { return LayoutOf(closed.surface, faces, MakeProgress(a.flags.quiet)); });
+    over = closed.surface;
   }
-  SolidFit fit = files.Explained([&] { return FitSolid(cloud, layout, options); });
+  SolidFit fit = files.Explained([&] {
+    return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
+  });
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
   files.KeepSolid(fit.solid);
@@ -188,6 +211,15 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   Suggest(*command.get_option("--output-format")
                ->description("Format of OUT where its name does not tell"),
           {"step", "stl", "obj", "ply", "glb"});
+  Allow(*command
+             .add_option(
+                 "--kind",
+                 a->kind,
+                 "organic: smooth faces over a layout; cad: planes, cylinders, cones, spheres "
+                 "and tori with sharp edges; auto: cad where the faces close")
+             ->capture_default_str()
+             ->type_name("KIND"),
+        {"auto", "cad", "organic"});
   command
       .add_option(
           "--quads",
@@ -205,8 +237,8 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
             }
             a->faces = int(number);
           },
-          "About how many quadrilaterals the layout that is made has [one for 6 points or 4 "
-          "vertices of a mesh, 60 to 2500]")
+          "About how many quadrilaterals the layout that is made has [chosen by points left out; "
+          "at most one for 5 points, 2500]")
       ->type_name("N");
   command
       .add_option(
@@ -232,22 +264,27 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       a->every_face,
       "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
-  GroupFlags(command, "Which shape", {"--quads", "--faces", "--every-face"});
+  GroupFlags(command, "Which shape", {"--kind", "--quads", "--faces", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"
       "  batten fit solid scan.ply -o part.step\n"
       "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
       "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
+      "  batten fit solid machined.ply -o part.step --kind cad\n"
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
-      "Poisson reconstruction about the points, which have to go all round the body. It has many\n"
-      "extraordinary vertices, and the solid a face for every few of its own. One that is given\n"
-      "may come from a quadrilateral remesher or be drawn by hand; its vertices need not lie on\n"
-      "the points. It is closed, each edge between two faces, faces counter-clockwise seen from\n"
+      "Poisson reconstruction about the points, which have to go all round the body. One that is\n"
+      "given may come from a quadrilateral remesher or be drawn by hand; its vertices need not "
+      "lie\n"
+      "on the points. It is closed, each edge between two faces, faces counter-clockwise seen "
+      "from\n"
       "outside.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
-      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. Before the file\n"
+      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. With --kind cad "
+      "the\n"
+      "faces are those of fit parts --regularise, and their edges where these meet. Before the "
+      "file\n"
       "gets its name the solid is found closed, valid, without folds and the same when it is read "
       "back;\n"
       "else nothing is written, and the reason is said. Triangles are watertight too, within the\n"

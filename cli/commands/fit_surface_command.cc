@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: MIT
 // batten fit surface: points in, a surface and its report out.
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
+#include "batten/fitting/fit_streamed.h"
 #include "batten/fitting/fit_surface.h"
+#include "batten/io/cloud_source.h"
 #include "batten/io/file_format.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
 #include "cli/arguments/fit_parts.h"
+#include "cli/arguments/point_sharing.h"
 #include "cli/arguments/surface_conditions.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -35,7 +40,31 @@ struct FitSurfaceArguments : FitArguments {
   std::string grid, grid_method = "auto";
   std::optional<double> thin;
   std::string part = "whole";
+  std::optional<std::int64_t> memory;
 };
+
+// Flags that need all points in memory at once.
+void CheckStreamed(const FitSurfaceArguments& a) {
+  if (!a.memory) return;
+  const FitSurfaceArguments usual;
+  const std::vector<std::pair<const char*, bool>> given = {
+      {"--residuals", !a.output.residuals.empty()},
+      {"--grid", !a.grid.empty()},
+      {"--part", a.part != usual.part},
+      {"--thin", a.thin.has_value()},
+      {"--snap", a.snap},
+      {"--parameterization given", a.parameterization == "given"},
+      {"--normals file", a.normals == "file"},
+      {"--optimize", a.optimize != usual.optimize && a.optimize != "none"},
+      {"--clean statistical", ToCleaning(a.clean).statistical.has_value()},
+      {"--boundary, --meet, --symmetric and --domain",
+       a.conditions.any() || !a.conditions.domain.empty()}};
+  for (const auto& [flag, is_given] : given) {
+    if (is_given)
+      throw UsageError(std::string(flag) +
+                       ": needs all points in memory at once; with --memory they are passed over");
+  }
+}
 
 // Flags that do not go together.
 void CheckFitSurface(const FitSurfaceArguments& a) {
@@ -73,6 +102,9 @@ void CheckFitSurface(const FitSurfaceArguments& a) {
     throw UsageError(
         "--snap: an exact shape meets no conditions (--boundary, --meet, --symmetric)");
   }
+  if ((a.uncertainty || !a.uncertainty_map.empty()) && (!a.grid.empty() || a.part != "whole"))
+    throw UsageError(
+        "--uncertainty: is of one surface over scattered points, not of --grid or --part");
   if (a.parameterization == "given" && a.closed != "auto" && a.closed != "none") {
     throw UsageError("--closed " + a.closed + ": over given parameters a surface stays open");
   }
@@ -134,13 +166,33 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   return WithWork(std::move(options), a);
 }
 
+int RunStreamedFit(FitFiles& files, const FitSurfaceArguments& a, SurfaceFitOptions options) {
+  CloudFileSource own_files = files.Source();
+  OwnPieces own(own_files, OwnFiles(a.clouds) == a.clouds);
+  const std::unique_ptr<PointSource> joined = Sharing() ? Sharing()->joined(own) : nullptr;
+  PointSource& source = joined ? *joined : own;
+  StreamOptions stream;
+  stream.memory = *a.memory;
+  // A local origin is known when the points are.
+  if (const auto shift = ToShift(a.origin)) options.shift = *shift;
+  StreamedFit fit = files.Explained([&] { return FitStreamed(source, options, stream); });
+  if (!Writes()) return files.ExitCode(fit.report);
+  files.TakeSample(own_files, fit.report.input.points, fit.sample);
+  for (const std::string& warning : own_files.warnings()) fit.report.warnings.push_back(warning);
+  const Eigen::Vector3d more = options.shift - files.shift();
+  if (!more.isZero(0)) fit.surface = fit.surface.Translated(more);
+  return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
+}
+
 int RunFitSurface(const FitSurfaceArguments& a) {
   CheckFitSurface(a);
+  CheckStreamed(a);
   SurfaceFitOptions options = ToFitSurfaceOptions(a);
   FitFiles files(a, a.conditions.Files());
   if (!a.grid.empty())
     return RunGridFit(
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
+  if (a.memory) return RunStreamedFit(files, a, std::move(options));
   const PointCloud& cloud = files.Read(options.given_parameters);
   if (cloud.dimension() == 2) {
     files.Refuse(
@@ -158,6 +210,7 @@ int RunFitSurface(const FitSurfaceArguments& a) {
   SurfaceFit fit =
       files.ExplainedInTime([&] { return FitSurface(cloud, options); },
                             [&] { return FitSurface(cloud, QuickOptions(options, cloud)); });
+  files.NoteUncertainty(fit);
   return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 
@@ -225,6 +278,16 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       {"whole", "all"});
   command
       .add_option_function<std::string>(
+          "--memory",
+          [a](const std::string& text) {
+            constexpr std::int64_t kLeast = std::int64_t{1} << 25;
+            a->memory = ParseBytes("--memory", text, kLeast);
+          },
+          "Never more than about this: clouds that take more are passed over several times, a "
+          "piece in memory at a time (LAS, PLY, PCD, text). 500MB, 2GB [all points in memory]")
+      ->type_name("SIZE");
+  command
+      .add_option_function<std::string>(
           "--sew",
           [a](const std::string& text) { a->sew = ParseNumber("--sew", text, Sign::kPositive); },
           "Of --part all, into STEP and B-rep: surfaces whose edges are within T become shells, "
@@ -235,6 +298,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "--snap",
       a->snap,
       "Take the plane, sphere, cylinder, cone or torus that explains the points as well");
+  AddUncertaintyArguments(command, *a);
   GroupFitFlags(command);
   command.footer(
       "Examples:\n"
@@ -248,7 +312,9 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "off.csv\n"
       "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
       "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
+      "  batten fit surface tile-*.las -o ground.step --memory 1GB --unit m\n"
       "  batten fit surface table.pcd -o objects.step --part all --time-limit 60\n"
+      "  batten fit surface scan.ply -o part.json --uncertainty --uncertainty-map sigma.ply\n"
       "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
       "  batten fit surface half.xyz -o hull.step --symmetric y\n"
       "  batten fit surface lens.xyz -o lens.step --degree 2 --control-points 3,3 --optimize "

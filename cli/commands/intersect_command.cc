@@ -46,6 +46,7 @@ struct IntersectArguments {
 struct Meets {
   Json branches = Json::array(), points = Json::array(), overlaps = Json::array();
   std::vector<Geometry> curves;
+  bool reached = true;  // the tolerance asked for, or the one chosen
 };
 
 Json Numbers(const Eigen::VectorXd& x) {
@@ -72,13 +73,27 @@ Json EndsOf(const std::vector<NurbsCurve<2>>& parts) {
           Numbers(parts.back().At(parts.back().basis().upper()))};
 }
 
-constexpr double kOfTheSize = 1e-6;
+// With a larger one everything would be one touch.
+template <typename First, typename Second>
+double ToleranceFor(const IntersectArguments& a, const First& first, const Second& second) {
+  constexpr double kOfTheSize = 1e-6, kTolerancesInSize = 64;
+  const double size = std::min(SizeOf(first), SizeOf(second));
+  if (a.tolerance && size > 0 && *a.tolerance * kTolerancesInSize >= size) {
+    throw UsageError(
+        fmt::format("--tolerance: {} is not below a sixty-fourth of the smaller size, {:.6g}: "
+                    "everything would be one touch; ask for less",
+                    *a.tolerance,
+                    size));
+  }
+  return a.tolerance.value_or(kOfTheSize * size);
+}
 
 void AddMeet(const IntersectArguments& a,
              const Json& pair,
              const NurbsSurface& first,
              const NurbsSurface& second,
              Meets& meets) {
+  ToleranceFor(a, first, second);
   const SurfaceIntersection met = IntersectSurfaces(first, second, {.tolerance = a.tolerance});
   const auto with = [&](Json one) {
     if (!pair.is_null()) one["index"] = pair;
@@ -93,6 +108,7 @@ void AddMeet(const IntersectArguments& a,
                                    {"first", EndsOf(branch.on_first)},
                                    {"second", EndsOf(branch.on_second)}}));
     meets.curves.emplace_back(branch.curve);
+    meets.reached &= branch.deviation <= a.tolerance.value_or(met.tolerance);
   }
   for (const SurfaceTouch& touch : met.touches) {
     meets.points.push_back(with({{"point", Numbers(touch.point)},
@@ -117,13 +133,13 @@ void AddMeet(const IntersectArguments& a,
              Meets& meets,
              bool swapped = false) {
   const NurbsCurve<3> spatial = InSpace(curve);
-  const double tolerance =
-      a.tolerance.value_or(kOfTheSize * std::min(SizeOf(spatial), SizeOf(surface)));
+  const double tolerance = ToleranceFor(a, spatial, surface);
   const auto met = IntersectCurveSurface(spatial, surface, tolerance);
   const char *own = swapped ? "second" : "first", *other = swapped ? "first" : "second";
   for (const CurveSurfaceMeeting& one : met.points) {
     Json entry{
         {"point", Numbers(one.point)}, {"tangential", one.tangential}, {"gap", one.distance}};
+    meets.reached &= !a.tolerance || one.distance <= tolerance;
     entry[own] = {one.on_curve};
     entry[other] = Numbers(one.on_surface);
     if (!pair.is_null()) entry["index"] = pair;
@@ -153,10 +169,10 @@ void AddMeet(const IntersectArguments& a,
              const NurbsCurve<Dim>& first,
              const NurbsCurve<Other>& second,
              Meets& meets) {
-  const double tolerance =
-      a.tolerance.value_or(kOfTheSize * std::min(SizeOf(first), SizeOf(second)));
+  const double tolerance = ToleranceFor(a, first, second);
   const auto met = IntersectCurves(InSpace(first), InSpace(second), tolerance);
   for (const CurveMeeting<3>& one : met.points) {
+    meets.reached &= !a.tolerance || one.distance <= tolerance;
     Json entry{{"point", Numbers(one.point)},
                {"tangential", one.tangential},
                {"gap", one.distance},
@@ -227,7 +243,10 @@ int RunIntersect(const IntersectArguments& a) {
   const Meets meets = MeetsOf(a, first.geometry, second.geometry);
   ClearProgress();
   const bool none = meets.branches.empty() && meets.points.empty() && meets.overlaps.empty();
-  Json result{{"branches", meets.branches}, {"points", meets.points}, {"overlaps", meets.overlaps}};
+  Json result{{"branches", meets.branches},
+              {"points", meets.points},
+              {"overlaps", meets.overlaps},
+              {"tolerance_reached", meets.reached}};
   if (!a.out.empty()) {
     if (meets.curves.empty()) {
       throw ReadError(a.first,
@@ -246,8 +265,9 @@ int RunIntersect(const IntersectArguments& a) {
     PrintMeets(meets);
     if (none) PrintResult("they do not meet");
     if (result.contains("files")) PrintResult(FileLine(result["files"][0]));
+    if (!meets.reached) PrintResult("tolerance not reached");
   }
-  return kDone;
+  return meets.reached ? kDone : kToleranceMissed;
 }
 
 }  // namespace
@@ -285,7 +305,8 @@ void AddIntersectCommand(CLI::App& app, Action& action) {
       "seams and creases. --json gives kind, closed, length, deviation and the parameters at both\n"
       "ends on both surfaces. Curves meet curves and surfaces in points. What coincides is told "
       "by\n"
-      "its intervals of parameters. Nothing to write in OUT: exit code 1, nothing written.\n"
+      "its intervals of parameters. Nothing to write in OUT: exit code 1, nothing written. A\n"
+      "tolerance below the rounding of the coordinates is not reached: exit code 3.\n"
       "Examples:\n"
       "  batten intersect wing.step fuselage.step -o seam.step --tolerance 1e-4\n"
       "  batten intersect line.json part.step --json");

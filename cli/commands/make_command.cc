@@ -37,18 +37,6 @@ struct MakeCommandArguments {
   CommonFlags flags;
 };
 
-// Squares of lengths must stay numbers for whoever reads the file.
-void RequireSensible(const std::vector<Geometry>& geometry) {
-  constexpr double kLargest = 1e100;
-  for (const Geometry& one : geometry) {
-    const double largest =
-        std::visit([](const auto& g) { return g.control_points().cwiseAbs().maxCoeff(); }, one);
-    if (largest > kLargest) {
-      throw std::invalid_argument("coordinates beyond 1e100 are of no use to any CAD system");
-    }
-  }
-}
-
 template <typename Kind, typename Arguments>
 int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
   if (!a.unit.empty()) CheckUnit(a.unit);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -48,6 +49,17 @@ Eigen::Vector3d ParseNormal(const std::string& text) {
     throw UsageError("--normal: '" + text + "' is not three numbers x,y,z of a direction");
   }
   return {x[0], x[1], x[2]};
+}
+
+// One that leaves digits to the geometry it is added to.
+double ParseDistance(const std::string& text) {
+  constexpr double kFarthest = 1e100;
+  const double distance = ParseNumber("--distance", text);
+  if (!(std::abs(distance) <= kFarthest)) {
+    throw UsageError("--distance: " + text +
+                     " is beyond 1e100: such coordinates are of no use to any CAD system");
+  }
+  return distance;
 }
 
 // What became of everything in the file.
@@ -125,6 +137,11 @@ Offsets OffsetsOf(const OffsetArguments& a, const std::vector<Geometry>& geometr
       throw UsageError(std::string("make offset: ") + error.what());
     }
   }
+  try {
+    RequireSensible(offsets.geometry);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("make offset: ") + error.what());
+  }
   return offsets;
 }
 
@@ -171,7 +188,7 @@ void AddMakeOffsetCommand(CLI::App& make, Action& action) {
   command
       .add_option_function<std::string>(
           "--distance",
-          [a](const std::string& text) { a->distance = ParseNumber("--distance", text); },
+          [a](const std::string& text) { a->distance = ParseDistance(text); },
           "How far: along the surface's normal, to the left of a curve; negative: to the other "
           "side")
       ->required()

@@ -11,6 +11,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -209,13 +210,10 @@ void AddHelpCommand(CLI::App& app, Action& action) {
   });
 }
 
-}  // namespace
+const char* const kPurpose =
+    "batten turns measured points into NURBS curves and surfaces that CAD accepts.";
 
-int RunProgram(int argc, char** argv) {
-  const std::vector<std::string> typed(argv + std::min(argc, 1), argv + argc);
-  Action action;
-  CLI::App app("batten turns measured points into NURBS curves and surfaces that CAD accepts.",
-               "batten");
+void AddAll(CLI::App& app, Action& action) {
   WrapHelp(app);
   app.set_version_flag("--version", std::string("batten ") + Version(), "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
@@ -235,6 +233,7 @@ int RunProgram(int argc, char** argv) {
       "  batten make cylinder -o pin.step --radius 3 --height 20\n"
       "  batten edit part.step -o half.json split:dir=u,at=0.5\n"
       "  batten analyze part.step                          degree, area, curvature, which shape\n"
+      "  batten batch jobs.csv                             a folder of scans, a line each\n"
       "  batten COMMAND --help                             flags, defaults and more examples\n"
       "Lengths are in the data's unit, angles in degrees. A file's extension says its format; rows "
       "of\n"
@@ -253,8 +252,10 @@ int RunProgram(int argc, char** argv) {
   AddFitSurfaceCommand(fit, action);
   AddFitCurveCommand(fit, action);
   AddFitPrimitiveCommand(fit, action);
+  AddFitPartsCommand(fit, action);
   AddFitSolidCommand(fit, action);
   AddCompareCommand(app, action);
+  AddBatchCommand(app, action);
   AddEvaluateCommand(app, action);
   AddProjectCommand(app, action);
   AddEditCommand(app, action);
@@ -271,6 +272,36 @@ int RunProgram(int argc, char** argv) {
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     command->fallthrough(false);
   }
+}
+
+}  // namespace
+
+void CheckCommandLine(const std::vector<std::string>& words) {
+  Action action;
+  CLI::App app(kPurpose, "batten");
+  AddAll(app, action);
+  Parse(app, words);
+}
+
+bool FlagTakesNoValue(const std::string& command, const std::string& flag) {
+  Action action;
+  CLI::App app(kPurpose, "batten");
+  AddAll(app, action);
+  const CLI::App* sub = &app;
+  std::istringstream names(command);
+  for (std::string name; names >> name;) {
+    if (!Contains(CommandNames(*sub), name)) return false;
+    sub = sub->get_subcommand(name);
+  }
+  const CLI::Option* option = sub->get_option_no_throw(flag);
+  return option != nullptr && option->get_items_expected_max() == 0;
+}
+
+int RunProgram(int argc, char** argv) {
+  const std::vector<std::string> typed(argv + std::min(argc, 1), argv + argc);
+  Action action;
+  CLI::App app(kPurpose, "batten");
+  AddAll(app, action);
   // Not a command of its own: only the script that completes words asks.
   if (!typed.empty() && typed[0] == "__complete") {
     PrintCompletion(app, {typed.begin() + 1, typed.end()});

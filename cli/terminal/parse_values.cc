@@ -2,8 +2,10 @@
 #include "cli/terminal/parse_values.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "batten/io/read_error.h"
 #include "cli/terminal/nearest_name.h"
@@ -78,6 +80,32 @@ std::uint64_t ParseWhole(const std::string& flag,
     return static_cast<std::uint64_t>(numbers[0]);
   }
   Refuse(flag, text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+}
+
+std::int64_t ParseBytes(const std::string& flag, const std::string& text, std::int64_t least) {
+  static const std::map<std::string, double> kUnits = {{"", 1},
+                                                       {"b", 1},
+                                                       {"kb", 1e3},
+                                                       {"mb", 1e6},
+                                                       {"gb", 1e9},
+                                                       {"tb", 1e12},
+                                                       {"kib", 0x1p10},
+                                                       {"mib", 0x1p20},
+                                                       {"gib", 0x1p30},
+                                                       {"tib", 0x1p40}};
+  constexpr double kMost = 0x1p60;
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(text.data(), end, number);
+  std::string unit(next, end);
+  for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto found = kUnits.find(unit.substr(std::min(unit.find_first_not_of(' '), unit.size())));
+  const double bytes = found == kUnits.end() ? 0 : number * found->second;
+  if (error != std::errc() || !(bytes > 0) || bytes > kMost)
+    Refuse(flag, text, "a size such as 500MB, 2GB or 1GiB");
+  if (bytes < static_cast<double>(least))
+    Refuse(flag, text, "enough: at least " + std::to_string(least >> 20) + "MiB");
+  return static_cast<std::int64_t>(bytes);
 }
 
 std::pair<int, int> ParsePair(const std::string& flag, const std::string& text, int low, int high) {

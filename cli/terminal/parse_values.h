@@ -23,6 +23,10 @@ std::uint64_t ParseWhole(const std::string& flag,
                          std::uint64_t low,
                          std::uint64_t high);
 
+// Bytes: a number with B, kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB (of 1024); without
+// a unit bytes. At least `least`.
+std::int64_t ParseBytes(const std::string& flag, const std::string& text, std::int64_t least);
+
 // A whole number in [low, high], or a pair of them: "24" is 24,24.
 std::pair<int, int> ParsePair(const std::string& flag, const std::string& text, int low, int high);
 

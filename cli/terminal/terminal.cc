@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <system_error>
@@ -23,16 +24,19 @@ std::string OnOneLine(std::string text) {
   return Printable(text);
 }
 
+std::atomic<int> patience{500};  // milliseconds
+
 }  // namespace
+
+void BePatient() { patience = 900; }
 
 void WatchForInterrupt() {
   CatchSignals();
   // Work looks at the flag where it can; this thread makes sure of the promised second.
   std::thread([] {
     constexpr auto kLook = std::chrono::milliseconds(20);
-    constexpr auto kPatience = std::chrono::milliseconds(500);
     while (!Interrupted()) std::this_thread::sleep_for(kLook);
-    std::this_thread::sleep_for(kPatience);
+    std::this_thread::sleep_for(std::chrono::milliseconds(patience.load()));
     AtomicFile::RemoveTemporaries();
     PrintError("interrupted; nothing was written");
     _exit(kInterrupted);

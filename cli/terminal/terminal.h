@@ -13,6 +13,9 @@ namespace batten::internal {
 // are removed and the process ends.
 void WatchForInterrupt();
 
+// That moment is longer from here on, though less than a second: others have to stop first.
+void BePatient();
+
 // A progress callback that draws a bar on standard error once work has taken a second, if that is a
 // terminal and `quiet` is not set (else it writes a line every ten seconds), and that stops work
 // after Ctrl-C or when the limit of time is past (interrupt.h).

@@ -222,13 +222,13 @@ std::string FitReport::OneLine() const {
   const std::string kind = geometry.count > 1
                                ? std::to_string(geometry.count) + " " + geometry.kind + "s"
                                : geometry.kind;
+  const std::string form =
+      degrees.empty() ? kind : kind + " of degree " + degrees + ", " + net + " control points";
   char text[512];
   std::snprintf(text,
                 sizeof text,
-                "%s of degree %s, %s control points: rms %.4g, max %.4g over %lld of %lld points",
-                kind.c_str(),
-                degrees.c_str(),
-                net.c_str(),
+                "%s: rms %.4g, max %.4g over %lld of %lld points",
+                form.c_str(),
                 error.rms,
                 error.max,
                 static_cast<long long>(error.points),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/curve/curve_fitter.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "fitting/curve/curve_joint.h"
@@ -31,6 +33,41 @@ SolvedCurve Solve(CurveTask& task, const PointMask& sequence_outliers) {
   return SolveAdaptively(task, sequence_outliers.count(), sequence_outliers.size());
 }
 
+// Whether inner knots were placed by the data, and not equally.
+bool PlacedByData(const SplineBasis& basis) {
+  constexpr double kEqual = 1e-6;  // of a span: rounding, and what cutting to the data leaves
+  double least = HUGE_VAL, most = 0;
+  for (const int span : basis.Spans()) {
+    const double length =
+        basis.knots()[static_cast<size_t>(span) + 1] - basis.knots()[static_cast<size_t>(span)];
+    least = std::min(least, length);
+    most = std::max(most, length);
+  }
+  return most > least * (1 + kEqual);
+}
+
+// Weights count as free where the joint stage freed them, knots where the data placed them; a loss
+// nobody asked for is Tukey's.
+FitEstimator EstimatorOf(const CurveTask& task, const SolvedCurve& solved, bool joint) {
+  FitEstimator estimator;
+  estimator.refused.clear();
+  if (task.options.terms) estimator.refused = "the user's terms shape it beside the points";
+  estimator.smoothing = solved.problem.smoothing();
+  estimator.energy = solved.problem.energy();
+  const Eigen::VectorXd &weights = solved.problem.data().weights,
+                        &own = task.problem.data().weights;
+  const bool weighed = weights.size() > 0 && (own.size() == 0 || weights != own);
+  const bool bounded = weighed && weights.minCoeff() < weights.maxCoeff();
+  estimator.loss = task.options.loss.value_or(bounded ? Loss::kTukey : Loss::kNone);
+  estimator.loss_scale = task.options.loss_scale;
+  if (joint) estimator.freed = task.options.optimize.value_or(FreeVariables{.parameters = true});
+  estimator.freed.knots = PlacedByData(solved.problem.basis_u());
+  estimator.freed.weights =
+      solved.weights.size() > 0 && solved.weights.minCoeff() < solved.weights.maxCoeff();
+  estimator.shift = task.options.shift;
+  return estimator;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -53,8 +90,9 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
   report.iterations = std::move(solved.rounds);
   report.warnings = std::move(solved.warnings);
   report.end.code = solved.end;
+  FitEstimator estimator = EstimatorOf(task, solved, report.optimize.ran);
   clock.Enter(&StageSeconds::project);
-  return MeasuredCurve<Dim>(
+  CurveFit<Dim> fit = MeasuredCurve<Dim>(
       {cloud,
        ordered,
        sequence_outliers,
@@ -68,6 +106,12 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
       task.middle,
       std::move(report),
       pool);
+  fit.estimator = std::move(estimator);
+  const PointMask& outliers = fit.outliers;
+  fit.estimator.used = PointMask(cloud.size());
+  for (Eigen::Index k = 0; k < cloud.size(); ++k)
+    fit.estimator.used[k] = !outliers[k] && ordered.place[static_cast<size_t>(k)] >= 0;
+  return fit;
 }
 
 template CurveFit<2> FitOrdered<2>(const PointCloud&,

@@ -8,28 +8,13 @@
 
 #include "batten/geometry/local_foot_points.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/foot_points/surface_distances.h"
 
 namespace batten {
+using namespace internal;
 namespace {
 
 constexpr std::ptrdiff_t kBlock = 256;
-
-// The distance of a point from its foot, with the side of the surface the point is on.
-double Signed(const SurfaceEvaluator& surface, const Eigen::Vector3d& q, const SurfaceFoot& foot) {
-  const auto normal = surface.NormalAt(foot.u, foot.v);
-  const bool below = normal && normal->dot(q - foot.point) < 0;
-  return below ? -foot.distance : foot.distance;
-}
-
-// A start for every point: the given guess of its foot parameters, or any place.
-Eigen::Matrix2Xd StartsFrom(const NurbsSurface& surface, const Eigen::Matrix2Xd& near) {
-  const Eigen::Vector2d any(surface.basis_u().lower(), surface.basis_v().lower());
-  Eigen::Matrix2Xd starts = near;
-  for (Eigen::Index k = 0; k < near.cols(); ++k) {
-    if (!near.col(k).allFinite()) starts.col(k) = any;
-  }
-  return starts;
-}
 
 }  // namespace
 
@@ -50,7 +35,7 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const SurfaceFoot foot = finder.Nearest(points.col(k));
-      result.distances[k] = Signed(evaluator, points.col(k), foot);
+      result.distances[k] = SignedDistance(evaluator, points.col(k), foot);
       result.parameters.col(k) << foot.u, foot.v;
       if (!foot.certified) ++uncertified;
     }
@@ -59,7 +44,6 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   return result;
 }
 
-// Finds local foot points first, many at a time; most are provably the nearest.
 PointDistances DistancesTo(const NurbsSurface& surface,
                            const Eigen::Matrix3Xd& points,
                            const Eigen::Matrix2Xd& near,
@@ -68,32 +52,15 @@ PointDistances DistancesTo(const NurbsSurface& surface,
     throw std::invalid_argument("DistancesTo: " + std::to_string(near.cols()) +
                                 " places do not fit " + std::to_string(points.cols()) + " points");
   }
-  const SurfaceFootPoints finder(surface);
-  const SurfaceEvaluator evaluator(surface);
-  const bool all = near.allFinite();
-  LocalFootPointsKernel feet =
-      LocalFootPoints(evaluator, points, all ? near : StartsFrom(surface, near), pool);
-  std::atomic<Eigen::Index> uncertified = 0;
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const double u = feet.parameters(0, k), v = feet.parameters(1, k);
-      if (finder.SurelyNearest(points.col(k), u, v)) continue;
-      const bool known = all || near.col(k).allFinite();
-      const SurfaceFoot foot =
-          known ? finder.NearestFrom(points.col(k), u, v) : finder.Nearest(points.col(k));
-      feet.distances[k] = Signed(evaluator, points.col(k), foot);
-      feet.parameters.col(k) << foot.u, foot.v;
-      if (!foot.certified) ++uncertified;
-    }
-  });
-  return {std::move(feet.distances), std::move(feet.parameters), uncertified};
+  const auto expected = static_cast<double>(points.cols());
+  return SurfaceDistances(surface, expected, points, near, pool).To(points, near, pool);
 }
 
 PointDistances DistancesFrom(const NurbsSurface& surface,
                              const Eigen::Matrix3Xd& points,
                              const Eigen::Matrix2Xd& start,
                              ThreadPool& pool) {
-  LocalFootPointsKernel feet = LocalFootPoints(SurfaceEvaluator(surface), points, start, pool);
+  auto feet = LocalFootPoints(SurfaceEvaluator(surface), points, start, pool);
   return {std::move(feet.distances), std::move(feet.parameters)};
 }
 

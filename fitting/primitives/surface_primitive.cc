@@ -17,23 +17,6 @@
 namespace batten::internal {
 namespace {
 
-// Whether positive distances are on the side that S_u × S_v of the patch looks to: outward, of
-// planes where the patch's axis is.
-bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch) {
-  switch (shape.kind) {
-    case SurfaceKind::kPlane:
-      return shape.normal.dot(std::get<ExactPlane>(patch).frame.axis()) > 0;
-    case SurfaceKind::kSphere:
-    case SurfaceKind::kTorus:
-      return shape.curvature > 0;
-    case SurfaceKind::kCylinder:
-      return shape.axis_curvature > 0;
-    case SurfaceKind::kCone:
-      break;
-  }
-  return shape.axis_curvature * std::cos(shape.slope) > 0;
-}
-
 struct PatchArea {
   double operator()(const ExactPlane& s) const {
     return (s.x.upper - s.x.lower) * (s.y.upper - s.y.lower);
@@ -64,34 +47,6 @@ Eigen::Vector3d Beside(const Eigen::Vector3d& middle, const SurfaceShape& shape)
   }
   const CylinderShape& cylinder = std::get<CylinderShape>(shape);
   return cylinder.point + (middle - cylinder.point).dot(cylinder.axis) * cylinder.axis;
-}
-
-PrimitiveSummary NumbersOf(const SurfaceShape& shape,
-                           const ExactSurface& patch,
-                           const Eigen::Vector3d& middle,
-                           const Eigen::Vector3d& move) {
-  PrimitiveSummary numbers;
-  if (std::holds_alternative<PlaneShape>(shape)) {
-    numbers.normal = std::get<ExactPlane>(patch).frame.axis();
-    numbers.point = Beside(middle, shape) + move;
-  } else if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    numbers.center = sphere->center + move;
-    numbers.radius = sphere->radius;
-  } else if (const auto* cylinder = std::get_if<CylinderShape>(&shape)) {
-    numbers.axis = std::get<ExactCylinder>(patch).frame.axis();
-    numbers.point = Beside(middle, shape) + move;
-    numbers.radius = cylinder->radius;
-  } else if (const auto* cone = std::get_if<ConeShape>(&shape)) {
-    numbers.axis = cone->axis;
-    numbers.apex = cone->apex + move;
-    numbers.half_angle = cone->half_angle;
-  } else if (const auto* torus = std::get_if<TorusShape>(&shape)) {
-    numbers.axis = std::get<ExactTorus>(patch).frame.axis();
-    numbers.center = torus->center + move;
-    numbers.major_radius = torus->major_radius;
-    numbers.minor_radius = torus->minor_radius;
-  }
-  return numbers;
 }
 
 // Deviations scaled so that three of them cover as much as for normal errors, however few the
@@ -229,6 +184,49 @@ std::vector<bool> PolesOf(const NurbsSurface& surface) {
 }
 
 }  // namespace
+
+bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch) {
+  switch (shape.kind) {
+    case SurfaceKind::kPlane:
+      return shape.normal.dot(std::get<ExactPlane>(patch).frame.axis()) > 0;
+    case SurfaceKind::kSphere:
+    case SurfaceKind::kTorus:
+      return shape.curvature > 0;
+    case SurfaceKind::kCylinder:
+      return shape.axis_curvature > 0;
+    case SurfaceKind::kCone:
+      break;
+  }
+  return shape.axis_curvature * std::cos(shape.slope) > 0;
+}
+
+PrimitiveSummary NumbersOf(const SurfaceShape& shape,
+                           const ExactSurface& patch,
+                           const Eigen::Vector3d& middle,
+                           const Eigen::Vector3d& move) {
+  PrimitiveSummary numbers;
+  if (std::holds_alternative<PlaneShape>(shape)) {
+    numbers.normal = std::get<ExactPlane>(patch).frame.axis();
+    numbers.point = Beside(middle, shape) + move;
+  } else if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
+    numbers.center = sphere->center + move;
+    numbers.radius = sphere->radius;
+  } else if (const auto* cylinder = std::get_if<CylinderShape>(&shape)) {
+    numbers.axis = std::get<ExactCylinder>(patch).frame.axis();
+    numbers.point = Beside(middle, shape) + move;
+    numbers.radius = cylinder->radius;
+  } else if (const auto* cone = std::get_if<ConeShape>(&shape)) {
+    numbers.axis = cone->axis;
+    numbers.apex = cone->apex + move;
+    numbers.half_angle = cone->half_angle;
+  } else if (const auto* torus = std::get_if<TorusShape>(&shape)) {
+    numbers.axis = std::get<ExactTorus>(patch).frame.axis();
+    numbers.center = torus->center + move;
+    numbers.major_radius = torus->major_radius;
+    numbers.minor_radius = torus->minor_radius;
+  }
+  return numbers;
+}
 
 double AreaOf(const ExactSurface& patch) { return std::visit(PatchArea{}, patch); }
 

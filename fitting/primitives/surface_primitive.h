@@ -31,6 +31,16 @@ DescribedSurface Described(const ShapeFit& fit,
                            double rounding,
                            ThreadPool& pool);
 
+// The parameters of a shape that has this patch, `middle` the middle of its points; plus `move`.
+PrimitiveSummary NumbersOf(const SurfaceShape& shape,
+                           const ExactSurface& patch,
+                           const Eigen::Vector3d& middle,
+                           const Eigen::Vector3d& move);
+
+// Whether positive distances are on the side that S_u × S_v of the patch looks to: outward, of
+// planes where the patch's axis is.
+bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch);
+
 // The area of the patch.
 double AreaOf(const ExactSurface& patch);
 

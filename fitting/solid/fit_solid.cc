@@ -237,6 +237,7 @@ class SolidFitter {
     const Eigen::Vector3d shift = cloud_.origin() - options_.shift;
     fit_.solid = shift.isZero() ? solid : solid.Translated(shift);
     fit_.audit.edge_angle_at += shift;
+    fit_.held_out = surface.held_out;
     fit_.control_mesh = {surface.control_points.colwise() + shift, layout_.faces};
     FitReport& report = fit_.report;
     report.input.outliers = fit_.outliers.count();

@@ -101,7 +101,8 @@ class Fitter {
       Eigen::VectorXd squares;  // of the points left out
       Eigen::Matrix3Xd control_points;
     };
-    // How much worse one level is than another, in standard errors of the difference point by point.
+    // How much worse one level is than another, in standard errors of the difference point by
+    // point.
     const auto worse = [](const Level& one, const Level& other) {
       const Eigen::ArrayXd difference = (one.squares - other.squares).array();
       const double mean = difference.mean();
@@ -124,6 +125,7 @@ class Fitter {
     });
     fit_.smoothing = chosen->smoothing;
     fit_.control_points = chosen->control_points;
+    fit_.held_out = chosen->squares;
     Rounds(kLastRounds, false);
     return std::move(fit_);
   }

@@ -32,6 +32,9 @@ struct LimitSurfaceFit {
   std::vector<LimitFoot> feet;  // of all points
   std::vector<RoundSummary> rounds;
   double smoothing = 0;  // λ over the data's scale, given or chosen
+  // Weighted squared distances of points left out, from the surface of that smoothing fitted
+  // without them; empty where smoothing was given.
+  Eigen::VectorXd held_out;
 };
 
 // Fits the surface from these control points on; see FitSolid. Damping by the tangential distance

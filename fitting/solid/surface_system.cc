@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/solid/surface_system.h"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,6 +9,12 @@
 #include <utility>
 
 namespace batten::internal {
+namespace {
+
+// Normals of neighbours differ: as much of what is along them counts across a vertex's own.
+constexpr double kLeak = 0.05;
+
+}  // namespace
 
 SurfaceSystem::SurfaceSystem(const LimitStencils& stencils)
     : stencils_(stencils), vertices_(stencils.mesh().vertices()) {
@@ -30,6 +37,8 @@ void SurfaceSystem::MakePattern() {
   }
   blocks_.assign(block_row_.size(), Eigen::Matrix3d::Zero());
   energy_ = blocks_;
+  shares_.assign(block_row_.size(), 0.0);
+  plates_ = shares_;
   patch_blocks_.resize(stencils_.patches());
   for (int patch = 0; patch < stencils_.patches(); ++patch) {
     const auto support = stencils_.Support(patch);
@@ -57,8 +66,6 @@ void SurfaceSystem::MakePattern() {
     }
   }
   matrix_.makeCompressed();
-  factor_ = std::make_unique<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>>();
-  factor_->analyzePattern(matrix_);
 }
 
 int SurfaceSystem::BlockOf(int row, int column) const {
@@ -109,6 +116,7 @@ void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffn
   for (int v = 0; v < vertices_; ++v) data_trace += blocks_[column_begin_[v]].trace();
   const double scale = data_trace / energy_trace_;
   std::fill(energy_.begin(), energy_.end(), Eigen::Matrix3d::Zero());
+  std::fill(plates_.begin(), plates_.end(), 0.0);
   for (const Difference& difference : differences_) {
     const Eigen::Vector3d normal = normals.col(difference.vertex);
     const Eigen::Matrix3d metric =
@@ -118,8 +126,9 @@ void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffn
     std::size_t at = 0;
     for (std::size_t a = 0; a < difference.row.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
-        energy_[difference.blocks[at++]] +=
-            difference.row[a].second * difference.row[b].second * metric;
+        const double product = difference.row[a].second * difference.row[b].second;
+        energy_[difference.blocks[at]] += product * metric;
+        plates_[difference.blocks[at++]] += product * scale * difference.weight;
       }
     }
   }
@@ -131,6 +140,7 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
                              const Eigen::Matrix3Xd& normals,
                              const Stiffness& stiffness) {
   std::fill(blocks_.begin(), blocks_.end(), Eigen::Matrix3d::Zero());
+  std::fill(shares_.begin(), shares_.end(), 0.0);
   right_ = Eigen::Matrix3Xd::Zero(3, vertices_);
   for (const SurfaceDemand& demand : demands) {
     if (!(demand.weight > 0)) continue;
@@ -149,10 +159,17 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
     for (std::size_t a = 0; a < support.size(); ++a) {
       right_.col(support[a]) += weights[Eigen::Index(a)] * pull;
       const Eigen::Matrix3d row = weights[Eigen::Index(a)] * metric;
-      for (std::size_t b = 0; b <= a; ++b) blocks_[blocks[at++]] += weights[Eigen::Index(b)] * row;
+      const double share = weights[Eigen::Index(a)] * demand.weight;
+      for (std::size_t b = 0; b <= a; ++b) {
+        blocks_[blocks[at]] += weights[Eigen::Index(b)] * row;
+        shares_[blocks[at++]] += weights[Eigen::Index(b)] * share;
+      }
     }
   }
   AssembleEnergy(normals, stiffness);
+  normals_ = normals;
+  tangential_ = tangential;
+  stiffness_ = stiffness;
   double* value = matrix_.valuePtr();
   for (int v = 0; v < vertices_; ++v) {
     for (int c = 0; c < 3; ++c) {
@@ -187,35 +204,49 @@ Eigen::Matrix3Xd Pulled(const std::vector<int>& begin,
 Eigen::Matrix3Xd SurfaceSystem::Step(const Eigen::Matrix3Xd& control_points) {
   const Eigen::Matrix3Xd right =
       right_ - Pulled(column_begin_, block_row_, energy_, control_points);
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(3 * vertices_);
-  if (!factored_ || !Iterate(right.reshaped(), step)) {
-    factor_->factorize(matrix_);
-    factored_ = factor_->info() == Eigen::Success;
-    if (!factored_) throw std::runtime_error("the points do not determine the surface");
-    step = factor_->solve(right.reshaped());
+  Eigen::Matrix3Xd step = Eigen::Matrix3Xd::Zero(3, vertices_);
+  if (preconditioner_.Factor(Scalars(1, stiffness_.bending),
+                             Scalars(tangential_ + kLeak, stiffness_.stretch)) &&
+      Iterate(right, step)) {
+    return step;
   }
-  return step.reshaped(3, vertices_);
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix_);
+  if (factor.info() != Eigen::Success) {
+    throw std::runtime_error("the points do not determine the surface");
+  }
+  return factor.solve(right.reshaped()).reshaped(3, vertices_);
 }
 
-// Conjugate gradients, preconditioned by the last factor: from one round to the next the system
-// changes little, and a factorisation costs a hundred solutions. [Hestenes & Stiefel 1952]
-bool SurfaceSystem::Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const {
-  constexpr int kMost = 25;
-  constexpr double kExact = 1e-6;  // relative: steps are followed by others
+Eigen::SparseMatrix<double> SurfaceSystem::Scalars(double of_data, double of_energy) const {
+  Eigen::SparseMatrix<double> matrix(vertices_, vertices_);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int v = 0; v < vertices_; ++v) {
+    for (int k = column_begin_[v]; k < column_begin_[v + 1]; ++k) {
+      entries.emplace_back(block_row_[k], v, of_data * shares_[k] + of_energy * plates_[k]);
+    }
+  }
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+// Conjugate gradients. [Hestenes & Stiefel 1952]
+bool SurfaceSystem::Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) const {
+  constexpr int kMost = 200;
+  constexpr double kExact = 1e-2;  // relative: steps are followed by others
   const auto matrix = matrix_.selfadjointView<Eigen::Lower>();
-  Eigen::VectorXd residual = right;
-  Eigen::VectorXd preconditioned = factor_->solve(residual);
-  Eigen::VectorXd way = preconditioned;
-  double norm = residual.dot(preconditioned);
+  Eigen::Matrix3Xd residual = right;
+  Eigen::Matrix3Xd preconditioned = preconditioner_.Apply(normals_, residual);
+  Eigen::Matrix3Xd way = preconditioned;
+  double norm = residual.cwiseProduct(preconditioned).sum();
   const double enough = kExact * kExact * norm;
   for (int round = 0; round < kMost && norm > 0; ++round) {
-    const Eigen::VectorXd product = matrix * way;
-    const double length = norm / way.dot(product);
+    const Eigen::VectorXd product = matrix * way.reshaped();
+    const double length = norm / way.reshaped().dot(product);
     if (!std::isfinite(length)) return false;
     x += length * way;
-    residual -= length * product;
-    preconditioned = factor_->solve(residual);
-    const double next = residual.dot(preconditioned);
+    residual -= length * product.reshaped(3, vertices_);
+    preconditioned = preconditioner_.Apply(normals_, residual);
+    const double next = residual.cwiseProduct(preconditioned).sum();
     if (next <= enough) return true;
     way = preconditioned + (next / norm) * way;
     norm = next;

@@ -3,12 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <memory>
 #include <utility>
 #include <vector>
 
+#include "fitting/solid/split_preconditioner.h"
 #include "geometry/subdivision/limit_surface.h"
 
 namespace batten::internal {
@@ -55,7 +54,8 @@ class SurfaceSystem {
   void MakeDifferences();
   void AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness);
   int BlockOf(int row, int column) const;  // row ≥ column
-  bool Iterate(const Eigen::VectorXd& right, Eigen::VectorXd& x) const;
+  bool Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) const;
+  Eigen::SparseMatrix<double> Scalars(double of_data, double of_energy) const;
 
   const LimitStencils& stencils_;
   int vertices_;
@@ -63,6 +63,7 @@ class SurfaceSystem {
   std::vector<std::vector<int>> patch_blocks_;  // for a ≥ b of each support: its block
   std::vector<Eigen::Matrix3d> blocks_;         // A
   std::vector<Eigen::Matrix3d> energy_;         // P
+  std::vector<double> shares_, plates_;         // both as if the demands' metric were one
   struct Difference {
     int vertex;  // whose normal counts
     double weight;
@@ -72,8 +73,10 @@ class SurfaceSystem {
   std::vector<Difference> differences_;
   Eigen::Matrix3Xd right_;
   Eigen::SparseMatrix<double> matrix_;
-  std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> factor_;
-  bool factored_ = false;    // at some time, perhaps of a system before
+  SplitPreconditioner preconditioner_;
+  Eigen::Matrix3Xd normals_;
+  double tangential_ = 0;
+  Stiffness stiffness_;
   double energy_trace_ = 0;  // of P with factors one
 };
 

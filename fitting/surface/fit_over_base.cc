@@ -57,6 +57,27 @@ void RequireDataFor(const SurfaceFitOptions& options, Eigen::Index points) {
                               " points determine: at most " + std::to_string(most) + " for them");
 }
 
+// How the linear stage found the surface.
+FitEstimator EstimatorOf(const PreparedCloud& prepared,
+                         const SurfaceFitOptions& options,
+                         const FittingProblem& problem,
+                         bool robust) {
+  FitEstimator estimator;
+  estimator.refused.clear();
+  estimator.smoothing = problem.smoothing();
+  estimator.energy = problem.energy();
+  estimator.loss = robust ? options.loss.value_or(Loss::kTukey) : Loss::kNone;
+  estimator.loss_scale = options.loss_scale;
+  estimator.poles = prepared.base.poles;
+  for (const PlacedBoundary& side : prepared.conditions.sides)
+    estimator.held_edges.push_back({side.edge, side.side.neighbour ? 2 : 1});
+  const auto& points = prepared.conditions.points;
+  estimator.held_points.resize(2, std::ssize(points));
+  for (size_t k = 0; k < points.size(); ++k)
+    estimator.held_points.col(static_cast<Eigen::Index>(k)) = points[k].parameters;
+  return estimator;
+}
+
 // The surface before the joint stage, and what the stages so far say.
 FittedState Solved(const PreparedCloud& prepared,
                    const SurfaceFitOptions& options,
@@ -82,6 +103,7 @@ FittedState Solved(const PreparedCloud& prepared,
   Append(report.iterations, solved.rounds);
   Append(report.warnings, solved.warnings);
   report.end.code = solved.end;
+  FitEstimator estimator = EstimatorOf(prepared, options, solved.problem, points.robust);
   const bool doubted =
       !options.loss && !options.keep_outliers && (points.robust || !points.used.all());
   return {{std::move(solved.surface),
@@ -90,7 +112,8 @@ FittedState Solved(const PreparedCloud& prepared,
            solved.problem.data().weights,
            prepared.base.poles,
            points.robust,
-           points.noise_is_shared},
+           points.noise_is_shared,
+           std::move(estimator)},
           std::move(points.used),
           doubted,
           std::move(report)};

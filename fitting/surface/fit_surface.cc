@@ -83,6 +83,11 @@ class SurfacePipeline {
                    std::move(fitted.report),
                    nullptr,
                    given_ ? nullptr : &fitted.draft.parameters);
+    fit.estimator = std::move(fitted.draft.estimator);
+    fit.estimator.shift = options.shift;
+    if (fit.report.geometry.primitive)
+      fit.estimator.refused = "the report gives the deviations of an exact shape's numbers";
+    if (options.terms) fit.estimator.refused = "the user's terms shape it beside the points";
     const bool kept =
         !fit.report.optimize.ran || (options.optimize && !options.optimize->parameters);
     if (given_ && kept) fit.report.parameter_error = AtParameters(fit, cloud_, options);
@@ -201,6 +206,7 @@ SurfaceFit FitSymmetric(const PointCloud& cloud,
   fit.parameters.conservativeResize(2, own);
   fit.residuals.conservativeResize(own);
   fit.outliers.conservativeResize(own);
+  fit.estimator.symmetric = plane.From(options.shift);
   FitReport& report = fit.report;
   report.error = Summarise(fit.residuals, options.tolerance, !fit.outliers);
   report.error_all = Summarise(fit.residuals, options.tolerance);
@@ -283,6 +289,7 @@ SurfaceFit FitDownsampled(const PointCloud& cloud,
   fit.parameters = std::move(found.parameters);
   fit.residuals = std::move(found.distances);
   fit.outliers = std::move(outliers);
+  fit.estimator.used = !left_out && !fit.outliers;
   FitReport& report = fit.report;
   report.error_all = Summarise(fit.residuals, options.tolerance);
   report.input.points = all;

@@ -324,6 +324,8 @@ void OptimiseWhereItPays(SurfaceState& draft,
   const double rms_after = std::sqrt(after.distances.squaredNorm() / static_cast<double>(points));
   const auto take = [&] {
     draft.surface = std::move(optimised);
+    draft.estimator.freed = optimize.free;
+    draft.estimator.smoothing = optimize.fairness;
     report.optimize.rms_after = rms_after;
   };
   if (options.terms) return take();  // which may well lead away from the points

@@ -25,6 +25,7 @@ struct SurfaceState {
   Poles poles;                   // of the surface
   bool robust = false;           // losses bound residuals
   bool noise_is_shared = false;  // noise correlated between neighbours: no excess over local noise
+  FitEstimator estimator = {};   // how it was found
 };
 
 // Runs the joint optimization of the draft with the variables the options free; where they leave it

@@ -43,7 +43,8 @@ struct ArcMeets {
 
 // Target: roots(), Halve(k), Size(k), Flatness(k), Separated(arc, k, gap), Transversal(arc, k),
 // Angle(arc, k), Solve(arcs, arc, k, tolerance) → the nearest places in the whole domains if the
-// iteration ends in both `arc` and k, Foot(point) → the nearest place of all.
+// iteration ends in both `arc` and k, Foot(point) → the nearest place of all, AngleAt(direction,
+// place) → of a direction and the target; zero where there is none.
 template <typename Target>
 class ArcMeetSearch {
  public:
@@ -88,19 +89,18 @@ class ArcMeetSearch {
         if (met->distance <= tolerance_) found_.points.push_back(*met);
         return;
       }
-      // Alike over all their length: what they are to one another is measured.
-      const double apart = target_.Angle(arc, pair.second) * std::max(arc.size, size);
-      if (std::max(arc.flatness, flatness) <= tolerance_ / 8 && apart <= tolerance_) {
-        contacts_.push_back({arc.u0, arc.u1});
-        return;
-      }
-      if (std::max(arc.size, size) <= tolerance_ / 4) return;
-    } else if (std::max(arc.flatness, flatness) <= tolerance_ / 8 ||
-               std::max(arc.size, size) <= tolerance_ / 4) {
+    }
+    // Alike over all their length: what they are to one another is measured.
+    const bool flat = std::max(arc.flatness, flatness) <= tolerance_ / 8;
+    const bool alike =
+        !transversal || target_.Angle(arc, pair.second) * std::max(arc.size, size) <= tolerance_;
+    // An arc that goes on far past what it meets is halved down to it, a pole even.
+    const bool beside = arc.size <= std::max(2 * size, tolerance_ / 4);
+    if ((flat && alike && beside) || std::max(arc.size, size) <= tolerance_ / 4) {
       contacts_.push_back({arc.u0, arc.u1});
       return;
     }
-    const bool by_bend = !transversal && std::max(arc.flatness, flatness) > tolerance_ / 8;
+    const bool by_bend = !transversal && !flat;
     if (by_bend ? arc.flatness >= flatness : arc.size >= size) {
       const int half = arcs_.Halve(pair.first);
       pairs_.emplace_back(half, pair.second);
@@ -211,7 +211,11 @@ class ArcMeetSearch {
       }
     }
     const TargetFoot foot = target_.Foot(At(best));
-    if (foot.distance <= tolerance_) found_.points.push_back({best, foot.at, foot.distance, true});
+    if (foot.distance > tolerance_) return;
+    // Touches lie within such an angle of their place; a crossing, at a pole even, does not.
+    const bool touching =
+        target_.AngleAt(arcs_.JetAt(best).col(1), foot.at) <= 8 * std::sqrt(tolerance_ / size_);
+    found_.points.push_back({best, foot.at, foot.distance, touching});
   }
 
   bool Same(const ArcMeeting& x, const ArcMeeting& y) const {

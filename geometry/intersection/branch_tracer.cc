@@ -62,6 +62,7 @@ class Marcher {
       const double factor = std::pow(kAim * tolerance_ / std::max(deviation, 1e-300), 0.25);
       h *= std::clamp(0.9 * factor, 0.5, 2.0);
     }
+    if (!march.closed && march.stations.size() > 1) SettleOnTouch(march.stations);
     return march;
   }
 
@@ -81,8 +82,8 @@ class Marcher {
     const Eigen::Vector4d guess = here.at + h * here.velocity;
     const Eigen::Vector3d through = here.point + h * here.tangent;
     std::optional<Eigen::Vector4d> at = contact_.InPlane(guess, here.tangent, through);
-    if (!at) return BorderFrom(here, guess, h);
-    *at = contact_.OntoBorders(*at);
+    if (!at) return BorderFrom(here, contact_.AlongBorders(here, guess), h);
+    *at = contact_.AlongBorders(here, contact_.OntoBorders(*at));
     if (!contact_.Inside(*at)) return BorderFrom(here, *at, h);
     return Ahead(here, *at, h, false);
   }
@@ -173,6 +174,27 @@ class Marcher {
     return settled ? (contact_.First(*settled) - here).norm() : 16 * tolerance_;
   }
 
+  // Where branches cross each other their places are known to the root of what they are on the
+  // surfaces: the touch there is the end of all of them.
+  void SettleOnTouch(std::vector<MeetPoint>& stations) {
+    constexpr double kNearlyTouching = 1e-3;
+    const MeetPoint &end = stations.back(), &before = stations[stations.size() - 2];
+    if (contact_.kind() == MeetKind::kTouching || end.sine > kNearlyTouching) return;
+    const auto touch = contact_.NearestTouch(end.at);
+    if (!touch) return;
+    const Eigen::Vector4d at = contact_.OntoBorders(*touch);
+    if (!contact_.Inside(at)) return;
+    const MeetPoint place = contact_.PointAt(at);
+    MeetPoint settled = end;
+    settled.at = at;
+    settled.point = place.point;
+    if ((settled.point - end.point).norm() > (end.point - before.point).norm()) return;
+    const double deviation = DeviationOf(ArcBetween(before, settled), kTightSine);
+    if (deviation > kAim * tolerance_) return;
+    greatest_ = std::max(greatest_, deviation);
+    stations.back() = settled;
+  }
+
   bool ComesHome(const MeetPoint& from, const MeetPoint& to, const MeetPoint& home) const {
     const Eigen::Vector3d chord = to.point - from.point;
     const double along = (home.point - from.point).dot(chord) / chord.squaredNorm();
@@ -239,7 +261,10 @@ bool TracedBranch::Passes(const MeetPoint& place, double reach) const {
 TracedBranch TraceBranch(const PairContact& contact, const Eigen::Vector4d& start) {
   TracedBranch branch;
   branch.kind = contact.kind();
-  const MeetPoint first = contact.PointAt(contact.OntoBorders(start));
+  MeetPoint first = contact.PointAt(contact.OntoBorders(start));
+  if (!first.regular) return branch;
+  const Eigen::Vector4d on_border = contact.AlongBorders(first, first.at);
+  if (on_border != first.at) first = contact.PointAt(on_border);
   if (!first.regular) return branch;
   // A hundredth of the way across the boxes to begin with.
   constexpr double kFirst = 0.01;

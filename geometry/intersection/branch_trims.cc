@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "batten/geometry/foot_point.h"
 #include "batten/geometry/intersect_curves.h"
 #include "batten/geometry/join.h"
 #include "batten/geometry/reparameterize.h"
@@ -24,16 +25,20 @@ NurbsCurve<2> InUnits(const NurbsCurve<2>& curve, const UnitDomain& domain) {
 // The trims of one surface, asked about the branch's curves in its domain.
 class LoopsOfSurface {
  public:
-  explicit LoopsOfSurface(const NurbsSurface& surface) : domain_(surface), region_(surface) {
-    for (const NurbsCurve<2>& loop : surface.trims()) loops_.push_back(InUnits(loop, domain_));
+  LoopsOfSurface(const NurbsSurface& surface, double tolerance)
+      : surface_(surface), domain_(surface), region_(surface), tolerance_(tolerance) {
+    for (const NurbsCurve<2>& loop : surface.trims()) {
+      loops_.push_back(InUnits(loop, domain_));
+      feet_.emplace_back(loops_.back());
+    }
   }
 
   void AddCuts(const std::vector<NurbsCurve<2>>& curves, std::vector<double>& cuts) const {
-    constexpr double kOne = 1e-9;  // of the domain
     for (const NurbsCurve<2>& curve : curves) {
       const NurbsCurve<2> unit = InUnits(curve, domain_);
+      const double near = ToleranceAlong(curve);
       for (const NurbsCurve<2>& loop : loops_) {
-        const CurveIntersection<2> met = IntersectCurves(unit, loop, kOne);
+        const CurveIntersection<2> met = IntersectCurves(unit, loop, near);
         for (const CurveMeeting<2>& one : met.points) cuts.push_back(one.first);
         for (const CurveOverlap& one : met.overlaps) {
           cuts.push_back(one.first.lower);
@@ -43,28 +48,61 @@ class LoopsOfSurface {
     }
   }
 
-  // Along a loop itself rounding would decide: a little to either side counts.
-  bool Holds(const std::vector<NurbsCurve<2>>& curves, double t) const {
+  // Whether the branch is inside all over a stretch that no loop crosses, or along a loop, where
+  // the tolerance would decide.
+  bool Holds(const std::vector<NurbsCurve<2>>& curves, double from, double to) const {
     if (loops_.empty()) return true;
+    constexpr int kPlaces = 5;
+    for (int k = 0; k < kPlaces; ++k) {
+      if (!HoldsAt(curves, from + (k + 0.5) / kPlaces * (to - from))) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool HoldsAt(const std::vector<NurbsCurve<2>>& curves, double t) const {
     for (const NurbsCurve<2>& curve : curves) {
       if (t < curve.basis().lower() || t > curve.basis().upper()) continue;
       const Eigen::Vector2d at = curve.At(t);
-      constexpr double kAside = 1e-8;
-      for (const double du : {0.0, -kAside, kAside}) {
-        for (const double dv : {0.0, -kAside, kAside}) {
-          if (region_.Contains(at[0] + du * domain_.length[0], at[1] + dv * domain_.length[1])) {
-            return true;
-          }
-        }
-      }
+      if (region_.Contains(at[0], at[1]) || BesideLoop(at)) return true;
     }
     return false;
   }
 
- private:
+  // Within twice the tolerance in space: the branch's and the loop's own.
+  bool BesideLoop(const Eigen::Vector2d& at) const {
+    const Eigen::Vector3d here = surface_.At(at[0], at[1]);
+    Eigen::Vector3d flat = Eigen::Vector3d::Zero();
+    flat.head<2>() = domain_(at);
+    return std::any_of(feet_.begin(), feet_.end(), [&](const CurveFootPoints<2>& feet) {
+      const Eigen::Vector2d foot = domain_.Back(feet.curve().At(feet.Nearest(flat).u));
+      return (surface_.At(foot[0], foot[1]) - here).norm() <= 2 * tolerance_;
+    });
+  }
+
+  // Of the unit domain, so that no two places so near are farther apart in space, along the curve,
+  // than the tolerance.
+  double ToleranceAlong(const NurbsCurve<2>& curve) const {
+    constexpr int kPlaces = 9;
+    constexpr double kLeast = 1e-9, kMost = 1e-4;
+    double fastest = 0;
+    for (int k = 0; k <= kPlaces; ++k) {
+      const double t = static_cast<double>(k) / kPlaces;
+      const Eigen::Vector2d at =
+          curve.At(curve.basis().lower() * (1 - t) + curve.basis().upper() * t);
+      const SurfaceDerivatives jet = surface_.Derivatives(at[0], at[1], 1);
+      fastest = std::max(
+          {fastest, jet(1, 0).norm() * domain_.length[0], jet(0, 1).norm() * domain_.length[1]});
+    }
+    return std::clamp(tolerance_ / std::max(fastest, 1e-300), kLeast, kMost);
+  }
+
+  const NurbsSurface& surface_;
   UnitDomain domain_;
   TrimRegion region_;
+  double tolerance_;
   std::vector<NurbsCurve<2>> loops_;
+  std::vector<CurveFootPoints<2>> feet_;
 };
 
 std::vector<NurbsCurve<2>> PartsOf(const std::vector<NurbsCurve<2>>& curves,
@@ -110,8 +148,10 @@ void AddParts(const LoopsOfSurface& first,
   cuts.back() = upper;
   std::vector<std::pair<double, double>> stretches;
   for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-    const double middle = cuts[k] / 2 + cuts[k + 1] / 2;
-    if (!first.Holds(branch.on_first, middle) || !second.Holds(branch.on_second, middle)) continue;
+    if (!first.Holds(branch.on_first, cuts[k], cuts[k + 1]) ||
+        !second.Holds(branch.on_second, cuts[k], cuts[k + 1])) {
+      continue;
+    }
     if (!stretches.empty() && stretches.back().second == cuts[k]) {
       stretches.back().second = cuts[k + 1];
     } else {
@@ -145,7 +185,7 @@ std::vector<SurfaceBranch> BranchesInside(const NurbsSurface& first,
                                           std::vector<SurfaceBranch> branches,
                                           double tolerance) {
   if (!first.trimmed() && !second.trimmed()) return branches;
-  const LoopsOfSurface loops_first(first), loops_second(second);
+  const LoopsOfSurface loops_first(first, tolerance), loops_second(second, tolerance);
   std::vector<SurfaceBranch> kept;
   for (const SurfaceBranch& branch : branches) {
     AddParts(loops_first, loops_second, branch, tolerance, kept);

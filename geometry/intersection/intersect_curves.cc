@@ -125,6 +125,10 @@ class CurveTarget {
     return {{foot.u, 0}, foot.distance};
   }
 
+  double AngleAt(const Eigen::Vector3d& direction, const Eigen::Vector2d& at) const {
+    return LineAngle(direction, arcs_.JetAt(at[0]).col(1));
+  }
+
   bool Next(const Eigen::Vector2d& x, const Eigen::Vector2d& y) const {
     const double length = arcs_.upper() - arcs_.lower(), apart = std::abs(x[0] - y[0]);
     constexpr double kNext = 1e-3;
@@ -279,6 +283,12 @@ class SurfaceTarget {
   TargetFoot Foot(const Eigen::Vector3d& point) const {
     const SurfaceFoot foot = feet_.Nearest(point);
     return {{foot.u, foot.v}, foot.distance};
+  }
+
+  double AngleAt(const Eigen::Vector3d& direction, const Eigen::Vector2d& at) const {
+    const auto normal = feet_.surface().NormalAt(at[0], at[1]);
+    if (!normal || direction.squaredNorm() == 0) return 0;
+    return std::numbers::pi / 2 - LineAngle(direction, *normal);
   }
 
   bool Next(const Eigen::Vector2d&, const Eigen::Vector2d&) const { return true; }

@@ -3,24 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
-#include "batten/geometry/foot_point.h"
-#include "batten/geometry/intersect_curves.h"
-#include "batten/geometry/iso_curve.h"
-#include "batten/geometry/project_curve.h"
-#include "batten/geometry/split.h"
 #include "batten/geometry/trim_region.h"
 #include "geometry/intersection/branch_chains.h"
 #include "geometry/intersection/branch_trims.h"
 #include "geometry/intersection/contact_clusters.h"
 #include "geometry/intersection/pair_search.h"
+#include "geometry/intersection/shared_edges.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/number_text.h"
+#include "geometry/numeric/reject.h"
 
 namespace batten {
 using namespace internal;
 namespace {
+
+// Touches reach 8 √(tolerance · size): a surface that is no larger has nothing else.
+constexpr double kTolerancesInSize = 64;
 
 double SizeOfNet(const NurbsSurface& surface) {
   const auto& points = surface.control_points();
@@ -35,6 +35,13 @@ double WorkingTolerance(const NurbsSurface& first,
   if (options.tolerance) RequirePositive("IntersectSurfaces", "tolerance", *options.tolerance);
   constexpr double kOfTheSize = 1e-6, kLeastOfTheSize = 1e-12, kUnits = 64, kUnit = 0x1p-52;
   const double a = SizeOfNet(first), b = SizeOfNet(second);
+  if (options.tolerance && *options.tolerance * kTolerancesInSize >= std::min(a, b) &&
+      std::min(a, b) > 0) {
+    Reject("IntersectSurfaces",
+           "tolerance = " + NumberText(*options.tolerance) +
+               " is not below a sixty-fourth of the smaller surface's size, " +
+               RoundedText(std::min(a, b)) + ": everything would be one touch; ask for less");
+  }
   const double largest = std::max(first.control_points().cwiseAbs().maxCoeff(),
                                   second.control_points().cwiseAbs().maxCoeff());
   return std::max({options.tolerance.value_or(kOfTheSize * std::min(a, b)),
@@ -48,80 +55,17 @@ Eigen::Vector4d WidthsOf(const NurbsSurface& a, const NurbsSurface& b) {
   return {width(a.basis_u()), width(a.basis_v()), width(b.basis_u()), width(b.basis_v())};
 }
 
-// The edges of a surface with their places in its domain, as straight lines over the same
-// parameter.
-struct DomainEdge {
-  NurbsCurve<3> curve;
-  Eigen::Vector2d from, to;
-};
-
-std::vector<DomainEdge> EdgesOf(const NurbsSurface& surface) {
-  const auto edges = BoundaryCurves(surface);
+// The edges of a domain that the boxes in it reach.
+EdgeChoice EdgesBeside(const NurbsSurface& surface, const std::vector<ParameterBox>& boxes) {
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
-  return {{edges[0], {u.lower(), v.lower()}, {u.lower(), v.upper()}},
-          {edges[1], {u.upper(), v.lower()}, {u.upper(), v.upper()}},
-          {edges[2], {u.lower(), v.lower()}, {u.upper(), v.lower()}},
-          {edges[3], {u.lower(), v.upper()}, {u.upper(), v.upper()}}};
-}
-
-bool Holds(const ParameterBox& box, const Eigen::Vector2d& at) {
-  const double u = 1e-6 * (box.u1 - box.u0), v = 1e-6 * (box.v1 - box.v0);
-  return at[0] >= box.u0 - u && at[0] <= box.u1 + u && at[1] >= box.v0 - v && at[1] <= box.v1 + v;
-}
-
-// None where the curve runs along a seam or over a pole: there its places jump.
-std::vector<NurbsCurve<2>> PlacesOn(const NurbsSurface& surface,
-                                    const NurbsCurve<3>& curve,
-                                    double tolerance) {
-  try {
-    return ProjectedCurve(surface, curve, tolerance);
-  } catch (const std::invalid_argument&) {
-    return {};
+  EdgeChoice beside{};
+  for (const ParameterBox& box : boxes) {
+    beside[0] |= box.u0 <= u.lower();
+    beside[1] |= box.u1 >= u.upper();
+    beside[2] |= box.v0 <= v.lower();
+    beside[3] |= box.v1 >= v.upper();
   }
-}
-
-// The edges of one surface that lie on the other, where the two coincide beside them.
-void AddOverlapEdges(const NurbsSurface& surface,
-                     const NurbsSurface& other,
-                     bool first,
-                     const std::vector<SurfaceOverlap>& overlaps,
-                     double tolerance,
-                     std::vector<SurfaceBranch>& branches) {
-  for (const DomainEdge& edge : EdgesOf(surface)) {
-    if (edge.curve.control_points().rowwise().maxCoeff().isApprox(
-            edge.curve.control_points().rowwise().minCoeff(), 1e-12)) {
-      continue;
-    }
-    const double lower = edge.curve.basis().lower(), upper = edge.curve.basis().upper();
-    for (const CurveSurfaceOverlap& one :
-         IntersectCurveSurface(edge.curve, other, tolerance).overlaps) {
-      const double from = one.on_curve.lower, to = one.on_curve.upper;
-      const auto place = [&](double t) -> Eigen::Vector2d {
-        return edge.from + (t - lower) / (upper - lower) * (edge.to - edge.from);
-      };
-      const bool here = std::any_of(overlaps.begin(), overlaps.end(), [&](const SurfaceOverlap& o) {
-        return Holds(first ? o.first : o.second, place(from / 2 + to / 2));
-      });
-      if (!here) continue;
-      const NurbsCurve<3> curve = Segment(edge.curve, from, to);
-      const Eigen::Vector3d middle = curve.At(from / 2 + to / 2);
-      const bool known = std::any_of(branches.begin(), branches.end(), [&](const SurfaceBranch& b) {
-        return b.kind == BranchKind::kOverlap &&
-               CurveFootPoints<3>(b.curve).Nearest(middle).distance <= 4 * tolerance;
-      });
-      if (known) continue;
-      Eigen::Matrix2d ends;
-      ends << place(from), place(to);
-      std::vector<NurbsCurve<2>> own{NurbsCurve<2>(SplineBasis(1, {from, from, to, to}), ends)};
-      std::vector<NurbsCurve<2>> foreign = PlacesOn(other, curve, tolerance);
-      const bool closed = (curve.At(from) - curve.At(to)).norm() <= tolerance;
-      branches.push_back({BranchKind::kOverlap,
-                          closed,
-                          curve,
-                          first ? own : foreign,
-                          first ? foreign : std::move(own)});
-    }
-  }
+  return beside;
 }
 
 // At nine places between any two knots.
@@ -182,10 +126,15 @@ SurfaceIntersection IntersectSurfaces(const NurbsSurface& first,
   for (const MeetChain& chain : ChainsOf(std::move(found.branches), 4 * tolerance)) {
     result.branches.push_back(CurvesOf(chain, widths, origin));
   }
-  if (!result.overlaps.empty()) {
-    const NurbsSurface a = WithoutTrims(first), b = WithoutTrims(second);
-    AddOverlapEdges(a, b, true, result.overlaps, tolerance, result.branches);
-    AddOverlapEdges(b, a, false, result.overlaps, tolerance, result.branches);
+  // Surfaces that end in each other's plane are near one another in contacts only.
+  if (!found.contacts.empty()) {
+    std::vector<ParameterBox> in_first, in_second;
+    for (const ContactPatch& contact : found.contacts) {
+      in_first.push_back(contact.box);
+      in_second.push_back(tree_second[contact.patch_b].box);
+    }
+    AddSharedEdges(
+        first, EdgesBeside(first, in_first), second, EdgesBeside(second, in_second), result);
   }
   result.branches = BranchesInside(first, second, std::move(result.branches), tolerance);
   for (SurfaceBranch& branch : result.branches)

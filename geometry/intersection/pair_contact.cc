@@ -137,9 +137,35 @@ std::optional<Eigen::Vector4d> PairContact::Nearest(const Eigen::Vector4d& start
   return Solve(start, nullptr);
 }
 
-Eigen::Vector4d PairContact::OntoBorders(Eigen::Vector4d at) const {
+std::optional<Eigen::Vector4d> PairContact::NearestTouch(const Eigen::Vector4d& start) const {
+  return PairContact(a_, box_a_, b_, box_b_, MeetKind::kTouching, tolerance_).Nearest(start);
+}
+
+// Lengths of the derivatives by each parameter.
+Eigen::Vector4d PairContact::SpeedsAt(const Eigen::Vector4d& at) const {
   const SurfaceJet a = a_.JetAt(box_a_, at[0], at[1]), b = b_.JetAt(box_b_, at[2], at[3]);
-  const double speeds[] = {a.du.norm(), a.dv.norm(), b.du.norm(), b.dv.norm()};
+  return {a.du.norm(), a.dv.norm(), b.du.norm(), b.dv.norm()};
+}
+
+Eigen::Vector4d PairContact::AlongBorders(const MeetPoint& here, Eigen::Vector4d at) const {
+  constexpr double kOn = 0.1;
+  constexpr double kAlong = 1e-3;  // radians between a branch and the border it runs along
+  const Eigen::Vector4d speeds = SpeedsAt(here.at);
+  for (int i = 0; i < 4; ++i) {
+    if (std::abs(here.velocity[i]) * speeds[i] > kAlong) continue;
+    const double slack =
+        std::min(kOn * tolerance_ / std::max(speeds[i], 1e-300), kBeyond * widths_[i]);
+    for (const double border : {lower_[i], upper_[i]}) {
+      if (std::abs(here.at[i] - border) <= slack && std::abs(at[i] - border) <= slack) {
+        at[i] = border;
+      }
+    }
+  }
+  return at;
+}
+
+Eigen::Vector4d PairContact::OntoBorders(Eigen::Vector4d at) const {
+  const Eigen::Vector4d speeds = SpeedsAt(at);
   constexpr double kOn = 0.01;
   constexpr double kOnOfTheBox = 1e-12;
   for (int i = 0; i < 4; ++i) {

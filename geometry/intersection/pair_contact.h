@@ -48,8 +48,14 @@ class PairContact {
   std::optional<Eigen::Vector4d> Holding(const Eigen::Vector4d& start, int parameter) const;
   std::optional<Eigen::Vector4d> Nearest(const Eigen::Vector4d& start) const;
 
+  // The same with parallel normals, whatever the kind.
+  std::optional<Eigen::Vector4d> NearestTouch(const Eigen::Vector4d& start) const;
+
   // Places on the borders, to a hundredth of the tolerance, are brought onto them.
   Eigen::Vector4d OntoBorders(Eigen::Vector4d at) const;
+  // A place beside one on a border, to a tenth of the tolerance both, along which the branch runs
+  // on, is kept on that border.
+  Eigen::Vector4d AlongBorders(const MeetPoint& here, Eigen::Vector4d at) const;
   // Whether a place is in both boxes.
   bool Inside(const Eigen::Vector4d& at) const;
 
@@ -77,6 +83,7 @@ class PairContact {
     Rows matrix;  // columns scaled by the widths of the boxes
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1> values;
   };
+  Eigen::Vector4d SpeedsAt(const Eigen::Vector4d& at) const;
   System SystemAt(const Eigen::Vector4d& at, const Hold* hold) const;
   std::optional<Eigen::Vector4d> Solve(Eigen::Vector4d at, const Hold* hold) const;
   Rows TouchRows(const SurfaceJet& a, const SurfaceJet& b, Eigen::Vector2d& values) const;

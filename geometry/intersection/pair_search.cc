@@ -153,7 +153,14 @@ void PairSearch::Compare(const Pair& pair) {
   if (Separated(a, b, kGap * tolerance_)) return;
   const double size = std::max(a.size(), b.size());
   if (Transversal(a, b)) {
-    if (Decided(pair) || size <= tolerance_) return;
+    if (Decided(pair)) return;
+    if (size <= tolerance_) {
+      // At a pole Newton's method in a plane may not end.
+      const bool regular =
+          a.along_u.known() && a.along_v.known() && b.along_u.known() && b.along_v.known();
+      if (!regular) FindInSmall(pair);
+      return;
+    }
   } else {
     const double angle = LineAngle(a.normal.axis, b.normal.axis);
     const bool alike = a.normal.known() && b.normal.known() && size <= kFinestAlike * a_.size() &&
@@ -164,15 +171,19 @@ void PairSearch::Compare(const Pair& pair) {
       return;
     }
     if (size <= tolerance_) {
-      const PairContact contact = ContactOf(pair);
-      Eigen::Vector4d start;
-      start << a.Middle(), b.Middle();
-      const auto at = contact.Nearest(start);
-      if (at && contact.Inside(contact.OntoBorders(*at))) Found(contact, pair, *at);
+      FindInSmall(pair);
       return;
     }
   }
   Subdivide(pair);
+}
+
+void PairSearch::FindInSmall(const Pair& pair) {
+  const PairContact contact = ContactOf(pair);
+  Eigen::Vector4d start;
+  start << a_[pair.first].Middle(), b_[pair.second].Middle();
+  const auto at = contact.Nearest(start);
+  if (at && contact.Inside(contact.OntoBorders(*at))) Found(contact, pair, *at);
 }
 
 void PairSearch::Subdivide(const Pair& pair) {

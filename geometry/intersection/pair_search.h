@@ -57,6 +57,7 @@ class PairSearch {
 
   void Compare(const Pair& pair);
   bool Decided(const Pair& pair);
+  void FindInSmall(const Pair& pair);
   void Found(const PairContact& contact, const Pair& pair, const Eigen::Vector4d& at);
   bool MeetsBordersOnce(const PatchTree& tree,
                         int patch,

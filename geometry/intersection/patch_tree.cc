@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/intersection/normal_net.h"
+
 namespace batten::internal {
 namespace {
 
@@ -77,6 +79,13 @@ void MeasureNet(NetPatch& patch, int p, int q) {
   patch.along_u = TangentCone(local, p, q, true, radius);
   patch.along_v = TangentCone(local, p, q, false, radius);
   patch.normal = CrossCone(patch.along_u, patch.along_v);
+  // Tangents turn round a pole, normals do not.
+  constexpr double kWide = 0.5, kJunk = 1e-12, kUnits = 0x1p-48;
+  if (patch.normal.spread > kWide && radius > 0) {
+    const double rounding = kJunk + kUnits * patch.points.cwiseAbs().maxCoeff() / radius;
+    const DirectionCone cone = ConeOf(NormalNet(local, p, q, rounding), 0);
+    if (cone.spread < patch.normal.spread) patch.normal = cone;
+  }
   patch.size_u = patch.size_v = 0;
   const int n = q + 1;
   for (int j = 0; j <= q; ++j) {

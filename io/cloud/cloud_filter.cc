@@ -128,6 +128,7 @@ CloudFilter::CloudFilter(std::string file,
     : file_(std::move(file)),
       columns_(std::move(columns)),
       box_(options.box),
+      take_(options.take),
       place_(place),
       keep_(RowBatch::kRows) {
   for (const CloudField& field : fields) part_.fields.push_back(field.name);
@@ -136,6 +137,13 @@ CloudFilter::CloudFilter(std::string file,
   part_.has_parameters = columns_.parameter[0] >= 0;
   part_.has_weights = columns_.weight >= 0;
   part_.has_colours = columns_.colour[0] >= 0 || columns_.packed_colour >= 0;
+  if (take_) {
+    if (part_.has_weights)
+      throw ReadError(file_, "has weights, which points that are passed on piece by piece leave");
+    if (part_.dimension == 2)
+      throw ReadError(file_, "holds points in the plane (two columns), not x y z");
+    part_.has_normals = part_.has_parameters = part_.has_colours = false;
+  }
   finite_.insert(finite_.end(), columns_.point.begin(), columns_.point.end());
   finite_.insert(finite_.end(), columns_.parameter.begin(), columns_.parameter.end());
   finite_.push_back(columns_.weight);
@@ -175,7 +183,7 @@ void CloudFilter::Take(RowBatch& batch) {
   DropNonFinite(batch);
   RequirePositiveWeights(batch);
   const Eigen::Index finite_dropped = DropCount(batch);
-  if (finite_dropped > unmatched) NoteMissing(matched);
+  if (finite_dropped > unmatched && !take_) NoteMissing(matched);
   DropOutside(batch);
   const Eigen::Index all_dropped = DropCount(batch);
   part_.matched += batch.rows - unmatched;
@@ -263,6 +271,15 @@ void CloudFilter::DropOutside(const RowBatch& batch) {
   }
 }
 
+void CloudFilter::PassOn(CloudChunk& chunk) const {
+  if (chunk.size == chunk.points.cols()) {
+    take_(chunk.points);
+  } else if (chunk.size > 0) {
+    take_(chunk.points.leftCols(chunk.size));
+  }
+  chunk.size = 0;
+}
+
 // A chunk that has room for one more point.
 CloudChunk& CloudFilter::Room() {
   if (!part_.chunks.empty() && part_.chunks.back().size < part_.chunks.back().points.cols()) {
@@ -300,6 +317,7 @@ void CloudFilter::Append(const RowBatch& batch, std::span<const int> left) {
     }
     chunk.size += static_cast<Eigen::Index>(kept.size());
     left = left.subspan(kept.size());
+    if (take_ && chunk.size == chunk.points.cols()) PassOn(chunk);
   }
 }
 
@@ -356,6 +374,10 @@ void CloudFilter::CopyColours(const RowBatch& batch,
 FileCloud CloudFilter::Finish() && {
   if (columns_.wide_if_whole && whole_colours_ && std::isfinite(columns_.colour_limit)) {
     WidenColours();
+  }
+  if (take_) {
+    for (CloudChunk& chunk : part_.chunks) PassOn(chunk);
+    part_.chunks.clear();
   }
   return std::move(part_);
 }

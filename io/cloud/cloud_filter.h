@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,7 +65,7 @@ class CloudFilter {
 
   // Makes one piece large enough for all `rows`, which then need no joining. Only for a count that
   // the file has been found large enough for.
-  void Expect(std::int64_t rows) { expected_ = rows; }
+  void Expect(std::int64_t rows) { expected_ = take_ ? 0 : rows; }
 
   // Takes the rows and empties the batch, whose columns are columns().fields. Throws ReadError
   // naming the row where a number is beyond kLargestCoordinate or a weight is not positive.
@@ -88,11 +89,13 @@ class CloudFilter {
   void CopyColours(const RowBatch& batch, std::span<const int> kept, CloudChunk& chunk) const;
   Eigen::Index DropCount(const RowBatch& batch) const;
   CloudChunk& Room();
+  void PassOn(CloudChunk& chunk) const;
   [[noreturn]] void Refuse(std::int64_t place, const std::string& reason) const;
 
   std::string file_;
   CloudColumns columns_;
   std::optional<Eigen::AlignedBox3d> box_;
+  std::function<void(const Eigen::Matrix3Xd&)> take_;
   RowPlace place_;
   Eigen::Index expected_ = 0;
   std::vector<int> finite_;          // columns with a role that must be finite; no normals

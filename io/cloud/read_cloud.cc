@@ -14,6 +14,7 @@
 #include "io/cloud/off_reader.h"
 #include "io/cloud/pcd_reader.h"
 #include "io/cloud/ply_reader.h"
+#include "io/cloud/read_part.h"
 #include "io/cloud/stl_reader.h"
 #include "io/cloud/text_reader.h"
 
@@ -40,10 +41,12 @@ FileCloud ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions
   }
 }
 
-FileCloud ReadPart(const std::string& path,
-                   FileFormat format,
-                   const CloudReadOptions& options,
-                   std::function<void(double)> progress) {
+}  // namespace
+
+FileCloud internal::ReadPart(const std::string& path,
+                             FileFormat format,
+                             const CloudReadOptions& options,
+                             std::function<void(double)> progress) {
   ByteSource source(path, std::move(progress));
   if (source.Peek(1).empty()) throw ReadError(source.name(), "is empty");
   FileCloud part = ReadBody(source, format, options);
@@ -51,9 +54,8 @@ FileCloud ReadPart(const std::string& path,
   return part;
 }
 
-// Every path must be a file of points before the first is read.
-std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
-                                     const CloudReadOptions& options) {
+std::vector<FileFormat> internal::CloudFormats(const std::vector<std::string>& paths,
+                                               const CloudReadOptions& options) {
   std::vector<FileFormat> formats;
   for (const std::string& path : paths) {
     formats.push_back(InputFormat(path, options.format));
@@ -67,8 +69,6 @@ std::vector<FileFormat> CloudFormats(const std::vector<std::string>& paths,
   }
   return formats;
 }
-
-}  // namespace
 
 CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOptions& options) {
   if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
@@ -100,7 +100,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
                                 file.non_finite,
                                 file.filtered));
   }
-  file.cloud = JoinParts(std::move(parts));
+  if (!options.take) file.cloud = JoinParts(std::move(parts));
   return file;
 }
 

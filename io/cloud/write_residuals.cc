@@ -33,7 +33,7 @@ void WriteCsv(const PointResiduals& r, AtomicFile& file) {
     fmt::format_to(std::back_inserter(row), "{}{}", separator, value);
   };
   file.Write(std::string(has_v ? "x,y,z,distance,u,v,outlier" : "x,y,z,distance,u,outlier") +
-             (r.owners.empty() ? "\n" : ",index\n"));
+             (r.owners.empty() ? "" : ",index") + (r.deviations.size() > 0 ? ",sigma\n" : "\n"));
   for (Eigen::Index k = 0; k < r.cloud.size(); ++k) {
     const Eigen::Vector3d p = r.cloud.World(k);
     row.clear();
@@ -45,6 +45,7 @@ void WriteCsv(const PointResiduals& r, AtomicFile& file) {
     if (has_v) append(",", r.parameters(1, k));
     row += r.outliers[k] ? ",1" : ",0";
     if (!r.owners.empty()) row += "," + std::to_string(r.owners[static_cast<std::size_t>(k)]);
+    if (r.deviations.size() > 0) append(",", r.deviations[k]);
     row += '\n';
     file.Write(row);
   }
@@ -63,6 +64,7 @@ void WritePly(const PointResiduals& r, AtomicFile& file) {
     row += fmt::format("property uchar {}\n", name);
   }
   if (!r.owners.empty()) row += "property int index\n";
+  if (r.deviations.size() > 0) row += "property double sigma\n";
   file.Write(row + "end_header\n");
   for (Eigen::Index k = 0; k < r.cloud.size(); ++k) {
     row.clear();
@@ -76,6 +78,7 @@ void WritePly(const PointResiduals& r, AtomicFile& file) {
     row += r.outliers[k] ? '\1' : '\0';
     if (!r.owners.empty())
       AppendLittleEndian<std::int32_t>(row, r.owners[static_cast<std::size_t>(k)]);
+    if (r.deviations.size() > 0) AppendLittleEndian(row, r.deviations[k]);
     file.Write(row);
   }
 }
@@ -95,7 +98,8 @@ std::unique_ptr<AtomicFile> WriteResiduals(const std::string& path,
   const Eigen::Index size = residuals.cloud.size();
   if (residuals.distances.size() != size || residuals.parameters.cols() != size ||
       residuals.outliers.size() != size || residuals.parameters.rows() < 1 ||
-      (!residuals.owners.empty() && std::ssize(residuals.owners) != size)) {
+      (!residuals.owners.empty() && std::ssize(residuals.owners) != size) ||
+      (residuals.deviations.size() > 0 && residuals.deviations.size() != size)) {
     throw std::invalid_argument("WriteResiduals: residuals: one of each a point is needed");
   }
   auto file = std::make_unique<AtomicFile>(path);

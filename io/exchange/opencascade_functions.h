@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 #include "batten/io/length_unit.h"
@@ -28,6 +29,12 @@ struct OpenCascadeFunctions {
                               const std::string& path,
                               const char* unit,
                               const char* schema);
+  // trimmed_solid_export.h
+  std::string (*export_trimmed_solid)(const TrimmedSolid& solid,
+                                      const std::string& path,
+                                      const char* unit,
+                                      const char* schema,
+                                      SolidCensus& census);
   // iges_export.h
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
   // brep_import.h

@@ -12,17 +12,40 @@
 namespace batten {
 using namespace internal;
 
+namespace {
+
+void RefuseOtherFormats(const std::string& path, const std::string& format) {
+  if (batten::FormatOf(path, format) != FileFormat::kStep) {
+    throw UsageError(path + ": a solid is written as .step in this version");
+  }
+}
+
+void WriteText(const std::string& path, const std::string& text) {
+  AtomicFile target(path);
+  target.Write(WithShortestReals(text));
+  target.Commit();
+}
+
+}  // namespace
+
 void WriteSolid(const SolidModel& solid,
                 const std::string& path,
                 const GeometryWriteOptions& options) {
-  if (batten::FormatOf(path, options.format) != FileFormat::kStep) {
-    throw UsageError(path + ": a solid is written as .step in this version");
-  }
+  RefuseOtherFormats(path, options.format);
   const char* unit = LengthUnitOf(options.unit).step;
   const char* schema = OcctSchema(options.step_schema);
-  AtomicFile target(path);
-  target.Write(WithShortestReals(OpenCascade().export_solid(solid, path, unit, schema)));
-  target.Commit();
+  WriteText(path, OpenCascade().export_solid(solid, path, unit, schema));
+}
+
+SolidCensus WriteSolid(const TrimmedSolid& solid,
+                       const std::string& path,
+                       const GeometryWriteOptions& options) {
+  RefuseOtherFormats(path, options.format);
+  const char* unit = LengthUnitOf(options.unit).step;
+  const char* schema = OcctSchema(options.step_schema);
+  SolidCensus census;
+  WriteText(path, OpenCascade().export_trimmed_solid(solid, path, unit, schema, census));
+  return census;
 }
 
 }  // namespace batten

@@ -7,11 +7,12 @@
 #include "io/opencascade/solid_export.h"
 #include "io/opencascade/step_export.h"
 #include "io/opencascade/step_import.h"
+#include "io/opencascade/trimmed_solid_export.h"
 
 extern "C" __attribute__((visibility("default"))) const batten::internal::OpenCascadeFunctions*
 batten_opencascade_functions() {
   using namespace batten::internal;
   static constexpr OpenCascadeFunctions kFunctions = {
-      ImportStep, ExportStep, ExportSolid, ExportIges, ImportBrep, ExportBrep};
+      ImportStep, ExportStep, ExportSolid, ExportTrimmedSolid, ExportIges, ImportBrep, ExportBrep};
   return &kFunctions;
 }

@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "io/opencascade/solid_export.h"
 
-#include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom2d_Line.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Precision.hxx>
-#include <STEPControl_Reader.hxx>
-#include <STEPControl_Writer.hxx>
-#include <ShapeFix_ShapeTolerance.hxx>
 #include <Standard_Failure.hxx>
-#include <TopExp.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
-#include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
@@ -26,19 +15,16 @@
 #include <TopoDS_Wire.hxx>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "batten/io/read_error.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/occt_session.h"
-#include "io/opencascade/step_output.h"
+#include "io/opencascade/proved_solid.h"
 
 namespace batten::internal {
 namespace {
-
-[[noreturn]] void Fail(const std::string& reason) { throw Standard_Failure(reason.c_str()); }
 
 // Which faces hang together by edges.
 std::vector<int> ShellsOf(const SolidModel& solid) {
@@ -115,7 +101,7 @@ class SolidBuilder {
       // A line's parameter is its length.
       constexpr double kSame = 1e-12;
       if (!(std::abs(way.norm() - length) <= kSame * length)) {
-        Fail("an edge and its place on a face run at different speeds");
+        throw Standard_Failure("an edge and its place on a face run at different speeds");
       }
       const Eigen::Vector2d along = way / length, origin = coedge.from - basis.lower() * along;
       const Handle(Geom2d_Line) line =
@@ -134,78 +120,10 @@ class SolidBuilder {
   std::vector<TopoDS_Edge> edges_;
 };
 
-// What has to be the same in the file.
-struct Census {
-  int solids = 0, faces = 0, edges = 0;
-  double volume = 0;
-};
-
-Census CensusOf(const std::vector<TopoDS_Solid>& solids, const std::string& what) {
-  Census census;
-  for (const TopoDS_Solid& solid : solids) {
-    if (!BRepCheck_Analyzer(solid).IsValid()) Fail(what + " is not valid to OpenCASCADE");
-    TopTools_IndexedDataMapOfShapeListOfShape uses;
-    TopExp::MapShapesAndAncestors(solid, TopAbs_EDGE, TopAbs_FACE, uses);
-    for (int k = 1; k <= uses.Extent(); ++k) {
-      if (uses(k).Extent() != 2) Fail("an edge of " + what + " does not belong to two faces");
-    }
-    TopTools_IndexedMapOfShape faces;
-    TopExp::MapShapes(solid, TopAbs_FACE, faces);
-    GProp_GProps properties;
-    BRepGProp::VolumeProperties(solid, properties);
-    if (!(properties.Mass() > 0)) Fail(what + " is inside out");
-    census.solids += 1;
-    census.faces += faces.Extent();
-    census.edges += uses.Extent();
-    census.volume += properties.Mass();
-  }
-  return census;
-}
-
-Census Reread(const std::string& text) {
-  std::istringstream stream(text);
-  STEPControl_Reader reader;
-  if (reader.ReadStream("batten", stream) != IFSelect_RetDone)
-    Fail("what is written can't be read");
-  reader.TransferRoots();
-  std::vector<TopoDS_Solid> solids;
-  for (int k = 1; k <= reader.NbShapes(); ++k) {
-    for (TopExp_Explorer one(reader.Shape(k), TopAbs_SOLID); one.More(); one.Next()) {
-      solids.push_back(TopoDS::Solid(one.Current()));
-    }
-  }
-  return CensusOf(solids, "the solid read back");
-}
-
 std::string ToStep(const SolidModel& solid, const char* unit, const char* schema) {
-  const std::vector<TopoDS_Solid> solids = SolidBuilder(solid).Build();
   const double size =
       (solid.vertices.rowwise().maxCoeff() - solid.vertices.rowwise().minCoeff()).norm();
-  // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
-  for (const TopoDS_Solid& one : solids) {
-    for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {
-      tolerance *= 10;
-      if (!(tolerance <= 1e-6 * size)) break;
-      ShapeFix_ShapeTolerance().SetTolerance(one, tolerance);
-    }
-  }
-  const Census made = CensusOf(solids, "the solid");
-  BeginStep(unit, schema);
-  STEPControl_Writer writer;
-  for (const TopoDS_Solid& one : solids) {
-    if (writer.Transfer(one, STEPControl_ManifoldSolidBrep) != IFSelect_RetDone) {
-      Fail("OpenCASCADE does not translate the solid");
-    }
-  }
-  NameProducts(writer, {});
-  std::string text = StepTextOf(writer);
-  const Census read = Reread(text);
-  constexpr double kSameVolume = 1e-6;
-  if (read.solids != made.solids || read.faces != made.faces || read.edges != made.edges ||
-      !(std::abs(read.volume - made.volume) <= kSameVolume * made.volume)) {
-    Fail("what is read back is not what was written");
-  }
-  return text;
+  return ProvedStep(SolidBuilder(solid).Build(), size, unit, schema).text;
 }
 
 }  // namespace

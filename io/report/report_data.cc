@@ -88,6 +88,7 @@ void WriteSurface(Writer& json, const ReportSurface& surface) {
   json.Key("triangles").Indices(surface.mesh.triangles);
   json.Key("deviation").Floats(surface.deviation);
   json.Key("gap").Floats(surface.gap);
+  if (surface.sigma.size() > 0) json.Key("sigma").Floats(surface.sigma);
   json.Key("gaussian").Floats(surface.gaussian);
   json.Key("mean").Floats(surface.mean);
   json.Key("trims").Lines(surface.trims);

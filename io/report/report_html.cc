@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "io/base/markup_text.h"
 #include "io/report/report_assets.h"
 #include "io/report/report_data.h"
 
@@ -24,33 +25,6 @@ std::string InScript(std::string_view json) {
     }
   }
   return text;
-}
-
-// Text that may stand between tags and in attributes.
-std::string InMarkup(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
 }
 
 [[noreturn]] void RefuseBeside(const std::string& reason) {

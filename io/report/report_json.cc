@@ -90,6 +90,33 @@ Json Primitive(const PrimitiveSummary& primitive) {
   return json;
 }
 
+Json Faces(const std::vector<FaceSummary>& faces) {
+  Json result = Json::array();
+  for (size_t k = 0; k < faces.size(); ++k) {
+    const FaceSummary& face = faces[k];
+    result.push_back({{"index", k},
+                      {"kind", face.kind},
+                      {"points", face.points},
+                      {"rms", Number(face.rms)},
+                      {"max", Number(face.max)},
+                      {"primitive", face.primitive ? Primitive(*face.primitive) : Json(nullptr)},
+                      {"touching", face.touching}});
+  }
+  return result;
+}
+
+Json Relations(const std::vector<RelationSummary>& relations) {
+  Json result = Json::array();
+  for (const RelationSummary& relation : relations) {
+    result.push_back({{"kind", relation.kind},
+                      {"faces", relation.faces},
+                      {"deviation", Number(relation.deviation)},
+                      {"allowed", Number(relation.allowed)},
+                      {"kept", relation.kept}});
+  }
+  return result;
+}
+
 Json Shape(const GeometrySummary& geometry, const std::string& file) {
   Json json = {{"kind", geometry.kind},
                {"base", geometry.base},
@@ -192,6 +219,66 @@ Json Seconds(const StageSeconds& seconds) {
           {"total", Number(seconds.total)}};
 }
 
+Json Uncertain(const UncertaintySummary& uncertainty) {
+  Json json{{"sigma_max", nullptr}, {"sigma_median", nullptr}};
+  if (uncertainty.known) {
+    json = {{"sigma_max", Number(uncertainty.sigma_max)},
+            {"sigma_median", Number(uncertainty.sigma_median)},
+            {"bias_max", Number(uncertainty.bias_max)},
+            {"point_noise", Number(uncertainty.noise)},
+            {"inflation", Number(uncertainty.inflation)},
+            {"freedom", Number(uncertainty.freedom)},
+            {"unsupported_area", Number(uncertainty.unsupported_area)},
+            {"unsupported_share", Number(uncertainty.unsupported_share)}};
+  }
+  json["coverage_note"] = uncertainty.note;
+  return json;
+}
+
+Json Certified(const CertificateSummary& certified) {
+  Json json{{"max_upper", Number(certified.max_upper)},
+            {"max_lower", Number(certified.max_lower)},
+            {"folds_proved_absent", certified.folds_proved_absent}};
+  if (certified.tolerance) {
+    json["proved_within"] = certified.proved_within;
+    json["proved_out"] = certified.proved_out;
+    json["undecided"] = certified.undecided;
+  }
+  if (certified.mesh_chord) json["mesh_chord"] = Number(*certified.mesh_chord);
+  json["unproved"] = certified.unproved;
+  return json;
+}
+
+Json Form(const FormDeviation& form) {
+  return {{"name", form.name},
+          {"least_squares", Number(form.least_squares)},
+          {"minimum_zone", Number(form.minimum_zone)},
+          {"deviation", Number(form.deviation)},
+          {"points", form.points}};
+}
+
+Json Alignment(const RigidAlignment& alignment) {
+  Json rows = Json::array();
+  for (const auto& row : alignment.rotation.rowwise())
+    rows.push_back(Json::array({row[0], row[1], row[2]}));
+  return {{"rotation", std::move(rows)},
+          {"translation", Vector(alignment.translation)},
+          {"determined", alignment.determined},
+          {"iterations", alignment.iterations},
+          {"rms_before", Number(alignment.rms_before)},
+          {"rms_after", Number(alignment.rms_after)}};
+}
+
+Json Profile(const ProfileVerdict& profile) {
+  return {{"zone", Json::array({profile.zone.low, profile.zone.high})},
+          {"lowest", Number(profile.lowest)},
+          {"highest", Number(profile.highest)},
+          {"uncertainty", Number(profile.uncertainty)},
+          {"out", profile.out},
+          {"doubtful", profile.doubtful},
+          {"decision", Name(profile.decision)}};
+}
+
 }  // namespace
 
 std::string ToReportJson(const FitReport& report, const ReportContext& context) {
@@ -213,6 +300,12 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"version", context.version}};
   if (!report.base_candidates.empty()) json["base_candidates"] = Candidates(report.base_candidates);
   if (report.overshoot) json["overshoot"] = Overshoot(*report.overshoot);
+  if (report.uncertainty) json["uncertainty"] = Uncertain(*report.uncertainty);
+  const ReportChecks& checks = context.checks;
+  if (checks.certified) json["certified"] = Certified(*checks.certified);
+  if (checks.form) json["form"] = Form(*checks.form);
+  if (checks.alignment) json["alignment"] = Alignment(*checks.alignment);
+  if (checks.profile) json["profile"] = Profile(*checks.profile);
   if (report.parameter_error) {
     const ErrorSummary& error = *report.parameter_error;
     Json& entry = json["parameter_error"] = Error(error, "parameter");
@@ -231,6 +324,10 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"used", part.used}};
     if (!part.refused.empty()) entry["refused"] = part.refused;
     json["parts"].push_back(std::move(entry));
+  }
+  if (context.part != nullptr) {
+    json["faces"] = Faces(context.part->faces);
+    json["relations"] = Relations(context.part->relations);
   }
   // File names need not be UTF-8; what is not becomes the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';

@@ -30,7 +30,7 @@ from ._friends import from_geomdl, to_geomdl
 from ._geometry import Closest, Geometry, Knot, Removal
 from ._meets import Branch, Intersection, Meeting, Offset, Overlap, intersect, offset
 from ._optimize import Optimized, ResidualTerm, optimize
-from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit
+from ._results import Comparison, CurveFit, Fit, PrimitiveFit, Solid, SolidFit, SurfaceFit, Uncertainty
 from ._surface import Curvature, Mesh, Surface
 
 __all__ = [
@@ -63,6 +63,7 @@ __all__ = [
     "Statistics",
     "Surface",
     "SurfaceFit",
+    "Uncertainty",
     "WriteError",
     "cloud_parts",
     "compare",

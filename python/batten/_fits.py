@@ -501,8 +501,8 @@ def fit_solid(
     layout : (array_like of shape (V, 3), array_like of int, shape (F, 4)) or path-like, optional
         A closed mesh of quadrilaterals near the points, counter-clockwise seen from outside; made when None.
     faces : int, optional
-        About how many quadrilaterals the layout that is made has, 6 … 20000; None: one for 6 points, or 4 vertices of a
-        mesh, 60 to 2500.
+        About how many quadrilaterals the layout that is made has, 6 … 20000; None: chosen by points left out, at most
+        one for 5 points, and 2500.
     tolerance : float, optional
         Distance in the data's units; only judged.
     smoothing : float or 'auto', optional
@@ -833,6 +833,10 @@ def compare(
     points: Any,
     *,
     tolerance: Optional[float] = None,
+    align: Optional[str] = None,
+    datums: Sequence[int] = (),
+    profile: Union[float, Tuple[float, float], None] = None,
+    certify: bool = False,
     unit: str = "mm",
     seed: int = 1,
     threads: int = 0,
@@ -848,6 +852,15 @@ def compare(
         In the same units and coordinates.
     tolerance : float, optional
         By which points are counted, in the data's units.
+    align : {"best", "datum"}, optional
+        Move the points first by a rigid motion of least squares: to all surfaces, or to those of ``datums`` one after the
+        other. ``report["alignment"]`` has the motion, ``points`` are moved.
+    datums : sequence of int
+        Indices of the datum surfaces, primary first.
+    profile : float or (float, float), optional
+        Profile tolerance: T is the zone -T/2 … T/2 along the normals. ``report["profile"]`` has the decision.
+    certify : bool
+        Prove bounds of every distance, and that there are no folds: ``report["certified"]``.
     unit : str
         Of the data.
     seed : int
@@ -877,7 +890,19 @@ def compare(
         names, geometry = shapes.names, shapes
     bodies = [_body_of("geometry", one) for one in ([geometry] if isinstance(geometry, Geometry) else _sequence("geometry", geometry))]
     cloud = cloud_of("points", points)
-    options = {"tolerance": tolerance, "seed": seed, "threads": threads}
+    options = {"tolerance": tolerance, "align": align, "certify": certify, "seed": seed, "threads": threads}
+    if align is not None:
+        one_of("align", align, ("best", "datum"))
+    datums = list(datums)
+    if (align == "datum") != bool(datums):
+        raise ValueError("datums: indices of surfaces go with align='datum', and only with it")
+    if datums:
+        options["datums"] = datums
+    if profile is not None:
+        zone = (-profile / 2, profile / 2) if isinstance(profile, (int, float)) else profile
+        options["profile"] = [float(x) for x in zone]
+        if not (len(options["profile"]) == 2 and options["profile"][0] < options["profile"][1]):
+            raise ValueError(f"profile: {profile!r} is neither a positive number nor (low, high) with low below high")
     with callback(progress) as tell:
         values = _keywords(cloud, None, unit, "batten.compare", options)
         return Comparison(_core.compare(bodies, cloud._points, values, names, tell))

@@ -21,6 +21,17 @@ NOTEBOOK_POINTS = 20000
 NOTEBOOK_TRIANGLES = 20000
 
 
+class Uncertainty(NamedTuple):
+    """Of places of a fitted shape; arrays of one number for each."""
+
+    sigma: Floats
+    """Standard deviations along the normal by the noise of the points, in the data's units."""
+    bias: Floats
+    """By how much fairness moved the shape along the normal, to first order."""
+    support: Floats
+    """Share of the data in what is known there, 0 … 1; below 0.5 fairness decides."""
+
+
 class Fit:
     """The result of a fit: geometry, arrays that share its memory, and its report."""
 
@@ -163,6 +174,36 @@ class Fit:
             Any extension.
         """
         _core.write_text(path_bytes("path", path), self._fit.report(self._file))
+
+    def uncertainty(self, places: Any = None) -> Uncertainty:
+        """How sure the shape of a curve or surface fit is; see the guide, "How sure it is".
+
+        Parameters
+        ----------
+        places : array_like of shape (K, 2), or (K,) of a curve, optional
+            Parameters; those of the points' feet when None.
+
+        Returns
+        -------
+        Uncertainty
+            `sigma`, `bias` and `support` of every place.
+
+        Raises
+        ------
+        ValueError
+            The fit has none: exact shapes, interpolation, grids, no freedom left.
+        """
+        at = None
+        if places is not None:
+            at = np.ascontiguousarray(places, dtype=float)
+            width = 2 if isinstance(self, SurfaceFit) else 1
+            at = at.reshape(-1, 1) if at.ndim == 1 and width == 1 else at
+            if at.ndim != 2 or at.shape[1] != width:
+                raise ValueError(f"places: an array of shape (K, {width}) is needed, not {np.shape(places)}")
+            if not np.isfinite(at).all():
+                raise ValueError("places: parameters must be finite")
+        rows = self._fit.uncertainty(at)
+        return Uncertainty(rows[:, 0], rows[:, 1], rows[:, 2])
 
     def to_residuals(self, path: Path) -> None:
         """Writes every point with its distance, as PLY coloured by it, or as CSV.

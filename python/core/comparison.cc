@@ -10,6 +10,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/geometry/closure.h"
 #include "python/core/bind.h"
+#include "python/core/explained.h"
 #include "python/core/fit.h"
 #include "python/core/options.h"
 #include "python/core/watch.h"
@@ -131,13 +132,60 @@ FitReport ReportOf(const std::vector<BodyPtr>& bodies,
   return report;
 }
 
+// What is to be done besides measuring.
+struct CheckOptions {
+  bool align = false, certify = false;
+  std::vector<int> datums;
+  std::optional<ProfileZone> profile;
+
+  explicit CheckOptions(const Keywords& keywords) {
+    keywords.Take("certify", certify);
+    align = keywords.Has("align");
+    if (keywords.Has("datums"))
+      for (const std::int64_t one : keywords.Wholes("datums", py::len(keywords.Value("datums"))))
+        datums.push_back(static_cast<int>(one));
+    if (!keywords.Has("profile")) return;
+    const std::vector<double> zone = keywords.Numbers("profile", 2);
+    profile = ProfileZone{zone[0], zone[1]};
+  }
+};
+
+RigidAlignment Aligned(const std::vector<BodyPtr>& bodies,
+                       const PointCloud& cloud,
+                       const std::vector<int>& datums,
+                       ThreadPool& pool) {
+  std::vector<NurbsSurface> surfaces;
+  for (const BodyPtr& body : bodies) surfaces.push_back(body->surface());
+  return Explained([&] { return AlignRigidly(surfaces, cloud, datums, pool); });
+}
+
+// Profile and proofs, of points that are aligned.
+void Check(const CheckOptions& checks,
+           const std::vector<BodyPtr>& bodies,
+           const Nearest& nearest,
+           double noise,
+           std::optional<double> tolerance,
+           ThreadPool& pool,
+           Fit& made) {
+  const PointCloud& cloud = made.points->cloud;
+  if (checks.profile) {
+    made.checks.profile = CheckProfile(nearest.found.distances,
+                                       DistanceDeviations(cloud, noise, made.checks.alignment),
+                                       *checks.profile);
+  }
+  if (!checks.certify) return;
+  std::vector<Geometry> shapes;
+  for (const BodyPtr& body : bodies) shapes.push_back(body->geometry());
+  made.checks.certified = Certify(shapes, cloud, Eigen::Vector3d::Zero(), tolerance, pool).summary;
+}
+
 FitPtr Compare(const std::vector<BodyPtr>& bodies,
-               const PointsPtr& points,
+               const PointsPtr& given,
                const py::dict& values,
                const std::vector<std::string>& names,
                const py::object& progress) {
   if (bodies.empty()) throw py::value_error("geometry: nothing to compare with");
-  if (points->cloud.size() == 0) throw py::value_error("points: there are none");
+  if (given->cloud.size() == 0) throw py::value_error("points: there are none");
   const Keywords keywords(values);
   std::optional<double> tolerance;
   keywords.Take("tolerance", tolerance);
@@ -145,31 +193,41 @@ FitPtr Compare(const std::vector<BodyPtr>& bodies,
   const int threads = keywords.Threads();
   std::uint64_t seed = 1;
   keywords.Take("seed", seed);
+  const CheckOptions checks(keywords);
+  if (checks.align)
+    for (const BodyPtr& body : bodies) body->surface();  // throws for a curve
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
+  auto made = std::make_shared<Fit>();
   auto [nearest, report] = Watched(
       [=](Watch& watch) {
         const auto start = Clock::now();
         ThreadPool pool(threads);
+        PointsPtr points = given;
+        if (checks.align) {
+          made->checks.alignment = Aligned(bodies, given->cloud, checks.datums, pool);
+          points = std::make_shared<Points>(*given);
+          points->cloud = made->checks.alignment->Moved(given->cloud);
+        }
+        made->points = points;
         Nearest found = NearestOf(bodies, points->cloud, pool, watch);
         const double projected = since(start);
-        FitReport made = ReportOf(bodies, *points, found, names, tolerance, seed, pool);
-        made.seconds.project = projected;
-        made.seconds.total = since(start);
-        made.seconds.prepare = made.seconds.total - projected;
-        return std::pair(std::move(found), std::move(made));
+        FitReport report = ReportOf(bodies, *points, found, names, tolerance, seed, pool);
+        report.seconds.project = projected;
+        report.seconds.total = since(start);
+        report.seconds.prepare = report.seconds.total - projected;
+        Check(checks, bodies, found, report.input.noise, tolerance, pool, *made);
+        return std::pair(std::move(found), std::move(report));
       },
       progress);
-  auto made = std::make_shared<Fit>();
   made->bodies = bodies;
   made->residuals = std::move(nearest.found.distances);
   made->parameters = std::move(nearest.found.parameters);
-  made->outliers = PointMask::Constant(points->cloud.size(), false);
+  made->outliers = PointMask::Constant(given->cloud.size(), false);
   if (bodies.size() > 1) made->owners = std::move(nearest.owners);
   made->report = std::move(report);
-  made->points = points;
   made->names = names;
   Complete(*made, keywords, false);
   return made;

@@ -9,8 +9,10 @@
 #include <variant>
 #include <vector>
 
+#include "batten/fitting/fit_estimator.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_mask.h"
+#include "batten/io/report_json.h"
 #include "python/core/body.h"
 #include "python/core/cloud.h"
 #include "python/core/options.h"
@@ -29,6 +31,8 @@ struct Fit {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   std::string command, unit = "mm";
   std::vector<std::string> names = {};
+  FitEstimator estimator = {};
+  ReportChecks checks = {};
 };
 
 using FitPtr = std::shared_ptr<Fit>;
@@ -43,6 +47,7 @@ void Take(Found& found, const PointsPtr& points, const Keywords& keywords, Fit& 
   fit.residuals = std::move(found.residuals);
   fit.outliers = std::move(found.outliers);
   fit.report = std::move(found.report);
+  if constexpr (requires { found.estimator; }) fit.estimator = std::move(found.estimator);
   fit.points = points;
   keywords.Take("shift", fit.shift);
   Complete(fit, keywords, !keywords.Has("shift"));

@@ -8,6 +8,7 @@
 #include "batten/fitting/fit_primitive.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/fit_through.h"
+#include "batten/fitting/form_deviation.h"
 #include "batten/fitting/interpolate_cloud.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
@@ -192,6 +193,7 @@ FitPtr FitOnePrimitive(const PointsPtr& points,
       },
       progress);
   auto made = std::make_shared<Fit>();
+  if (HasForm(fit)) made->checks.form = FormDeviationOf(fit, points->cloud, options.shift);
   made->bodies = {MakeBody(std::move(fit.geometry))};
   Take(fit, points, keywords, *made);
   return made;

@@ -5,7 +5,10 @@
 #include <sys/resource.h>
 
 #include <ctime>
+#include <optional>
+#include <type_traits>
 
+#include "batten/fitting/uncertainty.h"
 #include "batten/io/atomic_file.h"
 #include "batten/io/length_unit.h"
 #include "batten/io/report_html.h"
@@ -14,6 +17,7 @@
 #include "batten/io/write_residuals.h"
 #include "python/core/arrays.h"
 #include "python/core/bind.h"
+#include "python/core/explained.h"
 #include "python/core/fit.h"
 #include "python/core/watch.h"
 
@@ -54,6 +58,7 @@ ReportContext ContextOf(const Fit& fit, const std::string& file) {
   context.shift = fit.shift;
   context.peak_memory_bytes = std::int64_t{usage.ru_maxrss} * 1024;
   context.version = BATTEN_VERSION;
+  context.checks = fit.checks;
   return context;
 }
 
@@ -96,6 +101,50 @@ void WriteText(const std::string& path, const std::string& text) {
   AtomicFile file(path);
   file.Write(text);
   file.Commit();
+}
+
+// Standard deviation, bias and support at places (k × 2; of curves k × 1), or at the points' feet:
+// k × 3.
+py::array UncertaintyAt(const FitPtr& fit, const std::optional<Doubles>& places) {
+  Eigen::Matrix2Xd at = Eigen::Matrix2Xd::Zero(2, places ? places->shape(0) : 0);
+  for (Eigen::Index k = 0; places && k < at.cols(); ++k)
+    for (Eigen::Index c = 0; c < places->shape(1); ++c) at(c, k) = places->at(k, c);
+  const Eigen::MatrixXd feet = ParameterColumns(*fit);
+  if (!places) {
+    at = Eigen::Matrix2Xd::Zero(2, feet.cols());
+    at.topRows(feet.rows()) = feet;
+  }
+  auto found = Watched([=](Watch&) {
+    return Explained([&] {
+      return std::visit(
+          [&](const auto& shape) {
+            const PointCloud& cloud = fit->points->cloud;
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(shape)>, NurbsSurface>) {
+              const SurfaceFit of{
+                  shape, feet, fit->residuals, fit->outliers, fit->report, fit->estimator};
+              return Uncertainty(of, cloud).At(at);
+            } else {
+              using Found =
+                  CurveFit<std::remove_cvref_t<decltype(shape)>::Point::RowsAtCompileTime>;
+              const Found of{shape,
+                             feet.row(0).transpose(),
+                             fit->residuals,
+                             fit->outliers,
+                             fit->report,
+                             fit->estimator};
+              return Uncertainty(of, cloud).At(at);
+            }
+          },
+          GeometriesOf(fit->bodies).front());
+    });
+  });
+  py::array_t<double> rows({std::ssize(found), std::ptrdiff_t{3}});
+  for (size_t k = 0; k < found.size(); ++k) {
+    rows.mutable_at(k, 0) = found[k].deviation;
+    rows.mutable_at(k, 1) = found[k].bias;
+    rows.mutable_at(k, 2) = found[k].support;
+  }
+  return rows;
 }
 
 double LimitOf(const Fit& fit) {
@@ -182,6 +231,7 @@ void BindResults(py::module_& m) {
              return ToReportJson(f.report, ContextOf(f, file));
            })
       .def("page", &Page)
+      .def("uncertainty", &UncertaintyAt)
       .def("write_residuals", &ResidualsTo);
   m.def("write_text", &WriteText);
 }

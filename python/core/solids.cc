@@ -11,7 +11,6 @@
 
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
-#include "batten/fitting/solid_layout.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/reconstruct_surface.h"
 #include "batten/io/solid_writer.h"
@@ -145,13 +144,7 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     }
     closed = std::move(made.closed);
   }
-  const int faces =
-      task.faces > 0 ? task.faces
-                     : LayoutFaces(task.mesh ? closed.surface.vertices.cols()
-                                             : cloud.size() - MergeDuplicates(cloud).duplicates,
-                                   task.mesh.has_value());
-  const QuadMesh layout = LayoutOf(closed.surface, faces, task.options.progress);
-  return FitSolid(cloud, layout, task.options);
+  return FitSolid(cloud, closed.surface, task.faces, task.options);
 }
 
 SolidPtr FitOneSolid(const PointsPtr& points,

@@ -76,6 +76,11 @@ class ReportTest(unittest.TestCase):
         run("fit", "curve", "oval.xy", "-o", "oval.step", "--report", "oval.html")
         run("fit", "curve", "helix.xyz", "-o", "helix.step", "--tolerance", "0.0001", "--report", "helix.html")
         run("compare", "panel.step", panel, "--report", "compare.html")
+        run("fit", "surface", panel, "-o", "sigma.json", "--uncertainty", "--certify", "--report", "sigma.html")
+        run("make", "sphere", "-o", "ball.json", "--radius", "20")
+        run("sample", "ball.json", "-o", "ball.xyz", "--count", "800", "--noise", "0.01")
+        run("fit", "primitive", "ball.xyz", "-o", "form.json", "--kind", "sphere", "--report", "form.html")
+        run("compare", "ball.json", "ball.xyz", "--align", "best", "--profile", "0.01", "--report", "profile.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheet.step", "--part", "1", "--report", "part.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheets.step", "--part", "all", "--report", "parts.html")
         run("fit", "surface", panel, "-o", "coarse.step", "--control-points", "6,5", "--trim", "none", "--report", "pair.html",
@@ -243,6 +248,29 @@ class ReportTest(unittest.TestCase):
             self.open(name)
             text = self.browser.run("return document.querySelector('main').textContent")
             self.assertIsNone(re.search(r"undefined|NaN|null|Infinity|\[object", text), name)
+
+    def test_checks_beside_the_distances_are_told(self):
+        for name, verdict, titles in (
+            ("sigma.html", "No tolerance", ("Standard deviations along the normal", "Proved")),
+            ("form.html", "No tolerance", ("Sphericity",)),
+            ("profile.html", "Does not conform", ("Profile tolerance", "Alignment of the points")),
+        ):
+            self.open(name)
+            text = self.browser.run("return document.querySelector('main').innerText")
+            for title in titles:
+                self.assertIn(title, text, name)
+            self.assertIn(verdict, self.browser.run("return document.querySelector('.verdict').innerText"), name)
+            self.assertIsNone(re.search(r"undefined|NaN|null|Infinity|\[object", text), name)
+            self.assert_calm()
+
+    def test_standard_deviations_colour_the_surface(self):
+        self.open("sigma.html")
+        before = self.summary()["hash"]
+        self.assertTrue(self.browser.run("return battenReport.setMode('sigma')"))
+        self.assertNotEqual(self.summary()["hash"], before)
+        self.assertIn("std. deviation", self.browser.run("return document.querySelector('.legend').textContent"))
+        self.browser.screenshot(os.path.join(self.work, "sigma.png"))
+        self.assert_calm()
 
     def test_parts_of_the_cloud_and_of_the_geometry_are_told_apart(self):
         tables = """return [...document.querySelectorAll("section")].filter((s) => s.querySelector("h2")).map((s) =>

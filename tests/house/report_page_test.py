@@ -14,7 +14,8 @@ RUNS = (
     "fit surface {data}/panel.ply -o b.json --part all",
     "fit primitive cloud.xyz -o c.json --kind sphere",
     "fit curve rows.csv -o d.json --parameterization given --columns u=1,x=2,y=3 --control-points 6",
-    "compare two.json cloud.xyz --tolerance 1",
+    "compare two.json cloud.xyz --tolerance 1 --certify --align best --profile 1",
+    "fit surface {data}/panel.ply -o e.stl --uncertainty --certify",
 )
 
 

@@ -31,6 +31,21 @@ def test_exact_surface_is_found(rng):
     assert fit.ok and np.abs(fit.residuals).max() <= 1e-4
 
 
+def test_uncertainty_covers_the_truth(sheet_fit):
+    xy = np.random.default_rng(4).uniform(0.1, 0.9, (400, 2))
+    truth = np.column_stack([xy, heights(*xy.T)])
+    feet = sheet_fit.surface.closest(truth)
+    found = sheet_fit.uncertainty(feet.parameters)
+    shares = np.mean(feet.distances <= 2 * found.sigma + np.abs(found.bias))
+    assert shares > 0.85 and (found.support > 0.5).all()  # 95 % of independent places
+    assert sheet_fit.uncertainty().sigma.shape == (len(sheet_fit.residuals),)
+    with pytest.raises(ValueError, match="places"):
+        sheet_fit.uncertainty([1.0, 2.0, 3.0])
+    exact = batten.fit_primitive(batten.make.sphere(5.0).sample(300, noise=0.01), "sphere")
+    with pytest.raises(ValueError):
+        exact.uncertainty()
+
+
 def test_results_fit_together(sheet_fit):
     fit, s = sheet_fit, sheet_fit.surface
     points = fit.points.points
@@ -455,6 +470,28 @@ def test_comparison_with_brute_force(rng):
     both = batten.compare([s, batten.make.plane((20, 20), center=(0, 0, 10))], np.vstack([q, q + [0, 0, 10]]))
     assert (both.owners[:200] == 0).all() and (both.owners[200:][np.abs(q[:, 2]) < 1] == 1).all()
     assert len(both.report["parts"]) == 2 and len(both.geometries) == 2
+
+
+def test_comparison_checks_a_profile(rng):
+    s = batten.make.torus(5.0, 1.5)
+    q = s.sample(1500, noise=0.003, seed=3).points + [0.04, -0.02, 0.03]
+    loose = batten.compare(s, q, profile=0.05)
+    found = batten.compare(s, q, align="best", profile=0.05, certify=True, tolerance=0.05)
+    assert loose.report["profile"]["decision"] == "does_not_conform" and found.report["profile"]["decision"] == "conforms"
+    assert np.allclose(found.report["alignment"]["translation"], [-0.04, 0.02, -0.03], atol=2e-3)
+    certified = found.report["certified"]
+    assert certified["proved_within"] == 1500 and certified["max_upper"] >= np.abs(found.distances).max()
+    assert "alignment" not in loose.report and "certified" not in loose.report
+    narrow = batten.compare(s, q, align="datum", datums=[0], profile=(-0.001, 0.001))
+    assert narrow.report["profile"]["decision"] == "does_not_conform"
+    for keywords in ({"align": "best", "datums": [0]}, {"align": "datum"}, {"align": "worst"}, {"profile": 0}, {"profile": (1, 0)},
+                     {"profile": (1, 2, 3)}, {"align": "datum", "datums": [7]}):
+        with pytest.raises(ValueError):
+            batten.compare(s, q, **keywords)
+    with pytest.raises(ValueError):
+        batten.compare(batten.make.circle(1.0), q, align="best")
+    ball = batten.fit_primitive(batten.make.sphere(5.0).sample(400, noise=0.01), "sphere")
+    assert 0.01 < ball.report["form"]["minimum_zone"] <= ball.report["form"]["least_squares"]
 
 
 def test_what_a_fit_writes(tmp_path, sheet_fit, curve_fit):

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 
+#include "batten/fitting/fit_estimator.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
 #include "batten/fitting/point_cloud.h"
@@ -97,7 +98,8 @@ struct CurveFit {
   // Points that do not count: outliers, those to which the loss gives zero weight and, where one of
   // several curves is fitted alone, those of the others.
   PointMask outliers;
-  FitReport report;  // describes exactly this curve
+  FitReport report;             // describes exactly this curve
+  FitEstimator estimator = {};  // for Uncertainty
 };
 
 }  // namespace batten

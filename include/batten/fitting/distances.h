@@ -5,20 +5,13 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "batten/fitting/point_distances.h"
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
 
 namespace batten {
-
-struct PointDistances {
-  Eigen::VectorXd distances;   // signed along the surface normal; not negative for curves
-  Eigen::MatrixXd parameters;  // of the foot points: 2 × m (u, v) or 1 × m (u)
-  // Points of DistancesTo for which a nearer place may have been missed (SurfaceFoot::certified):
-  // their distances are upper bounds.
-  Eigen::Index uncertified = 0;
-};
 
 // A sentence on uncertified distances, for reports.
 std::string UncertifiedText(Eigen::Index count);

@@ -188,13 +188,26 @@ struct OvershootSummary {
   // Surfaces: height beyond that of all points near the place; curves: distance from the box of
   // the points used; in the data's units.
   double max = 0;
-  double in_spacings = 0;  // the same
+  double in_spacings = 0;                        // the same
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
   double area_without_points = 0;                // farther than three spacings from all points
   double share_without_points = 0;               // of the area
   double largest_gap = 0;  // there: greatest distance along the surface from a foot point
   bool asked_for = false;  // the surface beyond its points: trims were declined
   std::optional<double> of_box = std::nullopt;  // curves: max over the diagonal of the box
+};
+
+// Standard deviations of the shape along its normal (uncertainty.h), the data's units.
+struct UncertaintySummary {
+  double sigma_max = 0, sigma_median = 0;  // where the points support the shape
+  double bias_max = 0;                     // by fairness, there
+  double noise = 0;                        // of a point of weight one
+  double inflation = 1;                    // factor on variances for noise that neighbours share
+  double freedom = 0;                      // degrees of freedom the noise was estimated by
+  double unsupported_area = 0;             // fairness decides there; curves: length
+  double unsupported_share = 0;
+  std::string note;  // what the figures cover; or why there are none
+  bool known = false;
 };
 
 struct FitReport {
@@ -206,10 +219,11 @@ struct FitReport {
   // Distances from the geometry at every point's own parameters, for fits at given parameters.
   std::optional<ErrorSummary> parameter_error;
   std::optional<OvershootSummary> overshoot;  // of surfaces, and of curves that leave their points
-  std::vector<PartError> parts;       // where there are several geometries, in their order
+  std::vector<PartError> parts;               // where there are several geometries, in their order
   std::vector<CloudPartSummary> cloud_parts;  // where parts of the cloud were asked for
-  bool judged_at_parameters = false;  // the tolerance applies to parameter_error
+  bool judged_at_parameters = false;          // the tolerance applies to parameter_error
   OptimizeSummary optimize;
+  std::optional<UncertaintySummary> uncertainty;  // where it was asked for
   Termination termination = Termination::kNoiseReached;
   FitEnd end;  // `termination` in full
   std::vector<RoundSummary> iterations;

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Edges of a surface that are one point, and what that asks of its coefficients.
+// What edges of a surface that are one point ask of its coefficients.
 #pragma once
 
 #include <Eigen/Core>
-#include <numbers>
 #include <vector>
 
+#include "batten/fitting/pole_kind.h"
 #include "batten/geometry/spline_basis.h"
 
 namespace batten {
-
-// What the edge v = lower or v = upper of a surface is. About a smooth pole the surface has a
-// tangent plane; about an apex, as that of a cone, it has not.
-enum class PoleKind { kNone, kSmooth, kApex };
-
-struct Poles {
-  PoleKind start = PoleKind::kNone, end = PoleKind::kNone;
-  double turn = 2 * std::numbers::pi;  // angle about the pole that u sweeps over its domain, > 0
-
-  bool any() const { return start != PoleKind::kNone || end != PoleKind::kNone; }
-  bool operator==(const Poles&) const = default;
-};
 
 // Conditions C c = 0 on the coefficients c that differ (u_i, v_j at i · n_v + j, counts as
 // DistinctCount says), independent of each other; no rows without poles. With c_i0 the first row

@@ -40,6 +40,9 @@ struct SolidFit {
   Eigen::MatrixXd parameters;  // 2 × m, of its foot
   std::vector<int> faces;      // on which of the solid's faces that is
   PointMask outliers;          // points that did not count
+  // Of every tenth point that counts, weighted: squared distances from a surface fitted without
+  // these; empty where smoothing was given.
+  Eigen::VectorXd held_out;
   FitReport report;
 };
 

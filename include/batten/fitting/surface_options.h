@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "batten/fitting/fit_estimator.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/free_variables.h"
 #include "batten/fitting/mirror_plane.h"
@@ -109,6 +110,7 @@ struct SurfaceFit {
   Eigen::VectorXd residuals;    // its orthogonal distance, signed along the normal
   PointMask outliers;           // points excluded from the fit
   FitReport report;             // measured on this surface
+  FitEstimator estimator = {};  // for Uncertainty
 };
 
 }  // namespace batten

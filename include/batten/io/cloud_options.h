@@ -38,6 +38,11 @@ struct CloudReadOptions {
   // Only points inside, borders included. World coordinates, the data's units.
   std::optional<Eigen::AlignedBox3d> box;
 
+  // Gets the points piece by piece, at most 65536 of them (3 × m, world coordinates), instead of
+  // their being kept: the cloud is then empty. Nothing else of them is passed on, so that a column
+  // of weights is refused, and points in the plane are.
+  std::function<void(const Eigen::Matrix3Xd& points)> take;
+
   // Gets the fraction read from time to time; may throw to cancel, and what it throws passes
   // through.
   std::function<void(double fraction)> progress;

@@ -27,6 +27,7 @@ struct MeasuredPoints {
   PointMask outliers = {};            // points that do not count; empty: none
   std::vector<int> owners = {};       // number of the geometry of each foot; empty: the first
   double spacing = 0, noise = 0;      // of the points, as InputSummary has them; 0: not known
+  Eigen::VectorXd deviations = {};    // of the geometry at the feet; empty: not known
 };
 
 struct ReportSceneOptions {

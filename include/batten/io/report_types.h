@@ -18,6 +18,7 @@ struct ReportSurface {
   TriangleMesh mesh;
   Eigen::VectorXd deviation;       // at the vertices (DeviationMap); NaN where no point is near
   Eigen::VectorXd gap;             // distance from the nearest point; empty where there are none
+  Eigen::VectorXd sigma;           // standard deviations; NaN where unsupported; empty: not known
   Eigen::VectorXd gaussian, mean;  // curvature there; NaN where it has no finite limit
   // Polylines on the surface: trim loops, closed; the edges of the domain of an untrimmed one that
   // are neither seam nor point; lines of interior knots, inside the trims.

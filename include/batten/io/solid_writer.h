@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/solid_model.h"
 #include "batten/io/geometry_types.h"
 
@@ -18,5 +19,11 @@ namespace batten {
 void WriteSolid(const SolidModel& solid,
                 const std::string& path,
                 const GeometryWriteOptions& options = {});
+
+// The same of a solid of trimmed analytic faces, whose planes, cylinders, cones, spheres, tori,
+// segments and arcs stay such in the file. Returns what it has.
+SolidCensus WriteSolid(const TrimmedSolid& solid,
+                       const std::string& path,
+                       const GeometryWriteOptions& options = {});
 
 }  // namespace batten

@@ -21,12 +21,15 @@ struct PointResiduals {
   double colour_range = 1;  // > 0; distances at which colours are full, see DeviationColour
   std::vector<int> owners =
       {};  // of several geometries, the number of the nearest; empty: one only
+  Eigen::VectorXd deviations = {};  // of the geometry's place at each foot; empty: not known
 };
 
 // By the extension, any case:
 //   .ply  binary little-endian: doubles x y z, distance, u, v (surfaces), colours by the distance
-//         (uchar red green blue), uchar outlier (0 or 1), int index (of several geometries)
-//   .csv  a header line x,y,z,distance,u[,v],outlier[,index] and shortest numbers that read back
+//         (uchar red green blue), uchar outlier (0 or 1), int index (of several geometries),
+//         double sigma (where deviations are known)
+//   .csv  a header line x,y,z,distance,u[,v],outlier[,index][,sigma] and shortest numbers that read
+//   back
 //         exactly
 // in world coordinates. The file appears on Commit(). Throws UsageError for another extension,
 // WriteError where it can't be written, std::invalid_argument where sizes disagree.

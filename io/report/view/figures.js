@@ -24,6 +24,7 @@ function verdictOf(data) {
   const e = judgedError(r);
   const scale = lengthScale(data);
   const T = data.tolerance;
+  if (r.profile) return profileVerdict(data);
   const within = (data.signed ? "\u00b1" : "") + plain(T) + kNarrowSpace + data.unit;
   if (T !== null && r.tolerance_reached === true) {
     return {
@@ -171,6 +172,33 @@ function partsTable(data) {
     if (data.tolerance !== null) row.push(count(part.out_of_tolerance));
     return row;
   }), heads);
+}
+
+// The faces of a part, and what they have in common.
+function facesTable(data) {
+  const faces = data.report.faces || [];
+  if (faces.length === 0) return null;
+  const scale = lengthScale(data);
+  const unit = data.unit ? " [" + data.unit + "]" : "";
+  const kSkipped = ["fitted as", "because"];
+  return table("Faces", faces.map((face) => [
+    face.index + " " + face.kind, count(face.points), scale.number(face.rms), scale.number(face.max),
+    face.primitive
+      ? primitiveRows(face.primitive, data).filter(([name]) => !kSkipped.includes(name))
+        .map(([name, text]) => name + "\u2002" + text).join("; ")
+      : kNone,
+  ]), ["points", "rms" + unit, "largest" + unit, "numbers"]);
+}
+
+function relationsTable(data) {
+  const relations = data.report.relations || [];
+  if (relations.length === 0) return null;
+  const size = (relation, v) => (["parallel", "perpendicular"].includes(relation.kind)
+    ? significant(v * 180 / Math.PI, 2) + "\u00b0" : significant(v, 2) + kNarrowSpace + data.unit);
+  return table("Relations of faces", relations.map((relation) => [
+    relation.kind, relation.faces.join(", "), size(relation, relation.deviation), size(relation, relation.allowed),
+    relation.kept ? "yes" : "no",
+  ]), ["faces", "off by", "chance explains", "kept"]);
 }
 
 function cloudPartsTable(data) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together. window.battenReport lets scripts do what hands do:
 //   modes, layers      the names that setMode and setLayer know
-//   setMode(name)      "deviation", "gap", "shaded", "mean", "gaussian", "zebra"; false where there is none
+//   setMode(name)      "deviation", "gap", "sigma", "shaded", "mean", "gaussian", "zebra"; false where there is none
 //   setLayer(name, on) "surface", "cloud", "outliers", "net", "trims", "knots", "curve", "comb", "whiskers"
 //   setView(name)      "x", "-x", "y", "-y", "z", "-z", "all"
 //   setLimit(value)    half the range of colours
@@ -32,10 +32,13 @@ function partsOfReport(data, onLimit) {
     put("side", "histogram", card);
     charts.push({ svg, draw: (w, limit) => drawHistogram(svg, data, limit, w) });
   }
+  for (const [name, table] of checkTables(data)) put("side", name, table);
   put("side", "deviations", deviationTable(data));
   put("side", "parts", partsTable(data));
   put("side", "points", inputTable(data));
   put("side", "parts of the cloud", cloudPartsTable(data));
+  put("side", "faces", facesTable(data));
+  put("side", "relations", relationsTable(data));
   if (data.curves.length > 0 && data.surfaces.length === 0 && data.cloud) {
     const lengths = data.curves.map((c) => arcLengths(c.points));
     const places = placesAlong(data, lengths, 4000);

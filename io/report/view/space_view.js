@@ -4,6 +4,7 @@
 const kSurfaceModes = [
   { name: "deviation", label: "Deviation" },
   { name: "gap", label: "From points" },
+  { name: "sigma", label: "Standard deviation" },
   { name: "shaded", label: "Shaded" },
   { name: "mean", label: "Mean curvature" },
   { name: "gaussian", label: "Gaussian curvature" },
@@ -46,6 +47,7 @@ class SpaceView {
     this.combScale = combScale(data);
     this.ranges = {
       gap: valueRange(data, "gap", 1e-6 * data.size),
+      sigma: valueRange(data, "sigma", 1e-9 * data.size),
       mean: valueRange(data, "mean", 1e-3 / data.size),
       gaussian: valueRange(data, "gaussian", 1e-6 / (data.size * data.size)),
     };
@@ -99,12 +101,12 @@ class SpaceView {
   setMode(name) {
     if (this.modes.length > 0 && !this.modes.some((m) => m.name === name)) return false;
     this.mode = name;
-    const byValue = ["deviation", "gap", "mean", "gaussian"].includes(name);
+    const byValue = ["deviation", "gap", "sigma", "mean", "gaussian"].includes(name);
     for (const object of this.objects("surface")) {
       const u = object.material.uniforms;
       u.mode.value = byValue ? 1 : name === "zebra" ? 2 : 0;
       if (byValue) object.userData.setValue(name);
-      u.table.value = name === "deviation" || name === "gap" ? this.tables.deviation : this.tables.curvature;
+      u.table.value = name === "mean" || name === "gaussian" ? this.tables.curvature : this.tables.deviation;
       u.limit.value = name === "deviation" ? this.limit : (this.ranges[name] || 1);
     }
     this.draw();
@@ -157,6 +159,10 @@ class SpaceView {
     const unit = d.unit;
     if (this.mode === "gap") {
       return { map: kDeviationMap, limit: this.ranges.gap, unit, title: "from points", tolerance: null, signed: false, unknown: false };
+    }
+    if (this.mode === "sigma") {
+      return { map: kDeviationMap, limit: this.ranges.sigma, unit, title: "std. deviation", tolerance: null, signed: false,
+        unknown: d.surfaces.some((s) => s.sigma.some((v) => v - v !== 0)), hatched: true };
     }
     if (this.mode === "mean" || this.mode === "gaussian") {
       const power = this.mode === "gaussian" ? "\u00b2" : "";
@@ -364,6 +370,10 @@ class SpaceView {
     } else {
       const deviation = valueAt(best.hit, best.surface.deviation);
       lines.push(isFinite(deviation) ? "deviation " + scale.signedText(deviation) : "no points near");
+      if (this.mode === "sigma") {
+        const sigma = valueAt(best.hit, best.surface.sigma);
+        lines.push(isFinite(sigma) ? "standard deviation " + scale.text(sigma) : "not supported by points");
+      }
       if (this.mode === "mean" || this.mode === "gaussian") {
         const value = valueAt(best.hit, best.surface[this.mode]);
         const unit = "1/" + data.unit + (this.mode === "gaussian" ? "\u00b2" : "");

@@ -41,6 +41,7 @@ function surfaceOf(s, i) {
     triangles: numbersOf(s.triangles),
     deviation: numbersOf(s.deviation),
     gap: numbersOf(s.gap),
+    sigma: numbersOf(s.sigma),
     gaussian: numbersOf(s.gaussian),
     mean: numbersOf(s.mean),
     trims: (s.trims || []).map(numbersOf),

@@ -6,7 +6,9 @@
 
 #include <numbers>
 
+#include "batten/fitting/closed_surface.h"
 #include "batten/fitting/refused_data.h"
+#include "batten/fitting/solid_layout.h"
 #include "body_clouds.h"
 #include "refusal.h"
 #include "tolerances.h"
@@ -144,6 +146,43 @@ TEST(FitSolidTest, OutliersDoNotCount) {
   const SolidFit fit = FitSolid(PointCloud(points), CubeSphere(2), {.threads = 1});
   EXPECT_GE(fit.outliers.count(), 180);
   EXPECT_LE(RmsFromSphere(fit.solid), 0.005);
+}
+
+TriangleSurface Ball() {
+  const QuadMesh mesh = CubeSphere(5);
+  return CloseSurface(mesh.vertices, FacesOf(mesh)).surface;
+}
+
+// More freedom than the shape needs takes in noise.
+TEST(FitSolidTest, ChoosesACoarseLayoutForANoisyBall) {
+  constexpr double kNoise = 0.02;
+  constexpr int kPoints = 6000;
+  const PointCloud cloud(SpherePoints(kPoints, kNoise));
+  const SolidFit chosen = FitSolid(cloud, Ball(), 0, {.threads = 1});
+  EXPECT_LE(chosen.control_mesh.faces.cols(), LayoutFaces(kPoints) / 3 * 1.2);
+  const double limit = kNoise * std::sqrt(double(chosen.control_mesh.vertices.cols()) / kPoints);
+  EXPECT_LE(RmsFromSphere(chosen.solid), 1.5 * limit);
+  // Of 600 points, known to 3 %: five of these.
+  EXPECT_NEAR(std::sqrt(chosen.held_out.mean()), kNoise, 0.15 * kNoise);
+}
+
+TEST(FitSolidTest, KeepsTheCoarserSolidWhenItIsStopped) {
+  bool fitted = false;
+  const auto progress = [&](const char* stage, double) {
+    const std::string name = stage;
+    fitted = fitted || name == "fit";
+    return !(fitted && name == "layout");
+  };
+  const PointCloud cloud(SpherePoints(3000, 0));
+  const SolidFit fit = FitSolid(cloud, Ball(), 0, {.threads = 1, .progress = progress});
+  EXPECT_EQ(fit.report.termination, Termination::kCancelled);
+  EXPECT_LE(fit.control_mesh.faces.cols(), LayoutFaces(3000) / 3 * 1.2);
+  EXPECT_EQ(fit.audit.open_edges, 0);
+  EXPECT_THROW(FitSolid(cloud,
+                        Ball(),
+                        300,
+                        {.threads = 1, .progress = [](const char*, double) { return false; }}),
+               Cancelled);
 }
 
 TEST(FitSolidTest, RefusesLayoutsByName) {

@@ -123,4 +123,43 @@ TEST(IntersectCurvesTest, AnIsoCurveOverlapsItsSurfaceAllAlong) {
   EXPECT_EQ(met.overlaps[0].on_curve.upper, v.upper());
 }
 
+// The two roots of a line and a sphere, near a pole and at it, whatever the distance from it.
+TEST(IntersectCurvesTest, ALineNearAPoleMeetsTheSphereTwice) {
+  RandomSplines random(17);
+  for (int k = 0; k < 120; ++k) {
+    SCOPED_TRACE(k);
+    const Eigen::Vector3d centre = random.Vector(3);
+    const double radius = random.Real(0.5, 20), off = k % 6 == 0 ? 0 : std::pow(10, -(k % 12) - 2);
+    const NurbsSurface sphere = MakeSphere(Frame(centre, random.Vector(1)), radius);
+    const Eigen::Vector3d pole =
+        sphere.At(sphere.basis_u().lower(),
+                  random.Coin() ? sphere.basis_v().lower() : sphere.basis_v().upper());
+    const Eigen::Vector3d outward = (pole - centre) / radius;
+    const Eigen::Vector3d place = pole + radius * off * random.Vector(1);
+    Eigen::Vector3d along = random.Vector(1).normalized();
+    if (k % 4 == 0) along = outward;
+    if (std::abs(along.dot(outward)) < 0.2) along = (along + outward).normalized();
+    const double length = 5 * radius;
+    const NurbsCurve<3> line = MakeLine<3>(place - length * along, place + length * along);
+    const auto met = IntersectCurveSurface(line, sphere, kTolerance * radius);
+    ASSERT_EQ(met.points.size(), 2u);
+    EXPECT_TRUE(met.overlaps.empty());
+    const double middle = (centre - place).dot(along);
+    const double half =
+        std::sqrt(radius * radius - (place + middle * along - centre).squaredNorm());
+    for (const int side : {0, 1}) {
+      const double root = middle + (side == 0 ? -half : half);
+      EXPECT_LE((met.points[side].point - place - root * along).norm(), 8 * kTolerance * radius);
+      EXPECT_FALSE(met.points[side].tangential);
+    }
+  }
+}
+
+TEST(IntersectCurvesTest, ALineInThePlaneOfAPoleTouchesThere) {
+  const NurbsSurface sphere = MakeSphere({}, 1);
+  const auto met = IntersectCurveSurface(MakeLine<3>({-2, 0.3, 1}, {2, -0.3, 1}), sphere, 1e-9);
+  ASSERT_EQ(met.points.size(), 1u);
+  EXPECT_TRUE(met.points[0].tangential);
+}
+
 }  // namespace batten::internal::intersect_curves_test

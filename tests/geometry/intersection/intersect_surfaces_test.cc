@@ -286,6 +286,100 @@ TEST(IntersectSurfacesTest, BranchesEndAtTheTrimsOfBoth) {
   ExpectSound(disk, half, both);
 }
 
+// A pipe of the hole's own size: the branch is the loop.
+TEST(IntersectSurfacesTest, ABranchAlongATrimIsWhole) {
+  for (const double radius : {0.3, 2.0, 4.0}) {
+    for (const bool hole : {true, false}) {
+      SCOPED_TRACE(radius);
+      const NurbsSurface whole = MakePlane({}, {-5, 5}, {-5, 5});
+      const SplineBasis& u = whole.basis_u();
+      const double unit = (u.upper() - u.lower()) / 10;
+      const Eigen::Vector2d middle = Eigen::Vector2d::Constant(u.lower() / 2 + u.upper() / 2);
+      std::vector<NurbsCurve<2>> loops{MakeArc(middle, radius * unit)};
+      if (hole) {
+        const double low = u.lower(), high = u.upper();
+        loops.insert(
+            loops.begin(),
+            NurbsCurve<2>(
+                SplineBasis(1, {0, 0, 1, 2, 3, 4, 4}),
+                (Eigen::Matrix2Xd(2, 5) << low, high, high, low, low, low, low, high, high, low)
+                    .finished()));
+      }
+      const NurbsSurface plate = whole.WithTrims(loops);
+      const NurbsSurface pipe = MakeCylinder({}, radius, {-radius, radius});
+      const SurfaceIntersection met = IntersectSurfaces(plate, pipe);
+      ASSERT_EQ(met.branches.size(), 1u);
+      EXPECT_TRUE(met.branches[0].closed);
+      EXPECT_NEAR(ArcLength(met.branches[0].curve), 2 * kPi * radius, 20 * met.tolerance);
+      ExpectSound(plate, pipe, met);
+    }
+  }
+}
+
+// Viviani's curve passes both poles, turned about the axis or not.
+TEST(IntersectSurfacesTest, ABranchThroughPolesKeepsSmallTolerances) {
+  for (const double turn : {0.0, 0.4}) {
+    const NurbsSurface ball =
+        Placed(MakeSphere({}, 2),
+               Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+               Eigen::Vector3d::Zero());
+    const NurbsSurface pipe = MakeCylinder(Frame({1, 0, 0}, {0, 0, 1}), 1, {-3, 3});
+    for (const double tolerance : {1e-5, 1e-7, 1e-8}) {
+      SCOPED_TRACE(tolerance);
+      const SurfaceIntersection met = IntersectSurfaces(pipe, ball, {.tolerance = tolerance});
+      ASSERT_EQ(met.branches.size(), 1u);
+      EXPECT_TRUE(met.branches[0].closed);
+      // 8 √2 E(1/2), the complete elliptic integral.
+      EXPECT_NEAR(ArcLength(met.branches[0].curve),
+                  8 * std::sqrt(2.0) * 1.3506438810476755,
+                  20 * tolerance);
+      ExpectSound(pipe, ball, met);
+    }
+  }
+}
+
+// Circles about an axis, at a pole as anywhere else.
+TEST(IntersectSurfacesTest, SmallCirclesAreFoundAboutPolesToo) {
+  const NurbsSurface ball = MakeSphere({}, 1);
+  for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, 1),
+                                           Eigen::Vector3d(0, 0, -1),
+                                           Eigen::Vector3d(1, 0, 0),
+                                           Eigen::Vector3d(2, 3, 6)}) {
+    const Eigen::Vector3d axis = direction.normalized();
+    for (const double depth : {1e-3, 1e-5, 1e-6}) {
+      for (const double share : {0.1, 1e-3}) {
+        SCOPED_TRACE(std::to_string(depth * 1e9) + "e-9, tolerances " + std::to_string(share));
+        const NurbsSurface plane = MakePlane(Frame((1 - depth) * axis, axis), {-2, 2}, {-2, 2});
+        const double tolerance = share * depth;
+        const SurfaceIntersection met = IntersectSurfaces(ball, plane, {.tolerance = tolerance});
+        ASSERT_EQ(met.branches.size(), 1u);
+        EXPECT_TRUE(met.branches[0].closed);
+        const double radius = std::sqrt(depth * (2 - depth));
+        // A polygon's worth of what the tolerance is across at the circle's angle.
+        EXPECT_NEAR(
+            ArcLength(met.branches[0].curve), 2 * kPi * radius, 8 * kPi * tolerance / radius);
+        EXPECT_TRUE(met.touches.empty() && met.overlaps.empty());
+        ExpectSound(ball, plane, met);
+      }
+    }
+  }
+}
+
+TEST(IntersectSurfacesTest, ATubeInItsSleeveTouchesAlongAClosedCircle) {
+  for (const double scale : {1.0, 1e-6, 30.0}) {
+    SCOPED_TRACE(scale);
+    const NurbsSurface ring = MakeTorus({}, 2 * scale, 0.5 * scale);
+    const NurbsSurface sleeve = MakeCylinder({}, 2.5 * scale, {-2 * scale, 2 * scale});
+    const SurfaceIntersection met = IntersectSurfaces(ring, sleeve);
+    ASSERT_EQ(met.branches.size(), 1u);
+    EXPECT_EQ(met.branches[0].kind, BranchKind::kTangential);
+    EXPECT_TRUE(met.branches[0].closed);
+    EXPECT_NEAR(ArcLength(met.branches[0].curve), 5 * kPi * scale, 20 * met.tolerance);
+    EXPECT_TRUE(met.touches.empty() && met.overlaps.empty());
+    ExpectSound(ring, sleeve, met);
+  }
+}
+
 // Creases, poles, wild weights, folds: an answer that is sound, or a refusal that says where.
 TEST(IntersectSurfacesTest, NastySurfacesEndInTime) {
   int answered = 0;
@@ -309,6 +403,7 @@ TEST(IntersectSurfacesTest, ABadToleranceIsRefused) {
   const NurbsSurface plane = MakePlane({}, {0, 1}, {0, 1});
   EXPECT_THROW(IntersectSurfaces(plane, plane, {.tolerance = 0.0}), std::invalid_argument);
   EXPECT_THROW(IntersectSurfaces(plane, plane, {.tolerance = NAN}), std::invalid_argument);
+  EXPECT_THROW(IntersectSurfaces(plane, plane, {.tolerance = 0.1}), std::invalid_argument);
 }
 
 }  // namespace batten::internal::intersect_surfaces_test

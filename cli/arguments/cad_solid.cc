@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "cli/arguments/cad_solid.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/fit_parts.h"
+#include "batten/fitting/point_mask.h"
+#include "batten/fitting/refused_data.h"
+#include "batten/io/read_error.h"
+#include "cli/arguments/part_words.h"
+#include "cli/terminal/terminal.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kMostlyExact =
+    0.6;  // of the points: below, exact faces are not what it is made of
+
+// Some of the points, from which auto sees what a body is made of.
+PointCloud Glance(const PointCloud& cloud) {
+  constexpr Eigen::Index kEnough = 8000;
+  if (cloud.size() <= kEnough) return cloud;
+  return cloud.Picked(SampleIndices(cloud.size(), kEnough, 1));
+}
+
+double ExactShare(const PartsFit& fit) {
+  return static_cast<double>(fit.report.input.used) / static_cast<double>(fit.report.input.points);
+}
+
+std::string TooFewWords(double share) {
+  return fmt::format("{:.0f} % of the points are on planes, cylinders, cones, spheres and tori",
+                     100 * share);
+}
+
+// Why the part is no solid of exact faces; empty where it is one.
+std::string WhyNot(const PartsFit& fit) {
+  const double share = ExactShare(fit);
+  return share < kMostlyExact ? TooFewWords(share) : fit.no_solid;
+}
+
+int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
+  std::vector<Geometry> faces;
+  for (PartFace& face : fit.faces) faces.emplace_back(face.surface);
+  PointMask outliers(std::ssize(fit.labels));
+  for (Eigen::Index k = 0; k < outliers.size(); ++k) outliers[k] = fit.labels[std::size_t(k)] < 0;
+  SolidCensus census;
+  files.KeepSolid(*fit.solid, census);
+  files.KeepPart(fit.summary);
+  const int code =
+      files.Write(faces, fit.residuals, fit.parameters, outliers, fit.report, fit.owners);
+  if (!a.flags.quiet) {
+    PrintNote(fmt::format("{}: {} of {} faces, {} edges; volume {:.6g}, area {:.6g}",
+                          a.out,
+                          census.solids == 1 ? "a watertight solid"
+                                             : fmt::format("{} watertight solids", census.solids),
+                          census.faces,
+                          census.edges,
+                          census.volume,
+                          census.area));
+    if (!a.flags.json) fmt::print("{}", PartTable(fit.summary));
+  }
+  return code;
+}
+
+}  // namespace
+
+SolidKind ToSolidKind(const std::string& word) {
+  return word == "cad"       ? SolidKind::kCad
+         : word == "organic" ? SolidKind::kOrganic
+                             : SolidKind::kAuto;
+}
+
+std::optional<int> RunCadSolid(const FitArguments& a,
+                               SolidKind kind,
+                               FitFiles& files,
+                               const PointCloud& cloud) {
+  if (kind == SolidKind::kOrganic) return std::nullopt;
+  PartFitOptions options;
+  options.tolerance = a.tolerance;
+  options.regularise = true;
+  options.free_form = false;
+  options.solid = true;
+  options.shift = files.shift();
+  options = WithWork(std::move(options), a);
+  std::string reason;
+  try {
+    if (kind == SolidKind::kAuto) {
+      PartFitOptions quick = options;
+      quick.regularise = quick.solid = false;
+      const double share = ExactShare(FitParts(Glance(cloud), quick));
+      if (share < kMostlyExact) throw RefusedData(TooFewWords(share));
+    }
+    PartsFit fit = FitParts(cloud, options);
+    reason = WhyNot(fit);
+    if (reason.empty()) {
+      const int code = Written(a, files, fit);
+      if (kind == SolidKind::kAuto && !a.flags.quiet) {
+        PrintNote("--kind auto: cad, for all faces are exact and their edges close");
+      }
+      return code;
+    }
+  } catch (const RefusedData& refusal) {
+    reason = refusal.what();
+  } catch (const WriteError& refusal) {
+    reason = refusal.what();
+  }
+  if (kind == SolidKind::kCad) {
+    files.Refuse("makes no solid of exact faces: " + reason +
+                 " (--kind organic makes one of smooth faces, fit parts writes the exact ones)");
+  }
+  if (!a.flags.quiet) PrintNote("--kind auto: organic, for " + reason);
+  return std::nullopt;
+}
+
+}  // namespace batten::internal

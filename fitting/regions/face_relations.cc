@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/face_relations.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "fitting/primitives/shape_scores.h"
+#include "fitting/primitives/surface_minimum.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kFarOff = 4.5;  // standard deviations: what counts in no sum
+
+using Freedoms = Eigen::Matrix<double, 7, 1>;
+
+bool HasDirection(const FittedSurface& shape) { return shape.kind != SurfaceKind::kSphere; }
+bool HasAxis(const FittedSurface& shape) { return shape.kind >= SurfaceKind::kCylinder; }
+bool HasRadius(const FittedSurface& shape) {
+  return shape.kind == SurfaceKind::kSphere || shape.kind == SurfaceKind::kCylinder ||
+         shape.kind == SurfaceKind::kTorus;
+}
+
+Eigen::Vector3d DirectionOf(const FittedSurface& shape) {
+  return shape.kind == SurfaceKind::kPlane ? shape.normal : shape.Axis();
+}
+
+// A sphere's centre, or the place of an axis beside the shape's point.
+Eigen::Vector3d MiddleOf(const FittedSurface& shape) {
+  return shape.kind == SurfaceKind::kSphere ? shape.point - shape.normal / shape.curvature
+                                            : shape.point - shape.Outward() / shape.axis_curvature;
+}
+
+double RadiusOf(const FittedSurface& shape) {
+  return 1 /
+         std::abs(shape.kind == SurfaceKind::kCylinder ? shape.axis_curvature : shape.curvature);
+}
+
+// What is zero where two shapes have the relation; of coaxial and coplanar ones that are parallel,
+// what there is besides. Directions across `frame`, which does not move.
+struct RelationGap {
+  RelationKind kind;
+  Eigen::Vector3d x, y;  // across the first shape's direction
+
+  RelationGap(RelationKind of, const FittedSurface& first) : kind(of) {
+    const Eigen::Vector3d along =
+        HasDirection(first) ? DirectionOf(first) : Eigen::Vector3d::UnitZ();
+    x = along.unitOrthogonal();
+    y = along.cross(x);
+  }
+
+  Eigen::VectorXd operator()(const FittedSurface& a, const FittedSurface& b) const {
+    switch (kind) {
+      case RelationKind::kParallel: {
+        const Eigen::Vector3d turn = DirectionOf(a).cross(DirectionOf(b));
+        return Eigen::Vector2d(x.dot(turn), y.dot(turn));
+      }
+      case RelationKind::kPerpendicular:
+        return Eigen::VectorXd::Constant(1, DirectionOf(a).dot(DirectionOf(b)));
+      case RelationKind::kCoaxial: {
+        const Eigen::Vector3d axis = DirectionOf(a), from = MiddleOf(b) - MiddleOf(a);
+        const Eigen::Vector3d off = from - from.dot(axis) * axis;
+        return Eigen::Vector2d(x.dot(off), y.dot(off));
+      }
+      case RelationKind::kCoplanar:
+        return Eigen::VectorXd::Constant(1, DirectionOf(a).dot(b.point - a.point));
+      case RelationKind::kEqualRadius:
+        break;
+    }
+    return Eigen::VectorXd::Constant(1, RadiusOf(b) - RadiusOf(a));
+  }
+};
+
+// By the freedoms of one of the two shapes, by central differences.
+Eigen::MatrixXd DerivativesOf(const RelationGap& gap,
+                              const FittedSurface& a,
+                              const FittedSurface& b,
+                              bool of_first) {
+  const FittedSurface& moving = of_first ? a : b;
+  const int freedoms = FreedomsOf(moving.kind);
+  const auto rows = gap(a, b).size();
+  Eigen::MatrixXd result(rows, freedoms);
+  for (int k = 0; k < freedoms; ++k) {
+    // Curvatures move by a share of themselves, lengths and angles by a millionth.
+    const bool bends = k == 3 || k == 6;
+    const double curvature =
+        k == 6 || moving.kind == SurfaceKind::kSphere ? moving.curvature : moving.axis_curvature;
+    const double step = 1e-6 * (bends ? std::max(std::abs(curvature), 1e-6) : 1.0);
+    Freedoms by = Freedoms::Zero();
+    by[k] = step;
+    const FittedSurface up = Moved(moving, by), down = Moved(moving, -by);
+    result.col(k) =
+        ((of_first ? gap(up, b) : gap(a, up)) - (of_first ? gap(down, b) : gap(a, down))) /
+        (2 * step);
+  }
+  return result;
+}
+
+ShapeData CoreOf(const RegionPoints& data, const RegionFace& face) {
+  ShapeData core;
+  core.points = data.points(Eigen::all, face.core);
+  core.weights = Eigen::VectorXd::Ones(core.points.cols());
+  return core;
+}
+
+// Finds relations one kind after the other.
+class RelationFinder {
+ public:
+  RelationFinder(const RegionPoints& data, const std::vector<RegionFace>& faces, ThreadPool& pool)
+      : faces_(faces) {
+    for (const RegionFace& face : faces) {
+      covariances_.push_back(
+          CovarianceOf(face.shape, CoreOf(data, face), {}, data.rounding, pool).covariance);
+    }
+    order_.resize(faces.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return DirectionVariance(a) < DirectionVariance(b);
+    });
+  }
+
+  std::vector<FaceRelation> Find() && {
+    std::vector<int> leaders;
+    const std::vector<int> parallel = Cluster(
+        RelationKind::kParallel, &HasDirection, [](int, int) { return true; }, &leaders);
+    for (std::size_t i = 0; i < leaders.size(); ++i) {
+      for (std::size_t j = i + 1; j < leaders.size(); ++j) {
+        Test(RelationKind::kPerpendicular, leaders[i], leaders[j]);
+      }
+    }
+    const auto alike = [&](int a, int b) {
+      return parallel[std::size_t(a)] == parallel[std::size_t(b)];
+    };
+    Cluster(
+        RelationKind::kCoplanar,
+        [](const FittedSurface& shape) { return shape.kind == SurfaceKind::kPlane; },
+        alike,
+        nullptr);
+    Cluster(RelationKind::kCoaxial, &HasAxis, alike, nullptr);
+    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return RadiusVariance(a) < RadiusVariance(b);
+    });
+    Cluster(
+        RelationKind::kEqualRadius, &HasRadius, [](int, int) { return true; }, nullptr);
+    return std::move(relations_);
+  }
+
+ private:
+  double DirectionVariance(int face) const {
+    const Eigen::MatrixXd& covariance = covariances_[std::size_t(face)];
+    return HasDirection(faces_[std::size_t(face)].shape) ? covariance(1, 1) + covariance(2, 2)
+                                                         : covariance(0, 0);
+  }
+
+  double RadiusVariance(int face) const {
+    const FittedSurface& shape = faces_[std::size_t(face)].shape;
+    if (!HasRadius(shape)) return std::numeric_limits<double>::infinity();
+    const int at = shape.kind == SurfaceKind::kTorus ? 6 : 3;
+    return covariances_[std::size_t(face)](at, at) * std::pow(RadiusOf(shape), 4);
+  }
+
+  // Each face that `takes` goes to the first leader that `may` lead it and has the relation, or
+  // becomes one. Returns each face's leader.
+  template <typename Takes, typename May>
+  std::vector<int> Cluster(RelationKind kind,
+                           const Takes& takes,
+                           const May& may,
+                           std::vector<int>* found) {
+    std::vector<int> leaders, leader_of(faces_.size(), -1);
+    for (const int face : order_) {
+      if (!takes(faces_[std::size_t(face)].shape)) continue;
+      for (const int leader : leaders) {
+        if (!may(leader, face) || !Test(kind, leader, face)) continue;
+        leader_of[std::size_t(face)] = leader;
+        break;
+      }
+      if (leader_of[std::size_t(face)] >= 0) continue;
+      leader_of[std::size_t(face)] = face;
+      leaders.push_back(face);
+    }
+    if (found != nullptr) *found = leaders;
+    return leader_of;
+  }
+
+  // Adds the relation where the covariances do not reject it and tell it.
+  bool Test(RelationKind kind, int first, int second) {
+    // One normal case in a thousand is farther, of one dimension and of two.
+    constexpr double kFar[] = {10.83, 13.82};
+    const FittedSurface &a = faces_[std::size_t(first)].shape,
+                        &b = faces_[std::size_t(second)].shape;
+    const RelationGap gap(kind, a);
+    const Eigen::VectorXd off = gap(a, b);
+    const Eigen::MatrixXd by_a = DerivativesOf(gap, a, b, true),
+                          by_b = DerivativesOf(gap, a, b, false);
+    const Eigen::MatrixXd variance = by_a * covariances_[std::size_t(first)] * by_a.transpose() +
+                                     by_b * covariances_[std::size_t(second)] * by_b.transpose();
+    if (!variance.allFinite() || !(variance.diagonal().minCoeff() > 0)) return false;
+    const double far = kFar[off.size() - 1];
+    if (!(off.dot(variance.ldlt().solve(off)) <= far)) return false;
+    FaceRelation relation{kind, first, second, off.norm(), std::sqrt(far * variance.trace())};
+    if (!(relation.allowed <= Telling(kind, a))) return false;
+    relations_.push_back(relation);
+    return true;
+  }
+
+  static double Telling(RelationKind kind, const FittedSurface& shape) {
+    constexpr double kAngle = 0.0175, kLength = 0.01, kRadius = 0.1;
+    if (kind == RelationKind::kEqualRadius) return kRadius * RadiusOf(shape);
+    return kind == RelationKind::kParallel || kind == RelationKind::kPerpendicular ? kAngle
+                                                                                   : kLength;
+  }
+
+  const std::vector<RegionFace>& faces_;
+  std::vector<Eigen::MatrixXd> covariances_;
+  std::vector<int> order_;  // best known directions first
+  std::vector<FaceRelation> relations_;
+};
+
+// One Gauss–Newton step for all faces.
+class ConstrainedStep {
+ public:
+  ConstrainedStep(const std::vector<FittedSurface>& shapes,
+                  const std::vector<FaceRelation>& relations,
+                  const std::vector<RelationGap>& gaps)
+      : shapes_(shapes), relations_(relations), gaps_(gaps) {}
+
+  // The steps of all freedoms, from the forms Σ d²/2 of the faces and their variances.
+  std::vector<Freedoms> From(const std::vector<SurfaceForm>& forms,
+                             const std::vector<double>& variances) {
+    std::vector<Eigen::MatrixXd> inverses;
+    std::vector<Eigen::VectorXd> plain;
+    for (std::size_t k = 0; k < shapes_.size(); ++k) {
+      const int n = FreedomsOf(shapes_[k].kind);
+      const Eigen::MatrixXd matrix = forms[k].matrix.topLeftCorner(n, n) / variances[k];
+      inverses.push_back(matrix.completeOrthogonalDecomposition().pseudoInverse());
+      plain.push_back(inverses.back() * forms[k].gradient.head(n) / variances[k]);
+    }
+    Linearise();
+    // Multipliers: (J A⁻¹ Jᵀ) λ = c − J A⁻¹ g.
+    const auto rows = off_.size();
+    Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(rows, rows);
+    Eigen::VectorXd right = off_;
+    for (const Block& one : blocks_) {
+      right.segment(one.row, one.by.rows()) -= one.by * plain[std::size_t(one.face)];
+      for (const Block& other : blocks_) {
+        if (other.face != one.face) continue;
+        schur.block(one.row, other.row, one.by.rows(), other.by.rows()) +=
+            one.by * inverses[std::size_t(one.face)] * other.by.transpose();
+      }
+    }
+    const Eigen::VectorXd multipliers = schur.completeOrthogonalDecomposition().solve(right);
+    std::vector<Freedoms> steps(shapes_.size(), Freedoms::Zero());
+    for (std::size_t k = 0; k < shapes_.size(); ++k) steps[k].head(plain[k].size()) = -plain[k];
+    for (const Block& one : blocks_) {
+      steps[std::size_t(one.face)].head(one.by.cols()) -=
+          inverses[std::size_t(one.face)] * one.by.transpose() *
+          multipliers.segment(one.row, one.by.rows());
+    }
+    return steps;
+  }
+
+ private:
+  struct Block {
+    int face;
+    Eigen::Index row;
+    Eigen::MatrixXd by;
+  };
+
+  void Linearise() {
+    std::vector<double> all;
+    for (std::size_t k = 0; k < relations_.size(); ++k) {
+      const FaceRelation& relation = relations_[k];
+      const FittedSurface &a = shapes_[std::size_t(relation.first)],
+                          &b = shapes_[std::size_t(relation.second)];
+      const Eigen::VectorXd off = gaps_[k](a, b);
+      const auto row = std::ssize(all);
+      blocks_.push_back({relation.first, row, DerivativesOf(gaps_[k], a, b, true)});
+      blocks_.push_back({relation.second, row, DerivativesOf(gaps_[k], a, b, false)});
+      all.insert(all.end(), off.begin(), off.end());
+    }
+    off_ = Eigen::Map<Eigen::VectorXd>(all.data(), std::ssize(all));
+  }
+
+  const std::vector<FittedSurface>& shapes_;
+  const std::vector<FaceRelation>& relations_;
+  const std::vector<RelationGap>& gaps_;
+  std::vector<Block> blocks_;
+  Eigen::VectorXd off_;
+};
+
+}  // namespace
+
+const char* Name(RelationKind kind) {
+  switch (kind) {
+    case RelationKind::kParallel:
+      return "parallel";
+    case RelationKind::kPerpendicular:
+      return "perpendicular";
+    case RelationKind::kCoaxial:
+      return "coaxial";
+    case RelationKind::kCoplanar:
+      return "coplanar";
+    case RelationKind::kEqualRadius:
+      break;
+  }
+  return "equal radius";
+}
+
+std::vector<FaceRelation> FindRelations(const RegionPoints& data,
+                                        const std::vector<RegionFace>& faces,
+                                        ThreadPool& pool) {
+  return RelationFinder(data, faces, pool).Find();
+}
+
+std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
+                                       const std::vector<RegionFace>& faces,
+                                       const std::vector<FaceRelation>& relations,
+                                       ThreadPool& pool) {
+  constexpr int kMostSteps = 20;
+  constexpr double kTuning = 2.795, kSettled = 1e-14;
+  std::vector<FittedSurface> shapes;
+  std::vector<ShapeData> cores;
+  std::vector<double> variances;
+  for (const RegionFace& face : faces) {
+    shapes.push_back(face.shape);
+    cores.push_back(CoreOf(data, face));
+    const double sigma = std::max(face.numbers.scale / data.unit, data.rounding);
+    variances.push_back(sigma * sigma);
+  }
+  if (relations.empty()) return shapes;
+  for (int step = 0; step < kMostSteps; ++step) {
+    std::vector<RelationGap> gaps;
+    for (const FaceRelation& relation : relations) {
+      gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)]);
+    }
+    std::vector<SurfaceForm> forms;
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      const double far = kFarOff * std::sqrt(variances[k]);
+      forms.push_back(FormOf(shapes[k], cores[k], {Loss::kTruncated, far / kTuning}, pool));
+    }
+    const std::vector<Freedoms> steps =
+        ConstrainedStep(shapes, relations, gaps).From(forms, variances);
+    double largest = 0;
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      shapes[k] = Moved(shapes[k], steps[k]);
+      largest = std::max(largest, steps[k].head<3>().norm());
+    }
+    if (largest < kSettled) break;
+  }
+  return shapes;
+}
+
+}  // namespace batten::internal

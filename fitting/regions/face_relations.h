@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What the faces of a part have in common, and their fit under it.
+#pragma once
+
+#include <vector>
+
+#include "batten/geometry/thread_pool.h"
+#include "fitting/regions/region_face.h"
+#include "fitting/regions/region_points.h"
+
+namespace batten::internal {
+
+enum class RelationKind { kParallel, kPerpendicular, kCoaxial, kCoplanar, kEqualRadius };
+
+// "parallel", "perpendicular", …
+const char* Name(RelationKind kind);
+
+// Of two faces, the first of which is the better known.
+struct FaceRelation {
+  RelationKind kind;
+  int first, second;
+  double deviation = 0;  // radians, or a length in units of RegionPoints
+  double allowed = 0;    // the greatest that one case in a thousand of chance explains
+};
+
+// The relations that the faces' covariances do not reject, χ² at a thousandth, and that they tell:
+// angles to a degree, lengths to a hundredth of the size, radii to a tenth. Of faces that are all
+// parallel, coaxial, coplanar or of one radius each has its relation to the best known of them;
+// perpendicular are those best known. Coaxial and coplanar faces are parallel besides.
+std::vector<FaceRelation> FindRelations(const RegionPoints& data,
+                                        const std::vector<RegionFace>& faces,
+                                        ThreadPool& pool);
+
+// The shapes of least Σ (d/σ)² over all faces' core points under the relations, exactly: Gauss–
+// Newton steps over all freedoms with multipliers. [Fletcher 1987, §10] O(relations³) a step.
+std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
+                                       const std::vector<RegionFace>& faces,
+                                       const std::vector<FaceRelation>& relations,
+                                       ThreadPool& pool);
+
+}  // namespace batten::internal

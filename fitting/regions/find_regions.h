@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Regions of a cloud with settled borders, at the noise that their own points show.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "batten/fitting/progress.h"
+#include "batten/geometry/thread_pool.h"
+#include "fitting/regions/grow_regions.h"
+
+namespace batten::internal {
+
+inline constexpr int kFewestPoints = 30;  // of a region: four for each freedom of a torus
+
+struct FoundRegions {
+  RegionLabels labels;
+  double sigma = 0;  // standard deviation of points about their region's shape
+};
+
+// `tolerance`: points so far from a shape are of it whatever the noise; 0: none. Lengths in the
+// unit of the data.
+FoundRegions FindRegions(const RegionPoints& data,
+                         double tolerance,
+                         const Progress& progress,
+                         ThreadPool& pool);
+
+// Connected sets of at least `fewest` points of no region whose normals turn evenly: smooth pieces
+// of no simple shape.
+std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
+                                              const std::vector<int>& label,
+                                              int fewest);
+
+}  // namespace batten::internal

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/part_options.h"
+
+#include <cmath>
+
+#include "geometry/numeric/reject.h"
+
+namespace batten {
+using namespace internal;
+
+void Check(const PartFitOptions& options) {
+  const char* const function = "PartFitOptions";
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
+    Reject(function, "tolerance must be positive");
+  }
+  if (!options.shift.allFinite()) Reject(function, "shift must be finite");
+}
+
+}  // namespace batten

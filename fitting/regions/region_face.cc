@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/region_face.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "batten/fitting/poles.h"
+#include "batten/fitting/trim_to_points.h"
+#include "batten/geometry/make_surface.h"
+#include "fitting/primitives/surface_patch.h"
+#include "fitting/primitives/surface_primitive.h"
+
+namespace batten::internal {
+namespace {
+
+SurfaceShape Moved(SurfaceShape shape, const Eigen::Vector3d& move) {
+  if (auto* plane = std::get_if<PlaneShape>(&shape)) plane->point += move;
+  if (auto* sphere = std::get_if<SphereShape>(&shape)) sphere->center += move;
+  if (auto* cylinder = std::get_if<CylinderShape>(&shape)) cylinder->point += move;
+  if (auto* cone = std::get_if<ConeShape>(&shape)) cone->apex += move;
+  if (auto* torus = std::get_if<TorusShape>(&shape)) torus->center += move;
+  return shape;
+}
+
+PointMask NoneOf(std::size_t count) {
+  return PointMask::Constant(static_cast<Eigen::Index>(count), false);
+}
+
+// Which edges of the patch are one point.
+Poles PolesOf(const ExactSurface& patch) {
+  Poles poles;
+  constexpr double kAtPole = 1e-12;
+  if (const auto* sphere = std::get_if<ExactSphere>(&patch)) {
+    poles.turn = sphere->longitude.sweep;
+    if (sphere->latitude.lower <= kAllLatitudes.lower + kAtPole) poles.start = PoleKind::kSmooth;
+    if (sphere->latitude.upper >= kAllLatitudes.upper - kAtPole) poles.end = PoleKind::kSmooth;
+  } else if (const auto* cone = std::get_if<ExactCone>(&patch)) {
+    poles.turn = cone->angles.sweep;
+    if (cone->radius_lower == 0) poles.start = PoleKind::kApex;
+    if (cone->radius_upper == 0) poles.end = PoleKind::kApex;
+  }
+  return poles;
+}
+
+}  // namespace
+
+FittedSurface Placed(FittedSurface shape, double scale, const Eigen::Vector3d& shift) {
+  shape.point = scale * shape.point + shift;
+  shape.curvature /= scale;
+  shape.axis_curvature /= scale;
+  return shape;
+}
+
+std::optional<RegionFace> FittedFace(const RegionPoints& data,
+                                     const FittedSurface& shape,
+                                     std::vector<int> points,
+                                     std::vector<int> core,
+                                     const Eigen::Vector3d& move,
+                                     std::uint64_t seed,
+                                     ThreadPool& pool) {
+  const Eigen::Matrix3Xd some = (data.unit * data.points(Eigen::all, core)).colwise() + data.middle;
+  try {
+    ShapeFitter fitter(some, {}, {.rounding = data.rounding, .seed = seed}, pool);
+    const ShapeFit fit = fitter.Fit(shape.kind);
+    DescribedSurface described = Described(fit, fitter, some, move, data.rounding, pool);
+    // From the fitter's unit to the cloud's, and to that of the regions.
+    const FittedSurface in_cloud = Placed(fit.local, fitter.unit(), fitter.middle());
+    return RegionFace{Placed(in_cloud, 1 / data.unit, -data.middle / data.unit),
+                      std::move(points),
+                      std::move(core),
+                      std::move(described.summary),
+                      std::move(described.warnings)};
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+void TakeShape(const RegionPoints& data,
+               const FittedSurface& shape,
+               const Eigen::Vector3d& move,
+               RegionFace& face) {
+  ThreadPool alone(1);
+  face.shape = shape;
+  const Eigen::Matrix3Xd core = data.points(Eigen::all, face.core);
+  const ExactSurface patch = PatchOf(shape, core, NoneOf(face.core.size()), alone);
+  PrimitiveSummary numbers = NumbersOf(shape.Shape(data.unit, data.middle),
+                                       Placed(patch, data.unit, data.middle + move),
+                                       data.unit * core.rowwise().mean() + data.middle,
+                                       move);
+  numbers.kind = std::move(face.numbers.kind);
+  numbers.scale = face.numbers.scale;
+  numbers.why = std::move(face.numbers.why);
+  numbers.accuracy = std::move(face.numbers.accuracy);
+  face.numbers = std::move(numbers);
+}
+
+PartFace CoveredFace(const RegionPoints& data,
+                     const RegionFace& face,
+                     const Eigen::Vector3d& move,
+                     std::vector<std::string>& warnings,
+                     ThreadPool& pool) {
+  const Eigen::Matrix3Xd points = data.points(Eigen::all, face.points);
+  const ExactSurface local = PatchOf(face.shape, points, NoneOf(face.points.size()), pool);
+  const ExactSurface patch = Placed(local, data.unit, data.middle + move);
+  const Eigen::Matrix2Xd feet = FootPointsOn(local, points, pool);
+  PartFace made{Moved(face.shape.Shape(data.unit, data.middle), move), patch, ToNurbs(patch)};
+  PointTrim trim = TrimToPoints(
+      made.surface, feet, PolesOf(patch), data.unit * data.spacing, face.numbers.scale, pool);
+  made.surface = std::move(trim.surface);
+  constexpr double kMany = 0.05;  // of the points: fewer stand out of a smooth outline by chance
+  if (static_cast<double>(trim.outside.size()) > kMany * static_cast<double>(points.cols())) {
+    for (std::string& warning : trim.warnings) warnings.push_back(std::move(warning));
+  }
+  return made;
+}
+
+}  // namespace batten::internal

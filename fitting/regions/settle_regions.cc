@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/settle_regions.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "fitting/regions/region_shape.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr double kPrice = 0.3;     // of a neighbour of another region, in the units of (d/σ)²/2
+constexpr double kTurned = 2;      // price of a normal at right angles to the shape's
+constexpr double kFarPoint = 4.5;  // standard deviations: farther off, a point is of no region
+constexpr int kMostSweeps = 30, kMostRounds = 4;
+
+// What a point pays for belonging to a region.
+class LabelPrices {
+ public:
+  LabelPrices(const RegionPoints& data, const RegionLabels& labels, double sigma)
+      : data_(data), labels_(labels), sigma_(sigma) {}
+
+  int Best(int point) const {
+    const auto around = data_.Around(point);
+    int best = kNoRegion;
+    double least = kFarPoint * kFarPoint / 2;
+    std::vector<int> choices{labels_.label[std::size_t(point)]};
+    for (const int other : around) choices.push_back(labels_.label[std::size_t(other)]);
+    std::sort(choices.begin(), choices.end());
+    choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+    for (const int choice : choices) {
+      if (choice == kNoRegion) continue;
+      const FittedSurface& shape = labels_.regions[std::size_t(choice)].shape;
+      const double off = shape.Distance(data_.points.col(point)) / sigma_;
+      double price = off * off / 2;
+      if (!(price < kFarPoint * kFarPoint / 2)) continue;
+      const double turned = NormalOff(data_, point, shape);
+      price += kTurned * turned * turned;
+      for (const int other : around) {
+        const int there = labels_.label[std::size_t(other)];
+        if (there != choice && there != kNoRegion) price += kPrice;
+      }
+      if (best == kNoRegion || price < least) {
+        least = price;
+        best = choice;
+      }
+    }
+    return best;
+  }
+
+ private:
+  const RegionPoints& data_;
+  const RegionLabels& labels_;
+  const double sigma_;
+};
+
+void Compete(const RegionPoints& data, double sigma, RegionLabels& labels) {
+  const LabelPrices prices(data, labels, sigma);
+  const auto count = static_cast<int>(data.size());
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    int changes = 0;
+    for (int k = 0; k < count; ++k) {
+      const int best = prices.Best(k);
+      if (best == labels.label[std::size_t(k)]) continue;
+      labels.label[std::size_t(k)] = best;
+      ++changes;
+    }
+    if (changes == 0) return;
+  }
+}
+
+// Regions as connected sets of points of one label; small ones have no region any more.
+void Connect(const RegionPoints& data, int fewest, RegionLabels& labels) {
+  const std::vector<int> before = labels.label;
+  std::vector<Region> parts;
+  std::fill(labels.label.begin(), labels.label.end(), kNoRegion);
+  std::vector<bool> seen(before.size());
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    if (before[k] == kNoRegion || seen[k]) continue;
+    std::vector<int> part{static_cast<int>(k)};
+    seen[k] = true;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      for (const int other : data.Around(part[i])) {
+        if (seen[std::size_t(other)] || before[std::size_t(other)] != before[k]) continue;
+        seen[std::size_t(other)] = true;
+        part.push_back(other);
+      }
+    }
+    if (std::ssize(part) < fewest) continue;
+    std::sort(part.begin(), part.end());
+    for (const int point : part) labels.label[std::size_t(point)] = static_cast<int>(parts.size());
+    parts.push_back({labels.regions[std::size_t(before[k])].shape, std::move(part)});
+  }
+  labels.regions = std::move(parts);
+}
+
+// Shapes from core points; of the kind they have, or a simpler or richer one where those ask for
+// it.
+void Refit(const RegionPoints& data, double sigma, RegionLabels& labels, ThreadPool& pool) {
+  std::vector<FittedSurface> shapes(labels.regions.size());
+  pool.For(std::ssize(shapes), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    ThreadPool alone(1);
+    for (auto k = begin; k < end; ++k) {
+      const Region& region = labels.regions[std::size_t(k)];
+      const std::vector<int> core = CorePoints(data, labels, static_cast<int>(k), sigma);
+      const auto simplest = SimplestShape(data, core, sigma, alone);
+      if (simplest) {
+        shapes[std::size_t(k)] = *simplest;
+        continue;
+      }
+      const auto again = ShapeThrough(data, core, region.shape.kind, sigma, &region.shape);
+      shapes[std::size_t(k)] = again.value_or(region.shape);
+    }
+  });
+  for (std::size_t k = 0; k < shapes.size(); ++k) labels.regions[k].shape = shapes[k];
+}
+
+// Whether the shapes of two regions have nearly the same normals where the regions touch.
+bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b) {
+  constexpr double kSmooth = 0.4;  // mean sine
+  const FittedSurface &one = labels.regions[std::size_t(a)].shape,
+                      &other = labels.regions[std::size_t(b)].shape;
+  double sum = 0, count = 0;
+  for (const int point : labels.regions[std::size_t(a)].points) {
+    for (const int next : data.Around(point)) {
+      if (labels.label[std::size_t(next)] != b) continue;
+      const Eigen::Vector3d here = one.TouchingNear(data.points.col(point)).normal;
+      sum += here.cross(other.TouchingNear(data.points.col(next)).normal).norm();
+      ++count;
+    }
+  }
+  return count > 0 && sum <= kSmooth * count;
+}
+
+// Joins the first pair that one shape explains; whether there was one.
+bool JoinOne(const RegionPoints& data,
+             double sigma,
+             RegionLabels& labels,
+             std::map<std::pair<int, int>, bool>& tried,
+             ThreadPool& pool) {
+  const auto touching = TouchingRegions(data, labels);
+  for (int a = 0; a < std::ssize(touching); ++a) {
+    for (const auto& [b, pairs] : touching[std::size_t(a)]) {
+      const Region &one = labels.regions[std::size_t(a)], &other = labels.regions[std::size_t(b)];
+      if (b < a || one.points.empty() || other.points.empty() || tried[{a, b}]) continue;
+      tried[{a, b}] = true;
+      if (!JoinSmoothly(data, labels, a, b)) continue;
+      std::vector<int> both;
+      std::merge(one.points.begin(),
+                 one.points.end(),
+                 other.points.begin(),
+                 other.points.end(),
+                 std::back_inserter(both));
+      const auto shape = SimplestShape(data, both, sigma, pool);
+      if (!shape) continue;
+      // Each side by itself: a large one would hide what a small one rejects.
+      if (!TestShape(data, one.points, *shape, sigma).passed ||
+          !TestShape(data, other.points, *shape, sigma).passed) {
+        continue;
+      }
+      for (const int point : other.points) labels.label[std::size_t(point)] = a;
+      labels.regions[std::size_t(a)] = {*shape, std::move(both)};
+      labels.regions[std::size_t(b)].points.clear();
+      for (auto& [key, done] : tried) {
+        if (key.first == a || key.second == a) done = false;
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
+void JoinNeighbours(const RegionPoints& data,
+                    double sigma,
+                    RegionLabels& labels,
+                    ThreadPool& pool) {
+  std::map<std::pair<int, int>, bool> tried;
+  while (JoinOne(data, sigma, labels, tried, pool)) {
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<std::pair<int, int>>> TouchingRegions(const RegionPoints& data,
+                                                              const RegionLabels& labels) {
+  std::vector<std::map<int, int>> counts(labels.regions.size());
+  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
+    const int here = labels.label[std::size_t(k)];
+    if (here == kNoRegion) continue;
+    for (const int other : data.Around(k)) {
+      const int there = labels.label[std::size_t(other)];
+      if (there != kNoRegion && there != here) ++counts[std::size_t(here)][there];
+    }
+  }
+  std::vector<std::vector<std::pair<int, int>>> touching;
+  for (const auto& count : counts) touching.emplace_back(count.begin(), count.end());
+  return touching;
+}
+
+std::vector<int> CorePoints(const RegionPoints& data,
+                            const RegionLabels& labels,
+                            int region,
+                            double sigma) {
+  constexpr double kApart = 4;  // standard deviations
+  constexpr int kRings = 4;     // of neighbours: as far as shapes of regions can be confused
+  constexpr std::size_t kLeast = 16;
+  const Region& own = labels.regions[std::size_t(region)];
+  // Which other regions are near each member.
+  std::map<int, std::vector<int>> near;  // by point
+  std::vector<int> border;
+  for (const int point : own.points) {
+    for (const int other : data.Around(point)) {
+      const int there = labels.label[std::size_t(other)];
+      if (there == kNoRegion || there == region) continue;
+      auto& list = near[point];
+      if (std::find(list.begin(), list.end(), there) == list.end()) list.push_back(there);
+    }
+  }
+  for (int ring = 1; ring < kRings; ++ring) {
+    const auto before = near;
+    for (const auto& [point, others] : before) {
+      for (const int next : data.Around(point)) {
+        if (labels.label[std::size_t(next)] != region) continue;
+        auto& list = near[next];
+        for (const int other : others) {
+          if (std::find(list.begin(), list.end(), other) == list.end()) list.push_back(other);
+        }
+      }
+    }
+  }
+  std::vector<int> core;
+  for (const int point : own.points) {
+    const auto found = near.find(point);
+    bool certain = true;
+    if (found != near.end()) {
+      const Eigen::Vector3d foot = own.shape.TouchingNear(data.points.col(point)).point;
+      for (const int other : found->second) {
+        const double off = labels.regions[std::size_t(other)].shape.Distance(foot);
+        certain = certain && std::abs(off) > kApart * sigma;
+      }
+    }
+    if (certain) core.push_back(point);
+  }
+  return core.size() >= kLeast ? core : own.points;
+}
+
+void SettleRegions(
+    const RegionPoints& data, double sigma, int fewest, RegionLabels& labels, ThreadPool& pool) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<int> before = labels.label;
+    // Later rounds move borders only; what can be joined shows once shapes have been fitted again.
+    if (round < 2) JoinNeighbours(data, sigma, labels, pool);
+    Compete(data, sigma, labels);
+    Connect(data, fewest, labels);
+    Refit(data, sigma, labels, pool);
+    if (labels.label == before) break;
+  }
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/solid/field_layout.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "batten/fitting/refused_data.h"
+#include "fitting/solid/cross_field.h"
+#include "fitting/solid/even_triangles.h"
+#include "fitting/solid/grid_faces.h"
+#include "fitting/solid/grid_map.h"
+#include "fitting/solid/quad_improver.h"
+#include "fitting/solid/triangle_curvature.h"
+#include "fitting/solid/triangle_topology.h"
+
+namespace batten::internal {
+
+namespace {
+
+// Of every triangle, such that the faces are so many.
+Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
+                            const TriangleTopology& topology,
+                            double faces,
+                            bool by_curvature) {
+  const double length = std::sqrt(AreaOf(surface) / faces);
+  if (!by_curvature) return Eigen::VectorXd::Constant(topology.triangles(), length);
+  Eigen::VectorXd sizes = FaceSizes(surface, topology, length);
+  double count = 0;
+  for (int t = 0; t < topology.triangles(); ++t) {
+    const auto corner = surface.triangles.col(t);
+    const Eigen::Vector3d a = surface.vertices.col(corner[0]);
+    const Eigen::Vector3d b = surface.vertices.col(corner[1]) - a;
+    count += b.cross(surface.vertices.col(corner[2]) - a).norm() / (2 * sizes[t] * sizes[t]);
+  }
+  return sizes * std::sqrt(count / faces);
+}
+
+}  // namespace
+
+QuadMesh FieldLayout(const TriangleSurface& surface,
+                     const SurfaceProjector& projector,
+                     double faces,
+                     bool by_curvature,
+                     const Progress& progress) {
+  const double area = AreaOf(surface);
+  const double length = std::sqrt(area / faces);
+  constexpr double kFine = 0.42;        // of the length of faces
+  constexpr double kTriangles = 12000;  // at least, so that they follow the shape
+  const double edge = std::min(kFine * length, std::sqrt(4 / std::sqrt(3.0) * area / kTriangles));
+  const TriangleSurface even = EvenTriangles(surface, projector, edge, progress);
+  const TriangleTopology topology(even);
+  Report(progress, "layout", 0.5);
+  const std::vector<double> crosses = SmoothCrosses(even, topology, length);
+  Report(progress, "layout", 0.6);
+  const GridMap map =
+      MapOntoGrid(even, topology, crosses, FaceLengths(even, topology, faces, by_curvature));
+  Report(progress, "layout", 0.9);
+  const QuadMesh raw = FacesOfGrid(even, topology, map);
+  std::vector<Quad> quads;
+  for (const auto face : raw.faces.colwise()) quads.push_back({face[0], face[1], face[2], face[3]});
+  QuadImprover improver(raw.vertices, std::move(quads), projector);
+  constexpr int kSmoothings = 4;
+  improver.Smooth(kSmoothings);
+  improver.Improve();
+  constexpr double kEven = 0;  // no angle is flat
+  if (improver.LeastSquareness() < kEven) throw RefusedData("a face is too uneven");
+  QuadMesh layout = improver.Mesh();
+  CheckQuadMesh(layout);
+  if (EulerOf(layout) != EulerOf(surface)) throw RefusedData("its genus differs");
+  return layout;
+}
+
+}  // namespace batten::internal

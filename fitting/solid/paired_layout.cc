@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/solid/paired_layout.h"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+
+#include "batten/fitting/refused_data.h"
+#include "fitting/solid/even_triangles.h"
+#include "fitting/solid/matching_kernel.h"
+#include "fitting/solid/quad_improver.h"
+#include "geometry/subdivision/catmull_clark.h"
+
+namespace batten::internal {
+namespace {
+
+// Angles of 14° to 166° at least: where a coarse layout does not follow the shape, faces fold.
+constexpr double kEven = 0.15;
+
+// All triangles in pairs. The dual graph has three edges at every node and no bridge, so it has a
+// perfect matching. [Petersen 1891; weights: Edmonds 1965]
+std::vector<Quad> Paired(const TriangleSurface& surface) {
+  const auto count = int(surface.triangles.cols());
+  std::unordered_map<std::int64_t, int> left;
+  for (int t = 0; t < count; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
+      left[std::int64_t{a} << 32 | b] = 3 * t + k;
+    }
+  }
+  std::vector<std::array<int, 2>> edges;
+  std::vector<int> weights;
+  std::vector<Quad> quads;
+  for (int t = 0; t < count; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
+      if (a > b) continue;
+      const int other = left.at(std::int64_t{b} << 32 | a);
+      const int c = surface.triangles((k + 2) % 3, t);
+      const int d = surface.triangles((other % 3 + 2) % 3, other / 3);
+      if (c == d) continue;
+      edges.push_back({t, other / 3});
+      const Quad quad = {a, d, b, c};
+      constexpr double kUnits = 10000;
+      weights.push_back(int(kUnits * std::max(-3.0, Squareness(surface.vertices, quad))));
+      quads.push_back(quad);
+    }
+  }
+  std::vector<Quad> paired;
+  for (const int e : PerfectMatching(count, edges, weights))
+    paired.push_back(quads[std::size_t(e)]);
+  if (paired.empty()) throw RefusedData("the triangles can't be paired");
+  return paired;
+}
+
+// A layout of about so many faces; throws std::invalid_argument where none of that Euler number
+// comes out.
+QuadMesh EvenLayout(const TriangleSurface& surface,
+                    const SurfaceProjector& projector,
+                    double faces,
+                    double least_squareness,
+                    const Progress& progress) {
+  // Two triangles to a face; those of even size have edges of this length.
+  const double length = std::sqrt(2 * AreaOf(surface) / (std::sqrt(3.0) * faces));
+  const TriangleSurface even = EvenTriangles(surface, projector, length, progress);
+  QuadImprover improver(even.vertices, Paired(even), projector);
+  improver.Improve();
+  if (improver.LeastSquareness() < least_squareness) throw RefusedData("a face is too uneven");
+  QuadMesh layout = improver.Mesh();
+  CheckQuadMesh(layout);
+  if (EulerOf(layout) != EulerOf(surface))
+    throw RefusedData("its genus differs from the surface's");
+  return layout;
+}
+
+// The layout with every face cut in four, on the surface; faces that come out uneven are refused.
+QuadMesh Finer(const QuadMesh& layout, const SurfaceProjector& projector) {
+  const SubdividedMesh finer =
+      Subdivided(QuadTopology(layout.faces, static_cast<int>(layout.vertices.cols())));
+  Eigen::Matrix3Xd points = Combined(finer.stencils, layout.vertices);
+  for (Eigen::Index v = 0; v < points.cols(); ++v) points.col(v) = projector.Nearest(points.col(v));
+  std::vector<Quad> quads;
+  for (const auto face : finer.topology.corners().colwise()) {
+    quads.push_back({face[0], face[1], face[2], face[3]});
+  }
+  QuadImprover improver(points, std::move(quads), projector);
+  constexpr int kSmoothings = 10;
+  improver.Smooth(kSmoothings);
+  if (improver.LeastSquareness() < kEven) throw RefusedData("a face is too uneven");
+  QuadMesh mesh = improver.Mesh();
+  CheckQuadMesh(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+QuadMesh PairedLayout(const TriangleSurface& surface,
+                      const SurfaceProjector& projector,
+                      int faces,
+                      const Progress& progress) {
+  std::string why;
+  // A coarse layout cut finer has fewer extraordinary vertices, where its faces are fine enough for
+  // the shape; a layout finer than asked for may be where those are not.
+  for (const double coarse : {16.0, 4.0, 1.0, 0.6}) {
+    constexpr double kAny = -3;     // least of all squarenesses; the fit judges
+    constexpr double kFewest = 40;  // faces of a coarse layout
+    if (coarse > 1 && faces / coarse < kFewest) continue;
+    Report(progress, "layout", 0.0);
+    try {
+      QuadMesh layout =
+          EvenLayout(surface, projector, faces / coarse, coarse > 1 ? kEven : kAny, progress);
+      for (double cut = coarse; cut > 1; cut /= 4) layout = Finer(layout, projector);
+      return layout;
+    } catch (const std::invalid_argument& fault) {
+      why = fault.what();
+    }
+  }
+  throw RefusedData(why);
+}
+
+}  // namespace batten::internal

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/fitting/fit_solid.h"
+#include "batten/fitting/refused_data.h"
+#include "batten/fitting/solid_layout.h"
+
+namespace batten {
+namespace {
+
+// Whether points left out are met better than by another fit, by more than a standard error of the
+// differences point by point.
+bool MeetsBetter(const SolidFit& fit, const SolidFit& other) {
+  if (fit.held_out.size() != other.held_out.size()) {
+    return fit.report.error.rms < other.report.error.rms;
+  }
+  const Eigen::ArrayXd gain = (other.held_out - fit.held_out).array();
+  const double mean = gain.mean();
+  const double variance = (gain - mean).square().mean() / double(gain.size());
+  return mean > std::sqrt(std::max(variance, std::numeric_limits<double>::min()));
+}
+
+// Whether one with three times as many faces may do: that takes most of what is not noise.
+bool IsNearNoise(const SolidFit& fit) {
+  constexpr double kTaken = 0.1;  // of the variance that is left; of a smooth shape 1/81
+  const double noise = fit.report.input.noise * fit.report.input.noise;
+  return kTaken * (fit.held_out.mean() - noise) < noise;
+}
+
+}  // namespace
+
+SolidFit FitSolid(const PointCloud& cloud,
+                  const TriangleSurface& surface,
+                  int faces,
+                  const SolidFitOptions& options) {
+  Check(options);
+  if (faces > 0) return FitSolid(cloud, LayoutOf(surface, faces, options.progress), options);
+  const int most = LayoutFaces(cloud.size() - MergeDuplicates(cloud).duplicates);
+  constexpr int kFewest = 60;  // coarser layouts seldom follow a shape
+  std::vector<int> counts;     // from the last on
+  for (const int coarse : {1, 3, 9}) {
+    if (coarse == 1 || (!options.smoothing && most / coarse >= kFewest)) {
+      counts.push_back(most / coarse);
+    }
+  }
+  std::optional<SolidFit> best;
+  std::string why;
+  while (!counts.empty()) {
+    const int count = counts.back();
+    counts.pop_back();
+    try {
+      SolidFit fit = FitSolid(cloud, LayoutOf(surface, count, options.progress), options);
+      if (best && !MeetsBetter(fit, *best)) break;
+      best = std::move(fit);
+      if (count == most) break;
+      // The finest next; the one between only if that is refused.
+      if (counts.size() > 1 && !IsNearNoise(*best)) std::swap(counts.front(), counts.back());
+    } catch (const Cancelled&) {
+      if (!best) throw;
+      best->report.termination = Termination::kCancelled;
+      break;
+    } catch (const RefusedData& refusal) {
+      why = refusal.what();  // too coarse for the shape, or too fine for the points
+    }
+  }
+  if (!best) throw RefusedData(why);
+  return std::move(*best);
+}
+
+}  // namespace batten

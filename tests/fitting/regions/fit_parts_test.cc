@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+#include "batten/fitting/fit_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "batten/fitting/refused_data.h"
+#include "part_clouds.h"
+#include "refusal.h"
+
+namespace batten::internal {
+namespace fit_parts_test {
+
+constexpr int kPoints = 20000;
+
+PartsFit Fitted(const PartCloud& cloud, PartFitOptions options = {}) {
+  options.threads = 2;
+  return FitParts(PointCloud::FromWorld(cloud.points), options);
+}
+
+// The truth of each face found: that of most of its points.
+std::vector<int> TruthOf(const PartsFit& fit, const PartCloud& cloud) {
+  std::vector<std::map<int, int>> votes(fit.faces.size());
+  for (std::size_t k = 0; k < cloud.face.size(); ++k) {
+    if (fit.labels[k] >= 0) ++votes[std::size_t(fit.labels[k])][cloud.face[k]];
+  }
+  std::vector<int> truth;
+  for (const auto& vote : votes) {
+    truth.push_back(std::max_element(vote.begin(), vote.end(), [](const auto& a, const auto& b) {
+                      return a.second < b.second;
+                    })->first);
+  }
+  return truth;
+}
+
+// Differences of the fitted numbers from the true ones, in standard deviations.
+class Deviations {
+ public:
+  void Add(const PrimitiveSummary& found, const SurfaceShape& truth) {
+    if (const auto* plane = std::get_if<PlaneShape>(&truth)) {
+      Length("offset", (*found.point - plane->point).dot(plane->normal), found);
+      Direction("normal", *found.normal, plane->normal, found);
+    } else if (const auto* cylinder = std::get_if<CylinderShape>(&truth)) {
+      Length("radius", *found.radius - cylinder->radius, found);
+      Direction("axis", *found.axis, cylinder->axis, found);
+    } else if (const auto* sphere = std::get_if<SphereShape>(&truth)) {
+      Length("radius", *found.radius - sphere->radius, found);
+      for (int i = 0; i < 3; ++i) {
+        Length(std::string("center_") + "xyz"[i], (*found.center - sphere->center)[i], found);
+      }
+    } else if (const auto* cone = std::get_if<ConeShape>(&truth)) {
+      Length("half_angle", *found.half_angle - cone->half_angle, found);
+      Direction("axis", *found.axis, cone->axis, found);
+    }
+  }
+
+  const std::vector<double>& all() const { return all_; }
+
+ private:
+  void Length(const std::string& name, double off, const PrimitiveSummary& found) {
+    all_.push_back(std::abs(off) / found.accuracy->Deviation(name));
+  }
+  void Direction(const std::string& name,
+                 const Eigen::Vector3d& direction,
+                 const Eigen::Vector3d& truth,
+                 const PrimitiveSummary& found) {
+    all_.push_back(std::abs(truth.dot(found.accuracy->frame_x)) /
+                   found.accuracy->Deviation(name + "_x"));
+    all_.push_back(std::abs(truth.dot(found.accuracy->frame_y)) /
+                   found.accuracy->Deviation(name + "_y"));
+    EXPECT_GT(std::abs(direction.dot(truth)), 0.99);
+  }
+
+  std::vector<double> all_;
+};
+
+class MachinedPartTest : public testing::TestWithParam<int> {
+ protected:
+  const TruthPart part = MachinedParts()[std::size_t(GetParam())];
+};
+
+TEST_P(MachinedPartTest, HasItsFacesOfTheirKindsAndNoOthersAtEveryNoise) {
+  for (const double sigma : {0.0, 1e-4, 1e-3}) {
+    SCOPED_TRACE(part.name + " at noise " + std::to_string(sigma));
+    const PartCloud cloud = SampledPart(part, kPoints, sigma, 7);
+    const PartsFit fit = Fitted(cloud);
+    ASSERT_EQ(fit.faces.size(), part.faces.size());
+    const std::vector<int> truth = TruthOf(fit, cloud);
+    std::vector<int> found = truth;
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(std::unique(found.begin(), found.end()), found.end());
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
+    }
+    // All points but a few at corners are of the face they were put on, or on the border of it.
+    constexpr double kMost = 0.95;
+    double right = 0;
+    for (std::size_t k = 0; k < cloud.face.size(); ++k) {
+      right += fit.labels[k] >= 0 && truth[std::size_t(fit.labels[k])] == cloud.face[k];
+    }
+    EXPECT_GT(right, kMost * kPoints);
+    EXPECT_NEAR(fit.report.error.rms, sigma, 0.02 * sigma + 1e-9);
+  }
+}
+
+TEST_P(MachinedPartTest, IsTheSameOnAnyNumberOfThreads) {
+  const PartCloud cloud = SampledPart(part, kPoints / 4, 1e-4, 3);
+  PartFitOptions options;
+  options.threads = 1;
+  const PointCloud points = PointCloud::FromWorld(cloud.points);
+  const PartsFit one = FitParts(points, options);
+  options.threads = 2;
+  const PartsFit two = FitParts(points, options);
+  EXPECT_EQ(one.labels, two.labels);
+  EXPECT_LT((one.residuals - two.residuals).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MachinedPartTest, testing::Range(0, 7));
+
+TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
+  Deviations deviations;
+  unsigned seed = 20;
+  for (const TruthPart& part : MachinedParts()) {
+    for (const double sigma : {1e-4, 1e-3}) {
+      const PartCloud cloud = SampledPart(part, kPoints, sigma, ++seed);
+      const PartsFit fit = Fitted(cloud);
+      const std::vector<int> truth = TruthOf(fit, cloud);
+      for (std::size_t k = 0; k < truth.size(); ++k) {
+        deviations.Add(*fit.summary.faces[k].primitive, part.faces[std::size_t(truth[k])].shape);
+      }
+    }
+  }
+  const auto& all = deviations.all();
+  const auto within = std::count_if(all.begin(), all.end(), [](double d) { return d <= 2; });
+  ASSERT_GT(all.size(), 300u);
+  RecordProperty("numbers", static_cast<int>(all.size()));
+  RecordProperty("within", static_cast<int>(within));
+  // Of normal errors 95.4 % are; three standard deviations of the count are chance.
+  const auto count = static_cast<double>(all.size());
+  EXPECT_GE(static_cast<double>(within), 0.954 * count - 3 * std::sqrt(0.954 * 0.046 * count));
+}
+
+TEST(FitPartsTest, SizeAndPlaceDoNotMatter) {
+  const TruthPart part = ShaftPart();
+  const PartCloud cloud = SampledPart(part, kPoints / 2, 1e-4, 5);
+  for (const auto& [scale, shift] : {std::pair(1e-6, 0.0), std::pair(1000.0, 5e6)}) {
+    SCOPED_TRACE(scale);
+    PartCloud moved = cloud;
+    moved.points = (scale * cloud.points).colwise() + Eigen::Vector3d(shift, -shift, 0);
+    const PartsFit fit = Fitted(moved);
+    ASSERT_EQ(fit.faces.size(), part.faces.size());
+    const std::vector<int> truth = TruthOf(fit, moved);
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
+    }
+  }
+}
+
+TEST(FitPartsTest, DuplicatesAndStrayPointsChangeNoFace) {
+  const TruthPart part = LBlockPart();
+  PartCloud cloud = SampledPart(part, kPoints / 2, 1e-4, 5);
+  const Eigen::Index count = cloud.points.cols();
+  cloud.points.conservativeResize(Eigen::NoChange, count + 1200);
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> even(-0.2, 1.2);
+  for (Eigen::Index k = 0; k < 1000; ++k) cloud.points.col(count + k) = cloud.points.col(7 * k);
+  for (Eigen::Index k = 1000; k < 1200; ++k) {
+    cloud.points.col(count + k) << even(engine), even(engine), even(engine);
+  }
+  const PartsFit fit = Fitted(cloud);
+  EXPECT_EQ(fit.faces.size(), part.faces.size());
+  EXPECT_EQ(fit.report.input.duplicates, 1000);
+  EXPECT_GT(fit.report.input.outliers, 150);
+  for (Eigen::Index k = 0; k < 1000; ++k) {
+    EXPECT_EQ(fit.labels[std::size_t(count + k)], fit.labels[std::size_t(7 * k)]);
+  }
+}
+
+TEST(FitPartsTest, RelationsHoldExactlyOnceTheyAreKept) {
+  const PartCloud cloud = SampledPart(FlangePart(), kPoints, 1e-3, 7);
+  PartFitOptions options;
+  options.regularise = true;
+  const PartsFit fit = Fitted(cloud, options);
+  ASSERT_FALSE(fit.summary.relations.empty());
+  constexpr double kExact = 1e-12;
+  const auto numbers = [&](int face) { return *fit.summary.faces[std::size_t(face)].primitive; };
+  const auto along = [](const PrimitiveSummary& p) { return p.normal ? *p.normal : *p.axis; };
+  std::map<std::string, int> kinds;
+  for (const RelationSummary& relation : fit.summary.relations) {
+    ++kinds[relation.kind];
+    EXPECT_TRUE(relation.kept);
+    EXPECT_LE(relation.deviation, relation.allowed);
+    const PrimitiveSummary first = numbers(relation.faces[0]);
+    for (const int face : relation.faces) {
+      const PrimitiveSummary other = numbers(face);
+      if (relation.kind == "parallel") {
+        EXPECT_LT(along(first).cross(along(other)).norm(), kExact);
+      }
+      if (relation.kind == "equal radius") {
+        EXPECT_NEAR(*first.radius, *other.radius, kExact);
+      }
+      if (relation.kind == "coaxial") {
+        EXPECT_LT((*other.point - *first.point).cross(*first.axis).norm(), kExact);
+      }
+    }
+  }
+  // Ten parallel directions, the bore in the rim's axis, six equal holes.
+  EXPECT_EQ(kinds["parallel"], 1);
+  EXPECT_EQ(kinds["coaxial"], 1);
+  EXPECT_EQ(kinds["equal radius"], 1);
+  // Points are no farther off than noise and what a relation may cost.
+  EXPECT_NEAR(fit.report.error.rms, 1e-3, 2e-5);
+}
+
+TEST(FitPartsTest, WhatIsNotTrueIsNoRelation) {
+  // A box of which one side leans by 1°, eight times what noise can hide.
+  TruthPart part = BoxPart();
+  part.faces[1] = FlatFace({0, 0, 0.4}, {1, 0, 0.0175}, {0, 0.7, 0});
+  const PartCloud cloud = SampledPart(part, kPoints, 1e-4, 7);
+  const PartsFit fit = Fitted(cloud);
+  const std::vector<int> truth = TruthOf(fit, cloud);
+  for (const RelationSummary& relation : fit.summary.relations) {
+    if (relation.kind != "parallel") continue;
+    const bool leans = std::any_of(relation.faces.begin(), relation.faces.end(), [&](int face) {
+      return truth[std::size_t(face)] == 1;
+    });
+    EXPECT_FALSE(leans);
+  }
+}
+
+TEST(FitPartsTest, SharpPartsAreSolidsWithTheirEdgesAndVertices) {
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  for (const TruthPart& part : {BoxPart(), LBlockPart(), TubePart(), FlangePart(), ShaftPart()}) {
+    for (const double sigma : {0.0, 1e-4, 1e-3}) {
+      SCOPED_TRACE(part.name + " at noise " + std::to_string(sigma));
+      const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, 7), options);
+      ASSERT_TRUE(fit.solid) << fit.no_solid;
+      EXPECT_EQ(std::ssize(fit.solid->edges), part.edges);
+      // Every closed edge has a vertex of its own.
+      if (part.vertices > 0) {
+        EXPECT_EQ(fit.solid->vertices.cols(), part.vertices);
+      }
+      std::vector<int> forward(fit.solid->edges.size()), backward(fit.solid->edges.size());
+      for (const TrimmedSolidFace& face : fit.solid->faces) {
+        for (const auto& loop : face.loops) {
+          for (const TrimmedSolidCoedge& coedge : loop)
+            ++(coedge.reversed ? backward : forward)[std::size_t(coedge.edge)];
+        }
+      }
+      EXPECT_EQ(forward, std::vector<int>(forward.size(), 1));
+      EXPECT_EQ(backward, std::vector<int>(backward.size(), 1));
+      for (const TrimmedSolidEdge& edge : fit.solid->edges) EXPECT_TRUE(edge.exact);
+    }
+  }
+}
+
+TEST(FitPartsTest, TheSolidOfSmoothlyJoinedFacesIsRefusedWithTheirPlace) {
+  PartFitOptions options;
+  options.solid = true;
+  const PartsFit fit = Fitted(SampledPart(BracketPart(), kPoints, 1e-4, 7), options);
+  EXPECT_FALSE(fit.solid);
+  EXPECT_NE(fit.no_solid.find("meet smoothly"), std::string::npos) << fit.no_solid;
+}
+
+TEST(FitPartsTest, RefusesWhatHasNoFaces) {
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> even(0, 1);
+  Eigen::Matrix3Xd points(3, 3000);
+  for (double& value : points.reshaped()) value = even(engine);
+  EXPECT_THROW(FitParts(PointCloud(points)), RefusedData);
+  EXPECT_THROW(FitParts(PointCloud(points.leftCols(20))), RefusedData);
+  EXPECT_THROW(FitParts(PointCloud(points, Eigen::Vector3d::Zero(), 2)), std::invalid_argument);
+  PartFitOptions options;
+  options.tolerance = -1;
+  EXPECT_THROW(FitParts(PointCloud(points), options), std::invalid_argument);
+}
+
+TEST(FitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
+  // A block whose top is a wave.
+  TruthPart part = BoxPart();
+  TruthFace top = FlatFace({0, 0, 0.4}, {1, 0, 0}, {0, 0.7, 0});
+  const auto flat = top.place;
+  top.shape = FreeForm();
+  top.place = [flat](double u, double v) -> Eigen::Vector3d {
+    return flat(u, v) + Eigen::Vector3d(0, 0, 0.05 * std::sin(7 * u) * std::cos(5 * v));
+  };
+  part.faces[1] = top;
+  const PartCloud cloud = SampledPart(part, kPoints, 1e-4, 7);
+  const PartsFit fit = Fitted(cloud);
+  const std::vector<int> truth = TruthOf(fit, cloud);
+  double free_points = 0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    if (fit.summary.faces[k].kind == "free") {
+      EXPECT_EQ(truth[k], 1);
+      free_points += static_cast<double>(fit.summary.faces[k].points);
+    }
+  }
+  // Most of it: three rings along its rim have neighbours over the edge, and bits of it are as near
+  // to a torus as noise tells.
+  constexpr double kMost = 2.0 / 3;
+  const auto all = std::count(cloud.face.begin(), cloud.face.end(), 1);
+  EXPECT_GT(free_points, kMost * static_cast<double>(all));
+}
+
+}  // namespace fit_parts_test
+}  // namespace batten::internal
