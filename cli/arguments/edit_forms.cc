@@ -120,9 +120,9 @@ Geometry BezierForm(const Geometry& shape) {
 Geometry BsplineForm(const EditOperation& operation, const Geometry& shape) {
   return std::visit(
       [&](const auto& one) -> Geometry {
-        return RemoveKnots(one,
-                           operation.Has("tolerance") ? operation.Number("tolerance")
-                                                      : RoundingOf(one))
+        return RemoveKnots(
+                   one,
+                   operation.Has("tolerance") ? operation.Number("tolerance") : RoundingOf(one))
             .shape;
       },
       shape);

@@ -249,11 +249,12 @@ int RunIntersect(const IntersectArguments& a) {
               {"tolerance_reached", meets.reached}};
   if (!a.out.empty()) {
     if (meets.curves.empty()) {
-      throw ReadError(a.first,
-                      "has no curve in common with " + a.second +
-                          (none                     ? ": they do not meet"
-                           : meets.overlaps.empty() ? ": they meet in points only"
-                                                    : ": they coincide; leave -o out to see where"));
+      throw ReadError(
+          a.first,
+          "has no curve in common with " + a.second +
+              (none                     ? ": they do not meet"
+               : meets.overlaps.empty() ? ": they meet in points only"
+                                        : ": they coincide; leave -o out to see where"));
     }
     const GeometryFile file{a.out, meets.curves};
     WriteGeometryFiles({file}, WriteOptions(a.out_format, same, first));

@@ -26,14 +26,14 @@ struct MetPlace {
 // end of an open curve where that is not between the points, and along a direction the curve is as
 // fast as the free fit is along it; points are moved to their foot points and the curve is solved
 // again until their distances settle. Where the fit is at given parameters (CurveDistance) points
-// stay at theirs, and a place is met at its own parameter, or that of a point in the same place. Knots are inserted where
-// places need more control points than there are, and within a tolerance where points are out.
-// Places are met to 1e-9 of the points' size, usually to rounding; the report warns of those that
-// are farther from the free fit than its residuals explain.
-// Throws std::invalid_argument, with a sentence for the user, as FitCurve does; where a place is
-// not finite or a direction has no length; where places contradict one another: two at one point of
-// the curve, or more than its degree + 1 between two knots that can't be told apart; and where they
-// and the points leave control points undetermined. [Piegl & Tiller 1997, §9.4.2]
+// stay at theirs, and a place is met at its own parameter, or that of a point in the same place.
+// Knots are inserted where places need more control points than there are, and within a tolerance
+// where points are out. Places are met to 1e-9 of the points' size, usually to rounding; the report
+// warns of those that are farther from the free fit than its residuals explain. Throws
+// std::invalid_argument, with a sentence for the user, as FitCurve does; where a place is not
+// finite or a direction has no length; where places contradict one another: two at one point of the
+// curve, or more than its degree + 1 between two knots that can't be told apart; and where they and
+// the points leave control points undetermined. [Piegl & Tiller 1997, §9.4.2]
 template <int Dim>
 CurveFit<Dim> FitCurveThrough(const PointCloud& cloud,
                               const std::vector<MetPlace>& places,

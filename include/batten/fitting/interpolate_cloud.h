@@ -26,7 +26,8 @@ struct CloudInterpolationOptions {
   // tangent or curvature given at one end holds there whatever this says. Degree 3.
   std::optional<SplineEnds> spline = std::nullopt;
   // The curve of a function: y(x), in space y and z of x. Its parameter is x, the first coordinate,
-  // in which points may come in any order (a warning tells), and C' has x' = 1; `parameterization` is not looked at.
+  // in which points may come in any order (a warning tells), and C' has x' = 1; `parameterization`
+  // is not looked at.
   bool function_of_x = false;
   CurveParameterization parameterization = CurveParameterization::kChord;
   bool keep_order = false;  // given parameters must not decrease from point to point

@@ -16,7 +16,8 @@ namespace batten {
 // `tolerance` (≥ 0, the data's units) apart are moved together, half the gap each, also where the
 // last meets the first; nothing else moves. Throws std::invalid_argument without curves, where a
 // gap is larger (the message says how large, and at which curve, by its name among `names`, or its
-// number from 1 on), and where a closed or periodic curve is one of several. O(curves² + control points · degree).
+// number from 1 on), and where a closed or periodic curve is one of several. O(curves² + control
+// points · degree).
 template <int Dim>
 NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves,
                         double tolerance,

@@ -11,8 +11,8 @@ namespace batten {
 
 // The shape with one weight replaced, control points and knots unchanged: points are pulled towards
 // the control point (a greater weight) or pushed away from it (a smaller one) along straight lines.
-// Over a periodic basis every copy of the control point takes the weight, and where the shape closes
-// over a clamped basis the one it coincides with keeps its ratio to it. Throws
+// Over a periodic basis every copy of the control point takes the weight, and where the shape
+// closes over a clamped basis the one it coincides with keeps its ratio to it. Throws
 // std::invalid_argument if there is no such control point or the weight is not positive and finite.
 // [Piegl & Tiller 1997, §11.3]
 template <int Dim>
@@ -41,10 +41,10 @@ NurbsSurface Pulled(const NurbsSurface& surface, double u, double v, int i, int 
 // points that act there move, all along the same direction, in proportion to their rational basis
 // functions R: ΔP_i = R_i / Σ R_j² · (to − C(u)). Weights and knots stay bit by bit. Copies of
 // a control point over a periodic basis move together and count once, as do those that coincide
-// because the shape closes over a clamped basis or an edge of it is a point: it stays closed. The new shape has `to` to
-// 8(p + 1)·ε of the largest coordinate (on surfaces the product of both p + 1).
-// Throws std::invalid_argument if the parameter is outside the domain (in a periodic direction it
-// is wrapped) or `to` is not finite. [Piegl & Tiller 1997, §11.2, §11.5]
+// because the shape closes over a clamped basis or an edge of it is a point: it stays closed. The
+// new shape has `to` to 8(p + 1)·ε of the largest coordinate (on surfaces the product of both p +
+// 1). Throws std::invalid_argument if the parameter is outside the domain (in a periodic direction
+// it is wrapped) or `to` is not finite. [Piegl & Tiller 1997, §11.2, §11.5]
 template <int Dim>
 NurbsCurve<Dim> MovedPoint(const NurbsCurve<Dim>& curve,
                            double u,

@@ -11,8 +11,8 @@ namespace batten {
 
 // The general cylinder S(u,v) = C(u) + v·by over the curve's own basis, periodic too, and [0, 1].
 // Exact. Throws std::invalid_argument unless `by` is finite, not zero, and not so small that it is
-// lost in the coordinates, and where the curve lies on a line along it, so that the surface would have
-// no area. [Piegl & Tiller 1997, §8.3]
+// lost in the coordinates, and where the curve lies on a line along it, so that the surface would
+// have no area. [Piegl & Tiller 1997, §8.3]
 NurbsSurface Extrude(const NurbsCurve<3>& profile, const Eigen::Vector3d& by);
 
 enum class RuledBy {

@@ -37,7 +37,9 @@ TEST(ExtrudeTest, MovesTheProfileAlongTheVector) {
                 Extrude(MakeArc(Frame({5e6, 0, 0}, {0, 0, 1}), 2), {0, 0, 1e-10});
               }),
               HasSubstr("too little"));
-  EXPECT_THAT(RefusalOf([] { Extrude(MakeLine<3>({0, 0, 0}, {1, 2, 3}), {-2, -4, -6}); }),
+  EXPECT_THAT(RefusalOf([] {
+                Extrude(MakeLine<3>({0, 0, 0}, {1, 2, 3}), {-2, -4, -6});
+              }),
               HasSubstr("no area"));
 }
 
