@@ -413,7 +413,7 @@ const std::vector<ConstructionKind>& ConstructionKinds() {
        AddCoons,
        BetweenSides},
       {"patch",
-       "The bicubic patch of corners, tangents and twists (Hermite form; without twists "
+       "The bicubic patch of corners, tangents and twists (Hermite's form; without twists "
        "Ferguson's)",
        "patch -o patch.step --corner-00 0,0,0 --corner-10 4,0,0 --corner-01 0,3,0 \\\n"
        "    --corner-11 4,3,1 --tangents-u 4,0,4,4,0,-4,4,0,4,4,0,-4",

@@ -17,6 +17,7 @@ namespace batten::internal {
 struct MakeArguments {
   std::string center = "0,0,0", axis = "0,0,1", x_axis;
   std::string from, to, corner00, corner10, corner01, corner11, size;
+  std::string derivatives, second_derivatives;  // of hermite, beside ends
   std::string radius, radii, major_radius, minor_radius, height, top_radius, half_angle;
   std::string start_angle = "0", sweep = "360", latitudes = "-90,90";
   std::string tube_start = "0", tube_sweep = "360";

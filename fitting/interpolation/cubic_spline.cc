@@ -293,10 +293,12 @@ SplineDerivatives<Dim> WithEnds(const Steps<Dim>& s,
                                 const CubicEndCondition<Dim>& end,
                                 Unknowns unknowns) {
   const std::array<CubicEndCondition<Dim>, 2> given{start, end};
-  bool curved[2];
+  EndCurvatures<Dim> curved;
   for (const int side : {0, 1}) {
-    if (!given[side].value.allFinite()) RefuseSpline("an end's value is not finite");
-    curved[side] = IsCurvature(given[side].kind);
+    const auto& [kind, value] = given[side];
+    if (!value.allFinite()) RefuseSpline("an end's value is not finite");
+    const bool of_function = kind == CubicEnd::kFunctionCurvature;
+    if (of_function || kind == CubicEnd::kCurvature) curved[side] = {value, of_function};
   }
   using Seconds = typename EndSlopes<Dim>::Seconds;
   const auto solved = [&](const Steps<Dim>& steps,
@@ -324,7 +326,7 @@ SplineDerivatives<Dim> WithEnds(const Steps<Dim>& s,
   }
   // An end that runs so much faster than all chords is a solution on paper only.
   const double wild = 1e3 * s.d.colwise().norm().maxCoeff();
-  const auto seconds = SecondsOfCurvatures<Dim>(given, slopes, wild);
+  const auto seconds = SecondsOfCurvatures<Dim>(curved, slopes, wild);
   if (!seconds) {
     RefuseSpline(
         "no spline with the curvatures given at its ends was found: take smaller ones, give a "

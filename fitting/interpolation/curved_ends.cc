@@ -16,11 +16,11 @@ struct SecondBySlope {
 };
 
 template <int Dim>
-SecondBySlope<Dim> SecondOf(const CubicEndCondition<Dim>& condition,
+SecondBySlope<Dim> SecondOf(const EndCurvature<Dim>& asked,
                             double share,
                             const Eigen::Matrix<double, Dim, 1>& slope) {
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
-  const Eigen::Matrix<double, Dim, 1> k = share * condition.value;
+  const Eigen::Matrix<double, Dim, 1> k = share * asked.value;
   SecondBySlope<Dim> second;
   if constexpr (Dim == 2) {
     const double speed = slope.norm();
@@ -33,7 +33,7 @@ SecondBySlope<Dim> SecondOf(const CubicEndCondition<Dim>& condition,
     second.by_slope =
         2 * k * slope.transpose() - slope * k.transpose() - slope.dot(k) * Matrix::Identity();
   }
-  if (condition.kind != CubicEnd::kFunctionCurvature) return second;
+  if (!asked.of_function) return second;
   const double ratio = second.value[0] / slope[0];
   Eigen::Matrix<double, 1, Dim> by_ratio = second.by_slope.row(0) / slope[0];
   by_ratio[0] -= ratio / slope[0];
@@ -49,9 +49,8 @@ class CurvatureSearch {
  public:
   using Seconds = typename EndSlopes<Dim>::Seconds;
 
-  CurvatureSearch(const std::array<CubicEndCondition<Dim>, 2>& conditions,
-                  const EndSlopes<Dim>& slopes)
-      : conditions_(conditions), slopes_(slopes) {}
+  CurvatureSearch(const EndCurvatures<Dim>& curvatures, const EndSlopes<Dim>& slopes)
+      : curvatures_(curvatures), slopes_(slopes) {}
 
   // Newton's method, steps halved where they do not help.
   std::optional<Seconds> From(Seconds seconds, double share) const {
@@ -112,9 +111,8 @@ class CurvatureSearch {
   };
 
   SecondBySlope<Dim> Second(int end, double share, const Place& slope) const {
-    if (!IsCurvature(conditions_[end].kind))
-      return {Place::Zero(), Eigen::Matrix<double, Dim, Dim>::Zero()};
-    return SecondOf<Dim>(conditions_[end], share, slope);
+    if (!curvatures_[end]) return {Place::Zero(), Eigen::Matrix<double, Dim, Dim>::Zero()};
+    return SecondOf<Dim>(*curvatures_[end], share, slope);
   }
 
   Equations EquationsAt(const Seconds& seconds, double share) const {
@@ -130,15 +128,15 @@ class CurvatureSearch {
         equations.by_seconds.template block<Dim, Dim>(end * Dim, other * Dim) -=
             slopes_.by(end, other) * wanted.by_slope;
       }
-      const double size = std::max(seconds[end].norm(),
-                                   share * conditions_[end].value.norm() * slope.squaredNorm());
+      const double asked = curvatures_[end] ? share * curvatures_[end]->value.norm() : 0;
+      const double size = std::max(seconds[end].norm(), asked * slope.squaredNorm());
       if (!miss.allFinite()) equations.missing = HUGE_VAL;
       if (size > 0) equations.missing = std::max(equations.missing, miss.norm() / size);
     }
     return equations;
   }
 
-  const std::array<CubicEndCondition<Dim>, 2>& conditions_;
+  const EndCurvatures<Dim>& curvatures_;
   const EndSlopes<Dim>& slopes_;
 };
 
@@ -146,10 +144,8 @@ class CurvatureSearch {
 
 template <int Dim>
 std::optional<typename EndSlopes<Dim>::Seconds> SecondsOfCurvatures(
-    const std::array<CubicEndCondition<Dim>, 2>& conditions,
-    const EndSlopes<Dim>& slopes,
-    double wild) {
-  const CurvatureSearch<Dim> search(conditions, slopes);
+    const EndCurvatures<Dim>& curvatures, const EndSlopes<Dim>& slopes, double wild) {
+  const CurvatureSearch<Dim> search(curvatures, slopes);
   const auto tame = [&](const auto& seconds) {
     return slopes.At(0, seconds).norm() <= wild && slopes.At(1, seconds).norm() <= wild;
   };
@@ -164,9 +160,11 @@ std::optional<typename EndSlopes<Dim>::Seconds> SecondsOfCurvatures(
   return {};
 }
 
-template std::optional<EndSlopes<2>::Seconds> SecondsOfCurvatures(
-    const std::array<CubicEndCondition<2>, 2>&, const EndSlopes<2>&, double);
-template std::optional<EndSlopes<3>::Seconds> SecondsOfCurvatures(
-    const std::array<CubicEndCondition<3>, 2>&, const EndSlopes<3>&, double);
+template std::optional<EndSlopes<2>::Seconds> SecondsOfCurvatures(const EndCurvatures<2>&,
+                                                                  const EndSlopes<2>&,
+                                                                  double);
+template std::optional<EndSlopes<3>::Seconds> SecondsOfCurvatures(const EndCurvatures<3>&,
+                                                                  const EndSlopes<3>&,
+                                                                  double);
 
 }  // namespace batten::internal

@@ -6,8 +6,6 @@
 #include <array>
 #include <optional>
 
-#include "batten/fitting/cubic_spline.h"
-
 namespace batten::internal {
 
 // First derivatives at the start and the end of a spline as its second derivatives M there make
@@ -23,18 +21,21 @@ struct EndSlopes {
   }
 };
 
-inline bool IsCurvature(CubicEnd kind) {
-  return kind == CubicEnd::kCurvature || kind == CubicEnd::kFunctionCurvature;
-}
+// A curvature asked for at an end, as CubicEndCondition has it.
+template <int Dim>
+struct EndCurvature {
+  Eigen::Matrix<double, Dim, 1> value;
+  bool of_function = false;  // of the first coordinate, whose second derivative is zero
+};
+template <int Dim>
+using EndCurvatures = std::array<std::optional<EndCurvature<Dim>>, 2>;
 
-// The second derivatives at the ends whose conditions are curvatures (zero at the others), to
+// The second derivatives at the ends that are to have curvatures (zero at the others), to
 // 1e-12: followed from the spline without curvatures while those grow to what is asked for, by
 // Newton's method; where that branch turns back, from starts of other speeds. None where no start
 // leads to a spline whose ends run no faster than `wild`.
 template <int Dim>
 std::optional<typename EndSlopes<Dim>::Seconds> SecondsOfCurvatures(
-    const std::array<CubicEndCondition<Dim>, 2>& conditions,
-    const EndSlopes<Dim>& slopes,
-    double wild);
+    const EndCurvatures<Dim>& curvatures, const EndSlopes<Dim>& slopes, double wild);
 
 }  // namespace batten::internal

@@ -35,13 +35,10 @@ NurbsSurface BicubicPatch(const PatchCorners& corners) {
         point + (step_u * along_u + step_v * along_v + step_u * step_v * twist);
   }
   RequireThat(apart, "BicubicPatch", "all four corners are one point");
-  Eigen::Index farthest = 0;
-  (points.colwise() - points.col(0)).colwise().squaredNorm().maxCoeff(&farthest);
-  RequireThat(!LieAlong(points, points.col(farthest) - points.col(0)),
-              "BicubicPatch",
-              "corners, tangents and twists lie on one line: the patch would have no area");
   const SplineBasis cubic = SplineBasis::Uniform(3, 4, 0, 1);
-  return NurbsSurface(cubic, cubic, std::move(points));
+  NurbsSurface patch(cubic, cubic, std::move(points));
+  RequireArea(patch, "BicubicPatch");
+  return patch;
 }
 
 }  // namespace batten

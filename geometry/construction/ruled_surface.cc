@@ -114,7 +114,9 @@ RuledSurface Ruled(const NurbsCurve<3>& first,
       apart > 4 * kEpsilon * std::max(Largest(first), Largest(second)),
       "Ruled",
       "the two curves are one: their control points are at most " + RoundedText(apart) + " apart");
-  return {Between(curves[0], curves[1]), error};
+  RuledSurface ruled{Between(curves[0], curves[1]), error};
+  RequireArea(ruled.surface, "Ruled");
+  return ruled;
 }
 
 }  // namespace batten

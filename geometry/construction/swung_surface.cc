@@ -72,19 +72,14 @@ double TurnOf(const NurbsCurve<3>& around) {
 
 NurbsSurface SweepTranslational(const NurbsCurve<3>& profile, const NurbsCurve<3>& trajectory) {
   RequireThat(!IsPoint(trajectory), "SweepTranslational", "the trajectory is a point");
-  Eigen::Index farthest = 0;
-  const Eigen::Matrix3Xd way =
-      trajectory.control_points().colwise() - trajectory.control_points().col(0);
-  way.colwise().squaredNorm().maxCoeff(&farthest);
-  RequireThat(
-      !LieAlong(way, way.col(farthest)) || !LieAlong(profile.control_points(), way.col(farthest)),
-      "SweepTranslational",
-      "the profile lies on a line along the trajectory, or is a point: the surface would "
-      "have no area; turn one of them");
+  RequireThat(!IsPoint(profile), "SweepTranslational", "the profile is a point");
   const Eigen::Vector3d start = trajectory.At(trajectory.basis().lower());
-  return OfPairs(profile, trajectory, [&](const Eigen::Vector3d& c, const Eigen::Vector3d& t) {
-    return Eigen::Vector3d(c + (t - start));
-  });
+  NurbsSurface swept =
+      OfPairs(profile, trajectory, [&](const Eigen::Vector3d& c, const Eigen::Vector3d& t) {
+        return Eigen::Vector3d(c + (t - start));
+      });
+  RequireArea(swept, "SweepTranslational");
+  return swept;
 }
 
 NurbsSurface Swing(const NurbsCurve<3>& profile,

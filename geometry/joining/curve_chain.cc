@@ -99,7 +99,7 @@ NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves,
         Nearest<Dim>(curves, left, EndOf(chain, false), EndOf(chain, true), tolerance);
     RequireThat(next.gap <= tolerance,
                 "Unified",
-                "no curve goes on within the tolerance " + NumberText(tolerance) +
+                "no curve goes on within the tolerance " + RoundedText(tolerance) +
                     ": the nearest, " + name(next.index) + ", is " + RoundedText(next.gap) +
                     " from an end of the chain");
     NurbsCurve<Dim> curve = raised(curves[next.index]);

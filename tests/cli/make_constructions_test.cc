@@ -211,9 +211,14 @@ TEST_F(MakeConstructionsTest, NetworksSidesAndPatches) {
 TEST_F(MakeConstructionsTest, SurfacesWithoutAreaAreRefused) {
   const std::string line = Line("line.json", "0,0,0", "0,0,4");
   ExpectRefused({"extrude", line, "--by", "0,0,-2"}, "the surface would have no area");
+  const std::string on = Line("on.json", "0,0,9", "0,0,5");
+  for (const char* kind : {"ruled", "loft"}) ExpectRefused({kind, line, on}, "lies on one line");
+  ExpectRefused(
+      {"coons", line, Line("b.json", "0,0,4", "0,0,9"), on, Line("d.json", "0,0,5", "0,0,0")},
+      "lies on one line");
   ExpectRefused(
       {"patch", "--corner-00=0,0,0", "--corner-10=1,1,1", "--corner-01=2,2,2", "--corner-11=3,3,3"},
-      "lie on one line");
+      "lies on one line");
   ExpectRefused({"sweep", Line("along.json", "0,0,0", "0,0,1"), line}, "no area");
   ExpectRefused({"sweep", File("along.json"), line, "--translational"}, "no area");
   const std::string ring =

@@ -42,9 +42,9 @@ struct SplineDerivatives {
 //      parabola.
 //  (2) The natural spline has the least ∫ |C''|² of all curves through the points at these
 //      parameters.
-//  (3) Curvatures are met by Newton's method for the second derivatives at the ends, from the
-//  spline
-//      without them on, to 1e-12.
+//  (3) Curvatures are met to 1e-12, by Newton's method for the second derivatives at the ends,
+//      from the spline without them on.
+//
 // O(m). Throws std::invalid_argument, with a sentence for the user, if sizes disagree, something is
 // not finite, parameters do not increase, and where no spline with the curvatures is found: great
 // ones may have none. [de Boor 1978, IV; Piegl & Tiller 1997, §9.2.3]

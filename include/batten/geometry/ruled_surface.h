@@ -34,7 +34,7 @@ struct RuledSurface {
 // knots are made common, and weights stay those of each curve, so that both edges are exact. With
 // kLength the second edge is a cubic that runs at the pace of the first curve. A curve that is a
 // point makes a cone. Throws std::invalid_argument where one curve is closed and the other not, or
-// the two are the same, and for kLength where a curve has no length. [Piegl & Tiller 1997, §8.4]
+// both are one or on one line, and for kLength where one has no length. [Piegl & Tiller 1997, §8.4]
 RuledSurface Ruled(const NurbsCurve<3>& first,
                    const NurbsCurve<3>& second,
                    const RuledOptions& options = {});

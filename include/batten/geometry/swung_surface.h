@@ -10,8 +10,8 @@
 namespace batten {
 
 // S(u,v) = C(u) + T(v) − T(start), over the bases of both curves, periodic too, with the products
-// of their weights: exact. The profile stays where it is. Throws std::invalid_argument where the
-// trajectory is a point. [Piegl & Tiller 1997, §10.4; Farin 2002, §15.5]
+// of their weights: exact. The profile stays where it is. Throws std::invalid_argument where
+// either is a point or both lie on one line. [Piegl & Tiller 1997, §10.4; Farin 2002, §15.5]
 NurbsSurface SweepTranslational(const NurbsCurve<3>& profile, const NurbsCurve<3>& trajectory);
 
 // The swung surface S(u,v) = (s·P_x(v)·T_x(u), s·P_x(v)·T_y(u), P_z(v)) in the frame's coordinates:
