@@ -280,6 +280,7 @@ TEST_F(UsageTest, EveryExampleOfHelpIsACommandLineTheProgramTakes) {
       // order ends at that, or at --help.
       SCOPED_TRACE(line);
       ++examples;
+      EXPECT_EQ(line.find(';'), std::string::npos) << "a shell ends the command there";
       const std::filesystem::path here = std::filesystem::current_path();
       std::filesystem::current_path(folder_.path());
       const ProgramRun run = Batten(words);

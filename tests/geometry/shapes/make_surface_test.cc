@@ -334,6 +334,21 @@ TEST(MakeSurfaceTest, ProfilesThatCrossTheirAxisTwiceAreRefusedWithThePlaces) {
   EXPECT_EQ(refused(MakeArc(Frame(frame.At(1, 0, 0), frame.y(), frame.axis()), 1), 2 * kHalf), "");
 }
 
+// A circle about the axis covers itself again; a short arc across it far away does not.
+TEST(MakeSurfaceTest, CurvesThatOnlyGoRoundTheAxisAreRefused) {
+  const Frame frame({5e6, 2, 3}, {1, 1, 1});
+  const Frame above(frame.At(0, 0, 7), frame.axis());
+  for (const double sweep : {0.1, 3.0, 2 * std::numbers::pi}) {
+    EXPECT_THAT(RefusalOf([&] {
+                  Revolve(MakeArc(above, 2, {1, sweep}), frame);
+                }),
+                HasSubstr("lies on a circle about the axis"));
+  }
+  Revolve(MakeArc(Frame(frame.At(1, 0, 7), frame.axis()), 2, {1, 2}), frame);
+  Revolve(MakeLine<3>({5e6, 0, 0}, {5e6 + 1e-3, 0, 0}), Frame());
+  Revolve(MakeLine<3>({5e6, 0, 0}, {5e6, 0, 1e-3}), Frame());
+}
+
 NurbsSurface Fixture(const std::string& kind, const std::vector<double>& a) {
   if (kind == "sphere") return MakeSphere(Frame(), a[0]);
   if (kind == "torus") return MakeTorus(Frame(), a[0], a[1]);
