@@ -194,8 +194,7 @@ struct OvershootSummary {
   double share_without_points = 0;               // of the area
   double largest_gap = 0;  // there: greatest distance along the surface from a foot point
   bool asked_for = false;  // the surface beyond its points: trims were declined
-  // Max over the diagonal of the box, where an untrimmed shape leaves it by more than half of it.
-  std::optional<double> of_box = std::nullopt;
+  std::optional<double> of_box = std::nullopt;  // max over the box's diagonal, if above a half
 };
 
 // Standard deviations of the shape along its normal (uncertainty.h), the data's units.
