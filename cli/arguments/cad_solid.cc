@@ -36,9 +36,12 @@ std::string TooFewWords(double share) {
 }
 
 // Why the part is no solid of exact faces; empty where it is one.
-std::string WhyNot(const PartsFit& fit) {
+std::string WhyNot(const PartsFit& fit, SolidKind kind) {
   const double share = ExactShare(fit);
-  return share < kMostlyExact ? TooFewWords(share) : fit.no_solid;
+  if (share < kMostlyExact) return TooFewWords(share);
+  if (!fit.solid) return fit.no_solid;
+  const bool several = kind == SolidKind::kAuto && fit.bodies > 1;
+  return several ? fmt::format("the faces are {} bodies", fit.bodies) : "";
 }
 
 int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
@@ -52,6 +55,9 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
   const int code =
       files.Write(faces, fit.residuals, fit.parameters, outliers, fit.report, fit.owners);
   if (!a.flags.quiet) {
+    if (fit.invented > 0.01) {
+      PrintWarning(fmt::format("{:.0f} % of the area have no points near", 100 * fit.invented));
+    }
     PrintNote(fmt::format("{}: {} of {} faces, {} edges; volume {:.6g}, area {:.6g}",
                           a.out,
                           census.solids == 1 ? "a watertight solid"
@@ -73,16 +79,18 @@ SolidKind ToSolidKind(const std::string& word) {
                              : SolidKind::kAuto;
 }
 
-std::optional<int> RunCadSolid(const FitArguments& a,
-                               SolidKind kind,
-                               FitFiles& files,
-                               const PointCloud& cloud) {
-  if (kind == SolidKind::kOrganic) return std::nullopt;
+CadOutcome RunCadSolid(const FitArguments& a,
+                       SolidKind kind,
+                       double most_invented,
+                       FitFiles& files,
+                       const PointCloud& cloud) {
+  if (kind == SolidKind::kOrganic) return {};
   PartFitOptions options;
   options.tolerance = a.tolerance;
   options.regularise = true;
   options.free_form = false;
   options.solid = true;
+  options.most_invented = most_invented;
   options.shift = files.shift();
   options = WithWork(std::move(options), a);
   std::string reason;
@@ -94,13 +102,13 @@ std::optional<int> RunCadSolid(const FitArguments& a,
       if (share < kMostlyExact) throw RefusedData(TooFewWords(share));
     }
     PartsFit fit = FitParts(cloud, options);
-    reason = WhyNot(fit);
+    reason = WhyNot(fit, kind);
     if (reason.empty()) {
       const int code = Written(a, files, fit);
       if (kind == SolidKind::kAuto && !a.flags.quiet) {
         PrintNote("--kind auto: cad, for all faces are exact and their edges close");
       }
-      return code;
+      return {code, ""};
     }
   } catch (const RefusedData& refusal) {
     reason = refusal.what();
@@ -111,8 +119,7 @@ std::optional<int> RunCadSolid(const FitArguments& a,
     files.Refuse("makes no solid of exact faces: " + reason +
                  " (--kind organic makes one of smooth faces, fit parts writes the exact ones)");
   }
-  if (!a.flags.quiet) PrintNote("--kind auto: organic, for " + reason);
-  return std::nullopt;
+  return {std::nullopt, reason};
 }
 
 }  // namespace batten::internal

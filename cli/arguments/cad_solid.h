@@ -13,11 +13,17 @@ enum class SolidKind { kAuto, kCad, kOrganic };
 
 SolidKind ToSolidKind(const std::string& word);
 
-// Takes the road over planes, cylinders, cones, spheres and tori, and returns the exit code. None
-// where kAuto has to take the other, which is said with the reason; kCad refuses instead.
-std::optional<int> RunCadSolid(const FitArguments& arguments,
-                               SolidKind kind,
-                               FitFiles& files,
-                               const PointCloud& cloud);
+struct CadOutcome {
+  std::optional<int> code;  // the exit code; none: nothing is written
+  std::string reason;       // why kAuto has to take the other road
+};
+
+// Takes the road over planes, cylinders, cones, spheres and tori; kCad refuses where it ends before
+// a solid. One that points do not show for more than `most_invented` of its area is none.
+CadOutcome RunCadSolid(const FitArguments& arguments,
+                       SolidKind kind,
+                       double most_invented,
+                       FitFiles& files,
+                       const PointCloud& cloud);
 
 }  // namespace batten::internal

@@ -162,7 +162,8 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
-  if (const auto code = RunCadSolid(a, kind, files, cloud)) return *code;
+  const CadOutcome cad = RunCadSolid(a, kind, kMostInvented, files, cloud);
+  if (cad.code) return *cad.code;
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
@@ -193,7 +194,10 @@ int RunFitSolid(const FitSolidArguments& a) {
   if (!a.layout_out.empty()) WriteQuadMesh(fit.control_mesh, a.layout_out);
   const int code =
       files.Write(faces, fit.residuals, fit.parameters, fit.outliers, fit.report, fit.faces);
-  if (!a.flags.quiet) PrintNote(a.out + ": " + SolidWords(fit));
+  if (!a.flags.quiet) {
+    PrintNote(a.out + ": " + SolidWords(fit));
+    if (!cad.reason.empty()) PrintNote("--kind auto: organic, for " + cad.reason);
+  }
   return fit.report.end.code == EndCode::kStructuredResiduals ? kToleranceMissed : code;
 }
 

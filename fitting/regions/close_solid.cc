@@ -9,6 +9,7 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/geometry/make_curve.h"
+#include "fitting/regions/solid_samples.h"
 
 namespace batten::internal {
 namespace {
@@ -74,8 +75,9 @@ class SolidCloser {
   SolidCloser(const RegionPoints& data,
               const RegionLabels& labels,
               double sigma,
+              double most_invented,
               const Eigen::Vector3d& move)
-      : data_(data), labels_(labels), move_(data.middle + move) {
+      : data_(data), labels_(labels), most_invented_(most_invented), move_(data.middle + move) {
     constexpr double kSameVertex = 4;  // standard deviations of the points, as shapes are nearer
     same_ = std::max(1e-8, kSameVertex * sigma);
   }
@@ -88,8 +90,11 @@ class SolidCloser {
     if (refused_.empty()) OrientFaces();
     if (refused_.empty()) MakeEdges();
     if (refused_.empty()) MakeFaces();
-    if (!refused_.empty()) return {std::nullopt, refused_};
-    return {std::move(solid_), ""};
+    ClosedSolid closed;
+    if (refused_.empty()) CheckPoints(closed);
+    if (refused_.empty()) closed.solid = std::move(solid_);
+    closed.refused = std::move(refused_);
+    return closed;
   }
 
  private:
@@ -305,8 +310,41 @@ class SolidCloser {
     }
   }
 
+  // A shape goes on where its points end, and so may a solid; faces that cross one another have
+  // points on both sides of where they meet.
+  void CheckPoints(ClosedSolid& closed) {
+    constexpr double kStep = 2;           // spacings
+    constexpr double kMostBeside = 0.05;  // of the points: some at edges are of the wrong face
+    const std::vector<SolidSample> samples =
+        SampledSolid(solid_, kStep * data_.unit * data_.spacing);
+    if (samples.empty()) {
+      refused_ = "its faces have no inside";
+      return;
+    }
+    std::vector<int> of_faces;
+    for (const Region& region : labels_.regions)
+      of_faces.insert(of_faces.end(), region.points.begin(), region.points.end());
+    const SolidCover cover =
+        CoverOf(samples, (data_.unit * data_.points(Eigen::all, of_faces)).colwise() + move_);
+    const auto percent = [](double share) { return std::to_string(std::lround(100 * share)); };
+    closed.invented = cover.invented;
+    const std::vector<int> shells = ShellsOf(solid_);
+    closed.shells = 1 + *std::max_element(shells.begin(), shells.end());
+    if (cover.invented > most_invented_) {
+      refused_ = "the points do not go all round a body: " + percent(cover.invented) +
+                 " % of its area have none near";
+    } else if (cover.beside > kMostBeside) {
+      refused_ = "faces cross one another: " + percent(cover.beside) +
+                 " % of their points are beyond where they meet";
+    } else if (closed.shells > 1 && ShellsInOneAnother(samples, shells)) {
+      refused_ = "the faces are " + std::to_string(closed.shells) +
+                 " bodies, of which two lie in one another";
+    }
+  }
+
   const RegionPoints& data_;
   const RegionLabels& labels_;
+  const double most_invented_;
   const Eigen::Vector3d move_;
   double same_ = 0;
   FaceBorders borders_;
@@ -321,8 +359,9 @@ class SolidCloser {
 ClosedSolid CloseSolid(const RegionPoints& data,
                        const RegionLabels& labels,
                        double sigma,
+                       double most_invented,
                        const Eigen::Vector3d& move) {
-  return SolidCloser(data, labels, sigma, move).Close();
+  return SolidCloser(data, labels, sigma, most_invented, move).Close();
 }
 
 }  // namespace batten::internal

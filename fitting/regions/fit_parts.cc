@@ -264,7 +264,9 @@ class PartFitter {
       }
       labels.regions.push_back({face.shape, face.points});
     }
-    ClosedSolid closed = CloseSolid(data_, labels, found_.sigma, move_);
+    ClosedSolid closed = CloseSolid(data_, labels, found_.sigma, options_.most_invented, move_);
+    result_.bodies = closed.shells;
+    result_.invented = closed.invented;
     result_.solid = std::move(closed.solid);
     result_.no_solid = std::move(closed.refused);
   }

@@ -13,6 +13,9 @@ void Check(const PartFitOptions& options) {
   if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
     Reject(function, "tolerance must be positive");
   }
+  if (!(options.most_invented >= 0 && options.most_invented <= 1)) {
+    Reject(function, "most_invented must be in [0, 1]");
+  }
   if (!options.shift.allFinite()) Reject(function, "shift must be finite");
 }
 

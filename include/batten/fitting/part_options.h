@@ -27,6 +27,8 @@ struct PartFitOptions {
   bool free_form = true;
   // Make a solid of the faces too.
   bool solid = false;
+  // Of the area of a solid that is made, the greatest share without points near, in [0, 1].
+  double most_invented = 0.15;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // of samples for spacing and noise
   int threads = 0;                                  // 0: all cores
@@ -76,6 +78,8 @@ struct PartsFit {
   Eigen::Matrix2Xd parameters;  // of its foot
   std::vector<int> owners;      // the face that this is on
   std::optional<TrimmedSolid> solid;  // of all faces, where it was asked for and they close
+  int bodies = 0;                     // of the solid
+  double invented = 0;                // of its area, the share without points near
   std::string no_solid;               // why not, a sentence without a full stop
   FitReport report;
 };

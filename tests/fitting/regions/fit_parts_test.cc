@@ -39,6 +39,19 @@ std::vector<int> TruthOf(const PartsFit& fit, const PartCloud& cloud) {
   return truth;
 }
 
+double DistanceFrom(const SurfaceShape& shape, const Eigen::Vector3d& p) {
+  if (const auto* plane = std::get_if<PlaneShape>(&shape))
+    return std::abs(plane->normal.dot(p - plane->point));
+  if (const auto* sphere = std::get_if<SphereShape>(&shape))
+    return std::abs((p - sphere->center).norm() - sphere->radius);
+  if (const auto* cylinder = std::get_if<CylinderShape>(&shape))
+    return std::abs((p - cylinder->point).cross(cylinder->axis).norm() - cylinder->radius);
+  const auto& cone = std::get<ConeShape>(shape);
+  const Eigen::Vector3d from = p - cone.apex;
+  return std::abs(from.cross(cone.axis).norm() * std::cos(cone.half_angle) -
+                  from.dot(cone.axis) * std::sin(cone.half_angle));
+}
+
 // Differences of the fitted numbers from the true ones, in standard deviations.
 class Deviations {
  public:
@@ -98,11 +111,15 @@ TEST_P(MachinedPartTest, HasItsFacesOfTheirKindsAndNoOthersAtEveryNoise) {
     for (std::size_t k = 0; k < truth.size(); ++k) {
       EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
     }
-    // All points but a few at corners are of the face they were put on, or on the border of it.
-    constexpr double kMost = 0.95;
+    // All points but a few at corners are of the face they were put on, or of one that they are on
+    // as well as far as noise tells: at smooth borders those are many.
+    constexpr double kMost = 0.99, kNoise = 3;
     double right = 0;
     for (std::size_t k = 0; k < cloud.face.size(); ++k) {
-      right += fit.labels[k] >= 0 && truth[std::size_t(fit.labels[k])] == cloud.face[k];
+      if (fit.labels[k] < 0) continue;
+      const int found = truth[std::size_t(fit.labels[k])];
+      const double off = DistanceFrom(part.faces[std::size_t(found)].shape, cloud.points.col(k));
+      right += found == cloud.face[k] || off <= kNoise * sigma;
     }
     EXPECT_GT(right, kMost * kPoints);
     EXPECT_NEAR(fit.report.error.rms, sigma, 0.02 * sigma + 1e-9);

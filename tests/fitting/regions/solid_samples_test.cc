@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/solid_samples.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "batten/fitting/fit_parts.h"
+#include "body_clouds.h"
+#include "part_clouds.h"
+
+namespace batten::internal {
+namespace {
+
+constexpr int kPoints = 8000;
+constexpr double kStep = 0.02;  // a fortieth of the parts and finer than their bores
+
+PartsFit SolidOf(const Eigen::Matrix3Xd& points, double most_invented = 0.15) {
+  PartFitOptions options;
+  options.solid = options.regularise = true;
+  options.most_invented = most_invented;
+  options.threads = 2;
+  return FitParts(PointCloud::FromWorld(points), options);
+}
+
+double VolumeOf(const std::vector<SolidSample>& samples) {
+  double volume = 0;
+  for (const SolidSample& sample : samples)
+    volume += sample.area * sample.place.dot(sample.outward) / 3;
+  return volume;
+}
+
+TEST(SolidSamplesTest, TheirFluxIsTheVolumeOfTheSolid) {
+  for (const TruthPart& part : {BoxPart(), LBlockPart(), TubePart(), FlangePart(), ShaftPart()}) {
+    SCOPED_TRACE(part.name);
+    const PartsFit fit = SolidOf(SampledPart(part, kPoints, 1e-4, 7).points);
+    ASSERT_TRUE(fit.solid) << fit.no_solid;
+    // Cells at edges are in or out as a whole: of their random sum a few thousandths remain.
+    EXPECT_NEAR(VolumeOf(SampledSolid(*fit.solid, kStep)), part.volume, 0.01 * part.volume);
+  }
+}
+
+TEST(SolidSamplesTest, WhatNoPointShowsIsInvented) {
+  const Eigen::Matrix3Xd ball = SpherePoints(kPoints, 0.001);
+  for (const double height : {-1.5, -0.9, -0.5, 0.0, 0.5}) {
+    SCOPED_TRACE(height);
+    std::vector<int> kept;
+    for (int k = 0; k < kPoints; ++k) {
+      if (ball(2, k) > height) kept.push_back(k);
+    }
+    const PartsFit fit = SolidOf(ball(Eigen::all, kept), 1);
+    ASSERT_TRUE(fit.solid) << fit.no_solid;
+    // A cap's share of a sphere, less the ring that points at its rim still show: as wide as twice
+    // the distance of a sixth neighbour, that of neighbours at the rim a little more.
+    const double cap = std::max(0.0, (1 + height) / 2);
+    const double ring = 2 * std::sqrt(6 * 4.0 / kPoints) * 1.5 / 2;
+    EXPECT_LE(fit.invented, cap + 0.002);
+    EXPECT_GE(fit.invented, cap - ring);
+    const PartsFit careful = SolidOf(ball(Eigen::all, kept));
+    EXPECT_EQ(careful.solid.has_value(), fit.invented <= 0.15);
+    if (!careful.solid) {
+      EXPECT_NE(careful.no_solid.find("do not go all round"), std::string::npos);
+    }
+  }
+}
+
+TEST(SolidSamplesTest, BodiesApartAreCountedAndOthersRefused) {
+  const auto pair = [](double scale, double move) {
+    const Eigen::Matrix3Xd one = SampledPart(BoxPart(), kPoints, 1e-4, 7).points;
+    Eigen::Matrix3Xd both(3, 2 * kPoints);
+    both << one, (scale * one).colwise() + Eigen::Vector3d::Constant(move);
+    return SolidOf(both);
+  };
+  const PartsFit apart = pair(1, 3);
+  ASSERT_TRUE(apart.solid) << apart.no_solid;
+  EXPECT_EQ(apart.bodies, 2);
+  const PartsFit nested = pair(0.5, 0.1);
+  EXPECT_FALSE(nested.solid);
+  EXPECT_NE(nested.no_solid.find("2 bodies, of which two lie in one another"), std::string::npos)
+      << nested.no_solid;
+}
+
+TEST(SolidSamplesTest, BodiesThatCrossAreNoSolid) {
+  const Eigen::Matrix3Xd ball = SpherePoints(kPoints, 0.001);
+  Eigen::Matrix3Xd both(3, 2 * kPoints);
+  both << ball, ball.colwise() + Eigen::Vector3d(1, 0, 0);
+  const PartsFit fit = SolidOf(both);
+  EXPECT_FALSE(fit.solid);
+  EXPECT_NE(fit.no_solid.find("cross one another"), std::string::npos) << fit.no_solid;
+}
+
+}  // namespace
+}  // namespace batten::internal
