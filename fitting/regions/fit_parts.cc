@@ -169,6 +169,10 @@ class PartFitter {
       free.progress = options_.progress;
       try {
         SurfaceFit fit = FitSurface(merged_.cloud.Picked(indices), free);
+        if (fit.report.leaves_points()) {
+          result_.report.warnings.push_back("a free face of " + std::to_string(piece.size()) +
+                                            " points: " + WordsOfLeaving(fit.report));
+        }
         made_.push_back({{FreeForm(), std::nullopt, std::move(fit.surface)},
                          {"free"},
                          std::move(piece),

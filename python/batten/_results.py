@@ -245,6 +245,16 @@ class Fit:
         """
         self._fit.write_residuals(path_bytes("path", path))
 
+    def to_certificate(self, path: Path) -> None:
+        """Writes proved bounds of the distance of every point, which ``batten-verify`` proves anew; see the guide, "Proof".
+
+        Parameters
+        ----------
+        path : path-like
+            JSON, under any name.
+        """
+        self._fit.write_certificate(path_bytes("path", path))
+
     def _repr_html_(self) -> str:
         import html
 

@@ -11,6 +11,7 @@
 
 #include "batten/fitting/uncertainty.h"
 #include "batten/io/atomic_file.h"
+#include "batten/io/certificate.h"
 #include "batten/io/length_unit.h"
 #include "batten/io/report_html.h"
 #include "batten/io/report_json.h"
@@ -168,6 +169,20 @@ py::array CovarianceAt(const FitPtr& fit, const Doubles& places) {
   return rows;
 }
 
+// Proved bounds of all distances, as batten-verify reads them.
+void CertificateTo(const FitPtr& fit, const std::string& path) {
+  WriteText(path, Watched([=](Watch&) {
+              return Explained([&] {
+                ThreadPool pool(0);
+                const std::vector<Geometry> shapes = GeometriesOf(fit->bodies);
+                const PointCloud& cloud = fit->points->cloud;
+                const Certificate proved =
+                    Certify(shapes, cloud, fit->shift, fit->report.error.tolerance, pool);
+                return ToCertificateJson(proved, shapes, cloud, fit->shift);
+              });
+            }));
+}
+
 double LimitOf(const Fit& fit) {
   const PointCloud& cloud = fit.points->cloud;
   const double size =
@@ -254,6 +269,7 @@ void BindResults(py::module_& m) {
       .def("page", &Page)
       .def("uncertainty", &UncertaintyAt)
       .def("covariance", &CovarianceAt)
+      .def("write_certificate", &CertificateTo)
       .def("write_residuals", &ResidualsTo);
   m.def("write_text", &WriteText);
 }

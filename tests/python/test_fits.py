@@ -54,6 +54,21 @@ def test_uncertainty_covers_the_truth(sheet_fit):
         exact.uncertainty()
 
 
+def test_certificates_bound_the_distances(sheet_fit, tmp_path):
+    compared = batten.compare(sheet_fit.surface, sheet_fit.points, tolerance=2e-3)
+    for fit in (sheet_fit, compared):
+        fit.to_certificate(tmp_path / "proof.json")
+        proof = json.loads((tmp_path / "proof.json").read_text())
+        rows = np.array(proof["points"], float)
+        off = np.abs(fit.residuals)
+        assert proof["schema"] == "batten-certificate-1" and rows.shape == (len(off), 9)
+        assert (rows[:, 3] <= off).all() and (off <= rows[:, 4]).all()
+        verify = os.path.join(os.path.dirname(PROGRAM), "batten-verify")
+        if PROGRAM and os.path.exists(verify):
+            done = subprocess.run([verify, tmp_path / "proof.json"], capture_output=True, text=True)
+            assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_results_fit_together(sheet_fit):
     fit, s = sheet_fit, sheet_fit.surface
     points = fit.points.points
