@@ -19,6 +19,10 @@ constexpr double kOfNoise = 3;           // slack of the bounds in standard devi
 constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
+// A coefficient that the points do not ask for costs nothing when held, but for chance: of the
+// variance. Bounds that cost more are too narrow for the shape, and are widened.
+constexpr double kOfChance = 6;
+constexpr int kWidenings = 4;
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those
@@ -164,17 +168,26 @@ void HoldCoefficients(const FittingProblem& problem,
                       .transpose());
   CoefficientBounds bounds =
       BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
-  if (!bounds.Leaves(solution.coefficients)) return;
-  ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
-  set.HoldWhatLeaves();
-  bool changed = true;
-  for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
-    changed = round < most_rounds && set.Release();
-    changed = set.HoldWhatLeaves() || changed;
+  const double squares = solution.residual_squares;
+  const Eigen::MatrixXd free = solution.coefficients;
+  for (int time = 0; bounds.Leaves(free); ++time) {
+    ActiveSet set(system, problem.smoothing(), free, bounds, pool);
+    set.HoldWhatLeaves();
+    bool changed = true;
+    for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
+      changed = round < most_rounds && set.Release();
+      changed = set.HoldWhatLeaves() || changed;
+    }
+    solution.coefficients = set.net();
+    bounded.held = set.held();
+    solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
+    const double allowed = kOfChance * set.held() / static_cast<double>(measured);
+    if (time == kWidenings || solution.residual_squares <= (1 + allowed) * squares) return;
+    bounds.Widen(2);
   }
-  solution.coefficients = set.net();
-  bounded.held = set.held();
-  solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
+  solution.coefficients = free;
+  solution.residual_squares = squares;
+  bounded.held = 0;
 }
 
 }  // namespace
