@@ -74,16 +74,21 @@ class SolidCloser {
  public:
   SolidCloser(const RegionPoints& data,
               const RegionLabels& labels,
+              const std::map<FacePair, FittedSurface>& contacts,
               double sigma,
               double most_invented,
               const Eigen::Vector3d& move)
-      : data_(data), labels_(labels), most_invented_(most_invented), move_(data.middle + move) {
+      : data_(data),
+        labels_(labels),
+        contacts_(contacts),
+        most_invented_(most_invented),
+        move_(data.middle + move) {
     constexpr double kSameVertex = 4;  // standard deviations of the points, as shapes are nearer
     same_ = std::max(1e-8, kSameVertex * sigma);
   }
 
   ClosedSolid Close() && {
-    borders_ = FindBorders(data_, labels_, same_);
+    borders_ = FindBorders(data_, labels_, contacts_, same_);
     refused_ = borders_.refused;
     if (refused_.empty()) CheckWhole();
     if (refused_.empty()) OrientEdges();
@@ -344,6 +349,7 @@ class SolidCloser {
 
   const RegionPoints& data_;
   const RegionLabels& labels_;
+  const std::map<FacePair, FittedSurface>& contacts_;
   const double most_invented_;
   const Eigen::Vector3d move_;
   double same_ = 0;
@@ -358,10 +364,11 @@ class SolidCloser {
 
 ClosedSolid CloseSolid(const RegionPoints& data,
                        const RegionLabels& labels,
+                       const std::map<FacePair, FittedSurface>& contacts,
                        double sigma,
                        double most_invented,
                        const Eigen::Vector3d& move) {
-  return SolidCloser(data, labels, sigma, most_invented, move).Close();
+  return SolidCloser(data, labels, contacts, sigma, most_invented, move).Close();
 }
 
 }  // namespace batten::internal

@@ -2,6 +2,7 @@
 // Faces with their borders as a solid.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,9 +24,10 @@ struct ClosedSolid {
 // curves through places on both faces. Loops follow from which side of an edge the face's points
 // are on; which side of a face is outside from its neighbours' and from the outermost point.
 // `move` is what coordinates of the cloud gain. Refused where more than `most_invented` of the area
-// has no points near, or one shell lies in another.
+// has no points near, or one shell lies in another. `contacts`: see FindBorders.
 ClosedSolid CloseSolid(const RegionPoints& data,
                        const RegionLabels& labels,
+                       const std::map<FacePair, FittedSurface>& contacts,
                        double sigma,
                        double most_invented,
                        const Eigen::Vector3d& move);

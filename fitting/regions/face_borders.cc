@@ -20,8 +20,11 @@ constexpr int kFewLinks = 4;       // pairs of points: fewer are chance across a
 
 class BorderFinder {
  public:
-  BorderFinder(const RegionPoints& data, const RegionLabels& labels, double same)
-      : data_(data), labels_(labels), spacing_(data.spacing), same_(same) {}
+  BorderFinder(const RegionPoints& data,
+               const RegionLabels& labels,
+               const std::map<FacePair, FittedSurface>& contacts,
+               double same)
+      : data_(data), labels_(labels), contacts_(contacts), spacing_(data.spacing), same_(same) {}
 
   FaceBorders Find() && {
     FindPlaces();
@@ -36,8 +39,31 @@ class BorderFinder {
   using Places = std::vector<Eigen::Vector3d>;
 
   const FittedSurface& Shape(int face) const { return labels_.regions[std::size_t(face)].shape; }
+  // That cut one another in the border.
   std::vector<const FittedSurface*> Shapes(const FacePair& faces) const {
-    return {&Shape(faces.first), &Shape(faces.second)};
+    const auto contact = contacts_.find(faces);
+    return {&Shape(faces.first),
+            contact == contacts_.end() ? &Shape(faces.second) : &contact->second};
+  }
+
+  // How far from a border its points may be: where faces touch, as far as noise hides one from the
+  // other.
+  double ReachOf(const FacePair& faces, const Eigen::Vector3d& near) const {
+    constexpr double kAside = 0.01, kLargest = 0.2;  // of the size
+    const FittedSurface here = Shape(faces.first).TouchingNear(near);
+    const auto contact = contacts_.find(faces);
+    const auto parted = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& way) {
+      const FittedSurface aside = Shape(faces.first).TouchingNear(place + kAside * way);
+      return std::abs(Shape(faces.second).Distance(aside.point)) / (kAside * kAside);
+    };
+    double most = 0;  // the faces part by this times the distance squared
+    if (contact != contacts_.end()) {
+      const FittedSurface across = contact->second.TouchingNear(near);
+      most = parted(across.point, across.normal);
+    } else {
+      most = std::max(parted(near, here.along), parted(near, here.Across()));
+    }
+    return kReach * spacing_ + std::min(kLargest, std::sqrt(same_ / most));
   }
 
   std::string At(const Eigen::Vector3d& place) const {
@@ -48,9 +74,14 @@ class BorderFinder {
     return "faces " + std::to_string(faces.first) + " and " + std::to_string(faces.second);
   }
 
+  std::optional<Eigen::Vector3d> PlaceIn(const FacePair& faces, const Eigen::Vector3d& near) const {
+    const bool touch = contacts_.contains(faces);
+    return PlaceOn(Shapes(faces), near, touch ? ReachOf(faces, near) : kReach * spacing_);
+  }
+
   // Of every pair of faces whose points are neighbours.
   void FindPlaces() {
-    std::map<FacePair, std::pair<int, Eigen::Vector3d>> smooth;  // links without a place
+    std::map<FacePair, std::pair<int, Eigen::AlignedBox3d>> smooth;  // links without a place
     for (int k = 0; k < static_cast<int>(data_.size()); ++k) {
       const int here = labels_.label[std::size_t(k)];
       for (const int other : data_.Around(k)) {
@@ -58,12 +89,12 @@ class BorderFinder {
         if (other < k || here == there || here == kNoRegion || there == kNoRegion) continue;
         const FacePair faces = std::minmax(here, there);
         const Eigen::Vector3d middle = (data_.points.col(k) + data_.points.col(other)) / 2;
-        if (const auto place = PlaceOn(Shapes(faces), middle, kReach * spacing_)) {
+        if (const auto place = PlaceIn(faces, middle)) {
           places_[faces].push_back(*place);
         } else {
           auto& [count, where] = smooth[faces];
           ++count;
-          where = middle;
+          where.extend(middle);
         }
       }
     }
@@ -71,9 +102,12 @@ class BorderFinder {
       const auto& [count, where] = found;
       const auto sharp = places_.find(faces);
       const int places = sharp == places_.end() ? 0 : static_cast<int>(sharp->second.size());
-      if (count <= std::max(kFewLinks, places)) continue;
+      // Faces that touch at a point only are neighbours about it.
+      const double wide = where.diagonal().norm();
+      if (count <= std::max(kFewLinks, places) || wide <= 2 * ReachOf(faces, where.center()))
+        continue;
       borders_.refused =
-          Faces(faces) + " meet smoothly near " + At(where) + ": points do not tell where";
+          Faces(faces) + " meet smoothly near " + At(where.center()) + ": points do not tell where";
       return;
     }
     std::erase_if(places_, [](const auto& one) { return std::ssize(one.second) < kFewLinks; });
@@ -100,13 +134,30 @@ class BorderFinder {
         for (auto b = std::next(a); b != near.end(); ++b) {
           for (auto c = std::next(b); c != near.end(); ++c) {
             if (Meet(*a, *b) + Meet(*b, *c) + Meet(*a, *c) < 2) continue;
-            const auto place = PlaceOn(
-                {&Shape(*a), &Shape(*b), &Shape(*c)}, data_.points.col(k), kReach * spacing_);
-            if (place) AddVertex(*place, {*a, *b, *c});
+            if (const auto place = Corner({*a, *b, *c}, data_.points.col(k)))
+              AddVertex(*place, {*a, *b, *c});
           }
         }
       }
     }
+  }
+
+  // The place on three shapes, and on the curves along which some of them touch.
+  std::optional<Eigen::Vector3d> Corner(const std::vector<int>& faces,
+                                        const Eigen::Vector3d& near) const {
+    std::vector<const FittedSurface*> shapes;
+    double reach = kReach * spacing_;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      shapes.push_back(&Shape(faces[i]));
+      for (std::size_t j = 0; j < i; ++j) {
+        const FacePair pair = std::minmax(faces[i], faces[j]);
+        const auto contact = contacts_.find(pair);
+        if (contact == contacts_.end()) continue;
+        shapes.push_back(&contact->second);
+        reach = std::max(reach, ReachOf(pair, near));
+      }
+    }
+    return PlaceOn(shapes, near, reach);
   }
 
   void AddVertex(const Eigen::Vector3d& place, const std::vector<int>& faces) {
@@ -121,9 +172,10 @@ class BorderFinder {
   }
 
   Eigen::Vector3d TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const {
-    return Shape(faces.first)
-        .TouchingNear(place)
-        .normal.cross(Shape(faces.second).TouchingNear(place).normal)
+    const auto shapes = Shapes(faces);
+    return shapes[0]
+        ->TouchingNear(place)
+        .normal.cross(shapes[1]->TouchingNear(place).normal)
         .stableNormalized();
   }
 
@@ -273,6 +325,7 @@ class BorderFinder {
 
   const RegionPoints& data_;
   const RegionLabels& labels_;
+  const std::map<FacePair, FittedSurface>& contacts_;
   const double spacing_, same_;
   std::map<FacePair, Places> places_;
   FaceBorders borders_;
@@ -296,20 +349,29 @@ std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& 
       normals.row(k) = touching.normal.transpose();
       off[k] = shapes[std::size_t(k)]->Distance(from);
     }
-    const Eigen::MatrixXd angles = normals * normals.transpose();
-    // The smallest sine of an angle, and of three the volume, over which a step is divided.
+    // The sine of an angle, and of three the volume, over which a step is divided.
+    const bool many = count > 3;
+    const Eigen::MatrixXd angles =
+        many ? normals.transpose() * normals : Eigen::MatrixXd(normals * normals.transpose());
     if (!(std::sqrt(std::max(0.0, angles.determinant())) > kTangent)) return std::nullopt;
     const double far = off.norm();
     if (far <= kSettled || (far < 1e-11 && !(far < before / 2))) return from;
     before = far;
-    from -= normals.transpose() * angles.ldlt().solve(off);
+    if (many) {
+      from -= angles.ldlt().solve(normals.transpose() * off);
+    } else {
+      from -= normals.transpose() * angles.ldlt().solve(off);
+    }
     if (!((from - start).norm() <= reach)) return std::nullopt;
   }
   return before < 1e-9 ? std::optional(from) : std::nullopt;
 }
 
-FaceBorders FindBorders(const RegionPoints& data, const RegionLabels& labels, double same) {
-  return BorderFinder(data, labels, same).Find();
+FaceBorders FindBorders(const RegionPoints& data,
+                        const RegionLabels& labels,
+                        const std::map<FacePair, FittedSurface>& contacts,
+                        double same) {
+  return BorderFinder(data, labels, contacts, same).Find();
 }
 
 }  // namespace batten::internal

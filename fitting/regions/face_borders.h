@@ -15,8 +15,8 @@ namespace batten::internal {
 
 using FacePair = std::pair<int, int>;  // ascending
 
-// The place on both shapes, or on all three, nearest to `from`, by Newton's steps; none where they
-// do not settle within `reach`, or the shapes are near to tangent.
+// The place on all of two shapes or more nearest to `from`, by Gauss–Newton steps; none where they
+// do not settle on it within `reach`, or the shapes are near to tangent.
 std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
                                        Eigen::Vector3d from,
                                        double reach);
@@ -40,7 +40,11 @@ struct FaceBorders {
 
 // From pairs of neighbouring points of two regions: places on the shapes of both; vertices where
 // points of three regions are near; edges followed from vertex to vertex, or round, along the
-// places that the points show. Vertices nearer than `same` are one.
-FaceBorders FindBorders(const RegionPoints& data, const RegionLabels& labels, double same);
+// places that the points show. Vertices nearer than `same`, which is noise, are one. `contacts` has
+// the normals along the curve where two faces touch exactly (NormalsAlong): it is their border.
+FaceBorders FindBorders(const RegionPoints& data,
+                        const RegionLabels& labels,
+                        const std::map<FacePair, FittedSurface>& contacts,
+                        double same);
 
 }  // namespace batten::internal

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/surface_minimum.h"
+#include "fitting/regions/settle_regions.h"
 
 namespace batten::internal {
 namespace {
@@ -48,8 +50,10 @@ double RadiusOf(const FittedSurface& shape) {
 struct RelationGap {
   RelationKind kind;
   Eigen::Vector3d x, y;  // across the first shape's direction
+  SmoothContact contact;
 
-  RelationGap(RelationKind of, const FittedSurface& first) : kind(of) {
+  RelationGap(RelationKind of, const FittedSurface& first, const SmoothContact& at = {})
+      : kind(of), contact(at) {
     const Eigen::Vector3d along =
         HasDirection(first) ? DirectionOf(first) : Eigen::Vector3d::UnitZ();
     x = along.unitOrthogonal();
@@ -71,6 +75,8 @@ struct RelationGap {
       }
       case RelationKind::kCoplanar:
         return Eigen::VectorXd::Constant(1, DirectionOf(a).dot(b.point - a.point));
+      case RelationKind::kTangent:
+        return ContactGap(contact, a, b).value();
       case RelationKind::kEqualRadius:
         break;
     }
@@ -126,7 +132,7 @@ class RelationFinder {
     });
   }
 
-  std::vector<FaceRelation> Find() && {
+  std::vector<FaceRelation> Find(const std::vector<FaceJoin>& joins) && {
     std::vector<int> leaders;
     const std::vector<int> parallel = Cluster(
         RelationKind::kParallel, &HasDirection, [](int, int) { return true; }, &leaders);
@@ -149,6 +155,14 @@ class RelationFinder {
     });
     Cluster(
         RelationKind::kEqualRadius, &HasRadius, [](int, int) { return true; }, nullptr);
+    for (const FaceJoin& join : joins) {
+      std::any_of(std::begin(kContactKinds), std::end(kContactKinds), [&](ContactKind kind) {
+        const SmoothContact contact{kind, join.near};
+        const auto gap = ContactGap(
+            contact, faces_[std::size_t(join.first)].shape, faces_[std::size_t(join.second)].shape);
+        return gap && Test(RelationKind::kTangent, join.first, join.second, contact);
+      });
+    }
     return std::move(relations_);
   }
 
@@ -190,28 +204,32 @@ class RelationFinder {
   }
 
   // Adds the relation where the covariances do not reject it and tell it.
-  bool Test(RelationKind kind, int first, int second) {
-    // One normal case in a thousand is farther, of one dimension and of two.
-    constexpr double kFar[] = {10.83, 13.82};
+  bool Test(RelationKind kind, int first, int second, const SmoothContact& contact = {}) {
+    // One normal case in a thousand is farther, of one dimension and of two; one in a million, of
+    // two to five.
+    constexpr double kFar[] = {10.83, 13.82}, kFarJoin[] = {23.93, 27.63, 30.66, 33.38, 35.89};
     const FittedSurface &a = faces_[std::size_t(first)].shape,
                         &b = faces_[std::size_t(second)].shape;
-    const RelationGap gap(kind, a);
+    const RelationGap gap(kind, a, contact);
     const Eigen::VectorXd off = gap(a, b);
     const Eigen::MatrixXd by_a = DerivativesOf(gap, a, b, true),
                           by_b = DerivativesOf(gap, a, b, false);
     const Eigen::MatrixXd variance = by_a * covariances_[std::size_t(first)] * by_a.transpose() +
                                      by_b * covariances_[std::size_t(second)] * by_b.transpose();
     if (!variance.allFinite() || !(variance.diagonal().minCoeff() > 0)) return false;
-    const double far = kFar[off.size() - 1];
+    const bool joins = kind == RelationKind::kTangent;
+    const double far = (joins ? kFarJoin : kFar)[off.size() - 1];
     if (!(off.dot(variance.ldlt().solve(off)) <= far)) return false;
-    FaceRelation relation{kind, first, second, off.norm(), std::sqrt(far * variance.trace())};
+    FaceRelation relation{
+        kind, first, second, off.norm(), std::sqrt(far * variance.trace()), contact};
     if (!(relation.allowed <= Telling(kind, a))) return false;
     relations_.push_back(relation);
     return true;
   }
 
   static double Telling(RelationKind kind, const FittedSurface& shape) {
-    constexpr double kAngle = 0.0175, kLength = 0.01, kRadius = 0.1;
+    constexpr double kAngle = 0.0175, kLength = 0.01, kRadius = 0.1, kJoin = 0.1;
+    if (kind == RelationKind::kTangent) return kJoin;
     if (kind == RelationKind::kEqualRadius) return kRadius * RadiusOf(shape);
     return kind == RelationKind::kParallel || kind == RelationKind::kPerpendicular ? kAngle
                                                                                    : kLength;
@@ -255,7 +273,15 @@ class ConstrainedStep {
             one.by * inverses[std::size_t(one.face)] * other.by.transpose();
       }
     }
-    const Eigen::VectorXd multipliers = schur.completeOrthogonalDecomposition().solve(right);
+    // Some relations follow from others to within rounding of the derivatives.
+    constexpr double kFollows = 1e-7;
+    const Eigen::VectorXd scale =
+        schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> scaled;
+    scaled.setThreshold(kFollows);
+    scaled.compute(scale.asDiagonal() * schur * scale.asDiagonal());
+    const Eigen::VectorXd multipliers =
+        scale.cwiseProduct(scaled.solve(scale.cwiseProduct(right)).eval());
     std::vector<Freedoms> steps(shapes_.size(), Freedoms::Zero());
     for (std::size_t k = 0; k < shapes_.size(); ++k) steps[k].head(plain[k].size()) = -plain[k];
     for (const Block& one : blocks_) {
@@ -307,16 +333,39 @@ const char* Name(RelationKind kind) {
       return "coaxial";
     case RelationKind::kCoplanar:
       return "coplanar";
+    case RelationKind::kTangent:
+      return "tangent";
     case RelationKind::kEqualRadius:
       break;
   }
   return "equal radius";
 }
 
+std::vector<FaceJoin> SmoothJoins(const RegionPoints& data, const RegionLabels& labels) {
+  constexpr int kFewLinks = 4;  // fewer are chance across a corner
+  std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> places;
+  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
+    const int here = labels.label[std::size_t(k)];
+    for (const int other : data.Around(k)) {
+      const int there = labels.label[std::size_t(other)];
+      if (here == kNoRegion || there == kNoRegion || here >= there) continue;
+      places[{here, there}].push_back((data.points.col(k) + data.points.col(other)) / 2);
+    }
+  }
+  std::vector<FaceJoin> joins;
+  for (const auto& [pair, found] : places) {
+    if (std::ssize(found) < kFewLinks || !JoinSmoothly(data, labels, pair.first, pair.second))
+      continue;
+    joins.push_back({pair.first, pair.second, found[found.size() / 2]});
+  }
+  return joins;
+}
+
 std::vector<FaceRelation> FindRelations(const RegionPoints& data,
                                         const std::vector<RegionFace>& faces,
+                                        const std::vector<FaceJoin>& joins,
                                         ThreadPool& pool) {
-  return RelationFinder(data, faces, pool).Find();
+  return RelationFinder(data, faces, pool).Find(joins);
 }
 
 std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
@@ -338,7 +387,7 @@ std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
   for (int step = 0; step < kMostSteps; ++step) {
     std::vector<RelationGap> gaps;
     for (const FaceRelation& relation : relations) {
-      gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)]);
+      gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)], relation.contact);
     }
     std::vector<SurfaceForm> forms;
     for (std::size_t k = 0; k < shapes.size(); ++k) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/regions/free_pieces.h"
 #include "fitting/regions/region_shape.h"
 #include "fitting/regions/settle_regions.h"
 
@@ -37,12 +38,10 @@ Eigen::Index Explained(const RegionLabels& labels) {
       labels.label.begin(), labels.label.end(), [](int label) { return label != kNoRegion; });
 }
 
-}  // namespace
-
-FoundRegions FindRegions(const RegionPoints& data,
-                         double tolerance,
-                         const Progress& progress,
-                         ThreadPool& pool) {
+FoundRegions AtTheirNoise(const RegionPoints& data,
+                          double tolerance,
+                          const Progress& progress,
+                          ThreadPool& pool) {
   constexpr double kNearer = 0.7;  // of the noise assumed: regions at it have looser borders
   constexpr double kAsManyPoints = 0.9;
   const double assumed = std::max(data.noise, tolerance / kFarFromShape);
@@ -56,32 +55,15 @@ FoundRegions FindRegions(const RegionPoints& data,
   return as_many ? sharper : found;
 }
 
-std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
-                                              const std::vector<int>& label,
-                                              int fewest) {
-  constexpr double kSmooth = 0.35;  // sine between neighbours' normals, and rms of it about a point
-  std::vector<std::vector<int>> pieces;
-  std::vector<bool> seen(label.size());
-  const auto open = [&](int k) {
-    return label[std::size_t(k)] == kNoRegion && !seen[std::size_t(k)] && data.turn[k] < kSmooth;
-  };
-  for (int k = 0; k < static_cast<int>(label.size()); ++k) {
-    if (!open(k)) continue;
-    std::vector<int> piece{k};
-    seen[std::size_t(k)] = true;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (const int other : data.Around(piece[i])) {
-        if (!open(other)) continue;
-        if (data.normals.col(piece[i]).cross(data.normals.col(other)).norm() > kSmooth) continue;
-        seen[std::size_t(other)] = true;
-        piece.push_back(other);
-      }
-    }
-    if (std::ssize(piece) < fewest) continue;
-    std::sort(piece.begin(), piece.end());
-    pieces.push_back(std::move(piece));
-  }
-  return pieces;
+}  // namespace
+
+FoundRegions FindRegions(const RegionPoints& data,
+                         double tolerance,
+                         const Progress& progress,
+                         ThreadPool& pool) {
+  FoundRegions found = AtTheirNoise(data, tolerance, progress, pool);
+  DissolvePieces(data, found.sigma, found.labels, pool);
+  return found;
 }
 
 }  // namespace batten::internal

@@ -11,8 +11,6 @@
 
 namespace batten::internal {
 
-inline constexpr int kFewestPoints = 30;  // of a region: four for each freedom of a torus
-
 struct FoundRegions {
   RegionLabels labels;
   double sigma = 0;  // standard deviation of points about their region's shape
@@ -24,11 +22,5 @@ FoundRegions FindRegions(const RegionPoints& data,
                          double tolerance,
                          const Progress& progress,
                          ThreadPool& pool);
-
-// Connected sets of at least `fewest` points of no region whose normals turn evenly: smooth pieces
-// of no simple shape.
-std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
-                                              const std::vector<int>& label,
-                                              int fewest);
 
 }  // namespace batten::internal

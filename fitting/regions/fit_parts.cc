@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "fitting/regions/close_solid.h"
 #include "fitting/regions/face_relations.h"
 #include "fitting/regions/find_regions.h"
+#include "fitting/regions/free_pieces.h"
 #include "fitting/regions/region_face.h"
 #include "fitting/regions/settle_regions.h"
 #include "geometry/numeric/number_text.h"
@@ -133,8 +135,22 @@ class PartFitter {
            told("half_angle", p.half_angle);
   }
 
+  RegionLabels LabelsOf(const std::vector<int>& faces) const {
+    RegionLabels labels;
+    labels.label.assign(std::size_t(data_.size()), kNoRegion);
+    for (const int number : faces) {
+      const RegionFace& face = shapes_[std::size_t(number)];
+      for (const int point : face.points)
+        labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
+      labels.regions.push_back({face.shape, face.points});
+    }
+    return labels;
+  }
+
   void Relate() {
-    relations_ = FindRelations(data_, shapes_, pool_);
+    std::vector<int> all(shapes_.size());
+    std::iota(all.begin(), all.end(), 0);
+    relations_ = FindRelations(data_, shapes_, SmoothJoins(data_, LabelsOf(all)), pool_);
     if (!options_.regularise) return;
     const std::vector<FittedSurface> related = ShapesUnder(data_, shapes_, relations_, pool_);
     for (std::size_t k = 0; k < shapes_.size(); ++k)
@@ -236,7 +252,8 @@ class PartFitter {
           relation.kind == RelationKind::kParallel || relation.kind == RelationKind::kPerpendicular;
       const double unit = angle ? 1 : data_.unit;
       RelationSummary& group = groups[{relation.kind, relation.first}];
-      const bool pair = relation.kind == RelationKind::kPerpendicular;
+      const bool pair =
+          relation.kind == RelationKind::kPerpendicular || relation.kind == RelationKind::kTangent;
       if (group.faces.empty() || pair) {
         group = {
             Name(relation.kind), {face_of[std::size_t(relation.first)]}, 0, 1, options_.regularise};
@@ -249,26 +266,30 @@ class PartFitter {
       if (pair) result_.summary.relations.push_back(group);
     }
     for (auto& [key, group] : groups) {
-      if (key.first != RelationKind::kPerpendicular)
+      if (key.first != RelationKind::kPerpendicular && key.first != RelationKind::kTangent)
         result_.summary.relations.push_back(std::move(group));
     }
   }
 
   void MakeSolid() {
-    RegionLabels labels;
-    labels.label.assign(std::size_t(data_.size()), kNoRegion);
+    std::vector<int> numbers, place(shapes_.size());
     for (const MadeFace& made : made_) {
       if (made.shape < 0) {
-        result_.no_solid = "face " + std::to_string(labels.regions.size()) + " is free";
+        result_.no_solid = "face " + std::to_string(numbers.size()) + " is free";
         return;
       }
-      const RegionFace& face = shapes_[std::size_t(made.shape)];
-      for (const int point : face.points) {
-        labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
-      }
-      labels.regions.push_back({face.shape, face.points});
+      place[std::size_t(made.shape)] = static_cast<int>(numbers.size());
+      numbers.push_back(made.shape);
     }
-    ClosedSolid closed = CloseSolid(data_, labels, found_.sigma, options_.most_invented, move_);
+    std::map<FacePair, FittedSurface> contacts;
+    for (const FaceRelation& relation : relations_) {
+      if (relation.kind != RelationKind::kTangent || !options_.regularise) continue;
+      const auto a = std::size_t(relation.first), b = std::size_t(relation.second);
+      contacts[std::minmax(place[a], place[b])] =
+          NormalsAlong(relation.contact, shapes_[a].shape, shapes_[b].shape);
+    }
+    ClosedSolid closed =
+        CloseSolid(data_, LabelsOf(numbers), contacts, found_.sigma, options_.most_invented, move_);
     result_.bodies = closed.shells;
     result_.invented = closed.invented;
     result_.solid = std::move(closed.solid);

@@ -13,6 +13,7 @@
 namespace batten::internal {
 
 inline constexpr int kNoRegion = -1;
+inline constexpr int kFewestPoints = 30;  // of a region: four for each freedom of a torus
 
 struct Region {
   FittedSurface shape;

@@ -119,23 +119,6 @@ void Refit(const RegionPoints& data, double sigma, RegionLabels& labels, ThreadP
   for (std::size_t k = 0; k < shapes.size(); ++k) labels.regions[k].shape = shapes[k];
 }
 
-// Whether the shapes of two regions have nearly the same normals where the regions touch.
-bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b) {
-  constexpr double kSmooth = 0.4;  // mean sine
-  const FittedSurface &one = labels.regions[std::size_t(a)].shape,
-                      &other = labels.regions[std::size_t(b)].shape;
-  double sum = 0, count = 0;
-  for (const int point : labels.regions[std::size_t(a)].points) {
-    for (const int next : data.Around(point)) {
-      if (labels.label[std::size_t(next)] != b) continue;
-      const Eigen::Vector3d here = one.TouchingNear(data.points.col(point)).normal;
-      sum += here.cross(other.TouchingNear(data.points.col(next)).normal).norm();
-      ++count;
-    }
-  }
-  return count > 0 && sum <= kSmooth * count;
-}
-
 // Joins the first pair that one shape explains; whether there was one.
 bool JoinOne(const RegionPoints& data,
              double sigma,
@@ -184,6 +167,22 @@ void JoinNeighbours(const RegionPoints& data,
 }
 
 }  // namespace
+
+bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b) {
+  constexpr double kSmooth = 0.4;  // mean sine
+  const FittedSurface &one = labels.regions[std::size_t(a)].shape,
+                      &other = labels.regions[std::size_t(b)].shape;
+  double sum = 0, count = 0;
+  for (const int point : labels.regions[std::size_t(a)].points) {
+    for (const int next : data.Around(point)) {
+      if (labels.label[std::size_t(next)] != b) continue;
+      const Eigen::Vector3d here = one.TouchingNear(data.points.col(point)).normal;
+      sum += here.cross(other.TouchingNear(data.points.col(next)).normal).norm();
+      ++count;
+    }
+  }
+  return count > 0 && sum <= kSmooth * count;
+}
 
 std::vector<std::vector<std::pair<int, int>>> TouchingRegions(const RegionPoints& data,
                                                               const RegionLabels& labels) {

@@ -26,6 +26,9 @@ std::vector<int> CorePoints(const RegionPoints& data,
                             int region,
                             double sigma);
 
+// Whether the shapes of two regions have nearly the same normals where the regions touch.
+bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b);
+
 // Regions that have neighbouring points, with their number of pairs, by region.
 std::vector<std::vector<std::pair<int, int>>> TouchingRegions(const RegionPoints& data,
                                                               const RegionLabels& labels);

@@ -312,7 +312,7 @@ inline TruthPart ShaftPart() {
 inline TruthPart BracketPart() {
   constexpr double kThick = 0.15, kFillet = 0.12, kLong = 1, kHigh = 0.8, kDeep = 0.5, kHole = 0.1;
   constexpr double kAt = kThick + kFillet;
-  TruthPart part{"bracket", {}, 31 - 4, 0, 0};
+  TruthPart part{"bracket", {}, 25, 18, 0};
   const Eigen::Vector2d low_hole(0.65, 0.25), high_hole(0.55, 0.25);  // (x, z) and (y, z)
   const Eigen::Vector3d depth(0, 0, kDeep);
   const Keep off_low = [=](const Eigen::Vector3d& p) {

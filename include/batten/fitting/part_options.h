@@ -49,7 +49,8 @@ struct FaceSummary {
 
 // What two faces or more have in common as far as their standard deviations tell.
 struct RelationSummary {
-  std::string kind;        // "parallel", "perpendicular", "coaxial", "coplanar", "equal radius"
+  std::string kind;        // "parallel", "perpendicular", "coaxial", "coplanar", "equal radius",
+                           // "tangent"
   std::vector<int> faces;  // indices
   double deviation = 0;    // by which the faces, each by itself, miss it; radians or lengths
   double allowed = 0;      // the greatest that chance explains, in the same unit

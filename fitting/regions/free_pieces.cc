@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/free_pieces.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "fitting/regions/region_shape.h"
+#include "fitting/regions/settle_regions.h"
+
+namespace batten::internal {
+namespace {
+
+using Pair = std::pair<int, int>;
+
+// The places where two regions are neighbours.
+struct Border {
+  Pair regions;
+  std::vector<Eigen::Vector3d> places;
+  bool arbitrary = false;
+};
+
+// Regions, and left-over pieces as further ones without a shape.
+struct Pieces {
+  RegionLabels labels;
+  int shapes = 0;
+
+  std::size_t SizeOf(int k) const { return labels.regions[std::size_t(k)].points.size(); }
+};
+
+Pieces WithLeftovers(const RegionPoints& data, const RegionLabels& labels) {
+  Pieces pieces{labels, static_cast<int>(labels.regions.size())};
+  for (std::vector<int>& left : SmoothLeftovers(data, labels.label, kFewestPoints)) {
+    for (const int point : left)
+      pieces.labels.label[std::size_t(point)] = static_cast<int>(pieces.labels.regions.size());
+    pieces.labels.regions.push_back({{}, std::move(left)});
+  }
+  return pieces;
+}
+
+std::vector<Border> BordersOf(const RegionPoints& data, const Pieces& pieces) {
+  // A piece and a face as much larger tell nothing of one another; left-over points are no face.
+  constexpr double kComparable = 8;
+  constexpr double kTelling = 120;  // points: half of both tell a fillet's bend from noise
+  std::map<Pair, std::vector<Eigen::Vector3d>> places;
+  const std::vector<int>& label = pieces.labels.label;
+  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
+    const int here = label[std::size_t(k)];
+    for (const int other : data.Around(k)) {
+      const int there = label[std::size_t(other)];
+      if (other < k || here == there || here == kNoRegion || there == kNoRegion) continue;
+      if (std::min(here, there) >= pieces.shapes) continue;
+      places[std::minmax(here, there)].push_back((data.points.col(k) + data.points.col(other)) / 2);
+    }
+  }
+  std::vector<Border> borders;
+  for (auto& [pair, found] : places) {
+    const auto a = double(pieces.SizeOf(pair.first)), b = double(pieces.SizeOf(pair.second));
+    const bool faces = pair.second < pieces.shapes;
+    if ((faces ? std::max(a, b) : a) > kComparable * std::min(a, b)) continue;
+    if (faces && std::min(a, b) < kTelling) continue;
+    if (faces && !JoinSmoothly(data, pieces.labels, pair.first, pair.second)) continue;
+    borders.push_back({pair, std::move(found)});
+  }
+  return borders;
+}
+
+// Half as many of both as the smaller one has, nearest to the middle of the border.
+std::vector<int> Across(const RegionPoints& data, const Pieces& pieces, const Border& border) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& place : border.places) mean += place / double(border.places.size());
+  const Eigen::Vector3d middle = *std::min_element(
+      border.places.begin(), border.places.end(), [&](const auto& a, const auto& b) {
+        return (a - mean).squaredNorm() < (b - mean).squaredNorm();
+      });
+  const auto [a, b] = border.regions;
+  const auto half = std::ptrdiff_t(std::min(pieces.SizeOf(a), pieces.SizeOf(b)) / 2);
+  std::vector<int> both;
+  for (const int k : {a, b}) {
+    std::vector<int> points = pieces.labels.regions[std::size_t(k)].points;
+    std::nth_element(points.begin(), points.begin() + half, points.end(), [&](int p, int q) {
+      return (data.points.col(p) - middle).squaredNorm() <
+             (data.points.col(q) - middle).squaredNorm();
+    });
+    both.insert(both.end(), points.begin(), points.begin() + half);
+  }
+  std::sort(both.begin(), both.end());
+  return both;
+}
+
+// Whether regions are left that lose their points.
+bool DissolveOnce(const RegionPoints& data, double sigma, RegionLabels& labels, ThreadPool& pool) {
+  const Pieces pieces = WithLeftovers(data, labels);
+  std::vector<Border> borders = BordersOf(data, pieces);
+  pool.For(std::ssize(borders), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    ThreadPool alone(1);
+    for (auto k = begin; k < end; ++k) {
+      Border& border = borders[std::size_t(k)];
+      border.arbitrary =
+          SimplestShape(data, Across(data, pieces, border), sigma, alone).has_value();
+    }
+  });
+  std::vector<double> sure(labels.regions.size()), arbitrary(labels.regions.size());
+  for (const Border& border : borders) {
+    for (const int k : {border.regions.first, border.regions.second}) {
+      if (k < pieces.shapes)
+        (border.arbitrary ? arbitrary : sure)[std::size_t(k)] += double(border.places.size());
+    }
+  }
+  bool dissolved = false;
+  RegionLabels left{{}, std::vector<int>(labels.label.size(), kNoRegion)};
+  for (std::size_t k = 0; k < labels.regions.size(); ++k) {
+    if (arbitrary[k] > sure[k]) {
+      dissolved = true;
+      continue;
+    }
+    for (const int point : labels.regions[k].points)
+      left.label[std::size_t(point)] = static_cast<int>(left.regions.size());
+    left.regions.push_back(std::move(labels.regions[k]));
+  }
+  labels = std::move(left);
+  return dissolved;
+}
+
+}  // namespace
+
+void DissolvePieces(const RegionPoints& data,
+                    double sigma,
+                    RegionLabels& labels,
+                    ThreadPool& pool) {
+  constexpr int kMostRounds = 4;  // what is next to a free surface shows once that is found
+  for (int round = 0; round < kMostRounds && DissolveOnce(data, sigma, labels, pool); ++round) {
+  }
+}
+
+std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
+                                              const std::vector<int>& label,
+                                              int fewest) {
+  constexpr double kSmooth = 0.35;  // sine between neighbours' normals, and rms of it about a point
+  std::vector<std::vector<int>> pieces;
+  std::vector<bool> seen(label.size());
+  const auto open = [&](int k) {
+    return label[std::size_t(k)] == kNoRegion && !seen[std::size_t(k)] && data.turn[k] < kSmooth;
+  };
+  for (int k = 0; k < static_cast<int>(label.size()); ++k) {
+    if (!open(k)) continue;
+    std::vector<int> piece{k};
+    seen[std::size_t(k)] = true;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      for (const int other : data.Around(piece[i])) {
+        if (!open(other)) continue;
+        if (data.normals.col(piece[i]).cross(data.normals.col(other)).norm() > kSmooth) continue;
+        seen[std::size_t(other)] = true;
+        piece.push_back(other);
+      }
+    }
+    if (std::ssize(piece) < fewest) continue;
+    std::sort(piece.begin(), piece.end());
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+}  // namespace batten::internal
