@@ -98,17 +98,19 @@ void AddHermite(CLI::App& command, MakeArguments& a) {
           "Second ones too: it is of degree 5 then, not 3");
 }
 Shapes Hermite(const MakeArguments& a) {
+  const bool quintic = !a.second_derivatives.empty();
   const Eigen::Matrix3Xd ends = PointsOf("--ends", a.ends, 2),
-                         first = PointsOf("--derivatives", a.derivatives, 2);
-  if (ends.col(0) == ends.col(1) && first.isZero(0) && a.second_derivatives.empty())
+                         first = PointsOf("--derivatives", a.derivatives, 2),
+                         second = quintic
+                                      ? PointsOf("--second-derivatives", a.second_derivatives, 2)
+                                      : Eigen::Matrix3Xd(Eigen::Matrix3Xd::Zero(3, 2));
+  if (ends.col(0) == ends.col(1) && first.isZero(0) && second.isZero(0))
     throw UsageError("--ends: one point, without derivatives: it would be no curve");
-  if (a.second_derivatives.empty()) {
-    return {
-        ToNurbs(ToBezier(CubicHermite<3>{ends.col(0), first.col(0), ends.col(1), first.col(1)}))};
+  if (quintic) {
+    return {ToNurbs(ToBezier(QuinticHermite<3>{
+        ends.col(0), first.col(0), second.col(0), ends.col(1), first.col(1), second.col(1)}))};
   }
-  const Eigen::Matrix3Xd second = PointsOf("--second-derivatives", a.second_derivatives, 2);
-  return {ToNurbs(ToBezier(QuinticHermite<3>{
-      ends.col(0), first.col(0), second.col(0), ends.col(1), first.col(1), second.col(1)}))};
+  return {ToNurbs(ToBezier(CubicHermite<3>{ends.col(0), first.col(0), ends.col(1), first.col(1)}))};
 }
 
 void AddPlane(CLI::App& command, MakeArguments& a) {

@@ -99,7 +99,10 @@ TEST_F(MakeTest, SegmentsOfEndsAndDerivatives) {
   }
   ExpectNear(quintic.JetAt(0).second, {0, -6, 2});
   ExpectNear(quintic.JetAt(1).second, {8, 0, 1});
-  ExpectRefused({"hermite", "--ends=1,1,1,1,1,1", "--derivatives=0,0,0,0,0,0"}, {"no curve"});
+  const std::vector<std::string> point = {
+      "hermite", "--ends=1,1,1,1,1,1", "--derivatives=0,0,0,0,0,0"};
+  ExpectRefused(point, {"no curve"});
+  ExpectRefused({point[0], point[1], point[2], "--second-derivatives=0,0,0,0,0,0"}, {"no curve"});
 }
 
 TEST_F(MakeTest, FlatSurfaces) {
@@ -236,6 +239,7 @@ TEST_F(MakeTest, HelpShowsDefaultsAndExamples) {
                            "arc",
                            "ellipse",
                            "line",
+                           "hermite",
                            "plane",
                            "bilinear",
                            "cylinder",
