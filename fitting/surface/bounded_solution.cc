@@ -19,10 +19,11 @@ constexpr double kOfNoise = 3;           // slack of the bounds in standard devi
 constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
-// A coefficient that the points do not ask for costs nothing when held, but for chance: of the
-// variance. Bounds that cost more are too narrow for the shape, and are widened.
-constexpr double kOfChance = 6;
-constexpr int kWidenings = 4;
+// A coefficient that the points do not ask for costs nothing when held, but for chance: so many
+// times its share of the variance. Of points followed to so many times their noise, bounds that
+// cost more are too narrow.
+constexpr double kOfChance = 6, kAtNoise = 1.5;
+constexpr int kWidenings = 3;
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those
@@ -149,6 +150,12 @@ double SquaresOf(const FittingProblem& problem,
   return weights.size() > 0 ? weights.dot(squares) : squares.sum();
 }
 
+// Of all data.
+double Weight(const FittingProblem& problem) {
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+}
+
 // Bounds by data nearby, where these leave cells without data.
 void HoldCoefficients(const FittingProblem& problem,
                       const PenalisedSystem& system,
@@ -156,6 +163,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       double spacing,
                       ThreadPool& pool,
                       int most_rounds,
+                      double noise_of_values,
                       BoundedSolution& bounded) {
   if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
   LinearSolution& solution = bounded.solution;
@@ -169,6 +177,8 @@ void HoldCoefficients(const FittingProblem& problem,
   CoefficientBounds bounds =
       BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
   const double squares = solution.residual_squares;
+  const bool at_noise =
+      squares <= kAtNoise * kAtNoise * noise_of_values * noise_of_values * Weight(problem);
   const Eigen::MatrixXd free = solution.coefficients;
   for (int time = 0; bounds.Leaves(free); ++time) {
     ActiveSet set(system, problem.smoothing(), free, bounds, pool);
@@ -182,7 +192,8 @@ void HoldCoefficients(const FittingProblem& problem,
     bounded.held = set.held();
     solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
     const double allowed = kOfChance * set.held() / static_cast<double>(measured);
-    if (time == kWidenings || solution.residual_squares <= (1 + allowed) * squares) return;
+    if (!at_noise || time == kWidenings || solution.residual_squares <= (1 + allowed) * squares)
+      return;
     bounds.Widen(2);
   }
   solution.coefficients = free;
@@ -197,16 +208,16 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   double spacing,
                                   ThreadPool& pool,
                                   int most_rounds,
-                                  double held_rms) {
+                                  double held_rms,
+                                  double noise) {
   const PenalisedSystem system(problem, pool);
   const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
-  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, bounded);
+  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, noise, bounded);
   auto inside = HeldInBox(problem, bounded.solution, measured, pool);
-  const Eigen::VectorXd& weights = problem.data().weights;
-  const double all = weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+  const double all = Weight(problem);
   if (inside &&
       inside->residual_squares <=
           std::max(kCostOfHolding * bounded.solution.residual_squares, held_rms * held_rms * all)) {

@@ -236,7 +236,8 @@ TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceOverATaperedOutline) {
     const FittingProblem problem = Over(3, cells, Heights(wing, inside, kCount, kSigma, random));
     ThreadPool pool(1);
     const double free = SolveLinear(problem, pool).residual_squares;
-    const BoundedSolution held = Bounded(problem);
+    const BoundedSolution held =
+        SolveWithinBounds(problem, kCount, 1 / std::sqrt(kCount), pool, 3, HUGE_VAL, kSigma);
     EXPECT_LE(held.solution.residual_squares, (1 + 1e-3) * free) << cells;
   }
 }
