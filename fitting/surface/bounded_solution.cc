@@ -21,8 +21,8 @@ constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
 // A coefficient that the points do not ask for costs nothing when held, but for chance: so many
 // times its share of the variance. Of points followed to so many times their noise, bounds that
-// cost more are too narrow.
-constexpr double kOfChance = 6, kAtNoise = 1.5;
+// cost more, and a share that matters, are too narrow.
+constexpr double kOfChance = 6, kMatters = 4e-3, kAtNoise = 1.5;
 constexpr int kWidenings = 3;
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
@@ -191,7 +191,8 @@ void HoldCoefficients(const FittingProblem& problem,
     solution.coefficients = set.net();
     bounded.held = set.held();
     solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
-    const double allowed = kOfChance * set.held() / static_cast<double>(measured);
+    const double allowed =
+        std::max(kMatters, kOfChance * set.held() / static_cast<double>(measured));
     if (!at_noise || time == kWidenings || solution.residual_squares <= (1 + allowed) * squares)
       return;
     bounds.Widen(2);

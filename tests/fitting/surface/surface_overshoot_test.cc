@@ -156,7 +156,7 @@ std::optional<SurfaceFit> FitOfFewPoints(unsigned seed, Trimming trim) {
 
 TEST(FitSurfaceOvershootTest, SurfacesThatLeaveTheBoxOfTheirPointsAreTold) {
   int told = 0, fitted = 0;
-  for (unsigned seed = 1; seed <= 80; ++seed) {
+  for (unsigned seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const bool asked_for = seed % 2 == 0;
     const auto fit = FitOfFewPoints(seed, asked_for ? Trimming::kNone : Trimming::kAuto);
