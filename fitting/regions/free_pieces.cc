@@ -43,7 +43,6 @@ Pieces WithLeftovers(const RegionPoints& data, const RegionLabels& labels) {
 std::vector<Border> BordersOf(const RegionPoints& data, const Pieces& pieces) {
   // A piece and a face as much larger tell nothing of one another; left-over points are no face.
   constexpr double kComparable = 8;
-  constexpr double kTelling = 120;  // points: half of both tell a fillet's bend from noise
   std::map<Pair, std::vector<Eigen::Vector3d>> places;
   const std::vector<int>& label = pieces.labels.label;
   for (int k = 0; k < static_cast<int>(data.size()); ++k) {
@@ -60,7 +59,6 @@ std::vector<Border> BordersOf(const RegionPoints& data, const Pieces& pieces) {
     const auto a = double(pieces.SizeOf(pair.first)), b = double(pieces.SizeOf(pair.second));
     const bool faces = pair.second < pieces.shapes;
     if ((faces ? std::max(a, b) : a) > kComparable * std::min(a, b)) continue;
-    if (faces && std::min(a, b) < kTelling) continue;
     if (faces && !JoinSmoothly(data, pieces.labels, pair.first, pair.second)) continue;
     borders.push_back({pair, std::move(found)});
   }
@@ -98,8 +96,15 @@ bool DissolveOnce(const RegionPoints& data, double sigma, RegionLabels& labels, 
     ThreadPool alone(1);
     for (auto k = begin; k < end; ++k) {
       Border& border = borders[std::size_t(k)];
+      // At the noise that both show: what misses shape by some hides as much in a third.
+      double noise = sigma;
+      for (const int side : {border.regions.first, border.regions.second}) {
+        if (side >= pieces.shapes) continue;
+        const Region& region = labels.regions[std::size_t(side)];
+        noise = std::max(noise, TestShape(data, region.points, region.shape, sigma).rms);
+      }
       border.arbitrary =
-          SimplestShape(data, Across(data, pieces, border), sigma, alone).has_value();
+          SimplestShape(data, Across(data, pieces, border), noise, alone).has_value();
     }
   });
   std::vector<double> sure(labels.regions.size()), arbitrary(labels.regions.size());
@@ -109,10 +114,21 @@ bool DissolveOnce(const RegionPoints& data, double sigma, RegionLabels& labels, 
         (border.arbitrary ? arbitrary : sure)[std::size_t(k)] += double(border.places.size());
     }
   }
+  // A piece alone is a face: it takes another, or as many left-over points, to make a free surface.
+  std::vector<char> partnered(labels.regions.size());
+  const auto piece = [&](int k) {
+    return k >= pieces.shapes || arbitrary[std::size_t(k)] > sure[std::size_t(k)];
+  };
+  for (const Border& border : borders) {
+    const auto [a, b] = border.regions;
+    if (!border.arbitrary || !piece(a) || !piece(b)) continue;
+    partnered[std::size_t(a)] = true;
+    if (b < pieces.shapes) partnered[std::size_t(b)] = true;
+  }
   bool dissolved = false;
   RegionLabels left{{}, std::vector<int>(labels.label.size(), kNoRegion)};
   for (std::size_t k = 0; k < labels.regions.size(); ++k) {
-    if (arbitrary[k] > sure[k]) {
+    if (arbitrary[k] > sure[k] && partnered[k]) {
       dissolved = true;
       continue;
     }
