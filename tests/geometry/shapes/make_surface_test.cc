@@ -267,6 +267,10 @@ TEST(MakeSurfaceTest, RevolvingTurnsTheCurve) {
     if ((points.colwise() - points.col(0)).isZero(0)) continue;  // a periodic one of one span
     const Frame frame = RandomFrame(random, 2);
     const AngleRange angles = RandomAngles(random);
+    if ((curve.control_points().colwise() - curve.control_points().col(0)).isZero(0)) {
+      EXPECT_THAT(RefusalOf([&] { Revolve(curve, frame, angles); }), HasSubstr("is a point"));
+      continue;
+    }
     const NurbsSurface surface = Revolve(curve, frame, angles);
     EXPECT_EQ(surface.basis_v(), curve.basis());
     const NurbsCurve<2> arc = MakeArc(Eigen::Vector2d(0, 0), 1, angles);
