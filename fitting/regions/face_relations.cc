@@ -273,8 +273,9 @@ class ConstrainedStep {
             one.by * inverses[std::size_t(one.face)] * other.by.transpose();
       }
     }
-    // Some relations follow from others to within rounding of the derivatives.
-    constexpr double kFollows = 1e-7;
+    // Some relations follow from others to within rounding; variances of those that do not may
+    // differ by ten powers of ten.
+    constexpr double kFollows = 1e-12;
     const Eigen::VectorXd scale =
         schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> scaled;
