@@ -3,7 +3,6 @@
 
 #include <variant>
 
-#include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/make_values.h"
 
@@ -11,10 +10,11 @@ namespace batten::internal {
 
 std::vector<NurbsCurve<3>> CurvesOf(const std::vector<std::string>& paths,
                                     const std::string& format,
+                                    SharedUnit& unit,
                                     const Lifting& lifting) {
   std::vector<NurbsCurve<3>> curves;
   for (const std::string& path : paths) {
-    for (const Geometry& one : ReadGeometry(path, {format})) {
+    for (const Geometry& one : unit.Read(path, format)) {
       if (std::holds_alternative<NurbsSurface>(one)) {
         throw UsageError(path + ": holds a surface; only curves can be taken");
       }
@@ -28,9 +28,10 @@ std::vector<NurbsCurve<3>> CurvesOf(const std::vector<std::string>& paths,
 
 NurbsCurve<3> OnlyCurve(const std::string& path,
                         const std::string& format,
+                        SharedUnit& unit,
                         const char* what,
                         const Lifting& lifting) {
-  const std::vector<NurbsCurve<3>> curves = CurvesOf({path}, format, lifting);
+  const std::vector<NurbsCurve<3>> curves = CurvesOf({path}, format, unit, lifting);
   if (curves.size() != 1) {
     throw UsageError(path + ": holds " + std::to_string(curves.size()) + " curves; one is the " +
                      what);

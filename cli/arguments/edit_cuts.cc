@@ -54,6 +54,14 @@ void Append(std::vector<Geometry>& to, From&& pieces) {
       to.end(), std::make_move_iterator(pieces.begin()), std::make_move_iterator(pieces.end()));
 }
 
+// What the file of a trim holds: lengths in the unit of the surface, parameters as they are.
+std::vector<Geometry> TrimmingCurves(const EditOperation& operation) {
+  const std::string& path = operation.Word("curve");
+  std::vector<Geometry> curves = ReadGeometry(path, operation.others);
+  if (std::holds_alternative<NurbsCurve<2>>(curves.front())) return ReadGeometry(path);
+  return curves;
+}
+
 // The curve that trims: in the parameter domain, or in space.
 SurfaceCut CutAlongCurve(const EditOperation& operation,
                          const NurbsSurface& surface,
@@ -91,7 +99,7 @@ std::vector<Geometry> CutPieces(const EditOperation& operation, const Geometry& 
 }
 
 std::vector<Geometry> TrimmedPieces(const EditOperation& operation, const NurbsSurface& surface) {
-  const std::vector<Geometry> curves = ReadGeometry(operation.Word("curve"));
+  const std::vector<Geometry> curves = TrimmingCurves(operation);
   if (curves.size() != 1) {
     operation.Refuse("curve = '" + operation.Word("curve") + "' holds " +
                      std::to_string(curves.size()) + " geometries; one curve is needed");

@@ -2,6 +2,7 @@
 #include "cli/arguments/edit_forms.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -13,6 +14,7 @@
 #include "batten/geometry/power_form.h"
 #include "batten/geometry/remove_knots.h"
 #include "batten/io/geometry_file.h"
+#include "cli/arguments/edit_values.h"
 #include "cli/arguments/plane_curves.h"
 
 namespace batten::internal {
@@ -85,7 +87,9 @@ struct Continuer {
 };
 
 template <int Dim>
-Geometry Chained(const EditOperation& op, const std::vector<Geometry>& shapes) {
+Geometry Chained(const EditOperation& op,
+                 const std::vector<Geometry>& shapes,
+                 const std::vector<std::string>& names) {
   std::vector<NurbsCurve<Dim>> curves;
   double size = 0;
   for (const Geometry& one : shapes) {
@@ -93,7 +97,7 @@ Geometry Chained(const EditOperation& op, const std::vector<Geometry>& shapes) {
     size += SizeOfShape(curves.back());
   }
   constexpr double kShare = 1e-6;
-  return Unified(curves, op.Has("tolerance") ? op.Number("tolerance") : kShare * size);
+  return Unified(curves, op.Has("tolerance") ? op.Number("tolerance") : kShare * size, names);
 }
 
 // Paths separated by ';'.
@@ -114,12 +118,11 @@ Geometry BezierForm(const Geometry& shape) {
 }
 
 Geometry BsplineForm(const EditOperation& operation, const Geometry& shape) {
-  constexpr double kOfTheSize = 1e-10;
   return std::visit(
       [&](const auto& one) -> Geometry {
-        return RemoveKnots(one,
-                           operation.Has("tolerance") ? operation.Number("tolerance")
-                                                      : kOfTheSize * SizeOfShape(one))
+        return RemoveKnots(
+                   one,
+                   operation.Has("tolerance") ? operation.Number("tolerance") : RoundingOf(one))
             .shape;
       },
       shape);
@@ -137,8 +140,16 @@ std::vector<Geometry> ContinuedPieces(const EditOperation& operation, const Geom
 
 Geometry UnifiedCurve(const EditOperation& operation, const std::vector<Geometry>& shapes) {
   std::vector<Geometry> all = shapes;
+  std::vector<std::string> names;
+  const auto name = [&](const std::string& file, size_t count) {
+    for (size_t k = 1; k <= count; ++k)
+      names.push_back(count == 1 ? file : "curve " + std::to_string(k) + " of " + file);
+  };
+  name("the edited file", shapes.size());
   for (const std::string& path : Paths(operation.Word("with"))) {
-    for (Geometry& one : ReadGeometry(path)) all.push_back(std::move(one));
+    std::vector<Geometry> some = ReadGeometry(path, operation.others);
+    name(path, some.size());
+    std::move(some.begin(), some.end(), std::back_inserter(all));
   }
   MatchDimensions(all);
   for (const Geometry& one : all) {
@@ -146,8 +157,8 @@ Geometry UnifiedCurve(const EditOperation& operation, const std::vector<Geometry
       operation.Refuse("only curves make a chain; there is a surface among them");
     }
   }
-  if (std::holds_alternative<NurbsCurve<2>>(all.front())) return Chained<2>(operation, all);
-  return Chained<3>(operation, all);
+  if (std::holds_alternative<NurbsCurve<2>>(all.front())) return Chained<2>(operation, all, names);
+  return Chained<3>(operation, all, names);
 }
 
 }  // namespace batten::internal

@@ -68,9 +68,7 @@ const NurbsSurface& RequireSurface(const EditOperation& operation, const Geometr
 template <typename Shape>
 double Tolerance(const EditOperation& operation, const Shape& shape) {
   if (operation.Has("tolerance")) return operation.Number("tolerance");
-  constexpr double kOfTheSize = 1e-10;
-  const auto& points = shape.control_points();
-  return kOfTheSize * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  return RoundingOf(shape);
 }
 
 std::string Shortfall(const EditOperation& operation,
@@ -116,12 +114,14 @@ EditOutcome ReduceBezier(const EditOperation& op,
   const SplineBasis& basis = curve.basis();
   if (!basis.clamped() || basis.Spans().size() != 1)
     op.Refuse("rule is for Bezier pieces; decompose first");
+  if (op.Whole("by") >= basis.degree()) {
+    op.Refuse(fmt::format("by = {} is not below the degree {}", op.Whole("by"), basis.degree()));
+  }
   const double tolerance = Tolerance(op, curve);
   BezierCurve<Dim> piece(curve.control_points(), curve.weights());
   double error = 0, next = 0;
   int done = 0;
   for (; done < op.Whole("by"); ++done) {
-    if (piece.degree() < 2) break;
     auto reduced = Reduced(piece, rule);
     if (!reduced) op.Refuse("a weight would not be positive");
     next = error + reduced->error;

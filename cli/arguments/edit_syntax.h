@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/geometry/direction.h"
+#include "batten/io/geometry_types.h"
 
 namespace batten::internal {
 
@@ -19,6 +20,7 @@ struct EditOperation {
   std::map<std::string, std::vector<double>> values;  // by key; "" for values without one
   std::map<std::string, std::string> words;           // of keys that take a word or a path
   std::optional<Direction> direction;
+  GeometryReadOptions others;  // how other files are read: in the unit of what is edited
 
   bool Has(const std::string& key) const { return values.count(key) > 0; }
   const std::string& Word(const std::string& key) const { return words.at(key); }

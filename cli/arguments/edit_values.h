@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +33,18 @@ Eigen::Matrix<double, Dim, Eigen::Dynamic> PointsOf(const EditOperation& operati
 template <int Dim>
 Eigen::Matrix<double, Dim, 1> PointOf(const EditOperation& operation, const std::string& key) {
   return PointsOf<Dim>(operation, key, 1);
+}
+
+// What an operation that is to change nothing may move the shape by: 1e-10 of its size, and what
+// its coordinates were rounded to where they are far from zero.
+template <typename Shape>
+double RoundingOf(const Shape& shape) {
+  constexpr double kOfTheSize = 1e-10, kRoundings = 32;
+  const auto& points = shape.control_points();
+  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  return std::max(
+      kOfTheSize * size,
+      kRoundings * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff());
 }
 
 }  // namespace batten::internal

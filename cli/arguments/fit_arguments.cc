@@ -227,8 +227,8 @@ void AddUncertaintyArguments(CLI::App& command, FitArguments& a) {
   command
       .add_option("--uncertainty-map",
                   a.uncertainty_map,
-                  "Write them over the whole shape: M.csv, or of a surface M.ply, a mesh coloured "
-                  "by them")
+                  "Write them over the whole shape: M.csv, or of a surface M.ply or M.glb, a mesh "
+                  "coloured by them")
       ->type_name("FILE");
   AddCertificateArguments(command, a.output);
 }
@@ -238,6 +238,7 @@ void GroupFitFlags(CLI::App& command) {
              "What is written",
              {"--output",
               "--report",
+              "--beside",
               "--residuals",
               "--uncertainty",
               "--uncertainty-map",
@@ -548,7 +549,8 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   if (written) written->Commit();
   if (certified.file) certified.file->Commit();
   if (map_ && !a_.uncertainty_map.empty())
-    WriteUncertainty(a_.uncertainty_map, *map_, geometry.front())->Commit();
+    WriteUncertainty(a_.uncertainty_map, *map_, geometry.front(), MetresIn(a_.output.unit))
+        ->Commit();
   report.seconds.read = read_seconds_;
   const double fitted = report.seconds.total, now = Seconds();
   report.seconds.write = std::max(0.0, now - read_seconds_ - fitted);

@@ -24,8 +24,8 @@ const std::vector<std::string>& Units() {
 void CheckUnit(const std::string& unit) { CheckChoice("--unit", unit, Units()); }
 
 CLI::Option& AddUnitFlag(CLI::App& command, std::string& unit, const char* help) {
-  CLI::Option& option =
-      *command.add_option("--unit", unit, help)->capture_default_str()->type_name("UNIT");
+  CLI::Option& option = *command.add_option("--unit", unit, help)->type_name("UNIT");
+  if (!unit.empty()) option.capture_default_str();
   Suggest(option, Units());
   return option;
 }

@@ -76,7 +76,7 @@ GeometryContents ReadInUnit(const std::string& path,
                             const GeometryOutput& output,
                             bool quiet,
                             bool keeps_bodies) {
-  GeometryContents contents = ReadGeometryContents(path, {format, output.unit});
+  GeometryContents contents = ReadGeometryContents(path, {format, output.unit, output.undeclared});
   if (!quiet) {
     for (const std::string& remark : contents.remarks) PrintWarning(path + ": " + remark);
     if (!keeps_bodies && !contents.flattened.empty()) {

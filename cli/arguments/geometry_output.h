@@ -17,7 +17,8 @@ namespace batten::internal {
 void AddStepSchemaFlag(CLI::App& command, std::string& schema);
 
 struct GeometryOutput {
-  std::string unit;  // asked for; empty: that of what is read, mm where it says none
+  std::string unit;             // asked for; empty: that of what is read, mm where it says none
+  std::string undeclared = {};  // of a file that says none: GeometryReadOptions
   std::string step_schema = GeometryWriteOptions().step_schema;
   std::optional<double> sew = {};  // GeometryWriteOptions
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "batten/geometry/conic_arc.h"
 #include "batten/geometry/make_curve.h"
@@ -64,7 +65,8 @@ ConicArc<3> BetweenEnds(const MakeArguments& a) {
   if (a.tangents.empty()) throw UsageError("--ends: needs --tangents or --shoulder too");
   const Eigen::Matrix3Xd tangents = PointsOf("--tangents", a.tangents, 2);
   if (a.point.empty() == a.rho.empty()) {
-    throw UsageError("--tangents: one of --point and --rho is needed");
+    throw UsageError(std::string("--tangents: one of --point and --rho is needed") +
+                     (a.rho.empty() ? "" : ", not both"));
   }
   if (a.point.empty()) {
     return ConicArcOfRho<3>(ends.col(0), tangents.col(0), ends.col(1), tangents.col(1), RhoOf(a));
@@ -124,8 +126,11 @@ ConicArc<3> OfControl(const MakeArguments& a) {
 Shapes Conic(const MakeArguments& a) {
   const auto ways = std::ptrdiff_t{!a.ends.empty()} + !a.points.empty() + !a.implicit.empty() +
                     !a.control.empty();
-  if (ways != 1)
-    throw UsageError("one of --ends, --points, --implicit and --homogeneous is needed");
+  if (ways != 1) {
+    throw UsageError(
+        std::string("one of --ends, --points, --implicit and --homogeneous is needed") +
+        (ways > 1 ? ", not " + std::to_string(ways) : ""));
+  }
   if (!a.implicit.empty()) return {OfEquation(a)};
   if (!a.control.empty()) return {ToNurbs(OfControl(a))};
   if (!a.ends.empty()) return {ToNurbs(BetweenEnds(a))};

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -100,7 +101,7 @@ void AddExtrude(CLI::App& command, Arguments& a) {
 }
 Construction Extruded(const Arguments& a) {
   Construction made;
-  for (const NurbsCurve<3>& curve : CurvesOf(a.curves, a.format)) {
+  for (const NurbsCurve<3>& curve : CurvesOf(a.curves, a.format, *a.unit)) {
     made.shapes.emplace_back(Extrude(curve, Triple("--by", a.by)));
   }
   return made;
@@ -118,10 +119,13 @@ void AddRuled(CLI::App& command, Arguments& a) {
       command, a, "Of --by-length: how far the edge may leave the curve [1e-5 of the size]");
 }
 Construction RuledBetween(const Arguments& a) {
-  Curves curves = CurvesOf(a.curves, a.format);
+  Curves curves = CurvesOf(a.curves, a.format, *a.unit);
   RequireCount(curves, 2, "two are joined");
   Construction made;
   RuledOptions options;
+  if (!a.by_length && !a.tolerance.empty())
+    throw UsageError(
+        "--tolerance: only --by-length needs one; without it the curves are met exactly");
   if (a.by_length) options = {RuledBy::kLength, ToleranceOf(a, curves)};
   if (a.align) {
     AlignedCurves aligned = Aligned(std::move(curves));
@@ -173,14 +177,14 @@ std::optional<LoftEnd> EndOf(const char* flag, const std::string& text) {
   return LoftEnd{{x[0], x[1], x[2]}, x.size() == 4 ? x[3] : 1};
 }
 Construction Lofted(const Arguments& a) {
-  const Curves sections = CurvesOf(a.curves, a.format);
+  const Curves sections = CurvesOf(a.curves, a.format, *a.unit);
   LoftOptions options;
   options.degree = static_cast<int>(ParseWhole("--degree", a.degree, 1, kMaxDegree));
   options.closed = a.closed;
   options.align = a.align;
   options.start = EndOf("--start-tangent", a.start_tangent);
   options.end = EndOf("--end-tangent", a.end_tangent);
-  if (!a.spine.empty()) options.spine = OnlyCurve(a.spine, a.format, "spine");
+  if (!a.spine.empty()) options.spine = OnlyCurve(a.spine, a.format, *a.unit, "spine");
   if (!sections.empty()) options.tolerance = ToleranceOf(a, sections);
   LoftedSurface loft = Loft(sections, options);
   Construction made{{std::move(loft.surface)}, ChangeNotes("section", loft.changes)};
@@ -205,7 +209,7 @@ void AddSweep(CLI::App& command, Arguments& a) {
           "Turn it about the trajectory on the way; whole turns where that is closed");
 }
 Construction Swept(const Arguments& a) {
-  const Curves curves = CurvesOf(a.curves, a.format);
+  const Curves curves = CurvesOf(a.curves, a.format, *a.unit);
   RequireCount(curves, 2, "one is moved along the other");
   if (a.translational) {
     if (ParseNumber("--twist", a.twist) != 0)
@@ -250,20 +254,18 @@ Construction Swung(const Arguments& a) {
   const Frame frame = ParseFrame(a.center, a.axis, a.x_axis);
   if (a.curves.size() != 2) throw UsageError("a profile and a trajectory are needed, a file each");
   const NurbsCurve<3> profile =
-      OnlyCurve(a.curves[0], a.format, "profile", {frame.x(), frame.axis()});
+      OnlyCurve(a.curves[0], a.format, *a.unit, "profile", {frame.x(), frame.axis()});
   const NurbsCurve<3> trajectory =
-      OnlyCurve(a.curves[1], a.format, "trajectory", {frame.x(), frame.y()});
+      OnlyCurve(a.curves[1], a.format, *a.unit, "trajectory", {frame.x(), frame.y()});
   return {{Swing(profile, trajectory, frame, ParseNumber("--scale", a.scale))}};
 }
 
 void AddGordon(CLI::App& command, Arguments& a) {
   command.add_option("--u", a.along_u, "Files of the curves of one direction")
       ->required()
-      ->delimiter(',')
       ->type_name("FILE,...");
   command.add_option("--v", a.along_v, "Files of the curves across them")
       ->required()
-      ->delimiter(',')
       ->type_name("FILE,...");
   AddFormat(command, a);
   AddTolerance(command,
@@ -271,8 +273,26 @@ void AddGordon(CLI::App& command, Arguments& a) {
                "How far apart curves may be where they meet, and the surface from curves that had "
                "to be traced anew [1e-5 of the size]");
 }
+
+// The files of "a.json,b.json", given once or several times.
+std::vector<std::string> FilesOf(const char* flag, const std::vector<std::string>& lists) {
+  std::vector<std::string> files;
+  for (const std::string& list : lists) {
+    for (std::size_t begin = 0; begin <= list.size();) {
+      const std::size_t end = std::min(list.find(',', begin), list.size());
+      if (end == begin)
+        throw UsageError(
+            fmt::format("{}: '{}' names no file between two commas or at an end", flag, list));
+      files.push_back(list.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+  return files;
+}
+
 Construction OfNetwork(const Arguments& a) {
-  const Curves along_u = CurvesOf(a.along_u, a.format), along_v = CurvesOf(a.along_v, a.format);
+  const Curves along_u = CurvesOf(FilesOf("--u", a.along_u), a.format, *a.unit),
+               along_v = CurvesOf(FilesOf("--v", a.along_v), a.format, *a.unit);
   Curves all = along_u;
   all.insert(all.end(), along_v.begin(), along_v.end());
   if (all.empty()) throw UsageError("the files hold no curves");
@@ -300,7 +320,7 @@ void AddCoons(CLI::App& command, Arguments& a) {
                "replaced for their weights [1e-5 of the size]");
 }
 Construction BetweenSides(const Arguments& a) {
-  const Curves sides = CurvesOf(a.curves, a.format);
+  const Curves sides = CurvesOf(a.curves, a.format, *a.unit);
   if (sides.empty()) throw UsageError("the files hold no curves");
   CoonsSurface coons = Coons(sides, {.tolerance = ToleranceOf(a, sides), .bicubic = a.bicubic});
   Construction made{{std::move(coons.surface)}};
@@ -393,7 +413,8 @@ const std::vector<ConstructionKind>& ConstructionKinds() {
        AddCoons,
        BetweenSides},
       {"patch",
-       "The bicubic patch of corners, tangents and twists",
+       "The bicubic patch of corners, tangents and twists (Hermite's form; without twists "
+       "Ferguson's)",
        "patch -o patch.step --corner-00 0,0,0 --corner-10 4,0,0 --corner-01 0,3,0 \\\n"
        "    --corner-11 4,3,1 --tangents-u 4,0,4,4,0,-4,4,0,4,4,0,-4",
        AddPatch,

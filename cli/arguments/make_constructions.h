@@ -2,10 +2,12 @@
 // The kinds of `batten make` that make surfaces of curves in files: their flags, and the surfaces.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "batten/io/geometry_types.h"
+#include "cli/arguments/shared_unit.h"
 #include "cli/terminal/cli11_forward.h"
 
 namespace batten::internal {
@@ -17,6 +19,7 @@ struct ConstructionArguments {
   std::string by, tolerance, degree = "3", start_tangent, end_tangent, twist = "0", scale = "1";
   std::string center = "0,0,0", axis = "0,0,1", x_axis;
   std::string corner00, corner10, corner01, corner11, tangents_u, tangents_v, twists;
+  std::shared_ptr<SharedUnit> unit = std::make_shared<SharedUnit>();  // of the files
   bool by_length = false, align = false, closed = false, translational = false, bicubic = false;
 };
 

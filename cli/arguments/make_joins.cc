@@ -2,6 +2,7 @@
 #include "cli/arguments/make_joins.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <variant>
@@ -9,7 +10,6 @@
 #include "batten/geometry/blend.h"
 #include "batten/geometry/fill.h"
 #include "batten/geometry/joins.h"
-#include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/make_values.h"
 #include "cli/arguments/plane_curves.h"
@@ -53,7 +53,7 @@ void AddBlend(CLI::App& command, MakeArguments& a) {
 std::pair<Geometry, Geometry> TwoShapes(const MakeArguments& a) {
   Shapes shapes;
   for (const std::string& path : a.files) {
-    for (Geometry& one : ReadGeometry(path, {a.format})) shapes.push_back(std::move(one));
+    for (Geometry& one : a.unit->Read(path, a.format)) shapes.push_back(std::move(one));
   }
   if (shapes.size() != 2) {
     throw UsageError("the files hold " + std::to_string(shapes.size()) +
@@ -167,12 +167,16 @@ void AddFill(CLI::App& command, MakeArguments& a) {
 }
 
 // "wall.json:u1" is the edge u1 of the only surface in wall.json.
-void AddSides(const std::string& text, const std::string& format, std::vector<FillSide>& sides) {
+void AddSides(const MakeArguments& a, const std::string& text, std::vector<FillSide>& sides) {
   const size_t colon = text.rfind(':');
   const std::string word = colon == std::string::npos ? "" : text.substr(colon + 1);
   const bool edge = std::find(kEdgeWords.begin(), kEdgeWords.end(), word) != kEdgeWords.end();
+  if (!edge && colon != std::string::npos && !std::filesystem::exists(text) &&
+      std::filesystem::exists(text.substr(0, colon))) {
+    throw UsageError(text + ": '" + word + "' is no edge of a surface; they are u0, u1, v0 and v1");
+  }
   const std::string path = edge ? text.substr(0, colon) : text;
-  Shapes shapes = ReadGeometry(path, {format});
+  Shapes shapes = a.unit->Read(path, a.format);
   if (edge) {
     const auto* surface = std::get_if<NurbsSurface>(&shapes[0]);
     if (shapes.size() != 1 || !surface)
@@ -191,7 +195,7 @@ void AddSides(const std::string& text, const std::string& format, std::vector<Fi
 
 std::vector<FillSide> SidesOf(const MakeArguments& a) {
   std::vector<FillSide> sides;
-  for (const std::string& text : a.files) AddSides(text, a.format, sides);
+  for (const std::string& text : a.files) AddSides(a, text, sides);
   return sides;
 }
 

@@ -2,11 +2,13 @@
 // A kind of `batten make`, and the values of its flags.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "batten/io/geometry_types.h"
+#include "cli/arguments/shared_unit.h"
 #include "cli/terminal/cli11_forward.h"
 
 namespace batten::internal {
@@ -15,10 +17,12 @@ namespace batten::internal {
 struct MakeArguments {
   std::string center = "0,0,0", axis = "0,0,1", x_axis;
   std::string from, to, corner00, corner10, corner01, corner11, size;
+  std::string derivatives, second_derivatives;  // of hermite, beside ends
   std::string radius, radii, major_radius, minor_radius, height, top_radius, half_angle;
   std::string start_angle = "0", sweep = "360", latitudes = "-90,90";
   std::string tube_start = "0", tube_sweep = "360";
-  std::string curve, format;  // of revolve
+  std::string curve, format;                                          // of revolve
+  std::shared_ptr<SharedUnit> unit = std::make_shared<SharedUnit>();  // of files
   std::string circle_form, segments;
   // Conics.
   std::string ends, tangents, point, rho, shoulder, points, implicit, via, control;

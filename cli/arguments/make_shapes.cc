@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "batten/geometry/bezier_curve.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
+#include "batten/geometry/segment_forms.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/curve_files.h"
 #include "cli/arguments/make_conics.h"
@@ -80,6 +82,35 @@ void AddLine(CLI::App& command, MakeArguments& a) {
 }
 Shapes Line(const MakeArguments& a) {
   return {MakeLine<3>(Triple("--from", a.from), Triple("--to", a.to))};
+}
+
+void AddHermite(CLI::App& command, MakeArguments& a) {
+  Require(command, "--ends", a.ends, "P,Q", "Its ends, x,y,z,x,y,z, or x,y,x,y");
+  Require(command,
+          "--derivatives",
+          a.derivatives,
+          "D,E",
+          "First derivatives at the ends, by a parameter from 0 to 1");
+  AddFlag(command,
+          "--second-derivatives",
+          a.second_derivatives,
+          "D,E",
+          "Second ones too: it is of degree 5 then, not 3");
+}
+Shapes Hermite(const MakeArguments& a) {
+  const bool quintic = !a.second_derivatives.empty();
+  const Eigen::Matrix3Xd ends = PointsOf("--ends", a.ends, 2),
+                         first = PointsOf("--derivatives", a.derivatives, 2),
+                         second = quintic
+                                      ? PointsOf("--second-derivatives", a.second_derivatives, 2)
+                                      : Eigen::Matrix3Xd(Eigen::Matrix3Xd::Zero(3, 2));
+  if (ends.col(0) == ends.col(1) && first.isZero(0) && second.isZero(0))
+    throw UsageError("--ends: one point, without derivatives: it would be no curve");
+  if (quintic) {
+    return {ToNurbs(ToBezier(QuinticHermite<3>{
+        ends.col(0), first.col(0), second.col(0), ends.col(1), first.col(1), second.col(1)}))};
+  }
+  return {ToNurbs(ToBezier(CubicHermite<3>{ends.col(0), first.col(0), ends.col(1), first.col(1)}))};
 }
 
 void AddPlane(CLI::App& command, MakeArguments& a) {
@@ -200,7 +231,7 @@ Shapes Revolved(const MakeArguments& a) {
   const Frame frame = FrameOf(a);
   const AngleRange angles = AnglesOf(a);
   Shapes shapes;
-  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format)) {
+  for (const NurbsCurve<3>& curve : CurvesOf({a.curve}, a.format, *a.unit)) {
     shapes.emplace_back(Revolve(curve, frame, angles));
   }
   return shapes;
@@ -226,6 +257,11 @@ const std::vector<MakeKind>& MakeKinds() {
        AddEllipse,
        Ellipse},
       {"line", "A segment", "line -o edge.json --from 0,0,0 --to 1,2,3", AddLine, Line},
+      {"hermite",
+       "The cubic or quintic between ends with derivatives (Hermite's form, Ferguson's)",
+       "hermite -o road.json --ends 0,0,0,4,1,0 --derivatives 5,0,0,5,5,0",
+       AddHermite,
+       Hermite},
       {"plane", "A rectangle", "plane -o table.step --size 100,50", AddPlane, Plane},
       {"bilinear",
        "The surface between four corners",

@@ -19,6 +19,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_summary.h"
+#include "cli/arguments/shared_unit.h"
 #include "cli/arguments/short_summary.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -147,7 +148,9 @@ Json Analysis(const AnalyzeArguments& a) {
   if (a.first == "-" && a.second == "-") {
     throw UsageError("GEOMETRY and GEOMETRY2 can't both be standard input");
   }
-  return JoinsOf(a, ReadGeometry(a.first, {a.format}), ReadGeometry(a.second, {a.format}));
+  SharedUnit unit;
+  const std::vector<Geometry> first = unit.Read(a.first, a.format);
+  return JoinsOf(a, first, unit.Read(a.second, a.format));
 }
 
 int RunAnalyze(const AnalyzeArguments& a) {

@@ -23,6 +23,7 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
+#include "cli/arguments/shared_unit.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
@@ -165,6 +166,7 @@ int RunEdit(const EditArguments& a) {
   const bool keeps_bodies = !pieces && KeepsBodies(a.out, out_format, a.output);
   const GeometryContents read =
       ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet, keeps_bodies);
+  for (EditOperation& one : operations) one.others = ReadBeside(a.output.unit, read.unit);
   Edited edited = EditAll(operations, read.geometry, read.names, progress);
   if (keeps_bodies && edited.pieces && !a.flags.quiet && !read.flattened.empty()) {
     PrintWarning(a.geometry + ": " + read.flattened);
@@ -238,7 +240,7 @@ void AddEditCommand(CLI::App& app, Action& action) {
       "  batten edit part.json -o dented.json move:at=0.2,0.3,0.7,0.6,to=1,2,3,4,5,6\n"
       "  batten edit part.json -o domed.json warp:region=0.2,0.8,0.2,0.8,by=0,0,5\n"
       "  batten edit part.json -o rolled.json bend:from=5,0,0,center=0,0,0,length=6\n"
-      "  batten edit part.json -o half.step cut:plane=0;0;1;25,keep=below\n"
+      "  batten edit part.json -o half.step cut:plane=0,0,1,25,keep=below\n"
       "  batten edit part.json -o holed.json trim:curve=hole.json,keep=outside\n"
       "  batten edit line.json -o outline.step unify:with=arc.json\n"
       "  batten edit curve.json -o powers.json to-power");

@@ -75,7 +75,7 @@ void CheckInterpolation(const FitCurveArguments& a) {
   if (a.degree != "3") throw UsageError("--spline is a cubic: --degree " + a.degree + " is not 3");
   if (a.closed == "yes" && a.spline != "periodic")
     throw UsageError("--closed yes is --spline periodic: --spline " + a.spline + " has ends");
-  if (a.closed == "no" && a.spline == "periodic")
+  if (a.closed == "no" && a.spline == "periodic" && a.parameterization != "x")
     throw UsageError("--spline periodic closes the curve: --closed no contradicts it");
   const auto lacks = [&](const std::string& tangent, const std::string& curvature) {
     return (a.spline == "clamped" && tangent.empty()) ||
@@ -340,6 +340,18 @@ void WarnOfGap(const PointCloud& cloud, FitReport& report) {
                             " apart: the curve bridges that gap");
 }
 
+// Warns of rows that a curve through every point does not go through.
+void WarnOfMissing(const FitFiles& files, FitReport& report) {
+  const auto& missing = files.missing();
+  if (missing.empty()) return;
+  report.warnings.push_back(
+      fmt::format("{} of the rows, the first number {}, {} not finite and left out: the curve does "
+                  "not go through what they stand for",
+                  missing.size(),
+                  missing.front() + 1,
+                  missing.size() == 1 ? "is" : "are"));
+}
+
 template <int Dim>
 int WriteFit(const FitFiles& files, CurveFit<Dim> fit) {
   return files.Write(
@@ -359,6 +371,7 @@ int FitLocal(const FitFiles& files, const PointCloud& cloud, const FitCurveArgum
   options.shift = files.shift();
   CurveFit<Dim> fit = files.Explained([&] { return FitLocally<Dim>(cloud, options); });
   if (a.closed == "yes") WarnOfGap(cloud, fit.report);
+  WarnOfMissing(files, fit.report);
   return WriteFit(files, std::move(fit));
 }
 
@@ -372,7 +385,9 @@ std::vector<MetPlace> ToThrough(const std::string& text, const PointCloud& cloud
         throw UsageError(
             fmt::format("--through: there is no point {}; they are 1 to {}", number, cloud.size()));
       }
-      places.push_back({cloud.World(static_cast<Eigen::Index>(number) - 1)});
+      const auto k = static_cast<Eigen::Index>(number) - 1;
+      places.push_back({cloud.World(k)});
+      if (cloud.parameters().cols() > 0) places.back().parameter = cloud.parameters()(0, k);
     }
     return places;
   }
@@ -425,14 +440,15 @@ int Interpolate(const FitFiles& files, const PointCloud& cloud, const FitCurveAr
   options.start_curvature = ToCurvature("--start-curvature", a.start_curvature, Dim);
   options.end_curvature = ToCurvature("--end-curvature", a.end_curvature, Dim);
   options.closed =
-      a.closed == "yes" || options.spline == SplineEnds::kPeriodic ||
+      a.closed == "yes" || (options.spline == SplineEnds::kPeriodic && !options.function_of_x) ||
       (a.closed == "auto" && !options.spline && !options.start_tangent && !options.end_tangent &&
        options.parameterization != CurveParameterization::kGiven &&
        JudgeEnds(cloud.points(), 0).repeated);
   options.tolerance = a.tolerance;
   options.shift = files.shift();
   CurveFit<Dim> fit = files.Explained([&] { return InterpolateCloud<Dim>(cloud, options); });
-  if (a.closed == "yes" || a.spline == "periodic") WarnOfGap(cloud, fit.report);
+  if (options.closed && (a.closed == "yes" || a.spline == "periodic")) WarnOfGap(cloud, fit.report);
+  WarnOfMissing(files, fit.report);
   return WriteFit(files, std::move(fit));
 }
 

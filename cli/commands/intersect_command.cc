@@ -21,6 +21,7 @@
 #include "cli/arguments/geometry_flags.h"
 #include "cli/arguments/geometry_output.h"
 #include "cli/arguments/geometry_summary.h"
+#include "cli/arguments/shared_unit.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
@@ -235,7 +236,9 @@ int RunIntersect(const IntersectArguments& a) {
   BeginReading({a.first, a.second}, a.flags.quiet);
   const GeometryContents first = ReadInUnit(a.first, a.format, a.output, a.flags.quiet);
   GeometryOutput same = a.output;
-  if (same.unit.empty()) same.unit = first.unit;
+  const GeometryReadOptions beside = ReadBeside(a.output.unit, first.unit);
+  same.unit = beside.unit;
+  same.undeclared = beside.undeclared;
   const GeometryContents second = ReadInUnit(a.second, a.format, same, a.flags.quiet);
   const Meets meets = MeetsOf(a, first.geometry, second.geometry);
   ClearProgress();
@@ -246,9 +249,12 @@ int RunIntersect(const IntersectArguments& a) {
               {"tolerance_reached", meets.reached}};
   if (!a.out.empty()) {
     if (meets.curves.empty()) {
-      throw ReadError(a.first,
-                      "has no curve in common with " + a.second +
-                          (none ? ": they do not meet" : ": they meet in points only"));
+      throw ReadError(
+          a.first,
+          "has no curve in common with " + a.second +
+              (none                     ? ": they do not meet"
+               : meets.overlaps.empty() ? ": they meet in points only"
+                                        : ": they coincide; leave -o out to see where"));
     }
     const GeometryFile file{a.out, meets.curves};
     WriteGeometryFiles({file}, WriteOptions(a.out_format, same, first));

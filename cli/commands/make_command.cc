@@ -33,13 +33,14 @@ namespace {
 template <typename Arguments>
 struct MakeCommandArguments {
   Arguments shape;
-  std::string out, out_format, unit = "mm", step_schema = GeometryWriteOptions().step_schema;
+  std::string out, out_format, unit, step_schema = GeometryWriteOptions().step_schema;
   CommonFlags flags;
 };
 
 template <typename Kind, typename Arguments>
 int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
-  CheckUnit(a.unit);
+  if (!a.unit.empty()) CheckUnit(a.unit);
+  a.shape.unit->Ask(a.unit);
   CheckDistinct({a.out}, a.flags.json);
   CheckGeometryFormat(a.out, a.out_format);
   CheckWritable(a.out);
@@ -57,7 +58,7 @@ int RunMake(const Kind& kind, const MakeCommandArguments<Arguments>& a) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("make ") + kind.name + ": " + error.what());
   }
-  WriteGeometryFiles({file}, {a.out_format, a.unit, a.step_schema});
+  WriteGeometryFiles({file}, {a.out_format, a.shape.unit->name(), a.step_schema});
   auto entry = FileEntry(file);
   const std::string line = FileLine(entry);
   if (!said.is_null()) entry.update(said);
@@ -83,7 +84,16 @@ void AddKind(CLI::App& make, const Kind& kind, Action& action) {
       ->required()
       ->type_name("OUT");
   AddOutputFormatFlag(command, a->out_format);
-  AddUnitFlag(command, a->unit, "Unit of the numbers, declared in STEP and IGES");
+  const bool reads_files = command.get_option_no_throw("--format") != nullptr;
+  if (!reads_files) a->unit = a->shape.unit->name();
+  AddUnitFlag(
+      command,
+      a->unit,
+      reads_files
+          ? "Unit of the numbers and of what is written, declared in STEP and IGES: "
+            "coordinates of files in another are turned into it [the first file's, mm where it "
+            "says none]"
+          : "Unit of the numbers, declared in STEP and IGES");
   AddStepSchemaFlag(command, a->step_schema);
   AddCommonFlags(command, a->flags);
   command.footer(std::string("Example:\n  batten make ") + kind.examples);

@@ -36,16 +36,8 @@ EndCode CodeOf(const EndEvidence& evidence, const FitReport& report) {
 }
 
 std::string WordsOf(EndCode code, const FitReport& report) {
-  if (report.leaves_points() && code == EndCode::kStructuredResiduals) {
-    if (report.overshoot->of_box) {
-      return "the curve leaves the box of its points by " + RoundedText(report.overshoot->max) +
-             ", " + RoundedText(*report.overshoot->of_box) +
-             " of its diagonal, where they do not determine it";
-    }
-    return "the surface leaves its points by " + RoundedText(report.overshoot->max) + ", " +
-           RoundedText(report.overshoot->in_spacings) +
-           " times their spacing, where they do not determine it";
-  }
+  if (report.leaves_points() && code == EndCode::kStructuredResiduals)
+    return WordsOfLeaving(report);
   const bool tolerance = report.judged_error().tolerance.has_value();
   const std::string shape = report.geometry.kind.empty() ? "geometry" : report.geometry.kind;
   switch (code) {
@@ -81,6 +73,16 @@ std::string WordsOf(EndCode code, const FitReport& report) {
 }
 
 }  // namespace
+
+std::string WordsOfLeaving(const FitReport& report) {
+  const OvershootSummary& overshoot = *report.overshoot;
+  const std::string whose = overshoot.of_box ? "the box of its points" : "its points";
+  const std::string size = overshoot.of_box
+                               ? RoundedText(*overshoot.of_box) + " of its diagonal"
+                               : RoundedText(overshoot.in_spacings) + " times their spacing";
+  return "the " + report.geometry.kind + " leaves " + whose + " by " + RoundedText(overshoot.max) +
+         ", " + size + ", where they do not determine it";
+}
 
 void JudgeEnd(const EndEvidence& evidence, FitReport& report) {
   const EndCode code = CodeOf(evidence, report);

@@ -34,4 +34,8 @@ struct EndEvidence {
 // Sets `end` and `termination`.
 void JudgeEnd(const EndEvidence& evidence, FitReport& report);
 
+// By how much the shape leaves its points, or their box. The report has an overshoot and the kind
+// of the geometry.
+std::string WordsOfLeaving(const FitReport& report);
+
 }  // namespace batten::internal

@@ -168,11 +168,10 @@ std::optional<bool> FitReport::tolerance_reached() const {
 }
 
 bool FitReport::leaves_points() const {
-  constexpr double kLeaves = 3;            // spacings
-  constexpr double kCurveLeavesBox = 0.5;  // diagonals
-  if (overshoot && overshoot->of_box) return *overshoot->of_box > kCurveLeavesBox;
-  return overshoot && !overshoot->asked_for && overshoot->in_spacings > kLeaves &&
-         overshoot->max > std::max(error.max, error.tolerance.value_or(0));
+  constexpr double kLeaves = 3;  // spacings
+  if (!overshoot || overshoot->asked_for) return false;
+  return overshoot->of_box || (overshoot->in_spacings > kLeaves &&
+                               overshoot->max > std::max(error.max, error.tolerance.value_or(0)));
 }
 
 StageSeconds& StageSeconds::operator+=(const StageSeconds& more) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "batten/fitting/curve_parameterization.h"
-#include "fitting/core/curve_excursion.h"
+#include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/foot_points/curve_distances.h"
 

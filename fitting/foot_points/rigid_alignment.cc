@@ -213,7 +213,7 @@ RigidAlignment AlignRigidly(const std::vector<NurbsSurface>& surfaces,
   }
   // About the origin of the world, from about the middle.
   const Eigen::Vector3d about = cloud.origin() + middle;
-  found.middle = about;
+  found.middle = about + found.translation;
   found.translation += about - found.rotation * about;
   return found;
 }

@@ -2,6 +2,7 @@
 #include "batten/fitting/cubic_spline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/interpolation/curved_ends.h"
 #include "fitting/linear/banded_lu.h"
 #include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/number_text.h"
@@ -284,70 +286,53 @@ SplineDerivatives<Dim> Solved(const Steps<Dim>& s, const Ends<Dim>* ends, Unknow
   return {std::move(slopes), std::move(moments)};
 }
 
-// C'' that gives a curve with this C' the curvature of an end.
-template <int Dim>
-Point<Dim> SecondOf(const CubicEndCondition<Dim>& condition, const Point<Dim>& slope) {
-  const Point<Dim>& k = condition.value;
-  Point<Dim> second;
-  if constexpr (Dim == 2) {
-    second = k[0] * slope.norm() * Point<2>(-slope.y(), slope.x());
-  } else {
-    second = slope.squaredNorm() * k - slope.dot(k) * slope;
-  }
-  if (condition.kind == CubicEnd::kFunctionCurvature) {
-    second -= slope * (second[0] / slope[0]);
-    second[0] = 0;
-  }
-  return second;
-}
-
-bool IsCurvature(CubicEnd kind) {
-  return kind == CubicEnd::kCurvature || kind == CubicEnd::kFunctionCurvature;
-}
-
-[[noreturn]] void RefuseCurvatures() {
-  RefuseSpline(
-      "no spline with the curvatures given at its ends was found: their radius is too small for "
-      "the first and last step of the points");
-}
-
-// Solves with second derivatives in place of curvatures, from |C'| of the natural spline on, until
-// they settle.
+// Solves with the second derivatives that make the curvatures in place of those.
 template <int Dim>
 SplineDerivatives<Dim> WithEnds(const Steps<Dim>& s,
-                                CubicEndCondition<Dim> start,
-                                CubicEndCondition<Dim> end,
+                                const CubicEndCondition<Dim>& start,
+                                const CubicEndCondition<Dim>& end,
                                 Unknowns unknowns) {
-  constexpr int kMost = 200;
-  constexpr double kSettled = 1e-12;
-  const CubicEndCondition<Dim> given[2] = {start, end};
-  CubicEndCondition<Dim>* const now[2] = {&start, &end};
-  bool curved = false;
+  const std::array<CubicEndCondition<Dim>, 2> given{start, end};
+  EndCurvatures<Dim> curved;
   for (const int side : {0, 1}) {
-    if (!given[side].value.allFinite()) RefuseSpline("an end's value is not finite");
-    if (!IsCurvature(given[side].kind)) continue;
-    curved = true;
-    *now[side] = {CubicEnd::kSecondDerivative, Point<Dim>::Zero()};
+    const auto& [kind, value] = given[side];
+    if (!value.allFinite()) RefuseSpline("an end's value is not finite");
+    const bool of_function = kind == CubicEnd::kFunctionCurvature;
+    if (of_function || kind == CubicEnd::kCurvature) curved[side] = {value, of_function};
+  }
+  using Seconds = typename EndSlopes<Dim>::Seconds;
+  const auto solved = [&](const Steps<Dim>& steps,
+                          std::array<CubicEndCondition<Dim>, 2> now,
+                          const Seconds& seconds) {
+    for (const int side : {0, 1})
+      if (curved[side]) now[side] = {CubicEnd::kSecondDerivative, seconds[side]};
+    const Ends<Dim> ends(now[0], now[1], steps.h.size());
+    return Solved<Dim>(steps, &ends, unknowns);
+  };
+  const Seconds none = {Point<Dim>::Zero(), Point<Dim>::Zero()};
+  SplineDerivatives<Dim> result = solved(s, given, none);
+  if (!curved[0] && !curved[1]) return result;
+
+  EndSlopes<Dim> slopes;
+  const Eigen::Index last = s.h.size();
+  const Steps<Dim> still{s.h, Points<Dim>::Zero(Dim, last)};
+  slopes.own = {result.slopes.col(0), result.slopes.col(last)};
+  for (const int side : {0, 1}) {
+    if (!curved[side]) continue;
+    Seconds one = none;
+    one[side][1] = 1;
+    const auto moved = solved(still, {CubicEndCondition<Dim>{given[0].kind}, {given[1].kind}}, one);
+    for (const int at : {0, 1}) slopes.by(at, side) = moved.slopes(1, at * last);
   }
   // An end that runs so much faster than all chords is a solution on paper only.
   const double wild = 1e3 * s.d.colwise().norm().maxCoeff();
-  const Eigen::Index pieces = s.h.size();
-  for (int round = 0; round < kMost; ++round) {
-    const Ends<Dim> ends(start, end, pieces);
-    SplineDerivatives<Dim> result = Solved<Dim>(s, &ends, unknowns);
-    bool settled = true;
-    for (const int side : {0, 1}) {
-      if (!IsCurvature(given[side].kind)) continue;
-      const Eigen::Index at = side == 0 ? 0 : pieces;
-      const Point<Dim> slope = result.slopes.col(at);
-      const Point<Dim> second = SecondOf<Dim>(given[side], slope);
-      if (!second.allFinite() || slope.norm() > wild) RefuseCurvatures();
-      settled = settled && (second - now[side]->value).norm() <= kSettled * second.norm();
-      now[side]->value = second;
-    }
-    if (!curved || settled) return result;
+  const auto seconds = SecondsOfCurvatures<Dim>(curved, slopes, wild);
+  if (!seconds) {
+    RefuseSpline(
+        "no spline with the curvatures given at its ends was found: take smaller ones, give a "
+        "tangent in place of one, or points nearer to one another there");
   }
-  RefuseCurvatures();
+  return solved(s, given, *seconds);
 }
 
 // The control point whose knots are b − before, b and b + behind, at a point b of the spline.
@@ -368,6 +353,29 @@ std::vector<Eigen::Index> KnotPlaces(Eigen::Index m, bool drop_second, bool drop
     if (!dropped) places.push_back(k);
   }
   return places;
+}
+
+// The spline with knots at these of its points.
+template <int Dim>
+NurbsCurve<Dim> CurveOf(const Points<Dim>& points,
+                        const Eigen::VectorXd& t,
+                        const SplineDerivatives<Dim>& derivatives,
+                        const std::vector<Eigen::Index>& places) {
+  std::vector<double> breaks;
+  for (const Eigen::Index k : places) breaks.push_back(t[k]);
+  SplineBasis basis = SplineBasis::Clamped(3, breaks);
+  Points<Dim> control(Dim, basis.size());
+  const auto last = static_cast<Eigen::Index>(places.size()) - 1;
+  control.col(0) = points.col(0);
+  control.col(last + 2) = points.col(points.cols() - 1);
+  for (Eigen::Index k = 0; k <= last; ++k) {
+    const Eigen::Index at = places[static_cast<size_t>(k)];
+    const double before = k > 0 ? t[at] - breaks[static_cast<size_t>(k) - 1] : 0;
+    const double behind = k < last ? breaks[static_cast<size_t>(k) + 1] - t[at] : 0;
+    control.col(k + 1) = Blossom<Dim>(
+        points.col(at), derivatives.slopes.col(at), derivatives.moments.col(at), before, behind);
+  }
+  return NurbsCurve<Dim>(std::move(basis), std::move(control));
 }
 
 }  // namespace
@@ -410,21 +418,31 @@ NurbsCurve<Dim> CubicSplineCurve(const Points<Dim>& points,
   const SplineDerivatives<Dim> derivatives = SplineBySlopes<Dim>(points, t, start, end);
   const std::vector<Eigen::Index> places =
       KnotPlaces(points.cols(), start.kind == CubicEnd::kNotAKnot, end.kind == CubicEnd::kNotAKnot);
-  std::vector<double> breaks;
-  for (const Eigen::Index k : places) breaks.push_back(t[k]);
-  SplineBasis basis = SplineBasis::Clamped(3, breaks);
-  Points<Dim> control(Dim, basis.size());
-  const auto last = static_cast<Eigen::Index>(places.size()) - 1;
-  control.col(0) = points.col(0);
-  control.col(last + 2) = points.col(points.cols() - 1);
-  for (Eigen::Index k = 0; k <= last; ++k) {
-    const Eigen::Index at = places[static_cast<size_t>(k)];
-    const double before = k > 0 ? t[at] - breaks[static_cast<size_t>(k) - 1] : 0;
-    const double behind = k < last ? breaks[static_cast<size_t>(k) + 1] - t[at] : 0;
-    control.col(k + 1) = Blossom<Dim>(
-        points.col(at), derivatives.slopes.col(at), derivatives.moments.col(at), before, behind);
+  return CurveOf<Dim>(points, t, derivatives, places);
+}
+
+template <int Dim>
+NurbsCurve<Dim> PeriodicFunctionCurve(const Points<Dim>& points, const Eigen::VectorXd& t) {
+  constexpr double kBack = 1e-9;  // of the values' extent
+  CheckSpline<Dim>(points, t, false);
+  const Eigen::Index last = points.cols() - 1;
+  const auto values = points.template bottomRows<Dim - 1>();
+  const double gap = (values.col(last) - values.col(0)).stableNorm();
+  if (!(gap <= kBack * (values.rowwise().maxCoeff() - values.rowwise().minCoeff()).stableNorm())) {
+    RefuseSpline("a periodic function ends at the value it begins with: the last point is " +
+                 RoundedText(gap) + " off the first; make them the same, or take other ends");
   }
-  return NurbsCurve<Dim>(std::move(basis), std::move(control));
+  Points<Dim> round = points.leftCols(last), all = points;
+  round.row(0).setZero();
+  SplineDerivatives<Dim> derivatives = ClosedSplineBySlopes<Dim>(round, t);
+  for (Points<Dim>* one : {&derivatives.slopes, &derivatives.moments}) {
+    one->conservativeResize(Dim, last + 1);
+    one->col(last) = one->col(0);
+  }
+  derivatives.slopes.row(0).setOnes();  // x is the parameter
+  derivatives.moments.row(0).setZero();
+  all.col(last).template tail<Dim - 1>() = values.col(0);
+  return CurveOf<Dim>(all, t, derivatives, KnotPlaces(last + 1, false, false));
 }
 
 template <int Dim>
@@ -459,7 +477,8 @@ NurbsCurve<Dim> ClosedCubicSplineCurve(const Points<Dim>& points, const Eigen::V
                                              const Eigen::VectorXd&,                               \
                                              const CubicEndCondition<D>&,                          \
                                              const CubicEndCondition<D>&);                         \
-  template NurbsCurve<D> ClosedCubicSplineCurve<D>(const Points<D>&, const Eigen::VectorXd&);
+  template NurbsCurve<D> ClosedCubicSplineCurve<D>(const Points<D>&, const Eigen::VectorXd&);      \
+  template NurbsCurve<D> PeriodicFunctionCurve<D>(const Points<D>&, const Eigen::VectorXd&);
 BATTEN_SPLINES(2)
 BATTEN_SPLINES(3)
 #undef BATTEN_SPLINES

@@ -34,18 +34,57 @@ void CheckPlaces(const std::vector<MetPlace>& places) {
   }
 }
 
-// The conditions of all places at their feet on the free fit, in coordinates of the cloud,
+// Where the places are met, of points in coordinates of the cloud.
+template <int Dim>
+class MeetingParameters {
+ public:
+  // `curve` is the free fit in these coordinates.
+  MeetingParameters(const PointCloud& cloud,
+                    const CurveFit<Dim>& free,
+                    const NurbsCurve<Dim>& curve)
+      : cloud_(cloud), curve_(curve), feet_(curve), given_(free.report.judged_at_parameters) {
+    for (Eigen::Index k = 0; k < free.parameters.size(); ++k) {
+      if (free.outliers[k]) continue;
+      first_ = std::min(first_, free.parameters[k]);
+      last_ = std::max(last_, free.parameters[k]);
+    }
+  }
+
+  double Of(const MetPlace& place, const Eigen::Vector3d& point) const {
+    const SplineBasis& basis = curve_.basis();
+    if (given_ && place.parameter) return basis.Clamp(*place.parameter);
+    for (Eigen::Index k = 0; given_ && k < cloud_.size(); ++k) {
+      if (cloud_.points().col(k).template head<Dim>() == point.head<Dim>())
+        return basis.Clamp(cloud_.parameters()(0, k));
+    }
+    const double u = feet_.Nearest(point).u;
+    if (given_ || basis.periodic()) return u;
+    constexpr double kSame = 1e-6;  // of the domain
+    const double near = kSame * (basis.upper() - basis.lower());
+    return u <= first_ + near ? basis.lower() : u >= last_ - near ? basis.upper() : u;
+  }
+
+ private:
+  const PointCloud& cloud_;
+  const NurbsCurve<Dim>& curve_;
+  CurveFootPoints<Dim> feet_;
+  bool given_;
+  double first_ = std::numeric_limits<double>::infinity(),
+         last_ = -std::numeric_limits<double>::infinity();  // of the points' feet
+};
+
+// The conditions of all places where the free fit is to meet them, in coordinates of the cloud,
 // increasing.
 template <int Dim>
 std::vector<CurveCondition> ConditionsAt(const NurbsCurve<Dim>& free,
                                          const std::vector<MetPlace>& places,
-                                         const Eigen::Vector3d& origin) {
-  const CurveFootPoints<Dim> feet(free);
+                                         const Eigen::Vector3d& origin,
+                                         const MeetingParameters<Dim>& parameters) {
   std::vector<CurveCondition> conditions;
   for (const MetPlace& place : places) {
     Eigen::Vector3d point = place.point - origin;
     if (Dim == 2) point.z() = 0;
-    const double u = feet.Nearest(point).u;
+    const double u = parameters.Of(place, point);
     conditions.push_back({u, 0, point.head<Dim>()});
     if (!place.direction) continue;
     const Eigen::Matrix<double, Dim, 1> along = place.direction->head<Dim>().stableNormalized();
@@ -92,7 +131,9 @@ class ThroughFit {
         cloud_(cloud),
         fit_(std::move(free)),
         curve_(Local(fit_.curve, options.shift - cloud.origin())),
-        conditions_(ConditionsAt<Dim>(curve_, places, cloud.origin())) {
+        conditions_(ConditionsAt<Dim>(
+            curve_, places, cloud.origin(), MeetingParameters<Dim>(cloud, fit_, curve_))),
+        at_parameters_(fit_.report.judged_at_parameters) {
     if (curve_.rational())
       RefuseThrough("a rational curve is not fitted through places: leave the weights alone");
     weights_ = cloud.weights().size() > 0 ? cloud.weights() : Eigen::VectorXd::Ones(cloud.size());
@@ -172,6 +213,7 @@ class ThroughFit {
   }
 
   void Measure() {
+    if (at_parameters_) return MeasureAtParameters();
     const Eigen::VectorXd known =
         parameters_.size() > 0
             ? parameters_
@@ -179,6 +221,15 @@ class ThroughFit {
     PointDistances found = DistancesNear<Dim>(curve_, cloud_.points(), known, pool_);
     parameters_ = found.parameters.row(0).transpose();
     distances_ = std::move(found.distances);
+  }
+
+  void MeasureAtParameters() {
+    parameters_ = cloud_.parameters().row(0).transpose();
+    distances_.resize(cloud_.size());
+    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
+      distances_[k] =
+          (curve_.At(parameters_[k]) - cloud_.points().col(k).template head<Dim>()).norm();
+    }
   }
 
   double FarthestUsed() const { return fit_.outliers.select(0.0, distances_.array()).maxCoeff(); }
@@ -206,13 +257,18 @@ class ThroughFit {
 
   void Finish(EndCode search) {
     fit_.curve = Local(curve_, cloud_.origin() - options_.shift);
+    FitReport& report = fit_.report;
+    report.parameter_error.reset();
+    if (at_parameters_) {
+      report.parameter_error = Summarise(distances_, options_.tolerance, !fit_.outliers);
+      PointDistances feet = DistancesNear<Dim>(curve_, cloud_.points(), parameters_, pool_);
+      parameters_ = feet.parameters.row(0).transpose();
+      distances_ = std::move(feet.distances);
+    }
     fit_.parameters = parameters_;
     fit_.residuals = distances_;
-    FitReport& report = fit_.report;
     report.error = Summarise(distances_, options_.tolerance, !fit_.outliers);
     report.error_all = Summarise(distances_, options_.tolerance);
-    report.parameter_error.reset();
-    report.judged_at_parameters = false;
     const SplineBasis& basis = curve_.basis();
     report.geometry.control_points = {basis.size() - (basis.periodic() ? basis.degree() : 0)};
     report.optimize = {};
@@ -232,6 +288,7 @@ class ThroughFit {
   CurveFit<Dim> fit_;
   NurbsCurve<Dim> curve_;  // in the cloud's coordinates
   std::vector<CurveCondition> conditions_;
+  bool at_parameters_;  // points stay at the parameters they came with
   Eigen::VectorXd weights_, parameters_, distances_;
 };
 

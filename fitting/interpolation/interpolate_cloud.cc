@@ -38,12 +38,17 @@ void Check(const CloudInterpolationOptions& options) {
     RefuseCloud("an end takes a tangent or a curvature, not both");
   if (options.spline && options.degree != 3)
     RefuseCloud("a cubic spline has degree 3, not " + std::to_string(options.degree));
-  if (options.spline && (options.spline == SplineEnds::kPeriodic) != options.closed) {
+  const bool periodic = options.spline == SplineEnds::kPeriodic;
+  if (options.function_of_x && periodic &&
+      (options.start_tangent || options.end_tangent || curvatures))
+    RefuseCloud(
+        "a periodic function goes on at its ends: it takes no tangents or curvatures there");
+  if (options.spline && !options.function_of_x && periodic != options.closed) {
     RefuseCloud(options.closed ? "a closed spline is periodic: it has no other ends"
                                : "a periodic spline is closed");
   }
   if (options.function_of_x && options.closed)
-    RefuseCloud("a function of x does not come back: it is not closed");
+    RefuseCloud("a function of x does not come back: it is not closed, but may be periodic");
   if (options.degree == 1 && (options.start_tangent || options.end_tangent)) {
     RefuseCloud(
         "a curve of degree 1 goes straight to the next point: it takes no start or end tangent");
@@ -112,6 +117,8 @@ template <int Dim>
 InterpolatedCurve<Dim> SplineThrough(const MetPoints<Dim>& met,
                                      const CloudInterpolationOptions& options) {
   const Eigen::VectorXd t = ParametersOf(met, options);
+  if (options.function_of_x && options.spline == SplineEnds::kPeriodic)
+    return {PeriodicFunctionCurve<Dim>(met.points, t), t};
   if (options.closed)
     return {ClosedCubicSplineCurve<Dim>(met.points, t), t.head(met.points.cols())};
   const CubicEndCondition<Dim> start = ConditionOf(met, t, InterpolationEnd::kStart, options);
@@ -157,6 +164,38 @@ void RequireMet(const InterpolatedCurve<Dim>& local, const MetPoints<Dim>& row) 
   }
 }
 
+// Warns where part of a curvature given in space lies along the curve: nothing can have it.
+template <int Dim>
+void WarnOfCurvatureAlong(const NurbsCurve<Dim>& curve,
+                          const CloudInterpolationOptions& options,
+                          FitReport& report) {
+  constexpr double kAlong = 1e-6;  // of the curvature
+  if (Dim == 2) return;
+  for (const bool start : {true, false}) {
+    const auto& given = start ? options.start_curvature : options.end_curvature;
+    if (!given) continue;
+    const double u = start ? curve.basis().lower() : curve.basis().upper();
+    const Eigen::VectorXd tangent = curve.JetAt(u).first.normalized();
+    const double along = std::abs(tangent.dot(*given));
+    if (along <= kAlong * given->norm()) continue;
+    report.warnings.push_back(
+        "of the curvature given at the " + std::string(start ? "start" : "end") + " " +
+        RoundedText(along) + " is along the curve and can't be met; the part across it, " +
+        RoundedText((*given - tangent.dot(*given) * tangent).norm()) + ", is");
+  }
+}
+
+// Warns where the points were put into the order of x.
+void WarnOfOrder(const PointCloud& cloud, FitReport& report) {
+  const auto x = cloud.points().row(0);
+  for (Eigen::Index k = 1; k < x.size(); ++k) {
+    if (x[k] >= x[k - 1]) continue;
+    report.warnings.push_back("the points do not come in the order of x: from point " +
+                              std::to_string(k + 1) + " on they were sorted");
+    return;
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -181,6 +220,8 @@ CurveFit<Dim> InterpolateCloud(const PointCloud& cloud, const CloudInterpolation
        .closed = options.closed,
        .tolerance = options.tolerance,
        .shift = options.shift});
+  WarnOfCurvatureAlong<Dim>(local.curve, options, fit.report);
+  if (options.function_of_x) WarnOfOrder(cloud, fit.report);
   fit.report.seconds = clock.Seconds();
   return fit;
 }

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "batten/geometry/thread_pool.h"
-#include "fitting/core/curve_excursion.h"
+#include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/foot_points/curve_distances.h"
 #include "geometry/numeric/number_text.h"

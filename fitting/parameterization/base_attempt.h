@@ -57,7 +57,8 @@ struct BaseAttempt {
   PointMask reached;       // points with a place; parameters of the others are a guess
   bool complete = true;    // false: only the inliers asked for have places
   bool distorted = false;  // lengths change, or much of the domain is empty: others may be better
-  bool certain = false;    // no candidate after it can be better
+  bool certain = false;    // no candidate after it can be better, …
+  bool ragged = false;     // … but a map that straightens its sides
   bool one_sided = false;  // refused since the surface has one side, as a Möbius band
   std::vector<std::string> warnings = {};
   std::string failure_reason = {};  // empty where it serves, else why not and what to do
@@ -77,8 +78,9 @@ struct BaseMethod {
   std::string name;
   // Makes it for some inliers, or for more.
   std::function<BaseAttempt(const InlierSubset&)> make;
-  bool smooth = false;         // its parameters have wrinkles to be smoothed before it is judged
-  bool last_resort = false;    // made only where nothing before it predicts points to the noise
+  bool smooth = false;       // its parameters have wrinkles to be smoothed before it is judged
+  bool last_resort = false;  // made only where nothing before it predicts points to the noise, …
+  bool straightens = false;  // … or the best so far is ragged
   bool of_two_sheets = false;  // made only where no other candidate serves a single sheet
 };
 

@@ -21,7 +21,7 @@ constexpr double kManyLengths = 0.03;             // relative change of lengths 
 // Change of lengths over a layout whose edges join turns that touch. Layouts of ramps that only lie
 // over themselves have 0.01, of a roll four spacings apart 0.25: closer nodes tell its turns apart.
 constexpr double kTorn = 0.1;
-constexpr double kMuchEmpty = 0.2;  // share of its rectangle
+constexpr double kMuchEmpty = 0.2, kLittleEmpty = 0.02;  // shares of its rectangle
 
 std::string InLayers(const PlaneBase& plane) {
   return "seen from any side, they lie over each other in " + Percent(plane.overlap) + " of places";
@@ -83,11 +83,11 @@ BaseAttempt OverSheet(const BaseInput& input,
   base.length_u = sheet.length_u;
   base.length_v = sheet.length_v;
   BaseAttempt made = Attempt(input, some, std::move(base), sheet.reached);
-  made.distorted =
-      sheet.distortion > kManyLengths ||
-      EmptyAreaFraction(
-          made.base.parameters, made.reached, made.base.length_u, made.base.length_v) > kMuchEmpty;
+  const double empty =
+      EmptyAreaFraction(made.base.parameters, made.reached, made.base.length_u, made.base.length_v);
+  made.distorted = sheet.distortion > kManyLengths || empty > kMuchEmpty;
   made.certain = !made.distorted && Acts(Rule::kCertainBase);
+  made.ragged = empty > kLittleEmpty;
   return made;
 }
 
@@ -107,6 +107,11 @@ BaseAttempt OverRectangle(const BaseInput& input,
   base.length_u = rectangle.length_u;
   base.length_v = rectangle.length_v;
   return Attempt(input, some, std::move(base), rectangle.reached);
+}
+
+// A map onto the rectangle makes sides of the sheet's own.
+bool SidesAreFree(const SurfaceFitOptions& options) {
+  return options.boundary.empty() && !options.meet && !options.domain && !options.symmetric;
 }
 
 }  // namespace
@@ -168,7 +173,8 @@ BaseMethod RectangleCandidate(const BaseInput& input) {
                 return OverRectangle(input, **layout, some);
               },
           .smooth = true,
-          .last_resort = true};
+          .last_resort = true,
+          .straightens = SidesAreFree(input.options)};
 }
 
 }  // namespace batten::internal

@@ -33,7 +33,7 @@ constexpr double kSettledSmoothing = 1e-5;
 constexpr int kFirstSteps = 2, kNextSteps = 1, kLastSteps = 10;
 constexpr Eigen::Index kMostLast = 60000;  // points of the last net, whose errors stay
 constexpr double kLeastGain = 1e-5;        // relative, of the cost: joint steps end
-constexpr int kStraightened = 2;           // times
+constexpr int kStraightened = 3;           // times: more gain nothing
 constexpr double kGrowth = 1.35;           // of the cells in one direction
 constexpr double kWorthWhile = 0.9997;     // ratio of scores of a step that goes on
 constexpr int kMostRounds = 16;

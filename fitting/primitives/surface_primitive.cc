@@ -137,13 +137,15 @@ void MeasureOnPatch(const NurbsSurface& surface,
                     Eigen::Matrix2Xd& feet,
                     Eigen::VectorXd& distances,
                     ThreadPool& pool) {
-  constexpr double kRounding = 1e-12, kOfDistance = 1e-3;  // of the cloud's size, and of itself
+  constexpr double kRounding = 1e-12;  // of the cloud's size
+  constexpr double kOfCoordinates = 4 * std::numeric_limits<double>::epsilon();
   const NurbsSurface local(surface.basis_u(),
                            surface.basis_v(),
                            surface.control_points().colwise() - move,
                            surface.weights());
   const double rounding =
-      kRounding * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+      kRounding * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm() +
+      kOfCoordinates * surface.control_points().cwiseAbs().maxCoeff();
   Eigen::Matrix3Xd places;
   SurfaceEvaluator(local).Points(feet, places, pool);
   const Eigen::VectorXd at_feet = (points - places).colwise().norm();
@@ -151,10 +153,8 @@ void MeasureOnPatch(const NurbsSurface& surface,
   for (Eigen::Index k = 0; k < feet.cols(); ++k) {
     const Eigen::Vector2d foot = feet.col(k);
     const bool at_edge = foot.minCoeff() <= 0 || foot.maxCoeff() >= 1;
-    if ((beyond_edges && at_edge) || std::abs(at_feet[k] - std::abs(distances[k])) >
-                                         rounding + kOfDistance * std::abs(distances[k])) {
-      told.push_back(k);
-    }
+    const bool agrees = std::abs(at_feet[k] - std::abs(distances[k])) <= rounding;
+    if ((beyond_edges && at_edge) || !agrees) told.push_back(k);
   }
   if (told.empty()) return;
   const PointDistances found = DistancesTo(local, points(Eigen::all, told), pool);

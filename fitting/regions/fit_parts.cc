@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/fit_parts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <string>
 #include <utility>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/geometry/thread_pool.h"
@@ -182,6 +185,10 @@ class PartFitter {
       free.progress = options_.progress;
       try {
         SurfaceFit fit = FitSurface(merged_.cloud.Picked(indices), free);
+        if (fit.report.leaves_points()) {
+          result_.report.warnings.push_back("a free face of " + std::to_string(piece.size()) +
+                                            " points: " + WordsOfLeaving(fit.report));
+        }
         made_.push_back({{FreeForm(), std::nullopt, std::move(fit.surface)},
                          {"free"},
                          std::move(piece),
@@ -299,20 +306,23 @@ class PartFitter {
       if (label[k] == kNoRegion) others.push_back(static_cast<int>(k));
     }
     if (others.empty()) return;
-    const Eigen::Matrix3Xd points = merged_.cloud.points()(Eigen::all, others).colwise() + move_;
+    const Eigen::Matrix3Xd& points = merged_.cloud.points();
     residuals(others).setConstant(std::numeric_limits<double>::infinity());
     for (std::size_t k = 0; k < result_.faces.size(); ++k) {
-      const PartFace& face = result_.faces[k];
-      if (!face.patch) continue;
-      const Eigen::Matrix2Xd feet = FootPointsOn(*face.patch, points, pool_);
-      const NurbsSurface whole = ToNurbs(*face.patch);
-      for (std::size_t i = 0; i < others.size(); ++i) {
-        const auto at = Eigen::Index(i);
-        const double far = (whole.At(feet(0, at), feet(1, at)) - points.col(at)).norm();
-        if (!(far < residuals[others[i]])) continue;
-        residuals[others[i]] = far;
-        parameters.col(others[i]) = feet.col(at);
-        owners[std::size_t(others[i])] = static_cast<int>(k);
+      const NurbsSurface face = result_.faces[k].surface.Translated(-move_);
+      const Eigen::AlignedBox3d box(face.control_points().rowwise().minCoeff(),
+                                    face.control_points().rowwise().maxCoeff());
+      std::vector<int> near;  // that may have it as their nearest
+      std::copy_if(others.begin(), others.end(), std::back_inserter(near), [&](int point) {
+        return box.exteriorDistance(points.col(point)) < std::abs(residuals[point]);
+      });
+      const PointDistances found = DistancesTo(face, points(Eigen::all, near), pool_);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        const double far = found.distances[Eigen::Index(i)];
+        if (!(std::abs(far) < std::abs(residuals[near[i]]))) continue;
+        residuals[near[i]] = far;
+        parameters.col(near[i]) = found.parameters.col(Eigen::Index(i));
+        owners[std::size_t(near[i])] = static_cast<int>(k);
       }
     }
   }

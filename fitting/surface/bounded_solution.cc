@@ -19,6 +19,11 @@ constexpr double kOfNoise = 3;           // slack of the bounds in standard devi
 constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
+// A coefficient that the points do not ask for costs nothing when held, but for chance: so many
+// times its share of the variance. Of points followed to so many times their noise, bounds that
+// cost more, and a share that matters, are too narrow.
+constexpr double kOfChance = 6, kMatters = 4e-3, kAtNoise = 1.5;
+constexpr int kWidenings = 3;
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those
@@ -145,6 +150,12 @@ double SquaresOf(const FittingProblem& problem,
   return weights.size() > 0 ? weights.dot(squares) : squares.sum();
 }
 
+// Of all data.
+double Weight(const FittingProblem& problem) {
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+}
+
 // Bounds by data nearby, where these leave cells without data.
 void HoldCoefficients(const FittingProblem& problem,
                       const PenalisedSystem& system,
@@ -152,6 +163,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       double spacing,
                       ThreadPool& pool,
                       int most_rounds,
+                      double noise_of_values,
                       BoundedSolution& bounded) {
   if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
   LinearSolution& solution = bounded.solution;
@@ -164,17 +176,30 @@ void HoldCoefficients(const FittingProblem& problem,
                       .transpose());
   CoefficientBounds bounds =
       BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
-  if (!bounds.Leaves(solution.coefficients)) return;
-  ActiveSet set(system, problem.smoothing(), solution.coefficients, std::move(bounds), pool);
-  set.HoldWhatLeaves();
-  bool changed = true;
-  for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
-    changed = round < most_rounds && set.Release();
-    changed = set.HoldWhatLeaves() || changed;
+  const double squares = solution.residual_squares;
+  const bool at_noise =
+      squares <= kAtNoise * kAtNoise * noise_of_values * noise_of_values * Weight(problem);
+  const Eigen::MatrixXd free = solution.coefficients;
+  for (int time = 0; bounds.Leaves(free); ++time) {
+    ActiveSet set(system, problem.smoothing(), free, bounds, pool);
+    set.HoldWhatLeaves();
+    bool changed = true;
+    for (int round = 1; changed && round <= most_rounds && set.Solve(); ++round) {
+      changed = round < most_rounds && set.Release();
+      changed = set.HoldWhatLeaves() || changed;
+    }
+    solution.coefficients = set.net();
+    bounded.held = set.held();
+    solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
+    const double allowed =
+        std::max(kMatters, kOfChance * set.held() / static_cast<double>(measured));
+    if (!at_noise || time == kWidenings || solution.residual_squares <= (1 + allowed) * squares)
+      return;
+    bounds.Widen(2);
   }
-  solution.coefficients = set.net();
-  bounded.held = set.held();
-  solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
+  solution.coefficients = free;
+  solution.residual_squares = squares;
+  bounded.held = 0;
 }
 
 }  // namespace
@@ -184,16 +209,16 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
                                   double spacing,
                                   ThreadPool& pool,
                                   int most_rounds,
-                                  double held_rms) {
+                                  double held_rms,
+                                  double noise) {
   const PenalisedSystem system(problem, pool);
   const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
-  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, bounded);
+  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, noise, bounded);
   auto inside = HeldInBox(problem, bounded.solution, measured, pool);
-  const Eigen::VectorXd& weights = problem.data().weights;
-  const double all = weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+  const double all = Weight(problem);
   if (inside &&
       inside->residual_squares <=
           std::max(kCostOfHolding * bounded.solution.residual_squares, held_rms * held_rms * all)) {

@@ -18,6 +18,12 @@ struct CoefficientBounds {
   double HeightOf(const Eigen::MatrixXd& net, Eigen::Index k) const {
     return net.rows() == 1 ? net(0, k) : up.col(k).dot(net.col(k));
   }
+  // With intervals so many times as wide.
+  void Widen(double factor) {
+    const Eigen::VectorXd more = (factor - 1) / 2 * (high - low);
+    low -= more;
+    high += more;
+  }
   // Whether any coefficient of a net is outside.
   bool Leaves(const Eigen::MatrixXd& net) const {
     for (Eigen::Index k = 0; k < low.size(); ++k) {

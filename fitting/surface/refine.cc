@@ -88,8 +88,13 @@ class Refinement {
  private:
   LinearSolution Solve() const {
     constexpr int kOnce = 1;  // one of many solves
-    return SolveWithinBounds(
-               problem_, points_.cols(), options_.spacing, pool_, kOnce, options_.held_rms)
+    return SolveWithinBounds(problem_,
+                             points_.cols(),
+                             options_.spacing,
+                             pool_,
+                             kOnce,
+                             options_.held_rms,
+                             options_.noise)
         .solution;
   }
 

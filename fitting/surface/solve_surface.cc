@@ -80,8 +80,13 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
   }
   if (options.smooth_by != SmoothBy::kWeight)
     problem = problem.WithSmoothing(Smoothing(context, problem));
-  BoundedSolution held = SolveWithinBounds(
-      problem, points.cloud.size(), context.spacing(), pool, kRoundsOfBounds, HeldRms(context));
+  BoundedSolution held = SolveWithinBounds(problem,
+                                           points.cloud.size(),
+                                           context.spacing(),
+                                           pool,
+                                           kRoundsOfBounds,
+                                           HeldRms(context),
+                                           context.noise());
   SolvedSurface solved{
       context.base().Surface(problem.basis_u(), problem.basis_v(), held.solution.coefficients),
       problem.data().parameters,

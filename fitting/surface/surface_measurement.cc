@@ -13,6 +13,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/optimize.h"
 #include "batten/geometry/closure.h"
+#include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/rules.h"
 #include "fitting/joint/moved_terms.h"
@@ -166,10 +167,7 @@ void Judge(const SurfaceFit& fit,
   if (report.overshoot->asked_for) {
     report.overshoot->asked_for = false;
     if (report.leaves_points()) {
-      report.warnings.push_back("untrimmed, the surface leaves its points by " +
-                                RoundedText(report.overshoot->max) + ", " +
-                                RoundedText(report.overshoot->in_spacings) +
-                                " times their spacing, where they do not determine it");
+      report.warnings.push_back("untrimmed, " + WordsOfLeaving(report));
     }
     report.overshoot->asked_for = true;
   }
@@ -218,19 +216,25 @@ NurbsSurface SurfaceOf(const OptimizeResult& found) {
   return {found.problem.basis_u(), found.problem.basis_v(), found.control_points, found.weights};
 }
 
-OvershootSummary OvershootOf(const NurbsSurface& surface,
-                             const MergedCloud& merged,
-                             const PointMask& used,
-                             const Eigen::Matrix2Xd& parameters,
-                             const FitReport& report,
-                             ThreadPool& pool) {
+void EnterOvershoot(const NurbsSurface& surface,
+                    const MergedCloud& merged,
+                    const PointMask& used,
+                    const Eigen::Matrix2Xd& parameters,
+                    ThreadPool& pool,
+                    FitReport& report) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < used.size(); ++k)
     if (used[k]) kept.push_back(k);
   const Eigen::Matrix3Xd points = merged.cloud.points()(Eigen::all, kept);
   const Eigen::Matrix2Xd feet = parameters(Eigen::all, kept);
-  return MeasureOvershoot({surface, points, feet, report.input.spacing, DirectionOfHeights(report)},
-                          pool);
+  report.overshoot = MeasureOvershoot(
+      {surface, points, feet, report.input.spacing, DirectionOfHeights(report)}, pool);
+  const Eigen::Vector3d origin = merged.cloud.origin();
+  if (report.overshoot->max > 0) report.overshoot->at += origin;
+  if (surface.trimmed() || report.leaves_points()) return;
+  Eigen::AlignedBox3d box;
+  for (const auto& point : points.colwise()) box.extend(point);
+  EnterExcursion(surface, box, origin, report);
 }
 
 }  // namespace
@@ -401,9 +405,8 @@ SurfaceFit MeasureFit(const NurbsSurface& surface,
                                     : report.error_all;
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
-  report.overshoot = OvershootOf(measured, merged, used, found.parameters, report, pool);
+  EnterOvershoot(measured, merged, used, found.parameters, pool, report);
   report.overshoot->asked_for = options.trim == Trimming::kNone;
-  if (report.overshoot->max > 0) report.overshoot->at += cloud.origin();
   report.geometry.kind = "surface";
   report.geometry.degree = {fit.surface.basis_u().degree(), fit.surface.basis_v().degree()};
   report.geometry.control_points = {fit.surface.size_u(), fit.surface.size_v()};

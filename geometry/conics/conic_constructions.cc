@@ -41,6 +41,15 @@ ConicArc<Dim> ArcFrom(const Vector<Dim>& origin,
   return arc;
 }
 
+// Products of what is larger are no numbers.
+template <typename Places>
+void RequireSized(const char* function, const Places& places) {
+  constexpr double kLargest = 1e100;
+  RequireThat(places.cwiseAbs().maxCoeff() <= kLargest,
+              function,
+              "coordinates beyond 1e100 can't be worked with: scale the points");
+}
+
 template <int Dim>
 Vector<Dim> Direction(const char* function, const char* name, const Vector<Dim>& v) {
   RequireThat(
@@ -55,7 +64,10 @@ Lifted<Dim> Crossing(const char* function,
                      const Vector<Dim>& start_tangent,
                      const Vector<Dim>& end_tangent) {
   constexpr double kParallel = 1e-12;
-  RequireThat(chord.allFinite() && chord.norm() > 0, function, "start and end are one point");
+  RequireSized(function, chord);
+  RequireThat(chord.allFinite() && chord.norm() > 0,
+              function,
+              "start and end are one point: give two that differ");
   const Vector<Dim> T0 = Direction<Dim>(function, "start_tangent", start_tangent);
   const Vector<Dim> T2 = Direction<Dim>(function, "end_tangent", end_tangent);
   for (const auto& [T, name] : {std::pair{T0, "start_tangent"}, {T2, "end_tangent"}}) {
@@ -222,6 +234,7 @@ ConicArc<Dim> ConicArcThrough(const Vector<Dim>& start,
   constexpr const char* kName = "ConicArcThrough";
   const Vector<Dim> chord = end - start, p = point - start;
   RequireThat(p.allFinite(), kName, "point is not finite");
+  RequireSized(kName, p);
   const Lifted<Dim> crossing = Crossing<Dim>(kName, chord, start_tangent, end_tangent);
   Eigen::Matrix<double, Dim + 1, 3> columns;
   columns << Lift<Dim>(Vector<Dim>::Zero(), 1), crossing, Lift<Dim>(chord, 1);
@@ -266,7 +279,9 @@ ConicArc<Dim> ConicArcOfShoulder(const Vector<Dim>& start,
   RequireThat(rho >= 0 && rho < 1, kName, "rho = " + NumberText(rho) + " is not in [0, 1)");
   const Vector<Dim> chord = end - start, rise = shoulder - start - chord / 2;
   RequireThat(chord.allFinite() && rise.allFinite(), kName, "a point is not finite");
-  RequireThat(chord.norm() > 0, kName, "start and end are one point");
+  RequireSized(kName, chord);
+  RequireSized(kName, rise);
+  RequireThat(chord.norm() > 0, kName, "start and end are one point: give two that differ");
   const double off = (rise - rise.dot(chord) / chord.squaredNorm() * chord).norm();
   constexpr double kFlat = 1e-12;
   RequireThat(off > kFlat * chord.norm(), kName, "the shoulder lies on the chord's line");
@@ -279,6 +294,7 @@ template <int Dim>
 ConicArc<Dim> ConicArcThroughFive(const Eigen::Matrix<double, Dim, 5>& points) {
   constexpr const char* kName = "ConicArcThroughFive";
   RequireThat(points.allFinite(), kName, "a point is not finite");
+  RequireSized(kName, points);
   const Vector<Dim> middle = points.rowwise().mean();
   const Eigen::Matrix<double, Dim, 5> centred = points.colwise() - middle;
   const double size = centred.colwise().norm().maxCoeff();
@@ -308,7 +324,9 @@ ConicArc<2> ArcOf(const ImplicitConic& conic,
   RequireThat(start.allFinite() && end.allFinite(), "ArcOf", "an end is not finite");
   const double chord = (end - start).norm(), allowed = tolerance.value_or(kMiss * chord);
   RequireThat(
-      allowed > 0, "ArcOf", "start and end are one point, or the tolerance is not positive");
+      allowed > 0,
+      "ArcOf",
+      "start and end are one point, or the tolerance is not positive: give two that differ");
   RequireProper(conic.From(start));
   const Eigen::Vector2d first = OnConic(conic, start, "start", allowed);
   const Eigen::Vector2d last = OnConic(conic, end, "end", allowed);

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/construction/curve_closure.h"
 #include "geometry/numeric/construction_checks.h"
 
 namespace batten {
@@ -35,7 +36,9 @@ NurbsSurface BicubicPatch(const PatchCorners& corners) {
   }
   RequireThat(apart, "BicubicPatch", "all four corners are one point");
   const SplineBasis cubic = SplineBasis::Uniform(3, 4, 0, 1);
-  return NurbsSurface(cubic, cubic, std::move(points));
+  NurbsSurface patch(cubic, cubic, std::move(points));
+  RequireArea(patch, "BicubicPatch");
+  return patch;
 }
 
 }  // namespace batten

@@ -13,6 +13,7 @@
 #include "batten/geometry/reverse.h"
 #include "geometry/construction/boundary_loop.h"
 #include "geometry/construction/compatible_knots.h"
+#include "geometry/construction/curve_closure.h"
 #include "geometry/construction/curves_together.h"
 #include "geometry/construction/section_rows.h"
 #include "geometry/numeric/construction_checks.h"
@@ -214,8 +215,10 @@ CoonsSurface Coons(const std::vector<NurbsCurve<3>>& sides, const CoonsOptions& 
   RequirePositive("Coons", "tolerance", options.tolerance);
   RequireThat(options.bicubic || !options.across, "Coons", "across: bicubic alone takes it");
   BoundaryLoop loop = LoopOf(sides, options.tolerance);
-  return options.bicubic ? Bicubic(std::move(loop), options)
-                         : Bilinear(std::move(loop), options.tolerance);
+  CoonsSurface coons = options.bicubic ? Bicubic(std::move(loop), options)
+                                       : Bilinear(std::move(loop), options.tolerance);
+  RequireArea(coons.surface, "Coons");
+  return coons;
 }
 
 }  // namespace batten

@@ -29,6 +29,24 @@ bool IsPoint(const NurbsCurve<3>& curve) {
   return SizeOf(curve) <= 8 * kEpsilon * curve.control_points().cwiseAbs().maxCoeff();
 }
 
+bool LieAlong(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction) {
+  constexpr double kFlat = 1e-9;
+  const Eigen::Matrix3Xd from = points.colwise() - points.col(0);
+  const Eigen::Vector3d along = direction.stableNormalized();
+  const double off = (from - along * (along.transpose() * from)).colwise().norm().maxCoeff();
+  return off <=
+         kFlat * from.colwise().norm().maxCoeff() + 8 * kEpsilon * points.cwiseAbs().maxCoeff();
+}
+
+void RequireArea(const NurbsSurface& surface, const char* function) {
+  const Eigen::Matrix3Xd& net = surface.control_points();
+  Eigen::Index farthest = 0;
+  (net.colwise() - net.col(0)).colwise().squaredNorm().maxCoeff(&farthest);
+  RequireThat(!LieAlong(net, net.col(farthest) - net.col(0)),
+              function,
+              "all that it is made of lies on one line: the surface would have no area");
+}
+
 void RequireSameClosedness(const std::vector<NurbsCurve<3>>& curves,
                            const char* function,
                            const char* noun) {

@@ -271,11 +271,13 @@ LoftedSurface Loft(const std::vector<NurbsCurve<3>>& sections, const LoftOptions
   if (!options.align) {
     LoftedSurface lofted = LoftAligned(sections, options);
     lofted.changes.resize(sections.size());
+    RequireArea(lofted.surface, "Loft");
     return lofted;
   }
   AlignedCurves aligned = Aligned(sections);
   LoftedSurface lofted = LoftAligned(aligned.curves, options);
   lofted.changes = std::move(aligned.changes);
+  RequireArea(lofted.surface, "Loft");
   return lofted;
 }
 

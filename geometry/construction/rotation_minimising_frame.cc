@@ -10,6 +10,7 @@
 #include "batten/geometry/closure.h"
 #include "batten/geometry/frame.h"
 #include "batten/geometry/knot_vectors.h"
+#include "geometry/numeric/constants.h"
 #include "geometry/numeric/construction_checks.h"
 
 namespace batten::internal {
@@ -136,22 +137,30 @@ std::vector<double> RotationMinimisingFrame::Places() const {
 
 void RefuseKinks(const NurbsCurve<3>& curve, double angle, const char* function) {
   const OneSidedCurve pieces(curve);
+  const SplineBasis& basis = curve.basis();
+  double shortest = basis.upper() - basis.lower();
+  for (const int span : basis.Spans())
+    shortest = std::min(shortest, basis.knots()[span + 1] - basis.knots()[span]);
+  // What rounding of the coordinates makes of the slope beside a knot.
+  const double rounding =
+      8 * kEpsilon * basis.degree() * curve.control_points().cwiseAbs().maxCoeff() / shortest;
   const auto refuse = [&](double below, double above) {
     const CurveJet<3> end = pieces.JetAt(below, Side::kBelow);
     const double turn = AngleBetween(end.first, pieces.JetAt(above, Side::kAbove).first);
     constexpr double kDegrees = 180 / std::numbers::pi;
-    RequireThat(turn <= angle,
+    RequireThat(turn <= angle + rounding / end.first.norm(),
                 function,
                 "the trajectory has a kink of " + RoundedText(turn * kDegrees) +
                     " degrees at its parameter " + PlaceText(below, end.point) +
                     ": sweep the pieces between its kinks, or round them");
   };
-  for (const KnotMultiplicity& knot : DomainKnots(curve.basis())) {
-    if (knot.knot > curve.basis().lower() && knot.knot < curve.basis().upper()) {
+  for (const KnotMultiplicity& knot : DomainKnots(basis)) {
+    const bool may_kink = knot.multiplicity >= basis.degree();
+    if (may_kink && knot.knot > basis.lower() && knot.knot < basis.upper()) {
       refuse(knot.knot, knot.knot);
     }
   }
-  if (Closed(curve)) refuse(curve.basis().upper(), curve.basis().lower());
+  if (Closed(curve)) refuse(basis.upper(), basis.lower());
 }
 
 }  // namespace batten::internal

@@ -88,6 +88,11 @@ NurbsSurface Extrude(const NurbsCurve<3>& profile, const Eigen::Vector3d& by) {
               "Extrude",
               "by has the length " + RoundedText(by.norm()) +
                   ", too little to be told from nothing at the curve's coordinates");
+  RequireThat(
+      !LieAlong(profile.control_points(), by),
+      "Extrude",
+      "the curve lies on a line in the direction it is moved in, or is a point: the surface "
+      "would have no area; move it across itself");
   Eigen::Matrix3Xd moved = profile.control_points().colwise() + by;
   return Between(profile, NurbsCurve<3>(profile.basis(), std::move(moved), profile.weights()));
 }
@@ -109,7 +114,9 @@ RuledSurface Ruled(const NurbsCurve<3>& first,
       apart > 4 * kEpsilon * std::max(Largest(first), Largest(second)),
       "Ruled",
       "the two curves are one: their control points are at most " + RoundedText(apart) + " apart");
-  return {Between(curves[0], curves[1]), error};
+  RuledSurface ruled{Between(curves[0], curves[1]), error};
+  RequireArea(ruled.surface, "Ruled");
+  return ruled;
 }
 
 }  // namespace batten

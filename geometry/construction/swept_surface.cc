@@ -68,8 +68,44 @@ void RefuseFolds(const RotationMinimisingFrame& frame,
                 "the profile reaches " + RoundedText(reach) +
                     " to the inside of the bend at the trajectory's parameter " + RoundedText(at) +
                     ", whose radius is " + RoundedText(1 / bend) +
-                    ": the surface would fold back over itself");
+                    ": the surface would fold back over itself; bring the profile nearer to the "
+                    "trajectory, or make the bend wider");
   }
+}
+
+// A profile in a plane that holds the trajectory's tangent is moved within that plane: what turns
+// back along the tangent is swept over again.
+void RefuseFlat(const NurbsCurve<3>& profile, const Eigen::Vector3d& tangent) {
+  constexpr double kFlat = 1e-9;
+  RequireThat(!LieAlong(profile.control_points(), tangent),
+              "Sweep",
+              "the profile lies on a line along the trajectory's start: the surface would have no "
+              "area; turn the profile across the trajectory");
+  const Eigen::Matrix3Xd legs =
+      profile.control_points().rightCols(profile.control_points().cols() - 1) -
+      profile.control_points().leftCols(profile.control_points().cols() - 1);
+  Eigen::Matrix3Xd across(3, legs.cols());
+  for (Eigen::Index k = 0; k < legs.cols(); ++k) across.col(k) = tangent.cross(legs.col(k));
+  Eigen::Index most = 0;
+  const double size = across.colwise().norm().maxCoeff(&most);
+  const Eigen::Vector3d normal = across.col(most) / size;
+  const Eigen::RowVectorXd heights = normal.transpose() * across;
+  const double off = (across - normal * heights).colwise().norm().maxCoeff();
+  if (off > kFlat * size) return;
+  constexpr int kPerSpan = 16;
+  const SplineBasis& basis = profile.basis();
+  const int places = kPerSpan * static_cast<int>(basis.Spans().size());
+  double least = 0, greatest = 0;
+  for (int k = 0; k <= places; ++k) {
+    const double u = basis.lower() + (basis.upper() - basis.lower()) * k / places;
+    const double turn = normal.dot(tangent.cross(profile.JetAt(u).first.stableNormalized()));
+    least = std::min(least, turn);
+    greatest = std::max(greatest, turn);
+  }
+  RequireThat(least >= -kFlat || greatest <= kFlat,
+              "Sweep",
+              "the profile's plane holds the trajectory's tangent, and it turns back there: the "
+              "surface would lie on itself; turn the profile across the trajectory");
 }
 
 double Size(const Eigen::Matrix3Xd& points) {
@@ -85,8 +121,8 @@ double ClosingTurn(const NurbsCurve<3>& trajectory,
   const double turns = twist / (2 * std::numbers::pi);
   RequireThat(std::abs(turns - std::round(turns)) <= kSlack,
               "Sweep",
-              "twist = " + RoundedText(turns) +
-                  " turns along a closed trajectory: only whole turns close the surface");
+              "the trajectory is closed, and a twist of " + RoundedText(360 * turns) +
+                  " degrees does not close the surface: only whole turns do, multiples of 360");
   return -frame.Holonomy();
 }
 
@@ -120,6 +156,7 @@ SweptSurface Sweep(const NurbsCurve<3>& profile,
   RequireThat(!IsPoint(trajectory), "Sweep", "the trajectory is a point");
   RequireThat(!IsPoint(profile), "Sweep", "the profile is a point");
   const Eigen::Vector3d start = trajectory.At(trajectory.basis().lower());
+  RefuseFlat(profile, trajectory.JetAt(trajectory.basis().lower()).first.stableNormalized());
   const CarriedProfile carried = ProfileFrom(profile, start);
   // What of the tolerance the frame may take, as an angle at the far end of the profile.
   const double radius = std::max(carried.radius, Size(profile.control_points()));

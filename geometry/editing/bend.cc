@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/geometry/insert_knots.h"
+#include "batten/geometry/iso_curve.h"
 #include "geometry/editing/control_forms.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
@@ -20,9 +22,11 @@ using namespace internal;
 namespace {
 
 constexpr int kMostControlPoints = 2000;  // a direction
-constexpr int kRounds = 12;               // of insertion: each halves the spans
-constexpr int kSteps = 30;                // of the progressive iteration, at most
-constexpr int kSamples = 9;               // a span, of surfaces 3 × 3 a cell
+constexpr Eigen::Index kLargestNet = 200'000;
+constexpr int kRounds = 20;      // of insertion: each halves the spans
+constexpr int kSteps = 30;       // of the progressive iteration, at most
+constexpr int kSamples = 9;      // a span of a curve
+constexpr int kCellSamples = 3;  // each way, of a cell of a surface
 
 // Maps points as CircleBend says.
 class BendMap {
@@ -40,7 +44,10 @@ class BendMap {
     radius_ = out_.stableNorm();
     constexpr double kOnAxis = 1e-12;
     if (!(radius_ > kOnAxis * arm.stableNorm()))
-      Reject("Bent", "the point from which it bends lies on the axis");
+      Reject(
+          "Bent",
+          "the point from which it bends lies on the axis: move one of them, their distance is the "
+          "radius");
     out_ /= radius_;
     along_ = axis_.cross(out_);
     if (length_ > 2 * std::numbers::pi * radius_) {
@@ -199,26 +206,100 @@ Shortage ShortageOf(const NurbsCurve<Dim>& old,
   }
   return shortage;
 }
-// Along a line on which all points turn alike the map is rigid: knots lack across it.
+
+double Binomial(int n, int k) {
+  double value = 1;
+  for (int i = 1; i <= k; ++i) value = value * (n - k + i) / i;
+  return value;
+}
+
+// How far the images of a line of the surface stay at least from every curve over one span of it:
+// from polynomials of degree p times the denominator, at p + 2 even places, where that is the
+// (p + 1)-th difference over 2^(p+1).
+template <typename At>
+double LeastMiss(int degree, const Places::Span& span, const At& weighted_image) {
+  Eigen::Vector4d difference = Eigen::Vector4d::Zero();
+  double least_weight = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= degree + 1; ++k) {
+    const double at = span.from + (span.to - span.from) * k / (degree + 1);
+    const Eigen::Vector4d image = weighted_image(at);
+    least_weight = std::min(least_weight, image.w());
+    difference += (k % 2 == 0 ? 1 : -1) * Binomial(degree + 1, k) * image;
+  }
+  return difference.head<3>().norm() / (least_weight * std::exp2(degree + 1));
+}
+
+// Images of points of a surface times the denominator, and the denominator.
+class WeightedImages {
+ public:
+  WeightedImages(const NurbsSurface& surface, const BendMap& map)
+      : surface_(surface), map_(map), denominator_(DenominatorOf(surface)) {}
+
+  Eigen::Vector4d operator()(double u, double v) const {
+    const double weight = surface_.rational() ? denominator_.At(u, v).x() : 1;
+    Eigen::Vector4d image;
+    image << weight * map_(surface_.At(u, v)), weight;
+    return image;
+  }
+
+ private:
+  static NurbsSurface DenominatorOf(const NurbsSurface& surface) {
+    Eigen::Matrix3Xd weights = Eigen::Matrix3Xd::Zero(3, surface.weights().size());
+    weights.row(0) = surface.weights().transpose();
+    return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(weights));
+  }
+
+  const NurbsSurface& surface_;
+  const BendMap& map_;
+  NurbsSurface denominator_;
+};
+
+// The place of a cell's samples with the greatest error.
+struct WorstOfCell {
+  double u = 0, v = 0, error = 0;
+};
+
+WorstOfCell WorstOf(const NurbsSurface& old,
+                    const NurbsSurface& bent,
+                    const BendMap& map,
+                    const Places& us,
+                    const Places& vs,
+                    size_t first_u,
+                    size_t first_v) {
+  WorstOfCell worst;
+  for (size_t k = first_u; k < first_u + kCellSamples; ++k) {
+    for (size_t l = first_v; l < first_v + kCellSamples; ++l) {
+      const double u = us.at[k], v = vs.at[l];
+      const double error = (map(old.At(u, v)) - bent.At(u, v)).norm();
+      if (!(error <= worst.error)) worst = {u, v, error};
+    }
+  }
+  return worst;
+}
+
+// A direction lacks knots where no curve over the span comes near enough: along lines on which all
+// points turn alike the map is rigid, and none are needed. Where both would do by themselves, the
+// worse one gets them.
 Shortage ShortageOf(const NurbsSurface& old,
                     const NurbsSurface& bent,
                     const BendMap& map,
                     double tolerance) {
-  constexpr double kSmall = 0.2;
+  constexpr double kShare = 0.25;  // of the tolerance, for each direction and what binds the spans
+  const WeightedImages images(old, map);
   Shortage shortage;
-  const Places us = Inside(old.basis_u(), 3), vs = Inside(old.basis_v(), 3);
-  for (size_t k = 0; k < us.at.size(); ++k) {
-    for (size_t l = 0; l < vs.at.size(); ++l) {
-      const double error = (map(old.At(us.at[k], vs.at[l])) - bent.At(us.at[k], vs.at[l])).norm();
-      shortage.error = std::max(shortage.error, error);
-      if (error <= tolerance) continue;
-      const auto& [u, v] = std::pair(us.span[k], vs.span[l]);
-      const auto turn = [&](double s, double t) { return map.Turn(old.At(s, t)); };
-      const double mean_u = u.middle(), mean_v = v.middle();
-      const double turn_u = std::abs(turn(u.to, mean_v) - turn(u.from, mean_v)),
-                   turn_v = std::abs(turn(mean_u, v.to) - turn(mean_u, v.from));
-      if (turn_u >= kSmall * turn_v) shortage.u.push_back(mean_u);
-      if (turn_v >= kSmall * turn_u) shortage.v.push_back(mean_v);
+  const Places us = Inside(old.basis_u(), kCellSamples), vs = Inside(old.basis_v(), kCellSamples);
+  for (size_t k = 0; k < us.at.size(); k += kCellSamples) {
+    for (size_t l = 0; l < vs.at.size(); l += kCellSamples) {
+      const WorstOfCell worst = WorstOf(old, bent, map, us, vs, k, l);
+      shortage.error = std::max(shortage.error, worst.error);
+      if (worst.error <= tolerance) continue;
+      const double along_u = LeastMiss(
+          old.basis_u().degree(), us.span[k], [&](double u) { return images(u, worst.v); });
+      const double along_v = LeastMiss(
+          old.basis_v().degree(), vs.span[l], [&](double v) { return images(worst.u, v); });
+      const double enough = std::min(kShare * tolerance, std::max(along_u, along_v));
+      if (along_u >= enough) shortage.u.push_back(us.span[k].middle());
+      if (along_v >= enough) shortage.v.push_back(vs.span[l].middle());
     }
   }
   return shortage;
@@ -258,25 +339,81 @@ std::vector<double> Crossings(const NurbsCurve<Dim>& curve, const BendMap& map, 
   return crossings;
 }
 
+// The knot that lets a shape break at u, of the first derivative where it is stretched, else of the
+// second; none where it can already.
+struct KnotToAdd {
+  double at;
+  int times;
+};
+std::optional<KnotToAdd> KnotToRaise(const SplineBasis& basis, double u, bool stretched) {
+  constexpr double kSame = 1e-10;  // of the domain
+  const double near = kSame * (basis.upper() - basis.lower());
+  if (u <= basis.lower() + near || u >= basis.upper() - near) return {};
+  for (const double knot : basis.knots()) {
+    if (std::abs(knot - u) <= near) u = knot;
+  }
+  const int times = basis.degree() - (stretched ? 0 : 1) - basis.Multiplicity(u);
+  if (times <= 0) return {};
+  return KnotToAdd{u, times};
+}
+
 // With knots where the bend begins and ends, so that the curve may break there as its image does.
 template <int Dim>
-NurbsCurve<Dim> Breakable(NurbsCurve<Dim> curve, const BendMap& map) {
-  constexpr double kSame = 1e-10;  // of the domain
+NurbsCurve<Dim> Breakable(NurbsCurve<Dim> curve, const BendMap& map, double) {
   for (const double x : {0.0, map.length()}) {
-    for (double u : Crossings(curve, map, x)) {
-      const SplineBasis& basis = curve.basis();
-      const double near = kSame * (basis.upper() - basis.lower());
-      if (u <= basis.lower() + near || u >= basis.upper() - near) continue;
-      for (const double knot : basis.knots())
-        if (std::abs(knot - u) <= near) u = knot;
-      const int wanted = basis.degree() - (map.Stretches(InSpace(curve.At(u))) ? 0 : 1);
-      const int times = wanted - basis.Multiplicity(u);
-      if (times > 0) curve = InsertKnot(curve, u, times);
+    for (const double u : Crossings(curve, map, x)) {
+      const bool stretched = map.Stretches(InSpace(curve.At(u)));
+      if (const auto knot = KnotToRaise(curve.basis(), u, stretched)) {
+        curve = InsertKnot(curve, knot->at, knot->times);
+      }
     }
   }
   return curve;
 }
-NurbsSurface Breakable(NurbsSurface surface, const BendMap&) { return surface; }
+
+// The knot lines of a direction where all of a line of the surface lies at x along the line of the
+// bend, to a tolerance, and whether the map stretches some of it.
+struct BreakLine {
+  double at;
+  bool stretches = false;
+};
+std::vector<BreakLine> BreakLines(const NurbsSurface& surface,
+                                  Direction direction,
+                                  const BendMap& map,
+                                  double x,
+                                  double tolerance) {
+  const bool in_u = direction == Direction::kU;
+  const Places across = Inside(in_u ? surface.basis_v() : surface.basis_u(), kSamples);
+  const Direction other = in_u ? Direction::kV : Direction::kU;
+  std::vector<BreakLine> lines;
+  for (const double at : Crossings(IsoCurve(surface, other, across.at.front()), map, x)) {
+    BreakLine line{at};
+    bool straight = true;
+    for (const double along : across.at) {
+      const Eigen::Vector3d point = in_u ? surface.At(at, along) : surface.At(along, at);
+      straight = straight && std::abs(map.Along(point) - x) <= tolerance;
+      line.stretches = line.stretches || map.Stretches(point);
+    }
+    if (straight) lines.push_back(line);
+  }
+  return lines;
+}
+
+// The same for lines of a surface that are bent all at once; across others it can't break.
+NurbsSurface Breakable(NurbsSurface surface, const BendMap& map, double tolerance) {
+  for (const double x : {0.0, map.length()}) {
+    for (const Direction direction : {Direction::kU, Direction::kV}) {
+      for (const BreakLine& line : BreakLines(surface, direction, map, x, tolerance)) {
+        const SplineBasis& basis =
+            direction == Direction::kU ? surface.basis_u() : surface.basis_v();
+        if (const auto knot = KnotToRaise(basis, line.at, line.stretches)) {
+          surface = InsertKnot(surface, direction, knot->at, knot->times);
+        }
+      }
+    }
+  }
+  return surface;
+}
 
 template <int Dim>
 bool Refine(NurbsCurve<Dim>& old, Shortage& shortage) {
@@ -287,6 +424,9 @@ bool Refine(NurbsCurve<Dim>& old, Shortage& shortage) {
 
 bool Refine(NurbsSurface& old, Shortage& shortage) {
   const bool u = Insert(shortage.u, old.basis_u()), v = Insert(shortage.v, old.basis_v());
+  const Eigen::Index rows = old.size_u() + (u ? std::ssize(shortage.u) : 0),
+                     columns = old.size_v() + (v ? std::ssize(shortage.v) : 0);
+  if (rows * columns > kLargestNet) return false;
   if (u) old = RefineKnots(old, Direction::kU, shortage.u);
   if (v) old = RefineKnots(old, Direction::kV, shortage.v);
   return u || v;
@@ -294,9 +434,10 @@ bool Refine(NurbsSurface& old, Shortage& shortage) {
 
 template <typename Shape>
 BentShape<Shape> BentWithin(Shape old, double tolerance, const BendMap& map) {
+  constexpr double kOfTolerance = 0.1;  // how far a line may be from where it breaks
   if (!(tolerance > 0) || !std::isfinite(tolerance))
     Reject("Bent", "the tolerance " + NumberText(tolerance) + " is not positive and finite");
-  old = Breakable(std::move(old), map);
+  old = Breakable(std::move(old), map, kOfTolerance * tolerance);
   for (int round = 0;; ++round) {
     Shape bent = BentOver(old, map, tolerance);
     Shortage shortage = ShortageOf(old, bent, map, tolerance);

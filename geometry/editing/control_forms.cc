@@ -51,18 +51,17 @@ Eigen::MatrixXd RationalFunctions(const Eigen::MatrixXd& u,
   return R.back();
 }
 
-// Adds a term to a form, whose control point may be in it already.
-void Add(ControlForm& form, Eigen::Index control_point, double value, Eigen::Index& size) {
+}  // namespace
+
+void AddTerm(ControlForm& form, Eigen::Index control_point, double value) {
   const auto found = std::find(form.index.begin(), form.index.end(), control_point);
   if (found != form.index.end()) {
     form.values[found - form.index.begin()] += value;
     return;
   }
+  form.values[std::ssize(form.index)] = value;
   form.index.push_back(control_point);
-  form.values[size++] = value;
 }
-
-}  // namespace
 
 double ControlForm::At(Eigen::Index control_point) const {
   const auto found = std::find(index.begin(), index.end(), control_point);
@@ -77,10 +76,9 @@ ControlForm DerivativeForm(const NurbsCurve<Dim>& curve, double u, int order) {
     R = RationalFunctions(N, Eigen::MatrixXd::Ones(1, 1), curve.weights().segment(first, N.cols()));
   }
   ControlForm form{{}, Eigen::VectorXd(N.cols())};
-  Eigen::Index size = 0;
   for (Eigen::Index r = 0; r < R.size(); ++r)
-    Add(form, (first + r) % DistinctPoints(curve), R[r], size);
-  form.values.conservativeResize(size);
+    AddTerm(form, (first + r) % DistinctPoints(curve), R[r]);
+  form.values.conservativeResize(std::ssize(form.index));
   return form;
 }
 
@@ -98,13 +96,12 @@ ControlForm DerivativeForm(
   const int round_u = DistinctPoints(surface.basis_u()),
             round_v = DistinctPoints(surface.basis_v());
   ControlForm form{{}, Eigen::VectorXd(R.size())};
-  Eigen::Index size = 0;
   for (Eigen::Index r = 0; r < R.rows(); ++r) {
     for (Eigen::Index s = 0; s < R.cols(); ++s) {
-      Add(form, (first_u + r) % round_u * round_v + (first_v + s) % round_v, R(r, s), size);
+      AddTerm(form, (first_u + r) % round_u * round_v + (first_v + s) % round_v, R(r, s));
     }
   }
-  form.values.conservativeResize(size);
+  form.values.conservativeResize(std::ssize(form.index));
   return form;
 }
 

@@ -33,6 +33,9 @@ struct ControlForm {
   double At(Eigen::Index control_point) const;  // 0 where it does not act
 };
 
+// Adds a term to a form whose values have room for it; the control point may be in it already.
+void AddTerm(ControlForm& form, Eigen::Index control_point, double value);
+
 // The form that gives a derivative of the shape, order 0 the point, at its present weights: the
 // values are derivatives of rational basis functions. From the right at knots, at the upper end
 // from the left. The parameter is in the domain, orders are not negative. O(p·order²) for curves,

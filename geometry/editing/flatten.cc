@@ -9,6 +9,7 @@
 #include "batten/geometry/insert_knots.h"
 #include "geometry/editing/control_forms.h"
 #include "geometry/editing/region_knots.h"
+#include "geometry/editing/tied_points.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -54,19 +55,21 @@ Projection<Dim> ProjectionOf(const FlattenOptions<Dim>& options) {
 std::vector<double> FlattenKnots(const SplineBasis& basis,
                                  const ParameterRange& range,
                                  double transition,
+                                 bool closed,
                                  const std::string& name) {
+  const bool round = closed || basis.periodic();
   CheckRange(basis, range, "Flattened", name);
   const double length = range.to - range.from;
   std::vector<double> wanted = {range.from, range.to};
   const double period = basis.upper() - basis.lower();
-  const double room_before = basis.periodic() ? period - length : range.from - basis.lower();
-  const double room_behind = basis.periodic() ? period - length : basis.upper() - range.to;
+  const double room_before = round ? period - length : range.from - basis.lower();
+  const double room_behind = round ? period - length : basis.upper() - range.to;
   for (int k = 1; k <= basis.degree(); ++k) {
     const double share = static_cast<double>(k) / basis.degree();
     wanted.push_back(range.from - share * std::min(transition * length, room_before / 2));
     wanted.push_back(range.to + share * std::min(transition * length, room_behind / 2));
   }
-  return LackingKnots(basis, std::move(wanted), length);
+  return LackingKnots(basis, std::move(wanted), length, round);
 }
 
 std::vector<bool> Acting(const SplineBasis& basis, const std::optional<ParameterRange>& range) {
@@ -81,41 +84,46 @@ NurbsCurve<Dim> Flattened(const NurbsCurve<Dim>& curve,
                           const ParameterRange& range,
                           const FlattenOptions<Dim>& options) {
   const Projection<Dim> projection = ProjectionOf<Dim>(options);
+  const bool closed = TiedPoints(curve).closed(Direction::kU);
   const NurbsCurve<Dim> finer =
-      RefineKnots(curve, FlattenKnots(curve.basis(), range, options.transition, "u"));
+      RefineKnots(curve, FlattenKnots(curve.basis(), range, options.transition, closed, "u"));
+  const TiedPoints ties(finer);
   const std::vector<bool> acting = ActingInside(finer.basis(), range);
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(Dim, std::ssize(acting));
   for (Eigen::Index k = 0; k < moves.cols(); ++k) {
     if (acting[static_cast<size_t>(k)])
-      moves.col(k) = projection.Move(finer.control_points().col(k));
+      moves.col(ties.First(k)) = projection.Move(finer.control_points().col(k));
   }
-  return WithMoves(finer, moves);
+  return WithMoves(finer, ties.Spread(std::move(moves)));
 }
 
 NurbsSurface Flattened(const NurbsSurface& surface,
                        const ParameterRegion& region,
                        const FlattenOptions<3>& options) {
   const Projection<3> projection = ProjectionOf<3>(options);
+  const TiedPoints seams(surface, TiedPoints::Of::kSeams);
   NurbsSurface finer = surface;
-  if (region.u) {
-    finer = RefineKnots(
-        finer, Direction::kU, FlattenKnots(surface.basis_u(), *region.u, options.transition, "u"));
-  }
-  if (region.v) {
-    finer = RefineKnots(
-        finer, Direction::kV, FlattenKnots(surface.basis_v(), *region.v, options.transition, "v"));
-  }
+  const auto refine = [&](Direction direction, const ParameterRange& range, const char* name) {
+    const SplineBasis& basis = direction == Direction::kU ? surface.basis_u() : surface.basis_v();
+    finer =
+        RefineKnots(finer,
+                    direction,
+                    FlattenKnots(basis, range, options.transition, seams.closed(direction), name));
+  };
+  if (region.u) refine(Direction::kU, *region.u, "u");
+  if (region.v) refine(Direction::kV, *region.v, "v");
+  const TiedPoints ties(finer);
   const std::vector<bool> along_u = Acting(finer.basis_u(), region.u),
                           along_v = Acting(finer.basis_v(), region.v);
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(3, DistinctPoints(finer));
   for (size_t i = 0; i < along_u.size(); ++i) {
     for (size_t j = 0; j < along_v.size(); ++j) {
       if (!along_u[i] || !along_v[j]) continue;
-      moves.col(static_cast<Eigen::Index>(i * along_v.size() + j)) =
+      moves.col(ties.First(static_cast<Eigen::Index>(i * along_v.size() + j))) =
           projection.Move(finer.control_point(static_cast<int>(i), static_cast<int>(j)));
     }
   }
-  return WithMoves(finer, moves);
+  return WithMoves(finer, ties.Spread(std::move(moves)));
 }
 
 template NurbsCurve<2> Flattened(const NurbsCurve<2>&,

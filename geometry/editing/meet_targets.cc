@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/editing/control_forms.h"
+#include "geometry/editing/tied_points.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 #include "geometry/nurbs/checked_parameter.h"
@@ -124,11 +125,12 @@ NurbsCurve<Dim> WithTargets(const NurbsCurve<Dim>& curve,
                             std::span<const int> fixed) {
   CheckTargets(targets);
   if (targets.empty()) return curve;
+  const TiedPoints ties(curve);
   std::vector<Condition> conditions;
   for (const CurveTarget<Dim>& target : targets) {
     CheckOrder(target.order);
     const double u = CheckedParameter(curve.basis(), target.u, "WithTargets", "u");
-    conditions.push_back({DerivativeForm(curve, u, target.order),
+    conditions.push_back({ties.Together(DerivativeForm(curve, u, target.order)),
                           target.value - curve.Derivatives(u, target.order).col(target.order),
                           NameOf(target.order == 0 ? "" : std::to_string(target.order),
                                  "u = " + NumberText(target.u))});
@@ -137,9 +139,9 @@ NurbsCurve<Dim> WithTargets(const NurbsCurve<Dim>& curve,
   std::vector<bool> held(static_cast<size_t>(count), false);
   for (const int i : fixed) {
     CheckIndex("index i", i, curve.basis().size());
-    held[static_cast<size_t>(i % count)] = true;
+    held[static_cast<size_t>(ties.First(i % count))] = true;
   }
-  return WithMoves(curve, LeastMoves(conditions, held, Dim));
+  return WithMoves(curve, ties.Spread(LeastMoves(conditions, held, Dim)));
 }
 
 NurbsSurface WithTargets(const NurbsSurface& surface,
@@ -147,6 +149,7 @@ NurbsSurface WithTargets(const NurbsSurface& surface,
                          std::span<const NetPlace> fixed) {
   CheckTargets(targets);
   if (targets.empty()) return surface;
+  const TiedPoints ties(surface);
   std::vector<Condition> conditions;
   for (const SurfaceTarget& target : targets) {
     const int k = target.order_u, l = target.order_v;
@@ -155,7 +158,7 @@ NurbsSurface WithTargets(const NurbsSurface& surface,
     const double u = CheckedParameter(surface.basis_u(), target.u, "WithTargets", "u");
     const double v = CheckedParameter(surface.basis_v(), target.v, "WithTargets", "v");
     conditions.push_back(
-        {DerivativeForm(surface, u, v, k, l),
+        {ties.Together(DerivativeForm(surface, u, v, k, l)),
          target.value - surface.Derivatives(u, v, k + l)(k, l),
          NameOf(k + l == 0 ? "" : std::to_string(k) + "," + std::to_string(l),
                 "(u, v) = (" + NumberText(target.u) + ", " + NumberText(target.v) + ")")});
@@ -166,9 +169,9 @@ NurbsSurface WithTargets(const NurbsSurface& surface,
   for (const auto& [i, j] : fixed) {
     CheckIndex("index i", i, surface.size_u());
     CheckIndex("index j", j, surface.size_v());
-    held[static_cast<size_t>(i % round_u * round_v + j % round_v)] = true;
+    held[static_cast<size_t>(ties.First(i % round_u * round_v + j % round_v))] = true;
   }
-  return WithMoves(surface, LeastMoves(conditions, held, 3));
+  return WithMoves(surface, ties.Spread(LeastMoves(conditions, held, 3)));
 }
 
 template NurbsCurve<2> WithTargets(const NurbsCurve<2>&,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/editing/control_forms.h"
+#include "geometry/editing/tied_points.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/nurbs/checked_parameter.h"
 
@@ -20,6 +21,11 @@ void CheckWeight(double weight) {
   if (std::isfinite(weight) && weight > 0) return;
   throw std::invalid_argument("WithWeight: weight = " + NumberText(weight) +
                               " is not positive and finite");
+}
+
+// The weight that stands to `weight` as `this_one` to `old`.
+double InRatio(double this_one, double old, double weight) {
+  return this_one == old ? weight : this_one / old * weight;
 }
 
 void CheckIndex(const std::string& function, const char* name, int index, int count) {
@@ -91,9 +97,13 @@ NurbsCurve<Dim> WithWeight(const NurbsCurve<Dim>& curve, int i, double weight) {
   const SplineBasis& basis = curve.basis();
   CheckIndex("WithWeight", "index i", i, basis.size());
   CheckWeight(weight);
-  Eigen::VectorXd weights = curve.weights();
+  const TiedPoints ties(curve);
   const int round = DistinctPoints(basis);
-  for (int k = i % round; k < basis.size(); k += round) weights[k] = weight;
+  const Eigen::Index own = ties.First(i % round);
+  Eigen::VectorXd weights = curve.weights();
+  for (int k = 0; k < basis.size(); ++k) {
+    if (ties.First(k % round) == own) weights[k] = InRatio(weights[k], curve.weights()[i], weight);
+  }
   return NurbsCurve<Dim>(basis, curve.control_points(), std::move(weights));
 }
 
@@ -101,13 +111,15 @@ NurbsSurface WithWeight(const NurbsSurface& surface, int i, int j, double weight
   CheckIndex("WithWeight", "index i", i, surface.size_u());
   CheckIndex("WithWeight", "index j", j, surface.size_v());
   CheckWeight(weight);
+  const TiedPoints ties(surface, TiedPoints::Of::kSeams);
+  const Eigen::Index round_u = DistinctPoints(surface.basis_u()),
+                     round_v = DistinctPoints(surface.basis_v()), columns = surface.size_v();
+  const Eigen::Index own = ties.First(i % round_u * round_v + j % round_v);
   Eigen::VectorXd weights = surface.weights();
-  const int round_u = DistinctPoints(surface.basis_u()),
-            round_v = DistinctPoints(surface.basis_v());
-  for (int k = i % round_u; k < surface.size_u(); k += round_u) {
-    for (int l = j % round_v; l < surface.size_v(); l += round_v) {
-      weights[Eigen::Index{k} * surface.size_v() + l] = weight;
-    }
+  const double old = weights[i * columns + j];
+  for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    const Eigen::Index number = k / columns % round_u * round_v + k % columns % round_v;
+    if (ties.First(number) == own) weights[k] = InRatio(weights[k], old, weight);
   }
   return NurbsSurface(
              surface.basis_u(), surface.basis_v(), surface.control_points(), std::move(weights))
@@ -124,12 +136,13 @@ NurbsCurve<Dim> Pulled(const NurbsCurve<Dim>& curve,
     RefusePull("one control point, or two neighbours i and i + 1, are needed");
   for (const int i : control_points) CheckIndex("Pulled", "index i", i, curve.basis().size());
   u = CheckedParameter(curve.basis(), u, "Pulled", "u");
-  const ControlForm form = DerivativeForm(curve, u);
+  const TiedPoints ties(curve);
+  const ControlForm form = ties.Together(DerivativeForm(curve, u));
   typename NurbsCurve<Dim>::Points points(Dim, count);
   Eigen::VectorXd shares(count);
   std::vector<Eigen::Index> own;
   for (size_t k = 0; k < count; ++k) {
-    own.push_back(control_points[k] % DistinctPoints(curve));
+    own.push_back(ties.First(control_points[k] % DistinctPoints(curve)));
     const auto at = static_cast<Eigen::Index>(k);
     points.col(at) = curve.control_points().col(control_points[k]);
     shares[at] = form.At(own.back());
@@ -147,8 +160,9 @@ NurbsSurface Pulled(const NurbsSurface& surface, double u, double v, int i, int 
   v = CheckedParameter(surface.basis_v(), v, "Pulled", "v");
   const int round_u = DistinctPoints(surface.basis_u()),
             round_v = DistinctPoints(surface.basis_v());
-  const ControlForm form = DerivativeForm(surface, u, v);
-  const Eigen::Index own = i % round_u * round_v + j % round_v;
+  const TiedPoints ties(surface, TiedPoints::Of::kSeams);
+  const ControlForm form = ties.Together(DerivativeForm(surface, u, v));
+  const Eigen::Index own = ties.First(i % round_u * round_v + j % round_v);
   const double factor = PullFactor(surface.control_point(i, j),
                                    Eigen::VectorXd::Constant(1, form.At(own)),
                                    RestOf(form, {own}),
@@ -163,8 +177,11 @@ NurbsCurve<Dim> MovedPoint(const NurbsCurve<Dim>& curve,
                            const typename NurbsCurve<Dim>::Point& to) {
   u = CheckedParameter(curve.basis(), u, "MovedPoint", "u");
   if (!to.allFinite()) throw std::invalid_argument("MovedPoint: the point is not finite");
+  const TiedPoints ties(curve);
   return WithMoves(
-      curve, LeastMoves<Dim>(DerivativeForm(curve, u), DistinctPoints(curve), to - curve.At(u)));
+      curve,
+      ties.Spread(LeastMoves<Dim>(
+          ties.Together(DerivativeForm(curve, u)), DistinctPoints(curve), to - curve.At(u))));
 }
 
 NurbsSurface MovedPoint(const NurbsSurface& surface,
@@ -174,9 +191,11 @@ NurbsSurface MovedPoint(const NurbsSurface& surface,
   u = CheckedParameter(surface.basis_u(), u, "MovedPoint", "u");
   v = CheckedParameter(surface.basis_v(), v, "MovedPoint", "v");
   if (!to.allFinite()) throw std::invalid_argument("MovedPoint: the point is not finite");
-  return WithMoves(
-      surface,
-      LeastMoves<3>(DerivativeForm(surface, u, v), DistinctPoints(surface), to - surface.At(u, v)));
+  const TiedPoints ties(surface);
+  return WithMoves(surface,
+                   ties.Spread(LeastMoves<3>(ties.Together(DerivativeForm(surface, u, v)),
+                                             DistinctPoints(surface),
+                                             to - surface.At(u, v))));
 }
 
 template NurbsCurve<2> Pulled(const NurbsCurve<2>&, double, std::span<const int>, double);

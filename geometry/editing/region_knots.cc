@@ -32,11 +32,12 @@ void CheckRange(const SplineBasis& basis,
 
 std::vector<double> LackingKnots(const SplineBasis& basis,
                                  std::vector<double> wanted,
-                                 double length) {
+                                 double length,
+                                 bool round) {
   const double period = basis.upper() - basis.lower();
   std::vector<double> lacking;
   for (double value : wanted) {
-    if (basis.periodic()) {
+    if (round) {
       while (value < basis.lower()) value += period;
       while (value >= basis.upper()) value -= period;
     }

@@ -18,10 +18,11 @@ void CheckRange(const SplineBasis& basis,
                 const std::string& name);
 
 // The values to insert so that each of `wanted` is a knot, to 1e-9 of `length`: those that have
-// none so near. Values outside the domain are wrapped over a periodic basis and left out of others.
+// none so near. Values outside the domain are wrapped where it goes `round`, left out elsewhere.
 std::vector<double> LackingKnots(const SplineBasis& basis,
                                  std::vector<double> wanted,
-                                 double length);
+                                 double length,
+                                 bool round);
 
 // The ends of the range, and `spans` − 1 places between them.
 std::vector<double> EvenPlaces(const ParameterRange& range, int spans);

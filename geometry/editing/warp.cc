@@ -55,8 +55,10 @@ std::vector<double> WarpKnots(const SplineBasis& basis,
                               int spans) {
   CheckRange(basis, range, "Warped", name);
   // Fewer would leave no function inside, or one only.
-  return LackingKnots(
-      basis, EvenPlaces(range, std::max(spans, 2 * (basis.degree() + 1))), range.to - range.from);
+  return LackingKnots(basis,
+                      EvenPlaces(range, std::max(spans, 2 * (basis.degree() + 1))),
+                      range.to - range.from,
+                      basis.periodic());
 }
 
 // heights · by, scaled so that the form, that of the region's middle, gives `by`.

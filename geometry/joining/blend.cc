@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,7 +26,14 @@ void CheckOptions(const BlendOptions& options) {
   RequireThat(options.continuity >= 0 && options.continuity <= 2,
               kBlend,
               "continuity = " + std::to_string(options.continuity) + " is not 0, 1 or 2");
-  for (const double fullness : options.fullness) RequirePositive(kBlend, "fullness", fullness);
+  constexpr double kMostFull = 100;  // beyond a few the blend loops
+  for (const double fullness : options.fullness) {
+    RequirePositive(kBlend, "fullness", fullness);
+    RequireThat(fullness <= kMostFull,
+                kBlend,
+                "fullness = " + NumberText(fullness) + " is more than " + NumberText(kMostFull) +
+                    " widths of the gap");
+  }
 }
 
 // The mean speed of Euclidean points where homogeneous ones have these derivatives.
@@ -126,10 +134,20 @@ CurveEnds NearestEnds(const NurbsCurve<Dim>& first, const NurbsCurve<Dim>& secon
 
 constexpr int kPlaces = 33;
 
-Eigen::Matrix3Xd EdgePlaces(const NurbsSurface& surface, const SurfaceEdge& edge) {
+NurbsCurve<3> EdgeCurve(const NurbsSurface& surface, const SurfaceEdge& edge) {
   const SplineBasis& across = BasisOf(surface, edge.direction);
-  const NurbsCurve<3> curve =
-      IsoCurve(surface, edge.direction, edge.upper ? across.upper() : across.lower());
+  return IsoCurve(surface, edge.direction, edge.upper ? across.upper() : across.lower());
+}
+
+// How far the ends of an edge are apart; 0 where it closes.
+double OpenBy(const NurbsSurface& surface, const SurfaceEdge& edge) {
+  const NurbsCurve<3> curve = EdgeCurve(surface, edge);
+  if (Closed(curve)) return 0;
+  return (curve.At(curve.basis().upper()) - curve.At(curve.basis().lower())).norm();
+}
+
+Eigen::Matrix3Xd EdgePlaces(const NurbsSurface& surface, const SurfaceEdge& edge) {
+  const NurbsCurve<3> curve = EdgeCurve(surface, edge);
   const double lower = curve.basis().lower(), length = curve.basis().upper() - lower;
   Eigen::Matrix3Xd places(3, kPlaces);
   for (int k = 0; k < kPlaces; ++k) places.col(k) = curve.At(lower + k * length / (kPlaces - 1));
@@ -150,6 +168,7 @@ EdgePair NearestEdges(const NurbsSurface& first,
       {Direction::kU, false}, {Direction::kU, true}, {Direction::kV, false}, {Direction::kV, true}};
   const double size_1 = SizeOf(first.control_points()), size_2 = SizeOf(second.control_points());
   EdgePair best;
+  double open_by = 0;  // beside a closed edge
   for (const SurfaceEdge& a : kEdges) {
     if (first_edge && !(a == *first_edge)) continue;
     const Eigen::Matrix3Xd of_a = EdgePlaces(first, a);
@@ -158,12 +177,21 @@ EdgePair NearestEdges(const NurbsSurface& first,
       if (second_edge && !(b == *second_edge)) continue;
       const Eigen::Matrix3Xd of_b = EdgePlaces(second, b);
       if (SizeOf(of_b) <= kCloses * size_2) continue;
+      const double open_a = OpenBy(first, a), open_b = OpenBy(second, b);
+      if ((open_a > 0) != (open_b > 0)) {
+        open_by = std::max(open_a, open_b);
+        continue;
+      }
       const double with = (of_a - of_b).colwise().norm().mean();
       const double against = (of_a - of_b.rowwise().reverse()).colwise().norm().mean();
       const double distance = std::min(with, against);
       if (distance < best.distance) best = {a, b, distance, against < with};
     }
   }
+  RequireThat(std::isfinite(best.distance) || open_by == 0,
+              kBlend,
+              "one edge closes and the other is open, its ends " + RoundedText(open_by) +
+                  " apart: choose two that close, or two that are open");
   RequireThat(
       std::isfinite(best.distance), kBlend, "an edge is a single point: choose another one");
   return best;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "batten/geometry/clamp.h"
@@ -72,7 +73,12 @@ NurbsCurve<Dim> ClosedUp(const NurbsCurve<Dim>& curve, double tolerance) {
 }  // namespace
 
 template <int Dim>
-NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves, double tolerance) {
+NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves,
+                        double tolerance,
+                        const std::vector<std::string>& names) {
+  const auto name = [&](size_t k) {
+    return k < names.size() ? names[k] : "curve " + std::to_string(k + 1);
+  };
   RequireThat(!curves.empty(), "Unified", "there is no curve");
   RequireThat(tolerance >= 0, "Unified", "tolerance is not a number of at least 0");
   int degree = kCubic;
@@ -80,7 +86,7 @@ NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves, double toler
     degree = std::max(degree, curves[k].basis().degree());
     RequireThat(curves.size() == 1 || !(curves[k].basis().periodic() || Closed(curves[k])),
                 "Unified",
-                "curve " + std::to_string(k) + " is closed: nothing can go on from it");
+                name(k) + " is closed: nothing can go on from it; leave it out, or split it");
   }
   const auto raised = [&](const NurbsCurve<Dim>& curve) {
     return Elevated(Clamped(curve), degree - curve.basis().degree());
@@ -93,9 +99,9 @@ NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves, double toler
         Nearest<Dim>(curves, left, EndOf(chain, false), EndOf(chain, true), tolerance);
     RequireThat(next.gap <= tolerance,
                 "Unified",
-                "no curve goes on within the tolerance " + NumberText(tolerance) +
-                    ": the nearest, curve " + std::to_string(next.index) + ", is " +
-                    RoundedText(next.gap) + " from an end of the chain");
+                "no curve goes on within the tolerance " + RoundedText(tolerance) +
+                    ": the nearest, " + name(next.index) + ", is " + RoundedText(next.gap) +
+                    " from an end of the chain");
     NurbsCurve<Dim> curve = raised(curves[next.index]);
     if (next.reversed) curve = Reversed(curve);
     chain = next.at_end ? Join(chain, curve, tolerance) : Join(curve, chain, tolerance);
@@ -134,8 +140,12 @@ std::vector<CurvePieceShape> PieceShapes(const NurbsCurve<Dim>& curve,
   return pieces;
 }
 
-template NurbsCurve<2> Unified(const std::vector<NurbsCurve<2>>&, double);
-template NurbsCurve<3> Unified(const std::vector<NurbsCurve<3>>&, double);
+template NurbsCurve<2> Unified(const std::vector<NurbsCurve<2>>&,
+                               double,
+                               const std::vector<std::string>&);
+template NurbsCurve<3> Unified(const std::vector<NurbsCurve<3>>&,
+                               double,
+                               const std::vector<std::string>&);
 template std::vector<CurvePieceShape> PieceShapes(const NurbsCurve<2>&, const ClassifyOptions&);
 template std::vector<CurvePieceShape> PieceShapes(const NurbsCurve<3>&, const ClassifyOptions&);
 

@@ -3,9 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 
 #include "batten/geometry/closure.h"
 #include "batten/geometry/split.h"
+#include "geometry/numeric/construction_checks.h"
 
 namespace batten::internal {
 namespace {
@@ -82,6 +84,23 @@ std::vector<double> AxisCrossings(const NurbsCurve<3>& profile, const Frame& axi
   if (Closed(profile) && signs.first() != signs.last())
     crossings.push_back(profile.basis().upper());
   return crossings;
+}
+
+void RefuseCrossings(const NurbsCurve<3>& profile, const Frame& axis, const char* function) {
+  const std::vector<double> crossings = AxisCrossings(profile, axis);
+  if (crossings.size() < 2) return;
+  const auto place = [&](double at) {
+    const Eigen::Vector3d p = profile.At(at);
+    return RoundedText(at) + " (" + RoundedText(p.x()) + ", " + RoundedText(p.y()) + ", " +
+           RoundedText(p.z()) + ")";
+  };
+  RequireThat(false,
+              function,
+              "the profile crosses its axis " + std::to_string(crossings.size()) +
+                  " times, first at its parameters " + place(crossings[0]) + " and " +
+                  place(crossings[1]) +
+                  ": turned by more than 180 degrees the surface would go through itself; take "
+                  "what lies on one side");
 }
 
 }  // namespace batten::internal

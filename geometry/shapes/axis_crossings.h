@@ -15,4 +15,8 @@ namespace batten::internal {
 // halved. [Lane & Riesenfeld 1981]
 std::vector<double> AxisCrossings(const NurbsCurve<3>& profile, const Frame& axis);
 
+// Throws std::invalid_argument, `function` first, where there are two or more: turned by more than
+// half a turn, what lies on both sides of the axis is swept over by both.
+void RefuseCrossings(const NurbsCurve<3>& profile, const Frame& axis, const char* function);
+
 }  // namespace batten::internal

@@ -16,7 +16,7 @@ template <int Dim>
 NurbsCurve<Dim> MakeLine(const Eigen::Matrix<double, Dim, 1>& start,
                          const Eigen::Matrix<double, Dim, 1>& end) {
   RequireThat(start.allFinite() && end.allFinite(), "MakeLine", "an end is not finite");
-  RequireThat(start != end, "MakeLine", "the ends are one point");
+  RequireThat(start != end, "MakeLine", "the ends are one point: give two that differ");
   typename NurbsCurve<Dim>::Points ends(Dim, 2);
   ends << start, end;
   return NurbsCurve<Dim>(SplineBasis(1, {0, 0, 1, 1}), std::move(ends));

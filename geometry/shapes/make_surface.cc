@@ -73,24 +73,28 @@ Ring TorusSectionOf(const Eigen::Vector3d& point, const Frame& frame, double on_
   return {foot, outward, frame.axis().cross(outward)};
 }
 
-// Beyond half a turn what lies on both sides of the axis is swept over by both.
-void RefuseCrossings(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
-  constexpr double kSlack = 1e-12;
-  if (angles.sweep <= kHalfTurn + kSlack) return;
-  const std::vector<double> crossings = AxisCrossings(profile, frame);
-  if (crossings.size() < 2) return;
-  const auto place = [&](double at) {
-    const Eigen::Vector3d p = profile.At(at);
-    return RoundedText(at) + " (" + RoundedText(p.x()) + ", " + RoundedText(p.y()) + ", " +
-           RoundedText(p.z()) + ")";
+// Whether the curve keeps its distance from the axis and its height, to 1e-9 of its
+// extent and rounding: where it does at 2 p + 1 places of a span it does throughout.
+bool GoesRound(const NurbsCurve<3>& curve, const Frame& frame) {
+  constexpr double kSame = 1e-9, kRounding = 16 * std::numeric_limits<double>::epsilon();
+  const Eigen::Matrix3Xd& points = curve.control_points();
+  const double same =
+      kSame * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm() +
+      kRounding * std::max(points.cwiseAbs().maxCoeff(), frame.origin().cwiseAbs().maxCoeff());
+  const SplineBasis& basis = curve.basis();
+  const auto section = [&](double at) {
+    const Ring ring = TorusSectionOf(curve.At(at), frame, 0);
+    return Eigen::Vector2d(ring.outward.norm(), (ring.center - frame.origin()).dot(frame.axis()));
   };
-  RequireThat(false,
-              "Revolve",
-              "the profile crosses its axis " + std::to_string(crossings.size()) +
-                  " times, first at its parameters " + place(crossings[0]) + " and " +
-                  place(crossings[1]) +
-                  ": turned by more than 180 degrees the surface would go through itself; revolve "
-                  "what lies on one side");
+  const Eigen::Vector2d first = section(basis.lower());
+  for (const int span : basis.Spans()) {
+    const double from = basis.knots()[span], length = basis.knots()[span + 1] - from;
+    for (int k = 0; k <= 2 * basis.degree(); ++k) {
+      const Eigen::Vector2d here = section(from + length * k / (2 * basis.degree()));
+      if ((here - first).norm() > same) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -175,7 +179,8 @@ NurbsSurface MakeTorus(const Frame& frame,
 
 NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const AngleRange& angles) {
   RequireSweep("Revolve", "angles", angles);
-  RefuseCrossings(profile, frame, angles);
+  constexpr double kSlack = 1e-12;
+  if (angles.sweep > kHalfTurn + kSlack) RefuseCrossings(profile, frame, "Revolve");
   const UnitArc arc(angles);
   const Eigen::Matrix3Xd& curve = profile.control_points();
   const double size = std::max(curve.cwiseAbs().maxCoeff(), frame.origin().cwiseAbs().maxCoeff());
@@ -196,7 +201,12 @@ NurbsSurface Revolve(const NurbsCurve<3>& profile, const Frame& frame, const Ang
       weights[i * along + j] = arc.weights[i] * profile.weights()[j];
     }
   }
-  RequireThat(turns, "Revolve", "the curve lies on the axis");
+  RequireThat(
+      turns, "Revolve", "the curve lies on the axis: move the axis, or the curve away from it");
+  RequireThat(!GoesRound(profile, frame),
+              "Revolve",
+              "the curve is a point, or lies on a circle about the axis: the surface would have no "
+              "area; turn it about another axis");
   return NurbsSurface(arc.basis, profile.basis(), std::move(points), std::move(weights));
 }
 

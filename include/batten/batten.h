@@ -70,6 +70,7 @@
 #include "batten/fitting/solid_options.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/statistics.h"
+#include "batten/fitting/stream_options.h"
 #include "batten/fitting/surface_options.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/fitting/trimmed_solid.h"

@@ -102,8 +102,11 @@ void ChangeUnit(GeometryContents& contents, const std::string& unit) {
 }  // namespace
 
 GeometryContents ReadGeometryContents(const std::string& path, const GeometryReadOptions& options) {
-  if (!options.unit.empty()) LengthUnitOf(options.unit);
+  for (const std::string& unit : {options.unit, options.undeclared}) {
+    if (!unit.empty()) LengthUnitOf(unit);
+  }
   GeometryContents contents = ReadAny(path, FormatOf(path, options.format));
+  if (contents.unit.empty()) contents.unit = options.undeclared;
   if (!options.unit.empty()) ChangeUnit(contents, options.unit);
   return contents;
 }

@@ -11,11 +11,13 @@
 #include <filesystem>
 #include <iterator>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "batten/io/deviation_colours.h"
 #include "batten/io/read_error.h"
 #include "io/base/little_endian.h"
+#include "io/mesh/glb_writer.h"
 
 namespace batten {
 using namespace internal;
@@ -64,74 +66,124 @@ Rgb ColourOf(const PlaceUncertainty& place, double low, double high) {
   return DeviationColour(2 * std::clamp(share, 0.0, 1.0) - 1, 1);
 }
 
-void WritePly(const UncertaintyMap& map, const Geometry& geometry, AtomicFile& file) {
+// The places inside the trims as a mesh of quadrilaterals.
+struct Net {
+  std::vector<size_t> places;                      // of the map, by vertex
+  std::vector<std::array<std::int32_t, 4>> faces;  // of vertices
+  RgbColumns colours;                              // of vertices
+};
+
+RgbColumns ColoursOf(const UncertaintyMap& map, const std::vector<size_t>& places) {
   double low = HUGE_VAL, high = 0;
+  for (const size_t k : places) {
+    const PlaceUncertainty& place = map.places[k];
+    if (place.support < kLeastSupport || !(place.deviation > 0)) continue;
+    low = std::min(low, place.deviation);
+    high = std::max(high, place.deviation);
+  }
+  RgbColumns colours(3, std::ssize(places));
+  for (size_t k = 0; k < places.size(); ++k)
+    colours.col(static_cast<Eigen::Index>(k)) = ColourOf(map.places[places[k]], low, high);
+  return colours;
+}
+
+Net NetOf(const UncertaintyMap& map) {
+  Net net;
   std::vector<std::int32_t> vertex(map.places.size(), -1);
-  std::int32_t vertices = 0;
   for (size_t k = 0; k < map.places.size(); ++k) {
     if (!(map.areas[static_cast<Eigen::Index>(k)] > 0)) continue;
-    vertex[k] = vertices++;
-    if (map.places[k].support < kLeastSupport || !(map.places[k].deviation > 0)) continue;
-    low = std::min(low, map.places[k].deviation);
-    high = std::max(high, map.places[k].deviation);
+    vertex[k] = static_cast<std::int32_t>(net.places.size());
+    net.places.push_back(k);
   }
   const size_t rows = map.v.size();
-  std::string faces;
-  int count = 0;
   for (size_t i = 0; i + 1 < map.u.size(); ++i) {
     for (size_t j = 0; j + 1 < rows; ++j) {
       const size_t a = i * rows + j, b = a + rows;
-      const std::array<size_t, 4> corners{a, b, b + 1, a + 1};
-      if (std::any_of(corners.begin(), corners.end(), [&](size_t k) { return vertex[k] < 0; }))
-        continue;
-      faces += '\4';
-      for (const size_t k : corners) AppendLittleEndian(faces, vertex[k]);
-      ++count;
+      const std::array face{vertex[a], vertex[b], vertex[b + 1], vertex[a + 1]};
+      if (*std::min_element(face.begin(), face.end()) >= 0) net.faces.push_back(face);
     }
   }
+  net.colours = ColoursOf(map, net.places);
+  return net;
+}
+
+void WritePly(const UncertaintyMap& map, const NurbsSurface& surface, AtomicFile& file) {
+  const Net net = NetOf(map);
   std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment written by batten\nelement vertex {}\n",
-      vertices);
+      net.places.size());
   for (const char* name : {"x", "y", "z", "sigma", "bias", "support"})
     header += fmt::format("property double {}\n", name);
   for (const char* name : {"red", "green", "blue"})
     header += fmt::format("property uchar {}\n", name);
   file.Write(header + fmt::format("element face {}\nproperty list uchar int vertex_indices\n"
                                   "end_header\n",
-                                  count));
-  for (size_t k = 0; k < map.places.size(); ++k) {
-    if (vertex[k] < 0) continue;
+                                  net.faces.size()));
+  for (size_t vertex = 0; vertex < net.places.size(); ++vertex) {
+    const size_t k = net.places[vertex];
     const PlaceUncertainty& place = map.places[k];
     std::string row;
-    for (const double x : PlaceOf(geometry, map.u[k / rows], map.v[k % rows]))
+    for (const double x : surface.At(map.u[k / map.v.size()], map.v[k % map.v.size()]))
       AppendLittleEndian(row, x);
     for (const double x : {place.deviation, place.bias, place.support}) AppendLittleEndian(row, x);
-    for (const std::uint8_t part : ColourOf(place, low, high)) row += static_cast<char>(part);
+    for (const std::uint8_t part : net.colours.col(static_cast<Eigen::Index>(vertex)))
+      row += static_cast<char>(part);
     file.Write(row);
   }
+  std::string faces;
+  for (const auto& face : net.faces) {
+    faces += '\4';
+    for (const std::int32_t k : face) AppendLittleEndian(faces, k);
+  }
   file.Write(faces);
+}
+
+void WriteGlb(const UncertaintyMap& map,
+              const NurbsSurface& surface,
+              double metres,
+              AtomicFile& file) {
+  const Net net = NetOf(map);
+  const auto vertices = std::ssize(net.places);
+  TriangleMesh mesh{Eigen::Matrix3Xd(3, vertices),
+                    Eigen::Matrix2Xd(2, vertices),
+                    Eigen::Matrix3Xd(3, vertices),
+                    Eigen::Matrix3Xi(3, 2 * std::ssize(net.faces))};
+  for (Eigen::Index vertex = 0; vertex < vertices; ++vertex) {
+    const size_t k = net.places[static_cast<size_t>(vertex)];
+    const double u = map.u[k / map.v.size()], v = map.v[k % map.v.size()];
+    mesh.parameters.col(vertex) << u, v;
+    mesh.vertices.col(vertex) = surface.At(u, v);
+    mesh.normals.col(vertex) = surface.NormalAt(u, v).value_or(Eigen::Vector3d::UnitZ());
+  }
+  for (size_t k = 0; k < net.faces.size(); ++k) {
+    const auto& [a, b, c, d] = net.faces[k];
+    mesh.triangles.middleCols<2>(2 * static_cast<Eigen::Index>(k)) << a, a, b, c, c, d;
+  }
+  const SurfaceMesh named{std::move(mesh), "sigma"};
+  internal::WriteGlb({{named, named.name, net.colours}}, metres, file);
 }
 
 }  // namespace
 
 void CheckUncertaintyName(const std::string& path, bool curve) {
   const std::string extension = Extension(path);
-  if (extension == ".csv" || (extension == ".ply" && !curve)) return;
+  if (extension == ".csv" || (!curve && (extension == ".ply" || extension == ".glb"))) return;
   throw UsageError("--uncertainty-map " + path +
                    (curve ? ": the map of a curve is a .csv file"
-                          : ": a map of uncertainty is a .csv or .ply file"));
+                          : ": a map of uncertainty is a .csv, .ply or .glb file"));
 }
 
 std::unique_ptr<AtomicFile> WriteUncertainty(const std::string& path,
                                              const UncertaintyMap& map,
-                                             const Geometry& geometry) {
-  CheckUncertaintyName(path, !std::holds_alternative<NurbsSurface>(geometry));
+                                             const Geometry& geometry,
+                                             double metres) {
+  const auto* surface = std::get_if<NurbsSurface>(&geometry);
+  CheckUncertaintyName(path, !surface);
   auto file = std::make_unique<AtomicFile>(path);
-  if (Extension(path) == ".csv") {
-    WriteCsv(map, geometry, *file);
-  } else {
-    WritePly(map, geometry, *file);
-  }
+  const std::string extension = Extension(path);
+  if (extension == ".csv") WriteCsv(map, geometry, *file);
+  if (extension == ".ply") WritePly(map, *surface, *file);
+  if (extension == ".glb") WriteGlb(map, *surface, metres, *file);
   return file;
 }
 

@@ -890,7 +890,7 @@ def compare(
         names, geometry = shapes.names, shapes
     bodies = [_body_of("geometry", one) for one in ([geometry] if isinstance(geometry, Geometry) else _sequence("geometry", geometry))]
     cloud = cloud_of("points", points)
-    options = {"tolerance": tolerance, "align": align, "certify": certify, "seed": seed, "threads": threads}
+    options: Dict[str, Any] = {"tolerance": tolerance, "align": align, "certify": certify, "seed": seed, "threads": threads}
     if align is not None:
         one_of("align", align, ("best", "datum"))
     datums = list(datums)

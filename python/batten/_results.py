@@ -22,14 +22,21 @@ NOTEBOOK_TRIANGLES = 20000
 
 
 class Uncertainty(NamedTuple):
-    """Of places of a fitted shape; arrays of one number for each."""
+    """Of places of a fitted shape; arrays of one number for each.
+
+    Attributes
+    ----------
+    sigma : ndarray of float
+        Standard deviations along the normal by the noise of the points, in the data's units.
+    bias : ndarray of float
+        By how much fairness moved the shape along the normal, to first order.
+    support : ndarray of float
+        Share of the data in what is known there, 0 … 1; below 0.5 fairness decides.
+    """
 
     sigma: Floats
-    """Standard deviations along the normal by the noise of the points, in the data's units."""
     bias: Floats
-    """By how much fairness moved the shape along the normal, to first order."""
     support: Floats
-    """Share of the data in what is known there, 0 … 1; below 0.5 fairness decides."""
 
 
 class Fit:
@@ -193,17 +200,40 @@ class Fit:
         ValueError
             The fit has none: exact shapes, interpolation, grids, no freedom left.
         """
-        at = None
-        if places is not None:
-            at = np.ascontiguousarray(places, dtype=float)
-            width = 2 if isinstance(self, SurfaceFit) else 1
-            at = at.reshape(-1, 1) if at.ndim == 1 and width == 1 else at
-            if at.ndim != 2 or at.shape[1] != width:
-                raise ValueError(f"places: an array of shape (K, {width}) is needed, not {np.shape(places)}")
-            if not np.isfinite(at).all():
-                raise ValueError("places: parameters must be finite")
-        rows = self._fit.uncertainty(at)
+        rows = self._fit.uncertainty(None if places is None else self._places(places))
         return Uncertainty(rows[:, 0], rows[:, 1], rows[:, 2])
+
+    def covariance(self, places: Any) -> Floats:
+        """How the shape moves together: covariances of its displacements along the normal, by the noise of the points.
+
+        With rows J of derivatives of numbers that are read off the shape, ``J @ covariance @ J.T`` is theirs.
+
+        Parameters
+        ----------
+        places : array_like of shape (K, 2), or (K,) of a curve
+            Parameters.
+
+        Returns
+        -------
+        ndarray of float, shape (K, K)
+            On its diagonal the squares of `uncertainty`'s ``sigma``.
+
+        Raises
+        ------
+        ValueError
+            The fit has none: exact shapes, interpolation, grids, no freedom left.
+        """
+        return self._fit.covariance(self._places(places))
+
+    def _places(self, places: Any) -> Floats:
+        at = np.ascontiguousarray(places, dtype=float)
+        width = 2 if isinstance(self, SurfaceFit) else 1
+        at = at.reshape(-1, 1) if at.ndim == 1 and width == 1 else at
+        if at.ndim != 2 or at.shape[1] != width:
+            raise ValueError(f"places: an array of shape (K, {width}) is needed, not {np.shape(places)}")
+        if not np.isfinite(at).all():
+            raise ValueError("places: parameters must be finite")
+        return at
 
     def to_residuals(self, path: Path) -> None:
         """Writes every point with its distance, as PLY coloured by it, or as CSV.
@@ -214,6 +244,16 @@ class Fit:
             Ending in .ply or .csv.
         """
         self._fit.write_residuals(path_bytes("path", path))
+
+    def to_certificate(self, path: Path) -> None:
+        """Writes proved bounds of the distance of every point, which ``batten-verify`` proves anew; see the guide, "Proof".
+
+        Parameters
+        ----------
+        path : path-like
+            JSON, under any name.
+        """
+        self._fit.write_certificate(path_bytes("path", path))
 
     def _repr_html_(self) -> str:
         import html
@@ -315,6 +355,13 @@ class PrimitiveFit(Fit):
         """Its radius, axis, centre …, lengths in the data's units and angles in radians, with standard deviations and
         covariance, as under ``geometry``, ``primitive`` in the report."""
         return dict(self.report["geometry"]["primitive"])
+
+    @property
+    def form(self) -> Optional[Dict[str, Any]]:
+        """Flatness, roundness, sphericity or cylindricity, by least squares and by the minimum zone, as under ``form`` in
+        the report; None of lines, cones and tori."""
+        found = self.report.get("form")
+        return None if found is None else dict(found)
 
 
 class Solid(NamedTuple):

@@ -7,9 +7,11 @@
 #include <ctime>
 #include <optional>
 #include <type_traits>
+#include <vector>
 
 #include "batten/fitting/uncertainty.h"
 #include "batten/io/atomic_file.h"
+#include "batten/io/certificate.h"
 #include "batten/io/length_unit.h"
 #include "batten/io/report_html.h"
 #include "batten/io/report_json.h"
@@ -103,41 +105,47 @@ void WriteText(const std::string& path, const std::string& text) {
   file.Commit();
 }
 
-// Standard deviation, bias and support at places (k × 2; of curves k × 1), or at the points' feet:
-// k × 3.
-py::array UncertaintyAt(const FitPtr& fit, const std::optional<Doubles>& places) {
-  Eigen::Matrix2Xd at = Eigen::Matrix2Xd::Zero(2, places ? places->shape(0) : 0);
-  for (Eigen::Index k = 0; places && k < at.cols(); ++k)
-    for (Eigen::Index c = 0; c < places->shape(1); ++c) at(c, k) = places->at(k, c);
-  const Eigen::MatrixXd feet = ParameterColumns(*fit);
+Uncertainty UncertaintyOf(const Fit& fit) {
+  const Eigen::MatrixXd feet = ParameterColumns(fit);
+  return std::visit(
+      [&](const auto& shape) {
+        const PointCloud& cloud = fit.points->cloud;
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(shape)>, NurbsSurface>) {
+          const SurfaceFit of{shape, feet, fit.residuals, fit.outliers, fit.report, fit.estimator};
+          return Uncertainty(of, cloud);
+        } else {
+          using Found = CurveFit<std::remove_cvref_t<decltype(shape)>::Point::RowsAtCompileTime>;
+          const Found of{shape,
+                         feet.row(0).transpose(),
+                         fit.residuals,
+                         fit.outliers,
+                         fit.report,
+                         fit.estimator};
+          return Uncertainty(of, cloud);
+        }
+      },
+      GeometriesOf(fit.bodies).front());
+}
+
+// Places as 2 × k; of curves the first row. None: the points' feet.
+Eigen::Matrix2Xd PlacesOf(const Fit& fit, const std::optional<Doubles>& places) {
   if (!places) {
-    at = Eigen::Matrix2Xd::Zero(2, feet.cols());
+    const Eigen::MatrixXd feet = ParameterColumns(fit);
+    Eigen::Matrix2Xd at = Eigen::Matrix2Xd::Zero(2, feet.cols());
     at.topRows(feet.rows()) = feet;
+    return at;
   }
-  auto found = Watched([=](Watch&) {
-    return Explained([&] {
-      return std::visit(
-          [&](const auto& shape) {
-            const PointCloud& cloud = fit->points->cloud;
-            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(shape)>, NurbsSurface>) {
-              const SurfaceFit of{
-                  shape, feet, fit->residuals, fit->outliers, fit->report, fit->estimator};
-              return Uncertainty(of, cloud).At(at);
-            } else {
-              using Found =
-                  CurveFit<std::remove_cvref_t<decltype(shape)>::Point::RowsAtCompileTime>;
-              const Found of{shape,
-                             feet.row(0).transpose(),
-                             fit->residuals,
-                             fit->outliers,
-                             fit->report,
-                             fit->estimator};
-              return Uncertainty(of, cloud).At(at);
-            }
-          },
-          GeometriesOf(fit->bodies).front());
-    });
-  });
+  Eigen::Matrix2Xd at = Eigen::Matrix2Xd::Zero(2, places->shape(0));
+  for (Eigen::Index k = 0; k < at.cols(); ++k)
+    for (Eigen::Index c = 0; c < places->shape(1); ++c) at(c, k) = places->at(k, c);
+  return at;
+}
+
+// Standard deviation, bias and support at places: k × 3.
+py::array UncertaintyAt(const FitPtr& fit, const std::optional<Doubles>& places) {
+  const Eigen::Matrix2Xd at = PlacesOf(*fit, places);
+  const auto found =
+      Watched([=](Watch&) { return Explained([&] { return UncertaintyOf(*fit).At(at); }); });
   py::array_t<double> rows({std::ssize(found), std::ptrdiff_t{3}});
   for (size_t k = 0; k < found.size(); ++k) {
     rows.mutable_at(k, 0) = found[k].deviation;
@@ -145,6 +153,34 @@ py::array UncertaintyAt(const FitPtr& fit, const std::optional<Doubles>& places)
     rows.mutable_at(k, 2) = found[k].support;
   }
   return rows;
+}
+
+// Of displacements along the normal at places: k × k.
+py::array CovarianceAt(const FitPtr& fit, const Doubles& places) {
+  const Eigen::Matrix2Xd at = PlacesOf(*fit, places);
+  std::vector<ShapeFunctional> functionals;
+  for (const auto& place : at.colwise()) functionals.push_back({{place[0], place[1], 1}});
+  const Eigen::MatrixXd found = Watched([=](Watch&) {
+    return Explained([&] { return UncertaintyOf(*fit).Covariance(functionals); });
+  });
+  py::array_t<double> rows({found.rows(), found.cols()});
+  for (Eigen::Index i = 0; i < found.rows(); ++i)
+    for (Eigen::Index j = 0; j < found.cols(); ++j) rows.mutable_at(i, j) = found(i, j);
+  return rows;
+}
+
+// Proved bounds of all distances, as batten-verify reads them.
+void CertificateTo(const FitPtr& fit, const std::string& path) {
+  WriteText(path, Watched([=](Watch&) {
+              return Explained([&] {
+                ThreadPool pool(0);
+                const std::vector<Geometry> shapes = GeometriesOf(fit->bodies);
+                const PointCloud& cloud = fit->points->cloud;
+                const Certificate proved =
+                    Certify(shapes, cloud, fit->shift, fit->report.error.tolerance, pool);
+                return ToCertificateJson(proved, shapes, cloud, fit->shift);
+              });
+            }));
 }
 
 double LimitOf(const Fit& fit) {
@@ -232,6 +268,8 @@ void BindResults(py::module_& m) {
            })
       .def("page", &Page)
       .def("uncertainty", &UncertaintyAt)
+      .def("covariance", &CovarianceAt)
+      .def("write_certificate", &CertificateTo)
       .def("write_residuals", &ResidualsTo);
   m.def("write_text", &WriteText);
 }

@@ -294,12 +294,14 @@ class ReportTest(unittest.TestCase):
         both = """
           const id = (k) => JSON.parse(document.getElementById(k).textContent);
           const a = id("batten-data"), b = id("batten-beside"), legends = [...document.querySelectorAll(".legend")];
-          return { limits: [a.limit, b.limit], rms: [a.report.error.rms, b.report.error.rms], legends: legends.map((l) => l.textContent),
+          return { limits: [a.limit, b.limit], rms: [a.report.error.rms, b.report.error.rms],
+                   ticks: legends.map((l) => [...l.querySelectorAll(".legend-number:not(.strong)")].map((t) => t.textContent).filter((t) => /[0-9]/.test(t))),
                    axes: [...document.querySelectorAll(".chart[aria-label='Histogram of deviations'] text")].map((t) => t.textContent) };"""
         seen = self.browser.run(both)
         self.assertNotEqual(*seen["limits"])
-        number = [re.sub("[^0-9.]", "", legend.replace("tol.", "")) for legend in seen["legends"]]
-        self.assertIn(f"{max(seen['limits']):.2g}"[:3], number[0], "the wider range serves both")
+        ticks = [{float(re.sub("[^0-9.]", "", tick)) for tick in legend} for legend in seen["ticks"]]
+        self.assertEqual(max(ticks[0]), max(ticks[1]), "one scale serves both")
+        self.assertTrue(min(seen["limits"]) < max(ticks[0]) <= max(seen["limits"]), "which is the wider range")
         rows = dict(self.browser.run("""return [...document.querySelectorAll(".compared tbody tr")].map((r) =>
           [r.children[0].textContent, [...r.children].slice(1).map((c) => c.textContent)])"""))
         plain = [text.replace("\u2212", "-").replace("\u202f", "") for text in rows["rms [mm]"]]

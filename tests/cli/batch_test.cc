@@ -163,10 +163,12 @@ TEST_F(BatchTest, LinesThatAreNoCommandLineAreRefusedBeforeAnyJobRuns) {
 
 TEST_F(BatchTest, CtrlCLeavesNothingHalfWrittenAndTheRestForLater) {
   const std::string large = folder_.With("large.xyz", ToText(WavySheet(200000)));
-  const std::string table = Table("input,output,degree\n" + wavy_ + "," + In("a.json") + ",\n" +
-                                  large + "," + In("b.json") + ",\"9,9\"\n");
+  const std::string slow = ",params,\"80,80\",\"9,9\"\n";
+  const std::string table = Table("input,output,optimize,control-points,degree\n" + wavy_ + "," +
+                                  In("a.json") + ",,,\n" + large + "," + In("b.json") + slow);
   constexpr double kFirstIsDone = 3;
-  const ProgramRun run = Batten({"batch", table}, {.standard_input = "", .interrupt_after = kFirstIsDone});
+  const ProgramRun run =
+      Batten({"batch", table}, {.standard_input = "", .interrupt_after = kFirstIsDone});
   if (run.code == 0) GTEST_SKIP() << "the jobs were done before they could be interrupted";
   EXPECT_EQ(run.code, 130);
   EXPECT_LT(run.seconds, kFirstIsDone + 1);

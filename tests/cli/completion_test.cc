@@ -78,7 +78,7 @@ TEST_F(CompletionTest, CommandsAreThoseOfHelp) {
   EXPECT_THAT(all, IsSupersetOf({"fit", "compare", "edit", "make", "completion"}));
   EXPECT_THAT(all, ::testing::UnorderedElementsAreArray(InHelp({}, command)));
   EXPECT_THAT(Offered({"co"}), ElementsAre("compare", "completion", "convert"));
-  EXPECT_THAT(Offered({"fit", ""}), ElementsAre("curve", "primitive", "solid", "surface"));
+  EXPECT_THAT(Offered({"fit", ""}), ElementsAre("curve", "parts", "primitive", "solid", "surface"));
   EXPECT_THAT(Offered({"make", ""}),
               ::testing::UnorderedElementsAreArray(InHelp({"make"}, command)));
   EXPECT_THAT(Offered({"nonsense"}), IsEmpty());

@@ -462,6 +462,7 @@ TEST_F(EditTest, BadOperationsAreNamedWithValueAndRule) {
       {curve, {"reduce:tolerance=-1"}, {"tolerance = -1 is not 0 or more"}},
       {curve, {"reduce:by=2"}, {"reduce:by=2", "2"}},
       {surface, {"reduce:dir=u,rule=forward"}, {"rule is for curves"}},
+      {curve, {"reduce:by=2,rule=least-squares"}, {"by = 2 is not below the degree 2"}},
       {curve, {"reduce:rule=forwards"}, {"rule = 'forwards' is not among"}},
       {curve, {"insert-knot:at=0.5", "reduce:rule=forward"}, {"decompose first"}},
       {curve, {"elevate:by=24"}, {"elevate:by=24", "25"}},

@@ -5,12 +5,14 @@
 
 #include <Eigen/Core>
 
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "batten/geometry/make_surface.h"
 #include "batten/io/geometry_file.h"
 #include "test_clouds.h"
+#include "tolerances.h"
 
 namespace batten::internal::exchange_test {
 
@@ -64,6 +66,60 @@ TEST_F(ExchangeTest, ConvertTurnsLengthsIntoTheUnitAskedFor) {
     const auto& sheet = std::get<NurbsSurface>(contents.geometry[1]);
     EXPECT_TRUE(sheet.control_points().isApprox(1000 * sheet_.control_points(), 1e-14)) << name;
   }
+}
+
+TEST_F(ExchangeTest, FilesTakenTogetherAreInOneUnit) {
+  const auto run = [&](const std::vector<std::string>& words) {
+    const ProgramRun run = Batten(words);
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run;
+  };
+  const auto analysis = [&](const std::vector<std::string>& files) {
+    std::vector<std::string> words{"analyze"};
+    for (const std::string& file : files) words.push_back(folder_.File(file));
+    words.emplace_back("--json");
+    return Json::parse(run(words).out);
+  };
+  const std::string inch = folder_.File("inch.step"), mm = folder_.File("mm.json");
+  run({"make", "line", "--from", "0,0,0", "--to", "1,0,0", "--unit", "inch", "-o", inch});
+  run({"make", "line", "--from", "25.4,0,0", "--to", "25.4,50.8,0", "-o", mm});
+
+  // What is made is in the unit of the first file, or the one asked for.
+  run({"make", "extrude", inch, "--by", "0,0,2", "-o", folder_.File("wall.step")});
+  EXPECT_NEAR(analysis({"wall.step"})["area"].get<double>(), 2, kRounding);
+  EXPECT_THAT(run({"info", folder_.File("wall.step")}).out, HasSubstr("inch"));
+  run({"make", "extrude", inch, "--by", "0,0,2", "--unit", "mm", "-o", folder_.File("low.json")});
+  EXPECT_NEAR(analysis({"low.json"})["area"].get<double>(), 50.8, 50.8 * kRounding);
+  run({"make", "ruled", mm, inch, "-o", folder_.File("ruled.json")});
+  EXPECT_NEAR(analysis({"ruled.json"})["bounding_box"][1][0].get<double>(), 25.4, kRounding);
+  run({"make", "ruled", inch, mm, "-o", folder_.File("ruled.step")});
+  EXPECT_NEAR(analysis({"ruled.step"})["bounding_box"][1][0].get<double>(), 1, kRounding);
+  EXPECT_NEAR(analysis({"ruled.step"})["bounding_box"][1][1].get<double>(), 2, kRounding);
+
+  // Ends that meet do so whichever file comes first.
+  EXPECT_LE(analysis({"inch.step", "mm.json"})["join"]["position_gap"].get<double>(), kRounding);
+  EXPECT_LE(analysis({"mm.json", "inch.step"})["join"]["position_gap"].get<double>(),
+            50 * kRounding);
+  run({"edit", inch, "-o", folder_.File("chain.step"), "unify:with=" + mm});
+  EXPECT_NEAR(analysis({"chain.step"})["length"].get<double>(), 3, kRounding);
+  run({"edit", mm, "-o", folder_.File("chain.json"), "unify:with=" + inch});
+  EXPECT_NEAR(analysis({"chain.json"})["length"].get<double>(), 76.2, 76.2 * kRounding);
+  EXPECT_THAT(run({"intersect", inch, mm}).out, HasSubstr("at 1, "));
+  EXPECT_THAT(run({"intersect", mm, inch}).out, HasSubstr("at 25.4, "));
+}
+
+TEST_F(ExchangeTest, CurvesThatTrimAreInTheUnitOfTheSurface) {
+  const std::string plate = folder_.File("plate.step"), hole = folder_.File("hole.json"),
+                    trimmed = folder_.File("trimmed.step");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"make", "plane", "--size", "4,4", "--unit", "inch", "-o", plate},
+           {"make", "circle", "--radius", "25.4", "-o", hole},
+           {"edit", plate, "-o", trimmed, "trim:curve=" + hole + ",keep=inside"}}) {
+    const ProgramRun run = Batten(words);
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+  const double area = Json::parse(Batten({"analyze", trimmed, "--json"}).out)["area"];
+  EXPECT_NEAR(area, std::numbers::pi, 1e-5);  // the trim is within 1e-8 of the size
 }
 
 TEST_F(ExchangeTest, InfoSaysUnitNamesAndHowManyThereAre) {

@@ -281,6 +281,36 @@ TEST_F(FitCurveCommandTest, SplinesHaveTheEndsAskedFor) {
   EXPECT_TRUE(Written(folder_).basis().periodic());
 }
 
+// A periodic function of x goes on at its ends as it begins.
+TEST_F(FitCurveCommandTest, FunctionsOfXMayBePeriodic) {
+  const std::string wave = folder_.With("wave.xy", "0 1\n1 3\n2.5 0\n4 -1\n5 1\n");
+  Fit({wave, "--interpolate", "--parameterization", "x", "--spline", "periodic"});
+  const NurbsCurve<2> curve = Written(folder_);
+  EXPECT_NEAR(ValueAt(curve, 2.5), 0, 1e-12);
+  const CurveJet<2> start = curve.JetAt(0), end = curve.JetAt(5);
+  EXPECT_NEAR((start.first - end.first).norm(), 0, 1e-12);
+  EXPECT_NEAR((start.second - end.second).norm(), 0, 1e-12);
+  ExpectRefused({folder_.With("open.xy", "0 1\n1 3\n2.5 0\n5 2\n"),
+                 "--interpolate",
+                 "--parameterization",
+                 "x",
+                 "--spline",
+                 "periodic"},
+                1,
+                "the last point is 1 off the first");
+}
+
+TEST_F(FitCurveCommandTest, WhatInterpolationSortsAndLeavesOutIsSaid) {
+  const auto warnings = [&](const std::string& rows, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {folder_.With("rows.xy", rows), "--interpolate"});
+    return Fit(flags)["warnings"].dump();
+  };
+  EXPECT_THAT(warnings("0 0\n2 1\n1 3\n3 0\n", {"--parameterization", "x"}),
+              HasSubstr("from point 3 on they were sorted"));
+  EXPECT_THAT(warnings("0 0\n1 1\nnan 3\n2 0\n3 1\n", {}), HasSubstr("1 of the rows"));
+  EXPECT_EQ(warnings("0 0\n1 1\n2 0\n3 1\n", {}), "[]");
+}
+
 TEST_F(FitCurveCommandTest, LocalMethodsMeetThePointsOrKeepTheTolerance) {
   for (const std::string method : {"local-parabolic", "local-conic", "local-cubic"}) {
     const Json met = Fit({step_, "--method", method});

@@ -90,6 +90,12 @@ TEST_F(MakeConstructionsTest, ExtrudedAndRuled) {
   Made(
       {"ruled", a, Curve("arc.json", {"arc", "--radius", "4", "--center", "0,9,0"}), "--by-length"},
       "the second curve is met to");
+  ExpectRefused({"ruled",
+                 Line("s.json", "0,0,0", "1,0,0"),
+                 Line("t.json", "0,1,0", "1,1,0"),
+                 "--tolerance",
+                 "0.1"},
+                "only --by-length needs one");
 }
 
 TEST_F(MakeConstructionsTest, Lofted) {
@@ -150,6 +156,13 @@ TEST_F(MakeConstructionsTest, Swept) {
   Made({"sweep", section, Curve("ring.json", {"circle", "--radius", "5"}), "--twist", "360"},
        "the exact sweep");
   ExpectRefused({"sweep", section, File("ring.json"), "--twist", "90"}, "only whole turns");
+  const std::string ring = Curve("closed.json", {"circle", "--radius", "9"});
+  const std::string disc =
+      Curve("disc.json", {"circle", "--radius", "1", "--axis", "0,1,0", "--center", "9,0,0"});
+  ExpectRefused({"sweep", disc, ring, "--twist", "180"}, "a twist of 180 degrees");
+  const std::string wide =
+      Curve("wide.json", {"circle", "--radius", "10", "--axis", "0,1,0", "--center", "9,0,0"});
+  ExpectRefused({"sweep", wide, ring}, "bring the profile nearer");
 }
 
 TEST_F(MakeConstructionsTest, Swung) {
@@ -158,6 +171,7 @@ TEST_F(MakeConstructionsTest, Swung) {
   ExpectNear(Made({"swing", profile, oval}).At(0.25, 1), {0, 1, 3});
   ExpectRefused({"swing", Line("q.json", "1,0,0", "2,0.25,3"), oval}, "by 0.25");
   ExpectRefused({"swing", profile}, "a profile and a trajectory");
+  ExpectRefused({"swing", Line("axis.json", "0,0,0", "0,0,3"), oval}, "profile away from it");
 }
 
 TEST_F(MakeConstructionsTest, NetworksSidesAndPatches) {
@@ -188,6 +202,30 @@ TEST_F(MakeConstructionsTest, NetworksSidesAndPatches) {
                  "--twists",
                  "1,2,3"},
                 "four vectors");
+  ExpectRefused({"gordon", "--u", u, "--v", File("v0.json") + ",," + File("v1.json")},
+                "names no file");
+  ExpectRefused({"gordon", "--u", u + ",", "--v", v}, "names no file");
+}
+
+// What would have no area is no surface.
+TEST_F(MakeConstructionsTest, SurfacesWithoutAreaAreRefused) {
+  const std::string line = Line("line.json", "0,0,0", "0,0,4");
+  ExpectRefused({"extrude", line, "--by", "0,0,-2"}, "the surface would have no area");
+  const std::string on = Line("on.json", "0,0,9", "0,0,5");
+  for (const char* kind : {"ruled", "loft"}) ExpectRefused({kind, line, on}, "lies on one line");
+  ExpectRefused(
+      {"coons", line, Line("b.json", "0,0,4", "0,0,9"), on, Line("d.json", "0,0,5", "0,0,0")},
+      "lies on one line");
+  ExpectRefused(
+      {"patch", "--corner-00=0,0,0", "--corner-10=1,1,1", "--corner-01=2,2,2", "--corner-11=3,3,3"},
+      "lies on one line");
+  ExpectRefused({"sweep", Line("along.json", "0,0,0", "0,0,1"), line}, "no area");
+  ExpectRefused({"sweep", File("along.json"), line, "--translational"}, "no area");
+  const std::string ring =
+      Curve("ring.json", {"circle", "--radius", "1", "--axis", "1,0,0", "--center", "0,1,0"});
+  ExpectRefused({"sweep", ring, line}, "the surface would lie on itself");
+  // A slanted line in such a plane makes a piece of it.
+  Made({"sweep", Line("slant.json", "0,0,0", "0,1,1"), line}, "the exact sweep is met");
 }
 
 TEST_F(MakeConstructionsTest, NotesStandInTheJsonToo) {

@@ -99,6 +99,23 @@ TEST_F(MakeJoinsTest, ConicsThatAreNoneAreRefused) {
   Refused({"make", "conic", "--ends", "0,0;4,0"}, "needs --tangents or --shoulder");
   Refused({"make", "conic", "--ends", "0,0;4", "--shoulder", "1,1"}, "2 points take 6");
   Refused({"make", "conic", "--homogeneous", "0,0,0,1;1,1,0,-2;2,0,0,1"}, "through infinity");
+  Refused({"make", "conic", "--points", "0,0;1,1;2,1;3,0;1e308,-1e308"}, "beyond 1e100");
+  Refused({"make", "conic", "--ends", "0,0;1e300,0", "--tangents", "0,1;0,-1", "--rho", "0.4"},
+          "beyond 1e100");
+  Refused({"make", "conic", "--ends", "0,0;0,0", "--tangents", "0,1;0,-1", "--rho", "0.4"},
+          "give two that differ");
+  Refused({"make", "conic", "--ends", "0,0;4,0", "--points", "0,0;1,1;2,1;3,0;4,-2"}, "not 2");
+  Refused({"make",
+           "conic",
+           "--ends",
+           "0,0;4,0",
+           "--tangents",
+           "0,1;0,-1",
+           "--rho",
+           "0.4",
+           "--point",
+           "2,1,0"},
+          "not both");
 }
 
 TEST_F(MakeJoinsTest, FormsOfCircles) {
@@ -145,6 +162,10 @@ TEST_F(MakeJoinsTest, BlendsSayHowTheyMeet) {
                                 "--json"},
                                "pp.json");
   EXPECT_EQ(edges.code, 0) << edges.err << edges.out;
+  Refused({"make", "blend", File("a.json"), File("b.json"), "--fullness", "1e9"},
+          "more than 100 widths of the gap");
+  Refused({"make", "blend", File("p.json"), File("c.json"), "--from-edge", "u1", "--to-edge", "v0"},
+          "one edge closes and the other is open, its ends 4 apart");
 }
 
 TEST_F(MakeJoinsTest, HolesAreFilled) {
@@ -187,6 +208,8 @@ TEST_F(MakeJoinsTest, HolesAreFilled) {
   Refused({"make", "fill", File("a.json"), File("b.json"), File("c.json")}, "name its edge");
   Refused({"make", "fill", File("a.json"), File("b.json"), File("c.json") + ":u1"},
           "loop stays open by");
+  Refused({"make", "fill", File("a.json"), File("b.json"), File("c.json") + ":u2"},
+          "'u2' is no edge of a surface; they are u0, u1, v0 and v1");
 }
 
 TEST_F(MakeJoinsTest, ChainsAreUnifiedAndTheirPiecesNamed) {
@@ -213,7 +236,13 @@ TEST_F(MakeJoinsTest, ChainsAreUnifiedAndTheirPiecesNamed) {
   EXPECT_EQ(chain["pieces"][1]["shape"], "circle");
   EXPECT_NEAR(chain["pieces"][1]["shape_parameters"]["radius"], 2, kIterated);
   ASSERT_EQ(Run({"make", "line", "--from", "9,0,0", "--to", "8,0,0"}, "far.json").code, 0);
-  Refused({"edit", File("line.json"), "unify:with=" + File("far.json")}, "is 4 from an end");
+  Refused({"edit", File("line.json"), "unify:with=" + File("far.json")},
+          "the nearest, " + File("far.json") + ", is 4 from an end");
+  ASSERT_EQ(Run({"make", "circle", "--radius", "2"}, "ring.json").code, 0);
+  Refused({"edit", File("line.json"), "unify:with=" + File("arc.json") + ";" + File("ring.json")},
+          File("ring.json") + " is closed");
+  Refused({"edit", File("ring.json"), "unify:with=" + File("arc.json")},
+          "the edited file is closed");
   ASSERT_EQ(Run({"make", "plane", "--size", "4,4"}, "p.json").code, 0);
   Refused({"edit", File("p.json"), "unify"}, "only curves");
 }

@@ -81,6 +81,30 @@ TEST_F(MakeTest, Curves) {
   ExpectNear(line.At(0.5), {0.5, 1, 2});
 }
 
+// What it was told is what it has.
+TEST_F(MakeTest, SegmentsOfEndsAndDerivatives) {
+  const std::vector<std::string> flags = {
+      "hermite", "--ends=1,2,3,-4,1,0", "--derivatives=5,0,1,-5,5,0"};
+  const auto cubic = Made<NurbsCurve<3>>(flags);
+  EXPECT_EQ(cubic.basis().degree(), 3);
+  std::vector<std::string> more = flags;
+  more.emplace_back("--second-derivatives=0,-6,2,8,0,1");
+  const auto quintic = Made<NurbsCurve<3>>(more);
+  EXPECT_EQ(quintic.basis().degree(), 5);
+  for (const auto& curve : {cubic, quintic}) {
+    ExpectNear(curve.At(0), {1, 2, 3});
+    ExpectNear(curve.At(1), {-4, 1, 0});
+    ExpectNear(curve.JetAt(0).first, {5, 0, 1});
+    ExpectNear(curve.JetAt(1).first, {-5, 5, 0});
+  }
+  ExpectNear(quintic.JetAt(0).second, {0, -6, 2});
+  ExpectNear(quintic.JetAt(1).second, {8, 0, 1});
+  const std::vector<std::string> point = {
+      "hermite", "--ends=1,1,1,1,1,1", "--derivatives=0,0,0,0,0,0"};
+  ExpectRefused(point, {"no curve"});
+  ExpectRefused({point[0], point[1], point[2], "--second-derivatives=0,0,0,0,0,0"}, {"no curve"});
+}
+
 TEST_F(MakeTest, FlatSurfaces) {
   const auto plane = Made<NurbsSurface>(
       {"plane", "--size", "4,2", "--center", "1,1,1", "--axis", "0,-1,0", "--x-axis", "1,0,0"});
@@ -215,6 +239,7 @@ TEST_F(MakeTest, HelpShowsDefaultsAndExamples) {
                            "arc",
                            "ellipse",
                            "line",
+                           "hermite",
                            "plane",
                            "bilinear",
                            "cylinder",

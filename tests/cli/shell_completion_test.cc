@@ -76,7 +76,8 @@ class ShellCompletionTest : public ::testing::TestWithParam<std::string> {
 
 TEST_P(ShellCompletionTest, OffersCommandsFlagsAndWords) {
   EXPECT_THAT(Offered({"co"}), UnorderedElementsAre("compare", "completion", "convert"));
-  EXPECT_THAT(Offered({"fit", ""}), UnorderedElementsAre("curve", "primitive", "solid", "surface"));
+  EXPECT_THAT(Offered({"fit", ""}),
+              UnorderedElementsAre("curve", "parts", "primitive", "solid", "surface"));
   EXPECT_THAT(Offered({"fit", "surface", "a.ply", "--to"}), ElementsAre("--tolerance"));
   EXPECT_THAT(Offered({"fit", "surface", "a.ply", "--loss", "h"}), ElementsAre("huber"));
   EXPECT_THAT(Offered({"fit", "surface", "a.ply", "--loss=h"}), ElementsAre("--loss=huber"));

@@ -165,7 +165,7 @@ class DiskTest(Fault):
 
     def test_a_folder_of_very_many_files(self):
         os.mkdir(self.path("many"))
-        for k in range(100000):
+        for k in range(1000000):
             os.close(os.open(self.path(f"many/{k}"), os.O_CREAT | os.O_WRONLY))
         begin = time.monotonic()
         done = self.run_program("fit", "surface", self.panel, "-o", "many/part.json", "--report", "many/report.json", "--quiet",
@@ -224,6 +224,52 @@ class MemoryTest(Fault):
                     self.assert_old("part.json")
                     self.assert_nothing_left()
         self.assertIn(0, found)
+
+
+# Wall clocks that are set back and forth by twenty years between any two looks at them.
+JUMPING_CLOCK = """
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+static long Jump(void) { static long looks; return (__sync_add_and_fetch(&looks, 1) % 3 - 1) * 630720000L; }
+int clock_gettime(clockid_t clock, struct timespec* now) {
+  int failed = (int)syscall(SYS_clock_gettime, clock, now);
+  if (!failed && clock == CLOCK_REALTIME) now->tv_sec += Jump();
+  return failed;
+}
+int gettimeofday(struct timeval* restrict now, void* restrict zone) {
+  int failed = (int)syscall(SYS_gettimeofday, now, zone);
+  if (!failed) now->tv_sec += Jump();
+  return failed;
+}
+time_t time(time_t* place) {
+  struct timespec now;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (place) *place = now.tv_sec;
+  return now.tv_sec;
+}
+"""
+
+
+class ClockTest(Fault):
+    def test_jumps_of_the_clock_change_nothing(self):
+        with open(self.path("jump.c"), "w", encoding="ascii") as file:
+            file.write(JUMPING_CLOCK)
+        made = subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", "jump.so", "jump.c"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        if made.returncode != 0:
+            self.skipTest(made.stderr.strip())
+        command = ["fit", "surface", self.panel, "--time-limit", "200", "--threads", "2", "--report", "report.html"]
+        steady = self.run_program(*command, "-o", "steady.json", "--report", "steady-report.json")
+        begin = time.monotonic()
+        jumping = self.run_program(*command, "-o", "jumping.json", "--report", "jumping-report.json",
+                                   env={**os.environ, "LD_PRELOAD": self.path("jump.so")})
+        whole = time.monotonic() - begin
+        self.assertEqual((steady.returncode, jumping.returncode), (0, 0), steady.stderr + jumping.stderr)
+        self.assertEqual(self.read("jumping.json"), self.read("steady.json"))
+        seconds = json.loads(self.read("jumping-report.json"))["seconds"]
+        self.assertTrue(all(0 <= value <= whole for value in seconds.values()), seconds)
 
 
 if __name__ == "__main__":

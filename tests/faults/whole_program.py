@@ -87,7 +87,22 @@ def corner(r, m):
     return np.array([t, np.abs(t), np.zeros(m)])
 
 
-SHEETS, CURVES = (ground, arch, tube, ball, plane, two_sheets, scan_lines, blob), (helix, line, flat_curve, corner)
+# A can: three faces, two edges.
+def can(r, m):
+    a, z, part = r.uniform(0, 2 * math.pi, m), r.uniform(0, 4, m), r.uniform(size=m)
+    radius = np.where(part < 0.6, 2, 2 * np.sqrt(r.uniform(size=m)))
+    z[part >= 0.6] = 0
+    z[part >= 0.8] = 4
+    return np.array([radius * np.cos(a), radius * np.sin(a), z])
+
+
+def box(r, m):
+    p = r.uniform(-1, 1, (3, m))
+    p[r.integers(0, 3, m), np.arange(m)] = r.choice([-1, 1], m)
+    return p * np.array([[3], [2], [1]])
+
+
+BODIES, SHEETS, CURVES = (can, box, ball), (ground, arch, tube, ball, plane, two_sheets, scan_lines, blob, can), (helix, line, flat_curve, corner)
 
 
 def cloud_of(r, shapes):
@@ -149,14 +164,24 @@ CURVE = FITTED + [("--control-points", [4, 7, 40]), ("--optimize", ["none", "par
                   ("--parameterization", ["uniform", "centripetal", "foley", "universal"])]
 
 
+PARTS = FITTED[:1] + FITTED[3:6] + [("--regularise", None), ("--labels", ["labels.csv", "labels.ply"])]
+SOLID = FITTED[:1] + FITTED[2:6] + [("--kind", ["auto", "organic", "cad"]), ("--faces", [12, 60]), ("--layout-out", ["layout.obj"]),
+                                    ("--mesh-out", ["mesh.ply"]), ("--keep-outliers", None)]
+
+
 def fit_of(r, folder):
-    kind = one_of(r, "surface", "surface", "surface", "curve", "curve", "primitive")
-    two = kind != "surface" and r.uniform() < 0.3
-    name, p = cloud_of(r, (flat_curve, corner) if two else CURVES if kind == "curve" or r.uniform() < 0.1 else SHEETS)
+    kind = one_of(r, "surface", "surface", "surface", "curve", "curve", "primitive", "parts", "solid")
+    two = kind in ("curve", "primitive") and r.uniform() < 0.3
+    shapes = (flat_curve, corner) if two else CURVES if kind == "curve" or r.uniform() < 0.1 else SHEETS
+    if kind in ("parts", "solid") and r.uniform() < 0.7:
+        shapes = BODIES
+    name, p = cloud_of(r, shapes)
     path = "cloud" + one_of(r, ".xyz", ".csv", ".ply")
     write_cloud(os.path.join(folder, path), p, two)
-    words = ["fit", kind, path, "-o", "part.json", "--residuals", "points.csv", "--json"]
-    if kind == "primitive":
+    words = ["fit", kind, path, "-o", "part.step" if kind == "solid" else "part.json", "--residuals", "points.csv", "--json"]
+    if kind in ("parts", "solid"):
+        words += ["--time-limit", str(TIME_LIMIT)] + options_of(r, PARTS if kind == "parts" else SOLID, 0.2)
+    elif kind == "primitive":
         words += ["--kind", one_of(r, "auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus")]
         words += options_of(r, FITTED[:1] + FITTED[3:4], 0.2)
     else:
@@ -171,7 +196,14 @@ FOLLOWING = [["analyze", "part.json", "--json"], ["analyze", "part.json", "part.
              ["section", "part.json", "--plane", "1,0,0.2,-1", "-o", "cut.json"], ["sample", "part.json", "-o", "sampled.xyz", "--count", "50"],
              ["compare", "part.json", "CLOUD", "--certify", "--align", "best", "--profile", "0.1", "--json"],
              ["compare", "part.json", "CLOUD", "--certificate", "proof.json", "--report", "page.html"],
-             ["project", "part.json", "CLOUD", "--json"], ["info", "CLOUD", "--json"], ["edit", "part.json", "-o", "edited.json", "reverse"]]
+             ["project", "part.json", "CLOUD", "--json"], ["info", "CLOUD", "--json"], ["edit", "part.json", "-o", "edited.json", "EDIT"],
+             ["intersect", "part.json", "part.json", "--json"], ["make", "offset", "part.json", "-o", "offset.json", "--distance", "0.1"],
+             ["make", "extrude", "part.json", "-o", "made.json", "--by", "0,0,2"], ["make", "revolve", "part.json", "-o", "made.json"],
+             ["evaluate", "part.json", "--at", "0.3,0.4", "--derivatives", "2", "--json"], ["convert", "part.json", "part.brep"]]
+EDITS = ["reverse", "swap", "elevate:by=1", "elevate:by=1,dir=v", "reduce:by=1,tolerance=0.1", "split:at=0.5", "split:at=0.5,dir=u", "decompose",
+         "clamp", "unclamp", "insert-knot:at=0.3,dir=u", "insert-knot:at=0.3", "remove-knot:at=0.5,tolerance=1", "scale:1e6", "scale:-1,1,1",
+         "translate:1e6,0,0", "extend:end=upper,by=1", "extend:end=lower,by=1,dir=v", "iso:at=0.5,dir=u", "to-bezier", "to-power",
+         "reparameterize:to=0;7"]
 
 
 class Wrong(Exception):
@@ -325,16 +357,18 @@ def case(batten, seed, number, folder):
         raise Wrong(f"{name}: {' '.join(words)}\n  {wrong}") from None
     if code in (0, 3):
         try:
-            check_report(report, folder, MIRRORS.get(words[words.index("--symmetric") + 1]) if "--symmetric" in words else None)
+            if words[1] != "solid":
+                check_report(report, folder, MIRRORS.get(words[words.index("--symmetric") + 1]) if "--symmetric" in words else None)
         except Wrong as wrong:
             raise Wrong(f"{name}: {' '.join(words)}\n  {wrong}") from None
         for _ in range(2):
-            following = [words[2] if w == "CLOUD" else w for w in one_of(r, *FOLLOWING)]
+            named = {"CLOUD": words[2], "EDIT": one_of(r, *EDITS), "part.json": words[words.index("-o") + 1]}
+            following = [named.get(w, w) for w in one_of(r, *FOLLOWING)]
             try:
                 run(batten, following, folder)
             except Wrong as wrong:
                 raise Wrong(f"{name}: {' '.join(words)}\n  then {' '.join(following)}\n  {wrong}") from None
-    elif os.path.exists(os.path.join(folder, "part.json")):
+    elif any(os.path.exists(os.path.join(folder, name)) for name in ("part.json", "part.step")):
         raise Wrong(f"{name}: {' '.join(words)}\n  exit code {code}, and geometry was written")
     return code, seconds
 

@@ -41,9 +41,32 @@ def test_uncertainty_covers_the_truth(sheet_fit):
     assert sheet_fit.uncertainty().sigma.shape == (len(sheet_fit.residuals),)
     with pytest.raises(ValueError, match="places"):
         sheet_fit.uncertainty([1.0, 2.0, 3.0])
+    some = feet.parameters[:5]
+    covariance = sheet_fit.covariance(some)
+    assert np.allclose(np.sqrt(np.diag(covariance)), sheet_fit.uncertainty(some).sigma, rtol=ITERATED)
+    assert np.allclose(covariance, covariance.T) and np.linalg.eigvalsh(covariance).min() > 0
+    again = sheet_fit.covariance([some[0], some[0]])
+    assert again == pytest.approx(np.full((2, 2), covariance[0, 0]), rel=ITERATED)
+    with pytest.raises(ValueError, match="places"):
+        sheet_fit.covariance([[np.nan, 0.5]])
     exact = batten.fit_primitive(batten.make.sphere(5.0).sample(300, noise=0.01), "sphere")
     with pytest.raises(ValueError):
         exact.uncertainty()
+
+
+def test_certificates_bound_the_distances(sheet_fit, tmp_path):
+    compared = batten.compare(sheet_fit.surface, sheet_fit.points, tolerance=2e-3)
+    for fit in (sheet_fit, compared):
+        fit.to_certificate(tmp_path / "proof.json")
+        proof = json.loads((tmp_path / "proof.json").read_text())
+        rows = np.array(proof["points"], float)
+        off = np.abs(fit.residuals)
+        assert proof["schema"] == "batten-certificate-1" and rows.shape == (len(off), 9)
+        assert (rows[:, 3] <= off).all() and (off <= rows[:, 4]).all()
+        verify = os.path.join(os.path.dirname(PROGRAM), "batten-verify")
+        if PROGRAM and os.path.exists(verify):
+            done = subprocess.run([verify, tmp_path / "proof.json"], capture_output=True, text=True)
+            assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_results_fit_together(sheet_fit):
@@ -418,6 +441,10 @@ def test_primitives_are_recognised(kind):
     fit = batten.fit_primitive(cloud)
     assert fit.kind == kind and 0.5e-3 < fit.rms < 2e-3
     assert batten.fit_primitive(cloud, kind).kind == kind
+    form = {"circle": "roundness", "plane": "flatness", "sphere": "sphericity", "cylinder": "cylindricity"}.get(kind)
+    assert (fit.form and fit.form["name"]) == form
+    if form:
+        assert 2e-3 < fit.form["minimum_zone"] <= fit.form["least_squares"] < 2e-2
     radius = {"circle": 3, "sphere": 3, "cylinder": 2}.get(kind)
     if radius:
         assert fit.numbers["radius"] == pytest.approx(radius, abs=5e-3)

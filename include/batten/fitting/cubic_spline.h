@@ -42,10 +42,12 @@ struct SplineDerivatives {
 //      parabola.
 //  (2) The natural spline has the least ∫ |C''|² of all curves through the points at these
 //      parameters.
-//  (3) Curvatures are met by iterating on |C'| at the ends, to 1e-12.
+//  (3) Curvatures are met to 1e-12, by Newton's method for the second derivatives at the ends,
+//      from the spline without them on.
+//
 // O(m). Throws std::invalid_argument, with a sentence for the user, if sizes disagree, something is
-// not finite, parameters do not increase, and where a curvature is so great for the first step that
-// the iteration does not settle. [de Boor 1978, IV; Piegl & Tiller 1997, §9.2.3]
+// not finite, parameters do not increase, and where no spline with the curvatures is found: great
+// ones may have none. [de Boor 1978, IV; Piegl & Tiller 1997, §9.2.3]
 template <int Dim>
 SplineDerivatives<Dim> SplineBySlopes(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                       const Eigen::VectorXd& parameters,
@@ -81,5 +83,13 @@ NurbsCurve<Dim> CubicSplineCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic
 template <int Dim>
 NurbsCurve<Dim> ClosedCubicSplineCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
                                        const Eigen::VectorXd& parameters);
+
+// The periodic function through m ≥ 4 points at their first coordinates, the parameters but for a
+// shift: over one period from the first point to the last, whose other coordinates are the first's,
+// and there the first and second derivatives are the same too. The curve (x, y), open. Throws as
+// above, and where those coordinates differ by more than 1e-9 of their extent.
+template <int Dim>
+NurbsCurve<Dim> PeriodicFunctionCurve(const Eigen::Matrix<double, Dim, Eigen::Dynamic>& points,
+                                      const Eigen::VectorXd& parameters);
 
 }  // namespace batten

@@ -185,8 +185,8 @@ struct CloudPartSummary {
 
 // How far a surface leaves its points between them (inside its trims), or a curve their box.
 struct OvershootSummary {
-  // Surfaces: height beyond that of all points near the place; curves: distance from the box of
-  // the points used; in the data's units.
+  // Height of a surface beyond that of all points near the place, or the distance from the box of
+  // the points used where of_box stands; in the data's units.
   double max = 0;
   double in_spacings = 0;                        // the same
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
@@ -194,7 +194,7 @@ struct OvershootSummary {
   double share_without_points = 0;               // of the area
   double largest_gap = 0;  // there: greatest distance along the surface from a foot point
   bool asked_for = false;  // the surface beyond its points: trims were declined
-  std::optional<double> of_box = std::nullopt;  // curves: max over the diagonal of the box
+  std::optional<double> of_box = std::nullopt;  // max over the box's diagonal, if above a half
 };
 
 // Standard deviations of the shape along its normal (uncertainty.h), the data's units.
@@ -238,8 +238,8 @@ struct FitReport {
   std::optional<bool> tolerance_reached() const;
 
   // Whether a surface overshoots by more than three spacings, its errors at the points and the
-  // tolerance, though it was to be trimmed to its points; a curve leaves the box of its points by
-  // more than half its diagonal.
+  // tolerance, or a curve or an untrimmed surface leaves the box of its points by more than half
+  // its diagonal; not if trims were declined.
   bool leaves_points() const;
 
   // Joins the report of another curve of the same cloud. Errors are not joined; the worse

@@ -2,33 +2,11 @@
 // Surface fits of clouds that need not fit in memory.
 #pragma once
 
-#include <cstdint>
-
 #include "batten/fitting/point_source.h"
+#include "batten/fitting/stream_options.h"
 #include "batten/fitting/surface_options.h"
 
 namespace batten {
-
-struct StreamOptions {
-  std::int64_t memory = std::int64_t{1} << 30;  // bytes the fit may take, ≥ 2^25
-  Eigen::Index sample = 100000;                 // points kept, ≥ 1000
-};
-
-// Throws std::invalid_argument naming the field whose value breaks its rule.
-void Check(const StreamOptions& options);
-
-struct StreamedFit {
-  NurbsSurface surface;  // in world coordinates less options.shift
-  FitReport report;      // measured on it, over all points
-  // Points that stand for all: all of them where they fit in memory, else the sample; with their
-  // foot points, signed distances, and whether they lie beyond the distance at which outliers begin
-  PointCloud sample;
-  Eigen::Matrix2Xd parameters;
-  Eigen::VectorXd residuals;
-  PointMask outliers;
-  bool in_memory = false;  // the points were few: the fit is that of FitSurface
-  int passes = 0;          // over the points
-};
 
 // Fits a surface as FitSurface does, holding of many points only a sample and sums over places. A
 // cloud that fits in the memory allowed (200 bytes a point) is fitted by FitSurface itself. Else

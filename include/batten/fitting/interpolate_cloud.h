@@ -17,7 +17,7 @@ enum class SplineEnds {
   kClamped,    // the tangents given
   kCurvature,  // the curvatures given
   kNotAKnot,   // the second point from either end is no knot
-  kPeriodic,   // none: closed
+  kPeriodic,   // none: closed; a function of x: periodic, its last value the first
 };
 
 struct CloudInterpolationOptions {
@@ -26,7 +26,8 @@ struct CloudInterpolationOptions {
   // tangent or curvature given at one end holds there whatever this says. Degree 3.
   std::optional<SplineEnds> spline = std::nullopt;
   // The curve of a function: y(x), in space y and z of x. Its parameter is x, the first coordinate,
-  // in which points may come in any order, and C' has x' = 1; `parameterization` is not looked at.
+  // in which points may come in any order (a warning tells), and C' has x' = 1; `parameterization`
+  // is not looked at.
   bool function_of_x = false;
   CurveParameterization parameterization = CurveParameterization::kChord;
   bool keep_order = false;  // given parameters must not decrease from point to point
@@ -38,7 +39,7 @@ struct CloudInterpolationOptions {
   std::optional<Eigen::Vector3d> end_tangent = std::nullopt;
   // Curvatures at the ends of a spline: in the plane one number, positive where it turns left; in
   // space the vector towards the centre, one over the radius long, of which the part across the
-  // curve counts.
+  // curve counts; a warning tells the other part.
   std::optional<Eigen::VectorXd> start_curvature = std::nullopt;
   std::optional<Eigen::VectorXd> end_curvature = std::nullopt;
   std::optional<double> tolerance = std::nullopt;   // that the report counts by, > 0

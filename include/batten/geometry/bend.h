@@ -29,13 +29,14 @@ struct BentShape {
 // The shape bent, each point to within the tolerance (data's units, > 0) of the image of the old
 // one at its parameter, as far as 9 samples a span (a cell) tell. Control points go to their images
 // and from there to where the shape meets the images at its Greville abscissae; knots are inserted
-// where that is not enough, up to 2000 a direction; then the error says what is left. Images break
-// at both ends of the bend, but for what lies at the radius; a curve gets knots of full
-// multiplicity there, a surface where its knots happen to lie. A plane curve lies at z = 0, and its
-// bend has an axis along z. Throws std::invalid_argument where lengths are not positive or not
-// finite, `from` lies on the axis, the bend goes more than once round, or the shape reaches the
-// axis within it. [after Piegl & Tiller 1997, §11.4.3; Barr 1984, "Global and local deformations of
-// solid primitives"; Lin, Wang & Dong 2004, progressive iteration]
+// where that is not enough, in the directions in which no piece over the old spans comes near
+// enough, up to 2000 control points a direction and 200 000 in all; then the error says what is
+// left. Images break at both ends of the bend, but for what lies at the radius: a curve gets knots
+// of full multiplicity there, a surface where one of its parameter lines lies there. A plane curve
+// lies at z = 0, and its bend has an axis along z. Throws std::invalid_argument where lengths are
+// not positive or not finite, `from` lies on the axis, the bend goes more than once round, or the
+// shape reaches the axis within it. [after Piegl & Tiller 1997, §11.4.3; Barr 1984, "Global and
+// local deformations of solid primitives"; Lin, Wang & Dong 2004, progressive iteration]
 template <int Dim>
 BentShape<NurbsCurve<Dim>> Bent(const NurbsCurve<Dim>& curve,
                                 const CircleBend& bend,

@@ -20,7 +20,8 @@ struct PatchCorners {
 
 // The bicubic Hermite (Ferguson) patch over [0, 1]² with this position, ∂S/∂u, ∂S/∂v and twist at
 // each corner, as one Bézier patch. Exact. Throws std::invalid_argument where a number is not
-// finite or all points coincide. [Ferguson 1964; Farin 2002, §15.5]
+// finite, and where all points coincide or all control points lie on one line. [Ferguson 1964;
+// Farin 2002, §15.5]
 NurbsSurface BicubicPatch(const PatchCorners& corners);
 
 }  // namespace batten

@@ -13,8 +13,8 @@ namespace batten {
 
 struct BlendOptions {
   int continuity = 2;  // k of G^k at both ends, 0 … 2
-  // How far the shapes' directions are followed, at either end, > 0: the speed there in widths of
-  // the gap. About 1 is even; small is tight, large is full.
+  // How far the shapes' directions are followed, at either end, in (0, 100]: the speed there in
+  // widths of the gap. About 1 is even; small is tight, large is full.
   std::array<double, 2> fullness = {1, 1};
 };
 
@@ -44,7 +44,8 @@ struct SurfaceBlend {
 // The joints are G^k along the whole edge: across it the derivatives are the surface's own times a
 // constant, in homogeneous coordinates (JoinFreedom: beta of the fullness, eta that holds the
 // weights level). Edges unset: those whose mean distance at equal shares of their domains is least,
-// of all 16 pairs, edges that are points left out. Throws as above, and where a surface is trimmed.
+// of all 16 pairs, edges that are points left out, and pairs of a closed edge and an open one.
+// Throws as above, where a surface is trimmed, and where no pair is left.
 SurfaceBlend Blend(const NurbsSurface& first,
                    const NurbsSurface& second,
                    const BlendOptions& options = {},

@@ -39,9 +39,9 @@ struct CoonsSurface {
 //  · Bicubic: the same with cubic Hermite blends of sides and derivatives across; sides with
 //    weights are replaced by cubics.
 // Throws std::invalid_argument naming sides, measured gap and rule: not three or four curves, a
-// closed one among them, ends that do not meet, and derivatives across that are not the tangents of
-// the sides at the corners, or whose twists differ there, by more than 1e-6 of their size.
-// [Coons 1967; Farin 2002, §22; Piegl & Tiller 1997, §10.6]
+// closed one among them, all on one line, ends that do not meet, and derivatives across that are
+// not the tangents of the sides at the corners, or whose twists differ there, by more than 1e-6 of
+// their size. [Coons 1967; Farin 2002, §22; Piegl & Tiller 1997, §10.6]
 CoonsSurface Coons(const std::vector<NurbsCurve<3>>& sides, const CoonsOptions& options);
 
 }  // namespace batten

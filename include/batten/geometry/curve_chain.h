@@ -15,10 +15,13 @@ namespace batten {
 // first keeps its sense and its parameters unless nothing else begins at its end. Ends up to
 // `tolerance` (≥ 0, the data's units) apart are moved together, half the gap each, also where the
 // last meets the first; nothing else moves. Throws std::invalid_argument without curves, where a
-// gap is larger (the message says how large, and between which), and where a closed or periodic
-// curve is one of several. O(curves² + control points · degree).
+// gap is larger (the message says how large, and at which curve, by its name among `names`, or its
+// number from 1 on), and where a closed or periodic curve is one of several. O(curves² + control
+// points · degree).
 template <int Dim>
-NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves, double tolerance);
+NurbsCurve<Dim> Unified(const std::vector<NurbsCurve<Dim>>& curves,
+                        double tolerance,
+                        const std::vector<std::string>& names = {});
 
 struct CurvePieceShape {
   double lower, upper;  // the piece, in the curve's parameter

@@ -24,9 +24,11 @@ struct FlattenOptions {
 
 // The shape that lies in the plane over the whole region, to rounding, and beyond the transition is
 // as before, with the old smoothness in between: knots are inserted at the region's ends and in the
-// transition, and every control point that acts in the region goes to the plane. Throws
-// std::invalid_argument where a range is empty or leaves the domain, the normal is zero, the
-// direction lies in the plane, or the transition is not positive. [Piegl & Tiller 1997, §11.4.2]
+// transition, and every control point that acts in the region goes to the plane. Closed shapes stay
+// closed: a region that reaches the seam of one has its transition beyond it, and an edge that is a
+// point moves as a whole. Throws std::invalid_argument where a range is empty or leaves the domain,
+// the normal is zero, the direction lies in the plane, or the transition is not positive. [Piegl &
+// Tiller 1997, §11.4.2]
 template <int Dim>
 NurbsCurve<Dim> Flattened(const NurbsCurve<Dim>& curve,
                           const ParameterRange& range,

@@ -53,10 +53,10 @@ struct LoftedSurface {
 // replaced by cubics within `tolerance`.
 //
 // Throws std::invalid_argument naming section and measure: fewer than two sections, or three where
-// closed; closed sections beside open ones; two that follow one another and are the same; an end
-// given where closed, of no direction, or at degree 1; a spine that does not pass the sections in
-// their order; wild weights without a tolerance. O(rows · sections) beside the common knots.
-// [Piegl & Tiller 1997, §10.3; Woodward 1988]
+// closed; closed sections beside open ones; two that follow one another and are the same; all on
+// one line; an end given where closed, of no direction, or at degree 1; a spine that does not pass
+// the sections in their order; wild weights without a tolerance. O(rows · sections) beside the
+// common knots. [Piegl & Tiller 1997, §10.3; Woodward 1988]
 LoftedSurface Loft(const std::vector<NurbsCurve<3>>& sections, const LoftOptions& options = {});
 
 }  // namespace batten

@@ -66,8 +66,8 @@ NurbsSurface MakeTorus(const Frame& frame,
 // frame's x does not matter. Basis and weights in v are the curve's, periodic ones too. Control
 // points within 4 ε of the extent (and of the coordinates) of the axis are put on it. The normal
 // looks outward where the curve leads along the axis' direction. Throws std::invalid_argument if
-// the whole curve lies on the axis, and for more than half a turn where a curve in a plane with the
-// axis crosses it twice or more. [Piegl & Tiller 1997, A8.1]
+// the whole curve lies on the axis or on a circle about it, and for more than half a turn where a
+// curve in a plane with the axis crosses it twice or more. [Piegl & Tiller 1997, A8.1]
 NurbsSurface Revolve(const NurbsCurve<3>& profile,
                      const Frame& frame,
                      const AngleRange& angles = {});

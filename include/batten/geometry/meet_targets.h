@@ -33,9 +33,11 @@ struct NetPlace {
 
 // The shape that meets every target: of all moves of control points that do it, the one whose
 // squared distances sum to least. Weights, knots and trims stay bit by bit, as do the control
-// points in `fixed` and those that act at no target; over a periodic basis copies of a control
-// point move together and count once. A point of the shape that is to stay where it is, is a target
-// of its own. Targets are met to 1e-9 of the greatest change asked for, usually to rounding.
+// points in `fixed` and those that act at no target. Copies of a control point over a periodic
+// basis move together and count once, as do those that coincide because the shape closes over a
+// clamped basis or an edge of it is a point: it stays closed. A point of the shape that is to stay
+// where it is, is a target of its own. Targets are met to 1e-9 of the greatest change asked for,
+// usually to rounding.
 //
 // Throws std::invalid_argument where a parameter is outside the domain (in a periodic direction it
 // is wrapped), an order negative or above 25, a value not finite, a control point not there; where

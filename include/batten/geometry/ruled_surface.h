@@ -11,7 +11,8 @@ namespace batten {
 
 // The general cylinder S(u,v) = C(u) + v·by over the curve's own basis, periodic too, and [0, 1].
 // Exact. Throws std::invalid_argument unless `by` is finite, not zero, and not so small that it is
-// lost in the coordinates. [Piegl & Tiller 1997, §8.3]
+// lost in the coordinates, and where the curve lies on a line along it, so that the surface would
+// have no area. [Piegl & Tiller 1997, §8.3]
 NurbsSurface Extrude(const NurbsCurve<3>& profile, const Eigen::Vector3d& by);
 
 enum class RuledBy {
@@ -33,7 +34,7 @@ struct RuledSurface {
 // knots are made common, and weights stay those of each curve, so that both edges are exact. With
 // kLength the second edge is a cubic that runs at the pace of the first curve. A curve that is a
 // point makes a cone. Throws std::invalid_argument where one curve is closed and the other not, or
-// the two are the same, and for kLength where a curve has no length. [Piegl & Tiller 1997, §8.4]
+// both are one or on one line, and for kLength where one has no length. [Piegl & Tiller 1997, §8.4]
 RuledSurface Ruled(const NurbsCurve<3>& first,
                    const NurbsCurve<3>& second,
                    const RuledOptions& options = {});

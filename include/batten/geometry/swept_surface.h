@@ -31,9 +31,11 @@ struct SweptSurface {
 //
 // Throws std::invalid_argument, saying where, if the trajectory has a kink (also at the seam of a
 // closed one) or stands still, if the profile reaches beyond the trajectory's centre of curvature,
-// so that the sweep folds back over itself, for a twist along a closed trajectory that is not a
-// whole number of turns, or if the tolerance needs more than 20,000 spans.
-// [Wang, Jüttler, Zheng & Liu 2008, "Computation of rotation minimizing frames"]
+// so that the sweep folds back over itself, if it lies on a line along the trajectory, or turns
+// back in a plane that holds the trajectory's tangent, so that the sweep has no area or lies on
+// itself, for a twist along a closed trajectory that is not a whole number of turns, or if the
+// tolerance needs more than 20,000 spans. [Wang, Jüttler, Zheng & Liu 2008, "Computation of
+// rotation minimizing frames"]
 SweptSurface Sweep(const NurbsCurve<3>& profile,
                    const NurbsCurve<3>& trajectory,
                    const SweepOptions& options);

@@ -11,9 +11,10 @@
 namespace batten {
 
 // Reads a file. STEP and IGES declare a unit, JSON of batten may: coordinates stay in it, or are
-// turned into options.unit; those of a file that says none stay as they are. A unit that is none of
-// length_unit.h becomes mm. The path "-" is standard input and needs a format. Throws ReadError for
-// a file that can't be used, UsageError for an unknown format, extension or unit.
+// turned into options.unit; those of a file that says none stay as they are, or are taken to be in
+// options.undeclared. A unit that is none of length_unit.h becomes mm. The path "-" is standard
+// input and needs a format. Throws ReadError for a file that can't be used, UsageError for an
+// unknown format, extension or unit.
 GeometryContents ReadGeometryContents(const std::string& path,
                                       const GeometryReadOptions& options = {});
 

@@ -21,6 +21,8 @@ using Geometry = std::variant<NurbsCurve<2>, NurbsCurve<3>, NurbsSurface>;
 struct GeometryReadOptions {
   std::string format = {};  // "json", "step", "iges" or "brep"; empty: by the path's extension
   std::string unit = {};    // what coordinates are turned into, of length_unit.h; empty: the file's
+  // What a file that says none is in; empty: the unit asked for, its coordinates stay.
+  std::string undeclared = {};
 };
 
 // An edge of one face alone.

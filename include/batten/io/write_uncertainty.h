@@ -13,16 +13,17 @@
 namespace batten {
 
 // By the extension, any case:
-//   .csv  a header line u[,v],x,y,z,sigma,bias,support,area and a row for each place inside the
-//   trims .ply  of surfaces: a mesh of these places with doubles sigma, bias, support, and colours
-//   by
-//         sigma, blue for the least and red for the greatest; grey where the points do not support
-//         it
+//  · .csv: a header line u[,v],x,y,z,sigma,bias,support,area and a row for each place inside the
+//    trims;
+//  · .ply of surfaces: a mesh of these places with doubles sigma, bias, support, and colours by
+//    sigma, blue for the least and red for the greatest; grey where the points do not support it;
+//  · .glb: the mesh with its colours, in metres (`metres` of them in a unit of the coordinates).
 // The file appears on Commit(). Throws UsageError for another extension, or a mesh of a curve;
 // WriteError where it can't be written.
 std::unique_ptr<AtomicFile> WriteUncertainty(const std::string& path,
                                              const UncertaintyMap& map,
-                                             const Geometry& geometry);
+                                             const Geometry& geometry,
+                                             double metres = 1e-3);
 
 // Throws UsageError for what WriteUncertainty refuses by its name.
 void CheckUncertaintyName(const std::string& path, bool curve);

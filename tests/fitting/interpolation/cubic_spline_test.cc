@@ -242,7 +242,91 @@ TEST(CubicSplineTest, ACurvatureTooGreatForTheFirstStepIsRefused) {
                         {CubicEnd::kFunctionCurvature, {1e3, 0}});
     ADD_FAILURE() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("their radius is too small"));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("no spline with the curvatures given at its ends was found"));
+  }
+}
+
+// Curvatures of splines that are there are found, however long the way from a spline without them.
+TEST(CubicSplineTest, CurvaturesOfASplineAreMetAgain) {
+  int found = 0, all = 0;
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int count = random.Integer(3, 7);
+    Eigen::Matrix2Xd points(2, count);
+    Eigen::VectorXd t(count);
+    for (int k = 0; k < count; ++k) {
+      points.col(k) << k + random.Real(-0.4, 0.4), random.Real(-2, 2);
+      t[k] = points(0, k);
+    }
+    const auto function = [&](double start, double end) {
+      return CubicSplineCurve<2>(points,
+                                 t,
+                                 {CubicEnd::kFunctionCurvature, {start, 0}},
+                                 {CubicEnd::kFunctionCurvature, {end, 0}});
+    };
+    const NurbsCurve<2> given =
+        CubicSplineCurve<2>(points,
+                            t,
+                            {CubicEnd::kFirstDerivative, {1, random.Real(-3, 3)}},
+                            {CubicEnd::kFirstDerivative, {1, random.Real(-3, 3)}});
+    const auto curvature = [](const NurbsCurve<2>& curve, double u) {
+      const CurveJet<2> jet = curve.JetAt(u);
+      return (jet.first.x() * jet.second.y() - jet.first.y() * jet.second.x()) /
+             std::pow(jet.first.norm(), 3);
+    };
+    const double start = curvature(given, t[0]), end = curvature(given, t[count - 1]);
+    ++all;
+    try {
+      const NurbsCurve<2> again = function(start, end);
+      ++found;
+      EXPECT_NEAR(curvature(again, t[0]), start, kIterated * (1 + std::abs(start)));
+      EXPECT_NEAR(curvature(again, t[count - 1]), end, kIterated * (1 + std::abs(end)));
+    } catch (const std::invalid_argument&) {
+    }
+  }
+  EXPECT_EQ(found, all);
+}
+
+TEST(CubicSplineTest, TurnsThatStepsTowardsThemDoNotFindAreFound) {
+  const Eigen::Matrix2Xd points{{0.4568, 0.8425, 1.9970, 3.4177, 4.0684},
+                                {-2.1444, 0.9906, 1.4555, 1.2063, -1.8055}};
+  const Eigen::VectorXd t = points.row(0);
+  const NurbsCurve<2> curve = CubicSplineCurve<2>(points,
+                                                  t,
+                                                  {CubicEnd::kFunctionCurvature, {0.1206, 0}},
+                                                  {CubicEnd::kFunctionCurvature, {0.2062, 0}});
+  const CurveJet<2> start = curve.JetAt(t[0]), end = curve.JetAt(t[4]);
+  EXPECT_NEAR(start.second.y() / std::pow(start.first.norm(), 3), 0.1206, kIterated);
+  EXPECT_NEAR(end.second.y() / std::pow(end.first.norm(), 3), 0.2062, kIterated);
+}
+
+TEST(CubicSplineTest, APeriodicFunctionIsTheClosedSplineOverOnePeriod) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int count = random.Integer(4, 12);
+    Eigen::Matrix2Xd points(2, count);
+    for (int k = 0; k < count; ++k)
+      points.col(k) << 5e6 + k + random.Real(-0.4, 0.4), random.Real(-2, 2);
+    points(1, count - 1) = points(1, 0);
+    const Eigen::VectorXd t = points.row(0);
+    const NurbsCurve<2> curve = PeriodicFunctionCurve<2>(points, t);
+    for (int k = 0; k < count; ++k) {
+      EXPECT_NEAR(curve.At(t[k]).y(), points(1, k), kRounding);
+      EXPECT_NEAR(curve.At(t[k]).x(), t[k], 1e7 * kRounding);
+    }
+    const CurveJet<2> start = curve.JetAt(t[0]), end = curve.JetAt(t[count - 1]);
+    EXPECT_NEAR(start.first.y(), end.first.y(), 1e3 * kIterated);  // steps at 5e6 keep nine digits
+    EXPECT_NEAR(start.second.y(), end.second.y(), 1e3 * kIterated);
+  }
+  const Eigen::Matrix2Xd open{{0, 1, 2, 3}, {0, 1, 2, 0.5}};
+  try {
+    PeriodicFunctionCurve<2>(open, Eigen::VectorXd(open.row(0)));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("0.5 off the first"));
   }
 }
 

@@ -51,6 +51,46 @@ TEST(FitThroughTest, PlacesAreMetExactlyAndAlongTheirDirections) {
   }
 }
 
+// At given parameters a place is met at its own, and points stay at theirs.
+TEST(FitThroughTest, GivenParametersArePlacesOwn) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    PointCloud cloud = Wave(120, 0.05, seed);
+    Eigen::Matrix2Xd parameters = Eigen::Matrix2Xd::Zero(2, cloud.size());
+    for (Eigen::Index k = 0; k < cloud.size(); ++k)
+      parameters(0, k) = (static_cast<double>(k) + random.Real(-0.4, 0.4)) / 119;
+    cloud.set_parameters(parameters);
+    CurveFitOptions options;
+    options.parameterization = CurveParameterization::kGiven;
+    const CurveFit<2> fit = FitCurveThrough<2>(
+        cloud, {{cloud.World(0)}, {cloud.World(40)}, {{4.7, -1.1, 0}, {}, 0.77}}, options);
+    for (const Eigen::Index k : {0, 40}) {
+      EXPECT_LE((fit.curve.At(parameters(0, k)) - cloud.World(k).head<2>()).norm(), kIterated);
+    }
+    EXPECT_LE((fit.curve.At(0.77) - Eigen::Vector2d(4.7, -1.1)).norm(), kIterated);
+    ASSERT_TRUE(fit.report.parameter_error);
+    double sum = 0;
+    for (Eigen::Index k = 0; k < cloud.size(); ++k)
+      sum += (fit.curve.At(parameters(0, k)) - cloud.World(k).head<2>()).squaredNorm();
+    EXPECT_NEAR(fit.report.parameter_error->rms, std::sqrt(sum / 120), kIterated);
+  }
+}
+
+// A place at the first or last point is where the curve begins or ends.
+TEST(FitThroughTest, PlacesAtTheEndsAreTheEnds) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const PointCloud cloud = Wave(80, 0.05, seed);
+    const CurveFit<2> fit = FitCurveThrough<2>(
+        cloud,
+        {{cloud.World(0), Eigen::Vector3d(1, 1, 0)}, {cloud.World(79), Eigen::Vector3d(1, 1, 0)}});
+    const SplineBasis& basis = fit.curve.basis();
+    EXPECT_LE((fit.curve.At(basis.lower()) - cloud.World(0).head<2>()).norm(), kIterated);
+    EXPECT_LE((fit.curve.At(basis.upper()) - cloud.World(79).head<2>()).norm(), kIterated);
+  }
+}
+
 // The report is of the curve that is returned.
 TEST(FitThroughTest, ResidualsAreThoseOfTheCurveReturned) {
   const PointCloud cloud = Wave(150, 0.01, 3);

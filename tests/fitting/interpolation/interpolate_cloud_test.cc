@@ -172,6 +172,22 @@ TEST(InterpolateCloudTest, TangentsPointWhereTheyAreToldAndDegreeAndParametersAr
   }
 }
 
+TEST(InterpolateCloudTest, SaysWhatOfACurvatureInSpaceCannotBeMet) {
+  const PointCloud cloud(Ellipse(9));
+  const auto fitted = [&](const Eigen::Vector3d& curvature) {
+    CloudInterpolationOptions options;
+    options.spline = SplineEnds::kCurvature;
+    options.start_tangent = Eigen::Vector3d(0, 1, 0);
+    options.end_curvature = curvature;
+    return InterpolateCloud<3>(cloud, options);
+  };
+  const CurveFit<3> first = fitted({0, 0, 0});
+  const Eigen::Vector3d tangent = first.curve.JetAt(first.curve.basis().upper()).first.normalized();
+  const CurveFit<3> along = fitted(2 * tangent);
+  ASSERT_EQ(along.report.warnings.size(), first.report.warnings.size() + 1);
+  EXPECT_THAT(along.report.warnings.back(), HasSubstr("of the curvature given at the end"));
+}
+
 TEST(InterpolateCloudTest, SaysWhatItCannotDo) {
   const auto error = [](const PointCloud& cloud, const CloudInterpolationOptions& options) {
     try {

@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/refused_data.h"
 #include "part_clouds.h"
 #include "refusal.h"
+#include "tolerances.h"
 
 namespace batten::internal {
 namespace fit_parts_test {
@@ -257,10 +260,9 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   options.regularise = options.solid = true;
   for (const TruthPart& part : MachinedParts()) {
     for (const double sigma : {0.0, 1e-4, 1e-3}) {
-      // There the borders of fillets, and corners' balls of some hundred points, are not told
+      // There fillets and the balls in their corners, of some hundred points, are not told
       // everywhere.
-      const bool smooth = part.name == "filleted box" || part.name == "bracket";
-      if (smooth && sigma > 1e-4) continue;
+      if ((part.name == "filleted box" || part.name == "bracket") && sigma > 1e-4) continue;
       SCOPED_TRACE(part.name + " at noise " + std::to_string(sigma));
       const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, 7), options);
       ASSERT_TRUE(fit.solid) << fit.no_solid;
@@ -330,6 +332,48 @@ TEST(FitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
     constexpr double kMost = 0.8;
     const auto all = std::count(cloud.face.begin(), cloud.face.end(), 1);
     EXPECT_GT(free_points, kMost * static_cast<double>(all));
+  }
+}
+
+// Free faces beside exact ones, or alone, and strays: each is as far as the nearest face, trimmed,
+// as written.
+TEST(FitPartsTest, PointsOfNoFaceAreMeasuredFromTheNearest) {
+  for (const bool alone : {true, false}) {
+    SCOPED_TRACE(alone ? "a free face" : "a free face and a plane");
+    std::mt19937_64 engine(5);
+    std::uniform_real_distribution<double> even(0, 1);
+    Eigen::Matrix3Xd points(3, alone ? 2060 : 4060);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double x = 10 * even(engine), y = 8 * even(engine);
+      if (k < 60) {
+        points.col(k) << x, y, 4 + 8 * even(engine);
+      } else if (k < 2060) {
+        points.col(k) << x, y, std::sin(0.8 * x) * std::cos(0.7 * y);
+      } else {
+        points.col(k) << x, y, 14;
+      }
+    }
+    PartFitOptions options;
+    options.shift = Eigen::Vector3d(100, 200, 300);
+    const PartsFit fit = FitParts(PointCloud::FromWorld(points.colwise() + options.shift), options);
+    ASSERT_FALSE(fit.faces.empty());
+    ThreadPool pool(2);
+    std::vector<Eigen::VectorXd> off;
+    for (const PartFace& face : fit.faces)
+      off.push_back(DistancesTo(face.surface, points, pool).distances.cwiseAbs());
+    int of_none = 0, free = 0;
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      if (fit.labels[std::size_t(k)] >= 0) continue;
+      ++of_none;
+      double nearest = off[0][k];
+      for (const Eigen::VectorXd& one : off) nearest = std::min(nearest, one[k]);
+      const std::size_t owner = std::size_t(fit.owners[std::size_t(k)]);
+      free += !fit.faces[owner].patch;
+      EXPECT_NEAR(std::abs(fit.residuals[k]), nearest, kIterated * 10) << k;
+      EXPECT_NEAR(off[owner][k], nearest, kIterated * 10) << k;
+    }
+    EXPECT_GT(of_none, 30);
+    EXPECT_GT(free, 5);
   }
 }
 

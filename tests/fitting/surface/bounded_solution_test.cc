@@ -220,4 +220,26 @@ TEST(BoundsFromDataTest, AllowEveryPolynomialWhoseRangeTheDataShow) {
   EXPECT_GT(bounded, 100);
 }
 
+// The corners that a tapered, swept outline leaves empty ask for coefficients far from all heights:
+// held nearer, they would draw the surface off its points.
+TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceOverATaperedOutline) {
+  constexpr int kCount = 20000;
+  constexpr double kSigma = 5e-4, kMatters = 4e-3;
+  const auto across = [](double u, double v) { return (v - 0.4 * u) / (0.6 * (1 - 0.5 * u)); };
+  const auto inside = [&](double u, double v) { return across(u, v) > 0 && across(u, v) < 1; };
+  const auto wing = [&](double u, double v) {
+    const double t = across(u, v);
+    return 0.06 * (1 - 0.5 * u) * t * (1 - t) + 0.05 * u * u;
+  };
+  Random random(7);
+  for (const int cells : {1, 2, 3}) {
+    const FittingProblem problem = Over(3, cells, Heights(wing, inside, kCount, kSigma, random));
+    ThreadPool pool(1);
+    const double free = SolveLinear(problem, pool).residual_squares;
+    const BoundedSolution held =
+        SolveWithinBounds(problem, kCount, 1 / std::sqrt(kCount), pool, 3, HUGE_VAL, kSigma);
+    EXPECT_LE(held.solution.residual_squares, (1 + kMatters) * free) << cells;
+  }
+}
+
 }  // namespace batten::internal::bounded_solution_test

@@ -222,7 +222,7 @@ TEST(FitSurfaceTest, IsNotPulledByOutliersToOneSide) {
 }
 
 // Where a hole takes knots of its own to stay calm, the surface has them.
-TEST(FitSurfaceTest, StaysBelowTheRimWhereThePeakIsMissing) {
+TEST(FitSurfaceTest, RisesNoHigherThanAMissingPeakDoes) {
   const auto inside = [](double x, double y) { return std::hypot(x - 0.22, y - 0.22) < 0.15; };
   const Eigen::Matrix3Xd all = Scatter(Franke, 20000, kSigma, 0, 6);
   std::vector<Eigen::Index> kept;
@@ -236,6 +236,8 @@ TEST(FitSurfaceTest, StaysBelowTheRimWhereThePeakIsMissing) {
   }
   const SurfaceFit fit = FitSurface(PointCloud::FromWorld(all(Eigen::all, kept)));
   const NurbsSurface& surface = fit.surface;
+  // Held down to the rim, the surface would leave its points: by a tenth more than the noise.
+  EXPECT_LE(fit.report.error.rms, 1.02 * kSigma);
   const double slack = fit.report.input.spacing + 3 * kSigma;  // of bounds
   for (int i = 0; i <= 200; ++i) {
     for (int j = 0; j <= 200; ++j) {
@@ -246,7 +248,8 @@ TEST(FitSurfaceTest, StaysBelowTheRimWhereThePeakIsMissing) {
                          (surface.basis_v().upper() - surface.basis_v().lower()) * j / 200);
       if (!inside(at[0], at[1])) continue;
       ASSERT_GT(at[2], low - 0.1 * (high - low) - slack);
-      ASSERT_LT(at[2], high + 0.1 * (high - low) + slack);
+      const double peak = std::max(high, Franke(at[0], at[1]));
+      ASSERT_LT(at[2], peak + 0.1 * (high - low) + slack);
     }
   }
 }

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/surface_overshoot.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <stdexcept>
+#include <string>
 
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/fit_surface.h"
+#include "batten/geometry/surface_evaluator.h"
 
 namespace batten::internal::surface_overshoot_test {
 
@@ -105,6 +111,67 @@ TEST(FitReportTest, WhatLeavesItsPointsMissesTheTolerance) {
   report.overshoot->asked_for = false;
   report.overshoot->in_spacings = 2.9;
   EXPECT_FALSE(report.leaves_points());
+}
+
+// By how many diagonals a surface leaves a box, on a grid of places.
+double OutOfBox(const NurbsSurface& surface, const Eigen::AlignedBox3d& box) {
+  constexpr int kPlaces = 400;
+  const SurfaceEvaluator evaluator(surface);
+  const auto at = [](const SplineBasis& basis, int k) {
+    return basis.lower() + (basis.upper() - basis.lower()) * k / kPlaces;
+  };
+  double most = 0;
+  for (int i = 0; i <= kPlaces; ++i) {
+    for (int j = 0; j <= kPlaces; ++j) {
+      const Eigen::Vector3d place =
+          evaluator.At(at(surface.basis_u(), i), at(surface.basis_v(), j));
+      most = std::max(most, (box.min() - place).cwiseMax(place - box.max()).cwiseMax(0).norm());
+    }
+  }
+  return most / box.diagonal().norm();
+}
+
+// Few points round a tube, with noise that the tolerance does not allow; nothing if they are
+// refused.
+std::optional<SurfaceFit> FitOfFewPoints(unsigned seed, Trimming trim) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> even(0, 1);
+  std::normal_distribution<double> normal(0, 0.3);
+  Eigen::Matrix3Xd points(3, 12 + static_cast<Eigen::Index>(seed % 12));
+  for (auto point : points.colwise()) {
+    const double angle = 2 * std::numbers::pi * even(engine);
+    point << 2 * std::cos(angle), 2 * std::sin(angle), 6 * even(engine);
+    for (double& x : point) x += normal(engine);
+  }
+  SurfaceFitOptions options;
+  options.tolerance = 1e-9;
+  options.trim = trim;
+  options.threads = 1;
+  try {
+    return FitSurface(PointCloud::FromWorld(points), options);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+TEST(FitSurfaceOvershootTest, SurfacesThatLeaveTheBoxOfTheirPointsAreTold) {
+  int told = 0, fitted = 0;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const bool asked_for = seed % 2 == 0;
+    const auto fit = FitOfFewPoints(seed, asked_for ? Trimming::kNone : Trimming::kAuto);
+    if (!fit || fit->surface.trimmed()) continue;
+    ++fitted;
+    Eigen::AlignedBox3d box(fit->report.input.box_min, fit->report.input.box_max);
+    const double out = OutOfBox(fit->surface, box);
+    if (out < 0.52) continue;  // half a diagonal, and what the places miss
+    ++told;
+    EXPECT_EQ(fit->report.leaves_points(), !asked_for) << out;
+    EXPECT_EQ(fit->report.tolerance_reached(), false);
+    EXPECT_THAT(fit->report.warnings, testing::Contains(testing::HasSubstr("leaves"))) << out;
+  }
+  EXPECT_GT(fitted, 30);
+  EXPECT_GT(told, 1);
 }
 
 }  // namespace batten::internal::surface_overshoot_test

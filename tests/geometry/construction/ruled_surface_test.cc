@@ -22,6 +22,7 @@ TEST(ExtrudeTest, MovesTheProfileAlongTheVector) {
     const auto curve =
         random.Curve<3>(random.Integer(1, 5), random.Coin(), {.periodic = random.Coin()});
     const Eigen::Vector3d by = random.Vector(3);
+    if ((curve.control_points().colwise() - curve.control_points().col(0)).isZero(0)) continue;
     const NurbsSurface surface = Extrude(curve, by);
     EXPECT_EQ(surface.basis_u(), curve.basis());
     for (int k = 0; k < 10; ++k) {
@@ -36,6 +37,10 @@ TEST(ExtrudeTest, MovesTheProfileAlongTheVector) {
                 Extrude(MakeArc(Frame({5e6, 0, 0}, {0, 0, 1}), 2), {0, 0, 1e-10});
               }),
               HasSubstr("too little"));
+  EXPECT_THAT(RefusalOf([] {
+                Extrude(MakeLine<3>({0, 0, 0}, {1, 2, 3}), {-2, -4, -6});
+              }),
+              HasSubstr("no area"));
 }
 
 TEST(RuledTest, LinesJoinPointsOfEqualShare) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "batten/geometry/bezier_surface.h"
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
@@ -22,6 +24,10 @@ TEST(SweepTranslationalTest, IsTheSumOfItsCurvesAndHasNoTwist) {
     const bool rational = random.Coin();
     const auto a = random.Curve<3>(random.Integer(1, 5), rational, {.periodic = random.Coin()});
     const auto b = random.Curve<3>(random.Integer(1, 5), random.Coin());
+    if ((a.control_points().colwise() - a.control_points().col(0)).isZero(0)) {
+      EXPECT_THAT(RefusalOf([&] { SweepTranslational(a, b); }), HasSubstr("profile is a point"));
+      continue;
+    }
     const NurbsSurface surface = SweepTranslational(a, b);
     const Eigen::Vector3d start = b.At(b.basis().lower());
     for (int k = 0; k < 10; ++k) {
@@ -45,7 +51,11 @@ TEST(SwingTest, IsItsFormula) {
       points.row(row).setZero();
       return NurbsCurve<3>(curve.basis(), points, curve.weights());
     };
-    const NurbsCurve<3> profile = flat(1), path = flat(2);
+    NurbsCurve<3> profile = flat(1);
+    const NurbsCurve<3> path = flat(2);
+    Eigen::Matrix3Xd one_side = profile.control_points();
+    one_side.row(0) = one_side.row(0).cwiseAbs();
+    profile = NurbsCurve<3>(profile.basis(), one_side, profile.weights());
     const Frame frame(random.Vector(3), random.Vector(1));
     Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
     place.topRows<3>() << frame.x(), frame.y(), frame.axis(), frame.origin();
@@ -74,6 +84,15 @@ TEST(SwingTest, RoundACircleItIsTheSurfaceOfRevolution) {
               HasSubstr("the trajectory leaves the plane of the x axis and the y axis by 1"));
   EXPECT_THAT(RefusalOf([&] { Swing(profile, MakeArc(Frame(), 1), Frame(), 0); }),
               HasSubstr("scale"));
+}
+
+TEST(SwingTest, AProfileOnBothSidesOfTheAxisIsRefusedWhereBothSweepTheSame) {
+  const NurbsCurve<3> profile(
+      SplineBasis::Uniform(2, 5, 0, 1),
+      Eigen::Matrix3Xd{{1, -1, -1, -1, 1}, {0, 0, 0, 0, 0}, {0, 1, 2, 3, 4}});
+  EXPECT_THAT(RefusalOf([&] { Swing(profile, MakeArc(Frame(), 1)); }),
+              HasSubstr("Swing: the profile crosses its axis 2 times"));
+  EXPECT_EQ(Swing(profile, MakeArc(Frame(), 1, {0, std::numbers::pi})).size_v(), 5);
 }
 
 }  // namespace batten::internal::swung_surface_test

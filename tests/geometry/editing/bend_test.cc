@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "batten/geometry/arc_length.h"
+#include "batten/geometry/reverse.h"
 #include "law_cases.h"
 #include "shape_edits.h"
 #include "tolerances.h"
@@ -93,6 +94,41 @@ TEST(BendTest, ACurveBreaksWhereItsImageDoes) {
   for (int k = 0; k <= 1000; ++k) {
     EXPECT_LE((bent.At(k / 1000.) - Image(slanted.At(k / 1000.), kRadius, kLength)).norm(),
               2 * kTolerance);
+  }
+}
+
+// A plate whose rows run along the bend, its heights above the circle as given.
+template <typename Height>
+NurbsSurface Plate(int size, const Height& height) {
+  Eigen::Matrix3Xd net(3, size * size);
+  for (int i = 0; i < size; ++i) {
+    for (int j = 0; j < size; ++j) {
+      net.col(size * i + j) << kRadius + height(i, j), 9. * i / (size - 1) - 1, 3. * j / (size - 1);
+    }
+  }
+  const SplineBasis basis = SplineBasis::Uniform(3, size, 0, 1);
+  return NurbsSurface(basis, basis, net);
+}
+
+// Lines across the bend turn as a whole: their images need no knots, however rough they are; and
+// the lines at which the bend begins and ends are knots.
+TEST(BendTest, WhatDoesNotBendGetsNoKnots) {
+  RandomSplines random(7);
+  const auto peak = Plate(4, [](int i, int j) { return i == 1 && j == 2 ? 0.1 : 0; });
+  const auto rough = Plate(7, [&](int, int) { return random.Real(-0.3, 0.3); });
+  for (const NurbsSurface& plate : {peak, rough, Swapped(rough)}) {
+    const bool swapped = plate == Swapped(rough);
+    const auto [bent, error] = Bent(plate, Upwards(), kTolerance);
+    EXPECT_LE(error, kTolerance);
+    EXPECT_EQ(swapped ? bent.basis_u() : bent.basis_v(), plate.basis_v());
+    EXPECT_LE(swapped ? bent.size_v() : bent.size_u(), 60);
+    for (int k = 0; k <= 150; ++k) {
+      for (int l = 0; l <= 20; ++l) {
+        const Eigen::Vector3d at = bent.At(k / 150., l / 20.), old = plate.At(k / 150., l / 20.);
+        const Eigen::Vector2d image = Image(old.head<2>(), kRadius, kLength);
+        EXPECT_LE((at - Eigen::Vector3d(image.x(), image.y(), old.z())).norm(), 2 * kTolerance);
+      }
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "batten/geometry/closure.h"
 #include "law_cases.h"
 #include "shape_edits.h"
 #include "tolerances.h"
@@ -75,6 +76,7 @@ TEST(FlattenTest, CurvesLieInThePlaneInTheRegionAndStayBeyondTheTransition) {
 TEST(FlattenTest, SurfacesLieInThePlaneInTheRegionAndStayBeyondTheTransition) {
   ForRandomSurfaces(
       [](const NurbsSurface& surface, RandomSplines& random) {
+        if (CollapsedEdges(surface) != CollapsedEdgeSet{}) return;  // points move as a whole
         const SplineBasis &bu = surface.basis_u(), &bv = surface.basis_v();
         ParameterRegion region{Inside(bu, random), Inside(bv, random)};
         if (random.Integer(0, 1) == 1) region.v.reset();

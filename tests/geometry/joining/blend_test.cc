@@ -117,6 +117,15 @@ TEST(BlendTest, WhatCannotBeIsRefused) {
                 Blend(ball, plane, {}, SurfaceEdge{Direction::kV, true});
               }),
               HasSubstr("single point"));
+  EXPECT_THAT(RefusalOf([&] {
+                Blend(MakeCylinder(Frame(), 1, {0, 2}),
+                      plane,
+                      {},
+                      SurfaceEdge{Direction::kV, true},
+                      SurfaceEdge{Direction::kU, false});
+              }),
+              HasSubstr("one edge closes and the other is open, its ends 2 apart"));
+  EXPECT_THAT(RefusalOf([&] { Blend(a, b, {.fullness = {1e9, 1}}); }), HasSubstr("more than 100"));
 }
 
 }  // namespace batten::internal::blend_test

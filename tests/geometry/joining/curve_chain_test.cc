@@ -67,7 +67,14 @@ TEST(CurveChainTest, EveryPieceIsTracedExactlyInAnyOrderAndSense) {
 TEST(CurveChainTest, GapsAreClosedWithinTheToleranceOrSaid) {
   const NurbsCurve<2> a = MakeLine<2>({0, 0}, {1, 0}), b = MakeLine<2>({1, 0.01}, {1, 1}),
                       c = MakeLine<2>({1, 1}, {0.01, 0});
-  EXPECT_THAT(RefusalOf([&] { Unified<2>({a, b}, 0.001); }), HasSubstr("0.01 from an end"));
+  EXPECT_THAT(RefusalOf([&] {
+                Unified<2>({a, b}, 0.001);
+              }),
+              HasSubstr("the nearest, curve 2, is 0.01 from an end"));
+  EXPECT_THAT(RefusalOf([&] {
+                Unified<2>({a, b}, 0.001, {"a.json", "b.json"});
+              }),
+              HasSubstr("the nearest, b.json, is 0.01"));
   const NurbsCurve<2> open = Unified<2>({a, b}, 0.02);
   EXPECT_NEAR(open.At(1)[1], 0.005, kRounding);
   const NurbsCurve<2> closed = Unified<2>({a, b, c}, 0.02);

@@ -263,8 +263,14 @@ TEST(MakeSurfaceTest, RevolvingTurnsTheCurve) {
     const bool periodic = random.Coin();
     const NurbsCurve<3> curve =
         random.Curve<3>(random.Integer(1, 5), random.Coin(), {.periodic = periodic});
+    const Eigen::Matrix3Xd& points = curve.control_points();
+    if ((points.colwise() - points.col(0)).isZero(0)) continue;  // a periodic one of one span
     const Frame frame = RandomFrame(random, 2);
     const AngleRange angles = RandomAngles(random);
+    if ((curve.control_points().colwise() - curve.control_points().col(0)).isZero(0)) {
+      EXPECT_THAT(RefusalOf([&] { Revolve(curve, frame, angles); }), HasSubstr("is a point"));
+      continue;
+    }
     const NurbsSurface surface = Revolve(curve, frame, angles);
     EXPECT_EQ(surface.basis_v(), curve.basis());
     const NurbsCurve<2> arc = MakeArc(Eigen::Vector2d(0, 0), 1, angles);
@@ -332,6 +338,21 @@ TEST(MakeSurfaceTest, ProfilesThatCrossTheirAxisTwiceAreRefusedWithThePlaces) {
   EXPECT_NE(refused(MakeArc(Frame(frame.At(0.5, 0, 0), frame.y()), 1), 2 * kHalf), "");
   EXPECT_NE(refused(MakeArc(Frame(frame.At(0, 0, 0), frame.y(), frame.axis()), 1), 2 * kHalf), "");
   EXPECT_EQ(refused(MakeArc(Frame(frame.At(1, 0, 0), frame.y(), frame.axis()), 1), 2 * kHalf), "");
+}
+
+// A circle about the axis covers itself again; a short arc across it far away does not.
+TEST(MakeSurfaceTest, CurvesThatOnlyGoRoundTheAxisAreRefused) {
+  const Frame frame({5e6, 2, 3}, {1, 1, 1});
+  const Frame above(frame.At(0, 0, 7), frame.axis());
+  for (const double sweep : {0.1, 3.0, 2 * std::numbers::pi}) {
+    EXPECT_THAT(RefusalOf([&] {
+                  Revolve(MakeArc(above, 2, {1, sweep}), frame);
+                }),
+                HasSubstr("lies on a circle about the axis"));
+  }
+  Revolve(MakeArc(Frame(frame.At(1, 0, 7), frame.axis()), 2, {1, 2}), frame);
+  Revolve(MakeLine<3>({5e6, 0, 0}, {5e6 + 1e-3, 0, 0}), Frame());
+  Revolve(MakeLine<3>({5e6, 0, 0}, {5e6, 0, 1e-3}), Frame());
 }
 
 NurbsSurface Fixture(const std::string& kind, const std::vector<double>& a) {

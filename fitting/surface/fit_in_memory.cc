@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "batten/fitting/fit_surface.h"
+#include "fitting/surface/fit_in_memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,7 @@
 #include "fitting/surface/surface_postprocess.h"
 #include "fitting/surface/surface_preparation.h"
 
-namespace batten {
-using namespace internal;
+namespace batten::internal {
 namespace {
 
 constexpr double kExplains = 0.1;  // misfit of all points over that without them; below: a feature
@@ -263,8 +262,6 @@ std::vector<Eigen::Index> BeyondTheBorder(const PointCloud& cloud,
   return beyond;
 }
 
-SurfaceFit FitTimed(const PointCloud&, const SurfaceFitOptions&, StageClock&);
-
 // Converts the fit of a thinned cloud to a fit of the cloud, with every point measured.
 SurfaceFit FitDownsampled(const PointCloud& cloud,
                           const SurfaceFitOptions& options,
@@ -272,12 +269,12 @@ SurfaceFit FitDownsampled(const PointCloud& cloud,
   DownsampledCloud thinned = Thinned(cloud, *options.thin);
   SurfaceFitOptions plain = options;
   plain.thin.reset();
-  SurfaceFit fit = FitTimed(thinned.cloud, plain, clock);
+  SurfaceFit fit = FitInMemory(thinned.cloud, plain, clock);
   PointDistances found = AllDistances(cloud, thinned, fit, options);
   if (const auto beyond = BeyondTheBorder(cloud, thinned, fit, found, options); !beyond.empty()) {
     thinned = WithPoints(cloud, std::move(thinned), beyond);
     clock.Enter(&StageSeconds::prepare);
-    fit = FitTimed(thinned.cloud, plain, clock);
+    fit = FitInMemory(thinned.cloud, plain, clock);
     found = AllDistances(cloud, thinned, fit, options);
   }
   const Eigen::Index all = cloud.size(), stayed = thinned.cloud.size();
@@ -308,8 +305,11 @@ SurfaceFit FitDownsampled(const PointCloud& cloud,
   return fit;
 }
 
-// With all but the report's seconds.
-SurfaceFit FitTimed(const PointCloud& cloud, const SurfaceFitOptions& options, StageClock& clock) {
+}  // namespace
+
+SurfaceFit FitInMemory(const PointCloud& cloud,
+                       const SurfaceFitOptions& options,
+                       StageClock& clock) {
   if (options.thin) return FitDownsampled(cloud, options, clock);
   if (options.symmetric) return FitSymmetric(cloud, options, clock);
   SurfacePipeline road(cloud, options, clock);
@@ -319,14 +319,4 @@ SurfaceFit FitTimed(const PointCloud& cloud, const SurfaceFitOptions& options, S
   return Explained(std::move(fit), road.FitAll(options));
 }
 
-}  // namespace
-
-SurfaceFit FitSurface(const PointCloud& cloud, const SurfaceFitOptions& options) {
-  Check(options);
-  StageClock clock;
-  SurfaceFit fit = FitTimed(cloud, options, clock);
-  fit.report.seconds = clock.Seconds();
-  return fit;
-}
-
-}  // namespace batten
+}  // namespace batten::internal

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/streaming/sample_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "batten/fitting/robust_loss.h"
+#include "fitting/cloud/residual_outliers.h"
+#include "fitting/core/shared_constants.h"
+#include "fitting/surface/fit_over_base.h"
+
+namespace batten::internal {
+namespace {
+
+// Where the sample has no outliers, points are none up to so many times its greatest distance: that
+// of 10^12 normal errors is 1.7 times that of 10^5.
+constexpr double kBeyondSample = 4;
+constexpr double kMisses = 3, kBeyondStructure = 2, kLeastScale = 1e-3;  // as ClassifyInliers has
+
+}  // namespace
+
+double SampleFit::SpacingOf(double points) const { return spacing * std::sqrt(distinct / points); }
+
+double SampleFit::LimitOf(const Eigen::VectorXd& distances,
+                          const SurfaceFitOptions& options) const {
+  if (options.keep_outliers) return std::numeric_limits<double>::infinity();
+  const double scale = options.loss_scale.value_or(RobustScale(distances));
+  const bool misses = scale > kMisses * noise;
+  const double least = std::max({kTukeyTuning * scale,
+                                 (misses ? kBeyondStructure : kLeastScale) * spacing,
+                                 options.tolerance.value_or(0)});
+  return std::min(OutlierThreshold(distances, least),
+                  std::max(least, kBeyondSample * distances.cwiseAbs().maxCoeff()));
+}
+
+FitReport StartReport(const PreparedCloud& prepared, int threads) {
+  FitReport report;
+  report.threads = threads;
+  report.input = SummariseInput(prepared.merged.cloud, 0, prepared.statistics);
+  report.geometry.base = prepared.base.name;
+  report.geometry.base_why = prepared.base.why;
+  if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
+  report.warnings = prepared.warnings;
+  report.base_candidates = prepared.candidates;
+  return report;
+}
+
+SampleFit FitSample(const FirstLook& look,
+                    SurfaceFitOptions options,
+                    ThreadPool& pool,
+                    StageClock& clock) {
+  clock.Enter(&StageSeconds::prepare);
+  options.tolerance.reset();
+  PointCloud cloud = PointCloud::FromWorld(look.sample);
+  PreparedCloud prepared = PrepareCloud(cloud, options, pool, clock);
+  FittedState fitted =
+      FitOverBase(prepared, options, StartReport(prepared, pool.threads()), pool, clock);
+  return {.cloud = std::move(cloud),
+          .base = std::move(prepared.base),
+          .surface = std::move(fitted.draft.surface),
+          .noise = prepared.statistics.noise,
+          .spacing = prepared.statistics.spacing,
+          .distinct = static_cast<double>(prepared.merged.cloud.size()),
+          .clean = prepared.merged.duplicates == 0 && !fitted.doubted,
+          .warnings = std::move(prepared.warnings),
+          .candidates = std::move(prepared.candidates)};
+}
+
+}  // namespace batten::internal
