@@ -264,14 +264,28 @@ class BorderFinder {
     return walk;
   }
 
-  // How many places are along a walk, away from where it began.
-  int PlacesAlong(const Walk& walk, const Places& places) const {
-    constexpr double kAway = 1, kBeside = 0.5;  // spacings
+  // How many places are along a walk, away from the vertex where it began.
+  int PlacesAlong(const Walk& walk, const Places& places, int start) const {
+    constexpr double kBeside = 0.5;  // spacings
+    const double away = BlurOf(borders_.vertices[std::size_t(start)]);
     return static_cast<int>(
         std::count_if(places.begin(), places.end(), [&](const Eigen::Vector3d& place) {
-          return (place - walk.points.front()).norm() > kAway * spacing_ &&
+          return (place - walk.points.front()).norm() > away &&
                  FarFrom(walk.points, place) < kBeside;
         }));
+  }
+
+  // How far beyond a vertex points may be of its faces: where two of them touch, as far as noise
+  // hides one from the other.
+  double BlurOf(const BorderVertex& vertex) const {
+    double blur = spacing_;
+    for (const int a : vertex.faces) {
+      for (const int b : vertex.faces) {
+        if (a < b && contacts_.contains({a, b}))
+          blur = std::max(blur, ReachOf({a, b}, vertex.place));
+      }
+    }
+    return blur;
   }
 
   void FollowEdges(const FacePair& faces, const Places& places) {
@@ -299,7 +313,8 @@ class BorderFinder {
       for (const Eigen::Vector3d& way : {tangent, Eigen::Vector3d(-tangent)}) {
         if (is_taken(vertex, way) || !GoesOn(places, from, way)) continue;
         Walk walk = Follow(faces, places, vertices, from, way, vertex);
-        if (walk.end < 0 && PlacesAlong(walk, places) < kFewLinks) continue;  // chance at a corner
+        if (walk.end < 0 && PlacesAlong(walk, places, vertex) < kFewLinks)
+          continue;  // chance at a corner
         if (walk.end < 0) {
           borders_.refused =
               "the border of " + Faces(faces) + " ends without a corner near " + walk.lost;
@@ -313,6 +328,11 @@ class BorderFinder {
     constexpr double kCovered = 1.5;  // spacings
     for (const Eigen::Vector3d& place : places) {
       if (!covered.empty() && FarFrom(covered, place) <= kCovered) continue;
+      const bool at_vertex = std::any_of(vertices.begin(), vertices.end(), [&](int k) {
+        const BorderVertex& vertex = borders_.vertices[std::size_t(k)];
+        return (vertex.place - place).norm() <= BlurOf(vertex);
+      });
+      if (at_vertex) continue;
       Walk walk = Follow(faces, places, vertices, place, TangentAt(faces, place), -1);
       if (!walk.closed) {
         borders_.refused = "the border of " + Faces(faces) +
