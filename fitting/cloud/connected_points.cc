@@ -201,20 +201,34 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
   return RootsOf(sets, count);
 }
 
-PointMask SmallParts(const Eigen::Matrix3Xd& points,
-                     const NeighbourIndex& index,
-                     ThreadPool& pool) {
-  const std::vector<Eigen::Index> roots = ConnectedPoints(points, index, pool);
+std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
+                            const PointMask& mask,
+                            const NeighbourIndex& index,
+                            ThreadPool& pool) {
+  std::vector<Eigen::Index> some;
+  for (Eigen::Index k = 0; k < mask.size(); ++k)
+    if (mask[k]) some.push_back(k);
+  if (some.empty()) return {};
+  std::vector<Eigen::Index> roots;
+  if (std::ssize(some) == points.cols()) {
+    roots = ConnectedPoints(points, index, pool);
+  } else {
+    const Eigen::Matrix3Xd own = points(Eigen::all, some);
+    roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);
+  }
   const auto most = static_cast<double>(Largest(roots).second);
-  PointMask small = PointMask::Constant(points.cols(), false);
-  if (most < kMostOfAll * static_cast<double>(points.cols())) return small;
+  if (most < kMostOfAll * static_cast<double>(some.size())) return {};
   std::vector<Eigen::Index> sizes(roots.size());
   for (const Eigen::Index root : roots) ++sizes[static_cast<size_t>(root)];
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    const Eigen::Index root = roots[static_cast<size_t>(k)];
-    small[k] = static_cast<double>(sizes[static_cast<size_t>(root)]) <= kOfTheLargest * most;
+  std::vector<int> number(roots.size(), -1), parts(static_cast<size_t>(points.cols()), -1);
+  int count = 0;
+  for (size_t i = 0; i < roots.size(); ++i) {
+    const auto root = static_cast<size_t>(roots[i]);
+    if (static_cast<double>(sizes[root]) > kOfTheLargest * most) continue;
+    if (number[root] < 0) number[root] = count++;
+    parts[static_cast<size_t>(some[i])] = number[root];
   }
-  return small;
+  return count > 0 ? parts : std::vector<int>{};
 }
 
 }  // namespace batten::internal

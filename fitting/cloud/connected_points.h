@@ -18,8 +18,13 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
                                           const NeighbourIndex& index,
                                           ThreadPool& pool);
 
-// Marks points of small parts beside one that holds most of the cloud: clutter, supports, strays.
-// None where no part holds four fifths of the points. O(m log m).
-PointMask SmallParts(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, ThreadPool& pool);
+// Small parts beside one that holds most of the points under a mask: clutter, supports. For every
+// point the number of its small part, from 0, or −1: it is in none, or not under the mask. Empty
+// where there are none, as where no part holds four fifths of the points. The index holds all
+// points. O(m log m).
+std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
+                            const PointMask& mask,
+                            const NeighbourIndex& index,
+                            ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -7,20 +7,26 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/cloud/connected_points.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kNeighbour = 6;
 constexpr double kMuchFarther = 2.5;
+constexpr double kFarFromAll =
+    1.6;  // of the same, of the second neighbour: beside an edge of the shape
 constexpr int kCountedByFew = 1;
+// Points in fewer, connected with no others, are strays.
+constexpr Eigen::Index kLeastGroup = 30;
+constexpr double kLeastGroupShare = 1e-3;
 constexpr Eigen::Index kFewest = 50;
 
 // The sixth neighbours' distances and the six neighbours of every point of an index, by the index's
 // order.
 struct Circles {
-  std::vector<int> neighbours;  // ranks in the order
-  std::vector<double> reach;
+  std::vector<int> neighbours;        // ranks in the order
+  std::vector<double> reach, second;  // distances of the last and of the second of them
 };
 
 Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, ThreadPool& pool) {
@@ -29,7 +35,9 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
   std::vector<int> rank(order.size());
   for (std::ptrdiff_t i = 0; i < count; ++i)
     rank[static_cast<size_t>(order[i])] = static_cast<int>(i);
-  Circles circles{std::vector<int>(order.size() * kNeighbour), std::vector<double>(order.size())};
+  Circles circles{std::vector<int>(order.size() * kNeighbour),
+                  std::vector<double>(order.size()),
+                  std::vector<double>(order.size())};
   pool.For(count, 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Eigen::Matrix3Xd queries(3, end - begin);
     for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(order[i]);
@@ -41,6 +49,7 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
             rank[static_cast<size_t>(row[n])];
       circles.reach[static_cast<size_t>(i)] =
           (points.col(row[kNeighbour - 1]) - queries.col(i - begin)).norm();
+      circles.second[static_cast<size_t>(i)] = (points.col(row[1]) - queries.col(i - begin)).norm();
     }
   });
   return circles;
@@ -52,7 +61,24 @@ bool StandsApart(const Circles& circles, std::ptrdiff_t i) {
     theirs[n] = circles.reach[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
   std::sort(theirs.begin(), theirs.end());
   const double median = (theirs[kNeighbour / 2 - 1] + theirs[kNeighbour / 2]) / 2;
-  return circles.reach[static_cast<size_t>(i)] > kMuchFarther * median;
+  return circles.reach[static_cast<size_t>(i)] > kMuchFarther * median ||
+         circles.second[static_cast<size_t>(i)] > kFarFromAll * median;
+}
+
+// Strays are far from all others, or from all but a few strays like them.
+void LeaveOutGroups(const Eigen::Matrix3Xd& points, PointMask& mask, ThreadPool& pool) {
+  std::vector<Eigen::Index> some;
+  for (Eigen::Index k = 0; k < mask.size(); ++k)
+    if (mask[k]) some.push_back(k);
+  const Eigen::Matrix3Xd own = points(Eigen::all, some);
+  const std::vector<Eigen::Index> roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);
+  std::vector<Eigen::Index> sizes(roots.size());
+  for (const Eigen::Index root : roots) ++sizes[static_cast<size_t>(root)];
+  const double least =
+      std::max<double>(kLeastGroup, kLeastGroupShare * static_cast<double>(some.size()));
+  if (static_cast<double>(*std::ranges::max_element(sizes)) < least) return;  // nothing but strays
+  for (size_t i = 0; i < some.size(); ++i)
+    mask[some[i]] = static_cast<double>(sizes[static_cast<size_t>(roots[i])]) >= least;
 }
 
 }  // namespace
@@ -87,6 +113,7 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
     if (apart[i] && counted_by[i] <= kCountedByFew)
       company[chosen[static_cast<size_t>(order[i])]] = false;
   }
+  LeaveOutGroups(points, company, pool);
   return company;
 }
 

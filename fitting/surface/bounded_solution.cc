@@ -20,10 +20,10 @@ constexpr double kOfSpacing = 1;         // … and in spacings: points may as w
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
 constexpr double kRounding = 1e-9;       // of an interval
 // A coefficient that the points do not ask for costs nothing when held, but for chance: so many
-// times its share of the variance. Of points followed to so many times their noise, bounds that
-// cost more, and a share that matters, are too narrow.
-constexpr double kOfChance = 6, kMatters = 4e-3, kAtNoise = 1.5;
-constexpr int kWidenings = 3;
+// times its share of the variance. Of points followed to so many times their noise, bounds and
+// boxes that cost more, and more than a share of what the unknowns cost by chance, are too narrow.
+constexpr double kOfChance = 6, kOfFreedom = 0.2, kAtNoise = 1.5;
+constexpr int kWidenings = 3;  // each time twice as wide
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
 // where the fit (1e-4) bends within one, so that it goes on over a cell without data as those
@@ -163,7 +163,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       double spacing,
                       ThreadPool& pool,
                       int most_rounds,
-                      double noise_of_values,
+                      bool at_noise,
                       BoundedSolution& bounded) {
   if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
   LinearSolution& solution = bounded.solution;
@@ -177,8 +177,6 @@ void HoldCoefficients(const FittingProblem& problem,
   CoefficientBounds bounds =
       BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
   const double squares = solution.residual_squares;
-  const bool at_noise =
-      squares <= kAtNoise * kAtNoise * noise_of_values * noise_of_values * Weight(problem);
   const Eigen::MatrixXd free = solution.coefficients;
   for (int time = 0; bounds.Leaves(free); ++time) {
     ActiveSet set(system, problem.smoothing(), free, bounds, pool);
@@ -191,8 +189,8 @@ void HoldCoefficients(const FittingProblem& problem,
     solution.coefficients = set.net();
     bounded.held = set.held();
     solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
-    const double allowed =
-        std::max(kMatters, kOfChance * set.held() / static_cast<double>(measured));
+    const double allowed = std::max(kOfChance * set.held(), kOfFreedom * problem.unknowns()) /
+                           static_cast<double>(measured);
     if (!at_noise || time == kWidenings || solution.residual_squares <= (1 + allowed) * squares)
       return;
     bounds.Widen(2);
@@ -216,14 +214,21 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
-  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, noise, bounded);
-  auto inside = HeldInBox(problem, bounded.solution, measured, pool);
-  const double all = Weight(problem);
-  if (inside &&
-      inside->residual_squares <=
-          std::max(kCostOfHolding * bounded.solution.residual_squares, held_rms * held_rms * all)) {
+  const double all = Weight(problem), squares = bounded.solution.residual_squares;
+  const bool at_noise = squares <= kAtNoise * kAtNoise * noise * noise * all;
+  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, at_noise, bounded);
+  const double limit = at_noise
+                           ? (1 + kOfFreedom * problem.unknowns() / static_cast<double>(measured)) *
+                                 std::max(squares, bounded.solution.residual_squares)
+                           : kCostOfHolding * bounded.solution.residual_squares;
+  double grown = 1;
+  for (int time = 0; time <= (at_noise ? kWidenings : 0); ++time, grown *= 2) {
+    auto inside = HeldInBox(problem, bounded.solution, measured, pool, grown);
+    if (!inside) break;
+    if (inside->residual_squares > std::max(limit, held_rms * held_rms * all)) continue;
     bounded.solution = std::move(*inside);
     bounded.in_box = true;
+    break;
   }
   return bounded;
 }

@@ -188,8 +188,10 @@ FittingProblem WithPlaces(const FittingProblem& problem, const Leaving& held, do
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,
                                         Eigen::Index measured,
-                                        ThreadPool& pool) {
-  const Box box = BoxOf(problem.data(), measured);
+                                        ThreadPool& pool,
+                                        double grown) {
+  Box box = BoxOf(problem.data(), measured);
+  box.grown *= grown;
   if (!(box.diagonal > 0)) return {};
   Leaving held = LeavingPlaces(problem, solution.coefficients, box, pool);
   if (held.at.empty()) return {};

@@ -18,11 +18,12 @@ namespace batten::internal {
 // the box grown by nine tenths of that, with weights that grow from round to round; what is left
 // after six rounds fairness pulls in. Returns nothing where the solution stays in the box, which
 // its coefficients tell at once in most fits. The first `measured` data make the box: heights or
-// points. O(coefficients), and a solve for each round.
+// points; grown by `grown` times as much. O(coefficients), and a solve for each round.
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,
                                         Eigen::Index measured,
-                                        ThreadPool& pool);
+                                        ThreadPool& pool,
+                                        double grown = 1);
 
 // How far a surface in space leaves the box of points (along their principal axes), over its
 // diagonal; zero up to a fifth. O(control points).

@@ -32,6 +32,7 @@ constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
 constexpr Eigen::Index kFewestPoints = 4;
 constexpr double kMisses = 3;            // scale over noise; above: the shape is missed
 constexpr double kBeyondStructure = 2;   // spacings
+constexpr double kOnSurface = 0.8;       // share of a part's points
 constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
 
 // Whether outliers that their neighbours tell are so many that a loss must bound them.
@@ -209,12 +210,35 @@ class InlierPasses {
         Acts(Rule::kNeighbourVotes)
             ? ResidualInliers(parameters, distances_, limit, context_.spacing(), context_.pool())
             : (distances_.array().abs() <= limit).eval();
-    // Points without parameters in the base must be on the surface: no neighbours can classify
-    // them.
-    for (Eigen::Index k = 0; k < close.size(); ++k)
-      if (!context_.prepared().reached[k])
-        close[k] = std::abs(distances_[k]) <= limit && context_.IsInside(k);
+    // Points without parameters in the base, or beyond its domain, must be on the surface: places
+    // next to each other do not make them neighbours.
+    for (Eigen::Index k = 0; k < close.size(); ++k) {
+      const bool inside = context_.base().exact || context_.IsInside(k);
+      if (!context_.prepared().reached[k] || !inside)
+        close[k] = std::abs(distances_[k]) <= limit && inside;
+    }
+    LeaveOutPartsOff(close);
     return close;
+  }
+
+  // A part beside the others is on the surface as a whole or not at all: a surface passes through
+  // some of any object's points.
+  void LeaveOutPartsOff(PointMask& close) const {
+    const std::vector<int>& parts = context_.prepared().set_aside;
+    if (parts.empty()) return;
+    const auto count = static_cast<size_t>(*std::ranges::max_element(parts) + 1);
+    std::vector<Eigen::Index> all(count), on(count);
+    for (size_t k = 0; k < parts.size(); ++k) {
+      if (parts[k] < 0) continue;
+      ++all[static_cast<size_t>(parts[k])];
+      on[static_cast<size_t>(parts[k])] += close[static_cast<Eigen::Index>(k)];
+    }
+    for (size_t k = 0; k < parts.size(); ++k) {
+      if (parts[k] < 0) continue;
+      const auto own = static_cast<size_t>(parts[k]);
+      close[static_cast<Eigen::Index>(k)] &=
+          static_cast<double>(on[own]) >= kOnSurface * static_cast<double>(all[own]);
+    }
   }
 
   FitContext& context_;

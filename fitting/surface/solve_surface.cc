@@ -85,7 +85,7 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
                                            context.spacing(),
                                            pool,
                                            kRoundsOfBounds,
-                                           HeldRms(context),
+                                           options.trim == Trimming::kNone ? HUGE_VAL : 0,
                                            context.noise());
   SolvedSurface solved{
       context.base().Surface(problem.basis_u(), problem.basis_v(), held.solution.coefficients),

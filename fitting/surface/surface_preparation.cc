@@ -72,6 +72,10 @@ void SortByPlace(PreparedCloud& prepared) {
   prepared.reached = prepared.reached(order).eval();
   prepared.used = prepared.used(order).eval();
   prepared.statistics.outliers = prepared.statistics.outliers(order).eval();
+  std::vector<int> parts;
+  if (!prepared.set_aside.empty())
+    for (const Eigen::Index k : order) parts.push_back(prepared.set_aside[static_cast<size_t>(k)]);
+  prepared.set_aside = std::move(parts);
 }
 
 namespace {
@@ -95,13 +99,15 @@ void TakeBase(PreparedCloud& prepared,
               const NeighbourIndex& index,
               const SurfaceFitOptions& options,
               ThreadPool& pool) {
-  auto [choice, conditions] =
+  auto [base, set_aside] =
       ChooseBesideClutter(prepared.merged.cloud,
                           index,
                           options,
                           options.keep_outliers || prepared.symmetry.has_value(),
                           pool,
                           prepared.statistics);
+  auto& [choice, conditions] = base;
+  prepared.set_aside = std::move(set_aside);
   prepared.conditions = std::move(conditions);
   if (prepared.symmetry) MakeSymmetric(*prepared.symmetry, prepared.merged, choice);
   prepared.base = std::move(choice.base);

@@ -38,6 +38,8 @@ struct PreparedCloud {
   std::optional<CloudSymmetry> symmetry;
   PointMask reached;  // mask of the merged points: parameterized by the base
   PointMask used;     // mask of the merged points: initial inliers
+  // SmallParts that were set aside before the base was chosen; empty: none were.
+  std::vector<int> set_aside;
   std::vector<std::string> warnings;
   std::vector<BaseCandidate> candidates;  // for the base
 };
