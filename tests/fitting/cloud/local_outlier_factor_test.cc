@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace batten::internal::local_outlier_factor_test {
@@ -53,6 +54,22 @@ TEST(CompanyTest, StraysBesideAnEdgeHaveNone) {
   const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5012, true));
   EXPECT_EQ(kept.tail(12).count(), 0);
   EXPECT_GE(kept.head(5000).count(), 4998);
+}
+
+// Beyond the edge by twice as far as a sixth neighbour there, and in a loose group of their own.
+TEST(CompanyTest, StraysHaveNoneNearAnEdgeNorAmongThemselves) {
+  std::mt19937_64 random(8);
+  constexpr int kPoints = 5000, kBeside = 8, kGroup = 25;
+  Eigen::Matrix3Xd points(3, kPoints + kBeside + kGroup);
+  points.leftCols(kPoints) = Square(kPoints, false, random);
+  const double reach = std::sqrt(2 * 6 / (std::numbers::pi * kPoints));  // six in half a disc
+  for (int k = 0; k < kBeside; ++k)
+    points.col(kPoints + k) << (k + 0.5) / kBeside, 1 + 2 * reach, 0;
+  for (int k = 0; k < kGroup; ++k)  // a tenth of the density along each side
+    points.col(kPoints + kBeside + k) << 1.3 + 0.14 * (k % 5), 0.3 + 0.14 * (k / 5), 0.02 * (k % 3);
+  const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(points.cols(), true));
+  EXPECT_EQ(kept.tail(kBeside + kGroup).count(), 0);
+  EXPECT_GE(kept.head(kPoints).count(), kPoints - 4);
 }
 
 TEST(CompanyTest, OnlyPointsUnderTheMaskAreAskedAndFewAreLetBe) {

@@ -242,4 +242,26 @@ TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceOverATaperedOutline) {
   }
 }
 
+// A round outline leaves the corners empty, where a steep surface goes far beyond the box of its
+// points; coarse cells reach from there to the middle.
+TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceWithinARoundOutline) {
+  constexpr int kCount = 15000;
+  constexpr double kSigma = 2e-3;
+  const auto inside = [](double u, double v) { return std::hypot(u - 0.5, v - 0.5) < 0.5; };
+  const auto dish = [](double u, double v) {
+    const double x = u - 0.5, y = v - 0.5;
+    return 0.8 * (x * x + y * y) + 0.9 * x * y * (x + y) + 0.2 * x;
+  };
+  Random random(11);
+  for (const int cells : {1, 3, 4}) {
+    const FittingProblem problem = Over(3, cells, Heights(dish, inside, kCount, kSigma, random));
+    ThreadPool pool(1);
+    const double free = SolveLinear(problem, pool).residual_squares;
+    const BoundedSolution held =
+        SolveWithinBounds(problem, kCount, 1 / std::sqrt(kCount), pool, 3, 0, kSigma);
+    const double chance = std::max<double>(6 * held.held, 0.4 * problem.unknowns()) / kCount;
+    EXPECT_LE(held.solution.residual_squares, (1 + chance) * free) << cells;
+  }
+}
+
 }  // namespace batten::internal::bounded_solution_test
