@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -209,13 +210,12 @@ std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
   for (Eigen::Index k = 0; k < mask.size(); ++k)
     if (mask[k]) some.push_back(k);
   if (some.empty()) return {};
-  std::vector<Eigen::Index> roots;
-  if (std::ssize(some) == points.cols()) {
-    roots = ConnectedPoints(points, index, pool);
-  } else {
-    const Eigen::Matrix3Xd own = points(Eigen::all, some);
-    roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);
-  }
+  const bool all = std::ssize(some) == points.cols();
+  const Eigen::Matrix3Xd own = all ? Eigen::Matrix3Xd() : points(Eigen::all, some).eval();
+  std::optional<NeighbourIndex> of_own;
+  if (!all) of_own.emplace(own, pool);
+  const std::vector<Eigen::Index> roots =
+      all ? ConnectedPoints(points, index, pool) : ConnectedPoints(own, *of_own, pool);
   const auto most = static_cast<double>(Largest(roots).second);
   if (most < kMostOfAll * static_cast<double>(some.size())) return {};
   std::vector<Eigen::Index> sizes(roots.size());
@@ -228,7 +228,17 @@ std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
     if (number[root] < 0) number[root] = count++;
     parts[static_cast<size_t>(some[i])] = number[root];
   }
-  return count > 0 ? parts : std::vector<int>{};
+  if (count == 0) return {};
+  // What is masked out goes with its nearest neighbour: a part's rough places are none of others.
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index k = 0; k < mask.size(); ++k)
+    if (!mask[k]) rest.push_back(k);
+  if (rest.empty()) return parts;
+  const std::vector<int> nearest = of_own->Nearest(points(Eigen::all, rest), 1);
+  for (size_t i = 0; i < rest.size(); ++i)
+    parts[static_cast<size_t>(rest[i])] =
+        parts[static_cast<size_t>(some[static_cast<size_t>(nearest[i])])];
+  return parts;
 }
 
 }  // namespace batten::internal

@@ -14,8 +14,9 @@ namespace {
 
 constexpr int kNeighbour = 6;
 constexpr double kMuchFarther = 2.5;
-constexpr double kFarFromAll =
-    1.6;  // of the same, of the second neighbour: beside an edge of the shape
+// A stray beside an edge: its second neighbour so many times as far as that, and all on one side,
+// by the mean of their directions (0.64 along a straight edge).
+constexpr double kFarFromAll = 1.15, kOnOneSide = 0.8;
 constexpr int kCountedByFew = 1;
 // Points in fewer, connected with no others, are strays.
 constexpr Eigen::Index kLeastGroup = 30;
@@ -27,6 +28,7 @@ constexpr Eigen::Index kFewest = 50;
 struct Circles {
   std::vector<int> neighbours;        // ranks in the order
   std::vector<double> reach, second;  // distances of the last and of the second of them
+  std::vector<double> lean;           // length of the mean of their directions
 };
 
 Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, ThreadPool& pool) {
@@ -36,6 +38,7 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
   for (std::ptrdiff_t i = 0; i < count; ++i)
     rank[static_cast<size_t>(order[i])] = static_cast<int>(i);
   Circles circles{std::vector<int>(order.size() * kNeighbour),
+                  std::vector<double>(order.size()),
                   std::vector<double>(order.size()),
                   std::vector<double>(order.size())};
   pool.For(count, 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -49,20 +52,29 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
             rank[static_cast<size_t>(row[n])];
       circles.reach[static_cast<size_t>(i)] =
           (points.col(row[kNeighbour - 1]) - queries.col(i - begin)).norm();
+      Eigen::Vector3d lean = Eigen::Vector3d::Zero();
+      for (int n = 0; n < kNeighbour; ++n)
+        lean += (points.col(row[n]) - queries.col(i - begin)).stableNormalized() / kNeighbour;
+      circles.lean[static_cast<size_t>(i)] = lean.norm();
       circles.second[static_cast<size_t>(i)] = (points.col(row[1]) - queries.col(i - begin)).norm();
     }
   });
   return circles;
 }
 
-bool StandsApart(const Circles& circles, std::ptrdiff_t i) {
+// How a point stands among its neighbours.
+enum class Standing : char { kAmong, kBeside, kApart };
+
+Standing StandingOf(const Circles& circles, std::ptrdiff_t i) {
   std::array<double, kNeighbour> theirs;
   for (int n = 0; n < kNeighbour; ++n)
     theirs[n] = circles.reach[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
   std::sort(theirs.begin(), theirs.end());
   const double median = (theirs[kNeighbour / 2 - 1] + theirs[kNeighbour / 2]) / 2;
-  return circles.reach[static_cast<size_t>(i)] > kMuchFarther * median ||
-         circles.second[static_cast<size_t>(i)] > kFarFromAll * median;
+  if (circles.reach[static_cast<size_t>(i)] > kMuchFarther * median) return Standing::kApart;
+  const bool beside = circles.second[static_cast<size_t>(i)] > kFarFromAll * median &&
+                      circles.lean[static_cast<size_t>(i)] > kOnOneSide;
+  return beside ? Standing::kBeside : Standing::kAmong;
 }
 
 // Strays are far from all others, or from all but a few strays like them.
@@ -85,7 +97,8 @@ void LeaveOutGroups(const Eigen::Matrix3Xd& points, PointMask& mask, ThreadPool&
 
 PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
-                            ThreadPool& pool) {
+                            ThreadPool& pool,
+                            bool many_strays) {
   PointMask company = mask;
   std::vector<Eigen::Index> chosen;
   for (Eigen::Index k = 0; k < mask.size(); ++k) {
@@ -96,24 +109,25 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
   const Eigen::Matrix3Xd some = points(Eigen::all, chosen);
   const NeighbourIndex index(some, pool);
   const Circles circles = CirclesOf(some, index, pool);
-  std::vector<char> apart(chosen.size());
+  std::vector<Standing> standing(chosen.size());
   pool.For(count, 4096, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (auto i = begin; i < end; ++i)
-      apart[static_cast<size_t>(i)] = StandsApart(circles, i) ? 1 : 0;
+    for (auto i = begin; i < end; ++i) standing[static_cast<size_t>(i)] = StandingOf(circles, i);
   });
   // Where the density drops across a line, points on its sparse side are counted by sparse ones.
   std::vector<int> counted_by(chosen.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    if (apart[static_cast<size_t>(i)]) continue;
+    if (standing[static_cast<size_t>(i)] != Standing::kAmong) continue;
     for (int n = 0; n < kNeighbour; ++n)
       ++counted_by[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
   }
   const auto order = index.order();
   for (size_t i = 0; i < chosen.size(); ++i) {
-    if (apart[i] && counted_by[i] <= kCountedByFew)
+    if (standing[i] == Standing::kAmong || (standing[i] == Standing::kBeside && !many_strays))
+      continue;
+    if (counted_by[i] <= (standing[i] == Standing::kApart ? kCountedByFew : 0))
       company[chosen[static_cast<size_t>(order[i])]] = false;
   }
-  LeaveOutGroups(points, company, pool);
+  if (many_strays) LeaveOutGroups(points, company, pool);
   return company;
 }
 

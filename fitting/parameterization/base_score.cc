@@ -19,10 +19,6 @@ namespace {
 constexpr Eigen::Index kSample = 30000;
 constexpr int kMostDegree = 3;
 constexpr double kShapeInSpacings = 0.25;
-// Parameters that settled with a net have cost some of the freedom of the noise, too: errors
-// are 1.35 times those of given ones, as if control points were 1.8 times as many. [measured:
-// kind_fitting]
-constexpr double kSettledFreedom = 1.8;
 
 int Rounded(double cells, int least) {
   return std::max(least, static_cast<int>(std::lround(cells)));
@@ -130,8 +126,7 @@ BaseScore::Value BaseScore::At(const Parameterization& base,
       std::max(kTukeyTuning * RobustScale(residuals), kShapeInSpacings * ParameterSpacing(problem));
   const double squares = residuals.cwiseAbs().cwiseMin(most).squaredNorm();
   const auto count = static_cast<double>(problem.size());
-  const double taken = base.settled_cells_u > 0 ? kSettledFreedom : 1;
-  const double freedom = std::max(1.0, count - kFreedomFactor * taken * chosen.unknowns());
+  const double freedom = std::max(1.0, count - kFreedomFactor * chosen.unknowns());
   return {count * squares / (freedom * freedom), cells_u, cells_v, chosen.unknowns()};
 }
 

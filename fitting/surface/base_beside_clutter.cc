@@ -15,49 +15,78 @@
 namespace batten::internal {
 namespace {
 
-// Which small parts are no heights beside the others over a plane, as islands are: many of their
-// points have another above or below, farther from them than their neighbours and the noise.
+// Which points have another above or below over a plane, farther from them than their neighbours
+// and the noise.
+class LayersOver {
+ public:
+  LayersOver(const Eigen::Matrix3Xd& points, const PlaneBase& plane, ThreadPool& pool)
+      : places_(plane.ToFrame(points)), plan_(Flat(places_)), over_(plan_, pool), pool_(pool) {}
+
+  // Of some of the points, by their neighbours among them.
+  std::vector<bool> ApartAmong(const std::vector<Eigen::Index>& some, double noise) const {
+    constexpr int kNeighbours = 4, kOver = 3;
+    constexpr double kApart = 2, kApartInNoise = 6;  // of the neighbours' distance
+    const Eigen::Matrix3Xd own = places_(Eigen::all, some);
+    const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, own.cols())),
+              others = static_cast<int>(std::min<Eigen::Index>(kOver + 1, places_.cols()));
+    const std::vector<int> near = NeighbourIndex(own, pool_).Nearest(own, each),
+                           over = over_.Nearest(Flat(own), others);
+    std::vector<bool> apart(some.size());
+    for (Eigen::Index i = 0; i < own.cols(); ++i) {
+      const double reach =
+          (own.col(near[static_cast<size_t>((i + 1) * each - 1)]) - own.col(i)).norm();
+      for (int n = 0; n < others; ++n) {
+        const Eigen::Vector3d way =
+            places_.col(over[static_cast<size_t>(i * others + n)]) - own.col(i);
+        if (way.head<2>().norm() <= reach &&
+            std::abs(way[2]) > kApart * reach + kApartInNoise * noise)
+          apart[static_cast<size_t>(i)] = true;
+      }
+    }
+    return apart;
+  }
+
+ private:
+  static Eigen::Matrix3Xd Flat(Eigen::Matrix3Xd places) {
+    places.row(2).setZero();
+    return places;
+  }
+
+  Eigen::Matrix3Xd places_, plan_;
+  NeighbourIndex over_;
+  ThreadPool& pool_;
+};
+
+// Which small parts are no heights beside the others over a plane, as islands are: clearly more of
+// their points than of the others have another above or below.
 std::vector<bool> PartsInLayers(const std::vector<int>& parts,
                                 const PointCloud& cloud,
                                 const CloudStatistics& statistics,
                                 const PlaneBase& plane,
                                 ThreadPool& pool) {
-  constexpr int kNeighbours = 4, kBelow = 3;
-  constexpr double kApart = 2, kApartInNoise = 6;  // of the neighbours' distance
-  constexpr double kInLayers = 0.2;                // share of a part's points
-  std::vector<Eigen::Index> inliers, small;        // small: among the inliers
+  constexpr double kMore = 0.2;  // share of a part's points
+  std::vector<Eigen::Index> inliers, small, large;
   for (Eigen::Index k = 0; k < cloud.size(); ++k) {
     if (statistics.outliers[k]) continue;
-    if (parts[static_cast<size_t>(k)] >= 0) small.push_back(std::ssize(inliers));
+    (parts[static_cast<size_t>(k)] >= 0 ? small : large).push_back(std::ssize(inliers));
     inliers.push_back(k);
   }
-  const Eigen::Matrix3Xd places = plane.ToFrame(cloud.points()(Eigen::all, inliers));
-  Eigen::Matrix3Xd plan = places;
-  plan.row(2).setZero();
-  const Eigen::Matrix3Xd own = places(Eigen::all, small), own_plan = plan(Eigen::all, small);
-  const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, own.cols())),
-            below = static_cast<int>(std::min<Eigen::Index>(kBelow + 1, plan.cols()));
-  const std::vector<int> near = NeighbourIndex(own, pool).Nearest(own, each),
-                         over = NeighbourIndex(plan, pool).Nearest(own_plan, below);
+  const LayersOver layers(cloud.points()(Eigen::all, inliers), plane, pool);
+  const std::vector<bool> apart = layers.ApartAmong(small, statistics.noise),
+                          others = layers.ApartAmong(large, statistics.noise);
+  const double usual = static_cast<double>(std::ranges::count(others, true)) /
+                       static_cast<double>(std::max<size_t>(1, others.size()));
   const auto count = static_cast<size_t>(*std::ranges::max_element(parts) + 1);
   std::vector<double> all(count), layered(count);
-  for (Eigen::Index i = 0; i < own.cols(); ++i) {
-    const double reach =
-        (own.col(near[static_cast<size_t>((i + 1) * each - 1)]) - own.col(i)).norm();
-    bool apart = false;
-    for (int n = 0; n < below; ++n) {
-      const Eigen::Vector3d way = places.col(over[static_cast<size_t>(i * below + n)]) - own.col(i);
-      apart |= way.head<2>().norm() <= reach &&
-               std::abs(way[2]) > kApart * reach + kApartInNoise * statistics.noise;
-    }
-    const auto part = static_cast<size_t>(
-        parts[static_cast<size_t>(inliers[static_cast<size_t>(small[static_cast<size_t>(i)])])]);
+  for (size_t i = 0; i < small.size(); ++i) {
+    const auto part =
+        static_cast<size_t>(parts[static_cast<size_t>(inliers[static_cast<size_t>(small[i])])]);
     ++all[part];
-    layered[part] += apart;
+    layered[part] += apart[i];
   }
   std::vector<bool> in_layers(count);
   for (size_t part = 0; part < count; ++part)
-    in_layers[part] = layered[part] > kInLayers * all[part];
+    in_layers[part] = layered[part] > (usual + kMore) * all[part];
   return in_layers;
 }
 

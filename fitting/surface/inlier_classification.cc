@@ -50,7 +50,10 @@ PointMask WithoutIsolated(const FitContext& context, bool robust, PointMask mask
   if (!robust || context.base().exact || context.options().keep_outliers ||
       !Acts(Rule::kIsolatedPoints))
     return mask;
-  return NonIsolatedPoints(context.points().points(), mask, context.pool());
+  const auto outliers = static_cast<double>(context.prepared().statistics.outlier_count),
+             all = static_cast<double>(context.points().size());
+  return NonIsolatedPoints(
+      context.points().points(), mask, context.pool(), outliers > kManyStrays * all);
 }
 
 // The passes, over what they hand on.

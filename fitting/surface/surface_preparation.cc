@@ -121,12 +121,11 @@ void TakeBase(PreparedCloud& prepared,
 // Removes isolated points where there are outliers: those beside the shape's edges look like its
 // continuation and are found by isolation only.
 void FlagOutliers(const PointCloud& points, CloudStatistics& statistics, ThreadPool& pool) {
-  if (!Acts(Rule::kIsolatedPoints) ||
-      static_cast<double>(statistics.outlier_count) <=
-          kOutlierShareForLoss * static_cast<double>(points.size())) {
-    return;
-  }
-  statistics.outliers = !NonIsolatedPoints(points.points(), !statistics.outliers, pool);
+  const double share =
+      static_cast<double>(statistics.outlier_count) / static_cast<double>(points.size());
+  if (!Acts(Rule::kIsolatedPoints) || share <= kOutlierShareForLoss) return;
+  statistics.outliers =
+      !NonIsolatedPoints(points.points(), !statistics.outliers, pool, share > kManyStrays);
   statistics.outlier_count = statistics.outliers.count();
 }
 

@@ -28,7 +28,7 @@ TEST(CompanyTest, PointsOfAShapeHaveCompany) {
       std::mt19937_64 random(seed);
       const Eigen::Matrix3Xd points = Square(5000, uneven, random);
       const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5000, true));
-      EXPECT_GE(kept.count(), 4998);  // a corner point may stand apart by chance
+      EXPECT_GE(kept.count(), 4995);  // by chance one in a thousand may stand apart
     }
   }
 }
