@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <optional>
 
@@ -42,6 +44,12 @@ struct AllDistances {
   void Add(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& distances);
   // Adds what other processes have measured.
   void Merge(PointSource& source);
+
+  // What Merge adds beside the counts, as numbers and from them.
+  static constexpr std::size_t kExtremes = 11;
+  using Extremes = std::array<double, kExtremes>;
+  Extremes extremes() const;
+  void set_extremes(const Extremes& extremes);
 
   DistanceCounts used, all;
   double limit;
