@@ -19,12 +19,18 @@ DistanceMeter::DistanceMeter(const NurbsSurface& surface,
     of_sample_ = guesses_->of_sample();
     return;
   }
+  heights_ = HeightDistances::Of(surface, *plane_, pool);
+  if (heights_) {
+    of_sample_ = heights_->To(sample, pool);
+    return;
+  }
   const Eigen::Matrix2Xd near = plane_->ToFrame(sample).topRows<2>();
   over_plane_.emplace(surface, expected, sample, near, pool);
   of_sample_ = over_plane_->To(sample, near, pool);
 }
 
 PointDistances DistanceMeter::Of(const Eigen::Matrix3Xd& points, ThreadPool& pool) const {
+  if (heights_) return heights_->To(points, pool);
   return plane_ ? over_plane_->To(points, plane_->ToFrame(points).topRows<2>(), pool)
                 : guesses_->DistancesOf(points, pool);
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "batten/fitting/point_source.h"
@@ -13,6 +14,7 @@
 #include "fitting/parameterization/parameterization.h"
 #include "fitting/streaming/distance_counts.h"
 #include "fitting/streaming/foot_guesses.h"
+#include "fitting/streaming/height_distances.h"
 
 namespace batten::internal {
 
@@ -30,8 +32,9 @@ class DistanceMeter {
   const PointDistances& of_sample() const { return of_sample_; }
 
  private:
+  std::unique_ptr<HeightDistances> heights_;
   std::optional<PlaneBase> plane_;
-  std::optional<SurfaceDistances> over_plane_;
+  std::optional<SurfaceDistances> over_plane_;  // of what is no plain surface of heights
   std::optional<FootGuesses> guesses_;
   PointDistances of_sample_;
 };
