@@ -55,11 +55,7 @@ struct TileAxes {
   TileAxis u, v;
 };
 
-void RequireCells(const char* field, int tiles, int cells) {
-  if (tiles <= cells) return;
-  throw RefusedData(std::string(field) + ": " + std::to_string(tiles) +
-                    " tiles are more than the " + std::to_string(cells) + " cells there may be");
-}
+std::string Sizes(int u, int v) { return std::to_string(u) + " x " + std::to_string(v); }
 
 TileAxes AxesOf(const Parameterization& base,
                 double points,
@@ -73,6 +69,7 @@ TileAxes AxesOf(const Parameterization& base,
   };
   int cells_u = cells(std::sqrt(most * ratio), p), cells_v = cells(std::sqrt(most / ratio), q);
   if (options.control_points) {
+    RequireDataFor(options, static_cast<Eigen::Index>(points));
     cells_u = options.control_points->first - p;
     cells_v = options.control_points->second - q;
   }
@@ -80,8 +77,12 @@ TileAxes AxesOf(const Parameterization& base,
     return count > 0 ? count : std::max(1, static_cast<int>(std::lround(of / kCellsOfTile)));
   };
   const int count_u = chosen(tiles.count_u, cells_u), count_v = chosen(tiles.count_v, cells_v);
-  RequireCells("tiles in u", count_u, cells_u);
-  RequireCells("tiles in v", count_v, cells_v);
+  if (count_u > cells_u || count_v > cells_v)
+    throw RefusedData(Sizes(count_u, count_v) + " tiles are more than the " +
+                      Sizes(cells_u, cells_v) + " cells that " +
+                      (options.control_points ? "so many control points have"
+                                              : "so many points allow, four to a cell") +
+                      ": fewer tiles can be had");
   if (options.control_points)
     return {TileAxis::Uniform(base.length_u, count_u, cells_u),
             TileAxis::Uniform(base.length_v, count_v, cells_v)};

@@ -187,7 +187,12 @@ TEST(FitTilesTest, WhatCannotBeIsRefused) {
   thinned.thin = 0.1;
   EXPECT_THAT(reason(thinned, {}), HasSubstr("thin: needs all points in memory"));
   EXPECT_THAT(reason({}, {.count_u = 2}), HasSubstr("count_u, count_v: 2, 0"));
-  EXPECT_THAT(reason({}, {.count_u = 900, .count_v = 1}), HasSubstr("tiles in u: 900"));
+  EXPECT_THAT(reason({}, {.count_u = 900, .count_v = 1}),
+              HasSubstr("900 x 1 tiles are more than the "));
+  SurfaceFitOptions many;
+  many.control_points = {600, 500};
+  EXPECT_THAT(reason(many, {.count_u = 2, .count_v = 2}),
+              HasSubstr("600 x 500 are far more than 20000 points determine"));
   SurfaceFitOptions stopped = Untrimmed();
   stopped.progress = [](const char* stage, double) { return std::string(stage) != "project"; };
   ArraySource source(points);
