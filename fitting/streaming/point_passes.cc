@@ -17,30 +17,40 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::size_t kPiecesAhead = 4;
+constexpr std::size_t kPiecesAhead = 2;  // of 65536 points: they stay in the caches
 
 // Pieces on their way from the thread that reads to the one that takes.
 class PieceQueue {
  public:
   struct Closed {};  // thrown to the reader when nobody takes any more
 
-  void Put(Eigen::Matrix3Xd piece) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || pieces_.size() < kPiecesAhead; });
-    if (closed_) throw Closed();
-    pieces_.push_back(std::move(piece));
+  void Put(const Eigen::Matrix3Xd& piece) {
+    Eigen::Matrix3Xd copy;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return closed_ || pieces_.size() < kPiecesAhead; });
+      if (closed_) throw Closed();
+      if (!spare_.empty()) {
+        copy = std::move(spare_.back());
+        spare_.pop_back();
+      }
+    }
+    copy = piece;
+    const std::scoped_lock lock(mutex_);
+    pieces_.push_back(std::move(copy));
     changed_.notify_all();
   }
 
-  // None at the end.
-  std::optional<Eigen::Matrix3Xd> Get() {
+  // The next piece in place of one that is done with; false at the end.
+  bool Get(Eigen::Matrix3Xd& piece) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return ended_ || !pieces_.empty(); });
-    if (pieces_.empty()) return std::nullopt;
-    Eigen::Matrix3Xd piece = std::move(pieces_.front());
+    if (pieces_.empty()) return false;
+    if (piece.size() > 0) spare_.push_back(std::move(piece));
+    piece = std::move(pieces_.front());
     pieces_.pop_front();
     changed_.notify_all();
-    return piece;
+    return true;
   }
 
   void End() { Set(ended_); }
@@ -56,6 +66,7 @@ class PieceQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Eigen::Matrix3Xd> pieces_;
+  std::vector<Eigen::Matrix3Xd> spare_;  // memory of pieces that are done with
   bool ended_ = false, closed_ = false;
 };
 
@@ -98,7 +109,8 @@ void PointPasses::Over(const TakePoints& take) {
   if (!ahead_) return source_.Pass(take);
   PieceQueue queue;
   Reader reader(source_, queue);
-  while (const std::optional<Eigen::Matrix3Xd> piece = queue.Get()) take(*piece);
+  Eigen::Matrix3Xd piece;
+  while (queue.Get(piece)) take(piece);
   reader.Finish();
 }
 

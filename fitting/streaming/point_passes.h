@@ -13,7 +13,7 @@ namespace batten::internal {
 class PointPasses {
  public:
   // Source and store (null: none) are referred to. With `ahead` the source passes in a thread of
-  // its own, at most four pieces before they are taken.
+  // its own, at most two pieces before they are taken.
   PointPasses(PointSource& source, PassStore* store, bool ahead)
       : source_(source), store_(store), ahead_(ahead) {}
 
