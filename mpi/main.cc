@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// batten-mpi fit surface …: `batten fit surface --memory` on the processes of an MPI job.
+// batten-mpi fit surface …: `batten fit surface --memory` and `--tiles` on the processes of an MPI
+// job.
 #define OMPI_SKIP_MPICXX 1
 #include <mpi.h>
 
@@ -19,17 +20,18 @@ namespace batten::internal {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: mpirun -n N batten-mpi fit surface CLOUD... -o OUT --memory SIZE ..., flags as in "
-    "batten "
-    "fit surface\n"
+    "usage: mpirun -n N batten-mpi fit surface CLOUD... -o OUT --memory SIZE|--tiles NxM ..., "
+    "flags "
+    "as in batten fit surface\n"
     "Processes share the files, or the points of one; sums alone go over the wire, and the first "
     "writes.\n";
 
 bool IsStreamedFit(int argc, char** argv) {
-  bool memory = false;
-  for (int k = 1; k < argc; ++k) memory |= std::strncmp(argv[k], "--memory", 8) == 0;
+  bool passes = false;
+  for (int k = 1; k < argc; ++k)
+    passes |= std::strncmp(argv[k], "--memory", 8) == 0 || std::strncmp(argv[k], "--tiles", 7) == 0;
   return argc > 2 && std::strcmp(argv[1], "fit") == 0 && std::strcmp(argv[2], "surface") == 0 &&
-         memory;
+         passes;
 }
 
 int Run(int argc, char** argv) {

@@ -248,7 +248,8 @@ void GroupFitFlags(CLI::App& command) {
               "--origin",
               "--output-format",
               "--step-schema",
-              "--sew"});
+              "--sew",
+              "--tile-faces"});
   GroupFlags(command,
              "How near, how smooth, how long",
              {"--tolerance",
@@ -262,7 +263,9 @@ void GroupFitFlags(CLI::App& command) {
               "--spline",
               "--method",
               "--time-limit",
-              "--memory"});
+              "--memory",
+              "--checkpoint",
+              "--tiles"});
   GroupFlags(command,
              "Which shape",
              {"--kind",

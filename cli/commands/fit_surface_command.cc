@@ -9,15 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/fit_streamed.h"
 #include "batten/fitting/fit_surface.h"
-#include "batten/io/cloud_source.h"
 #include "batten/io/file_format.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
 #include "cli/arguments/fit_parts.h"
-#include "cli/arguments/point_sharing.h"
+#include "cli/arguments/passed_over.h"
 #include "cli/arguments/surface_conditions.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
@@ -40,12 +38,13 @@ struct FitSurfaceArguments : FitArguments {
   std::string grid, grid_method = "auto";
   std::optional<double> thin;
   std::string part = "whole";
-  std::optional<std::int64_t> memory;
+  PassArguments passes;
 };
 
 // Flags that need all points in memory at once.
-void CheckStreamed(const FitSurfaceArguments& a) {
-  if (!a.memory) return;
+void CheckPassedOver(const FitSurfaceArguments& a) {
+  CheckPassArguments(a.passes, a);
+  if (!a.passes.any()) return;
   const FitSurfaceArguments usual;
   const std::vector<std::pair<const char*, bool>> given = {
       {"--residuals", !a.output.residuals.empty()},
@@ -61,8 +60,8 @@ void CheckStreamed(const FitSurfaceArguments& a) {
        a.conditions.any() || !a.conditions.domain.empty()}};
   for (const auto& [flag, is_given] : given) {
     if (is_given)
-      throw UsageError(std::string(flag) +
-                       ": needs all points in memory at once; with --memory they are passed over");
+      throw UsageError(std::string(flag) + ": needs all points in memory at once; with " +
+                       (a.passes.memory ? "--memory" : "--tiles") + " they are passed over");
   }
 }
 
@@ -137,7 +136,9 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   const int fewest = (options.degree_u + 1) * (options.degree_v + 1);
   options.max_control_points = static_cast<int>(
       ParseWhole("--max-control-points", a.max_control_points, fewest, kMostControlPoints));
-  if (options.control_points && a.max_control_points != FitSurfaceArguments().max_control_points &&
+  const bool as_usual = a.max_control_points == FitSurfaceArguments().max_control_points;
+  if (as_usual && !a.passes.tiles.empty()) options.max_control_points = kMostControlPoints;
+  if (options.control_points && !as_usual &&
       options.control_points->first * options.control_points->second > options.max_control_points) {
     throw UsageError("--control-points " + a.control_points +
                      " is more than --max-control-points " + a.max_control_points + " allows");
@@ -166,33 +167,15 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   return WithWork(std::move(options), a);
 }
 
-int RunStreamedFit(FitFiles& files, const FitSurfaceArguments& a, SurfaceFitOptions options) {
-  CloudFileSource own_files = files.Source();
-  OwnPieces own(own_files, OwnFiles(a.clouds) == a.clouds);
-  const std::unique_ptr<PointSource> joined = Sharing() ? Sharing()->joined(own) : nullptr;
-  PointSource& source = joined ? *joined : own;
-  StreamOptions stream;
-  stream.memory = *a.memory;
-  // A local origin is known when the points are.
-  if (const auto shift = ToShift(a.origin)) options.shift = *shift;
-  StreamedFit fit = files.Explained([&] { return FitStreamed(source, options, stream); });
-  if (!Writes()) return files.ExitCode(fit.report);
-  files.TakeSample(own_files, fit.report.input.points, fit.sample);
-  for (const std::string& warning : own_files.warnings()) fit.report.warnings.push_back(warning);
-  const Eigen::Vector3d more = options.shift - files.shift();
-  if (!more.isZero(0)) fit.surface = fit.surface.Translated(more);
-  return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);
-}
-
 int RunFitSurface(const FitSurfaceArguments& a) {
   CheckFitSurface(a);
-  CheckStreamed(a);
+  CheckPassedOver(a);
   SurfaceFitOptions options = ToFitSurfaceOptions(a);
   FitFiles files(a, a.conditions.Files());
   if (!a.grid.empty())
     return RunGridFit(
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
-  if (a.memory) return RunStreamedFit(files, a, std::move(options));
+  if (a.passes.any()) return RunPassedOver(files, a, std::move(options), a.passes);
   const PointCloud& cloud = files.Read(options.given_parameters);
   if (cloud.dimension() == 2) {
     files.Refuse(
@@ -276,16 +259,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
            "one of most points, or all (a surface each, one OUT for them all)",
            "K"),
       {"whole", "all"});
-  command
-      .add_option_function<std::string>(
-          "--memory",
-          [a](const std::string& text) {
-            constexpr std::int64_t kLeast = std::int64_t{1} << 25;
-            a->memory = ParseBytes("--memory", text, kLeast);
-          },
-          "Never more than about this: clouds that take more are passed over several times, a "
-          "piece in memory at a time (LAS, PLY, PCD, text). 500MB, 2GB [all points in memory]")
-      ->type_name("SIZE");
+  AddPassArguments(command, a->passes);
   command
       .add_option_function<std::string>(
           "--sew",
@@ -313,6 +287,7 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface hood.ply -o hood.step --boundary fender.json --boundary edge.json\n"
       "  batten fit surface scan.ply -o part.step --thin 0.5 --tolerance 0.05\n"
       "  batten fit surface tile-*.las -o ground.step --memory 1GB --unit m\n"
+      "  batten fit surface tile-*.las -o ground.step --tiles auto --unit m\n"
       "  batten fit surface table.pcd -o objects.step --part all --time-limit 60\n"
       "  batten fit surface scan.ply -o part.json --uncertainty --uncertainty-map sigma.ply\n"
       "  batten fit surface probe.xyz -o plate.step --grid 40,60 --tolerance 0.01\n"
@@ -322,7 +297,10 @@ void AddFitSurfaceCommand(CLI::App& fit, Action& action) {
       "  batten fit surface ridge.xyz -o ridge.step --control-points 12,8 --optimize knots\n"
       "  batten fit surface mapped.txt -o mapped.step --parameterization given --columns u=4,v=5\n"
       "Exit code 3 says the best surface is written but the tolerance is not reached.");
-  command.callback([a, &action] { action = [a] { return RunFitSurface(*a); }; });
+  command.callback([a, &command, &action] {
+    a->passes.job = JobOf(command);
+    action = [a] { return RunFitSurface(*a); };
+  });
 }
 
 }  // namespace batten::internal

@@ -105,17 +105,33 @@ class DealtPoints {
 
 }  // namespace
 
+CellMoments::CellMoments(const MomentSizes& sizes, int outer_spans, int inner_spans)
+    : sizes_(sizes), outer_spans_(outer_spans), inner_spans_(inner_spans) {
+  moments_.assign(Index(outer_spans, 0), 0.0);
+}
+
 CellMoments::CellMoments(const AxisTable& outer,
                          const AxisTable* inner,
                          const PointRows& points,
                          ThreadPool& pool)
-    : sizes_{outer.degree, inner != nullptr ? inner->degree : 0, points.dimension},
-      inner_spans_(inner != nullptr ? inner->span_count : 1) {
-  const std::ptrdiff_t cells = std::ptrdiff_t{outer.span_count} * inner_spans_;
-  const std::ptrdiff_t size = sizes_.all();
-  moments_.assign(static_cast<size_t>(cells * size), 0.0);
-  filled_.assign(static_cast<size_t>(cells), 0);
+    : CellMoments({outer.degree, inner != nullptr ? inner->degree : 0, points.dimension},
+                  outer.span_count,
+                  inner != nullptr ? inner->span_count : 1) {
+  Add(outer, inner, points, pool);
+}
+
+bool CellMoments::filled(int outer_span, int inner_span) const {
+  // Each is a sum of positive products, of which no point has but zeros.
+  const double* moments = at(outer_span, inner_span);
+  return std::any_of(moments, moments + sizes_.squares(), [](double sum) { return sum != 0; });
+}
+
+void CellMoments::Add(const AxisTable& outer,
+                      const AxisTable* inner,
+                      const PointRows& points,
+                      ThreadPool& pool) {
   if (points.count == 0) return;
+  const std::ptrdiff_t cells = std::ptrdiff_t{outer_spans_} * inner_spans_;
   const TableSpan whole{0, 1, 1};
   DealtPoints dealt(outer, inner, points, cells);
   for (std::ptrdiff_t begin = 0; begin < points.count; begin += dealt.chunk()) {
@@ -125,7 +141,6 @@ CellMoments::CellMoments(const AxisTable& outer,
           AlignedDoubles memory(MomentMemory(sizes_));
           for (std::ptrdiff_t c = first; c < last; ++c) {
             if (dealt.size(c) == 0) continue;
-            filled_[static_cast<size_t>(c)] = 1;
             AddMoments(outer.spans[c / inner_spans_],
                        inner != nullptr ? inner->spans[c % inner_spans_] : whole,
                        sizes_,
@@ -133,7 +148,7 @@ CellMoments::CellMoments(const AxisTable& outer,
                        dealt.records(c),
                        dealt.size(c),
                        memory.data(),
-                       moments_.data() + c * size);
+                       moments_.data() + c * sizes_.all());
           }
         });
   }

@@ -88,6 +88,21 @@ void FairnessForm::AddTo(BlockBandedMatrix& matrix, double weight) const {
   }
 }
 
+void FairnessForm::AddTo(TensorBand& band, double weight) const {
+  for (const Term& term : terms_) {
+    for (int i = 0; i < band.outer_size(); ++i) {
+      for (int a = 0; a < term.outer.cols() && i + a < band.outer_size(); ++a) {
+        const double c = weight * term.factor * term.outer(i, a);
+        double* to = band.row(i, a);
+        for (int j = 0; j < band.inner_size(); ++j) {
+          for (int b = 0; b < term.inner.cols() && j + b < band.inner_size(); ++b)
+            to[j * term.inner.cols() + b] += c * term.inner(j, b);
+        }
+      }
+    }
+  }
+}
+
 double FairnessForm::Trace() const {
   double trace = 0;
   for (const Term& term : terms_) {

@@ -5,9 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fitting/linear/block_banded_matrix.h"
 #include "batten/fitting/fairness_energy.h"
 #include "batten/geometry/spline_basis.h"
+#include "fitting/linear/block_banded_matrix.h"
+#include "fitting/linear/tensor_band.h"
 
 namespace batten::internal {
 
@@ -33,6 +34,9 @@ class FairnessForm {
 
   // Adds weight times the form to a matrix of EmptyMatrix' sizes and order of rows.
   void AddTo(BlockBandedMatrix& matrix, double weight) const;
+
+  // The same for open bases, coefficient by coefficient.
+  void AddTo(TensorBand& band, double weight) const;
 
   double Trace() const;
 

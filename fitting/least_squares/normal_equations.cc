@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "fitting/least_squares/cell_moments.h"
 #include "fitting/linear/coefficient_order.h"
 #include "geometry/evaluation/evaluation_table.h"
 
@@ -20,6 +19,15 @@ OptionalAxis AxisOf(const SplineBasis* basis) {
 }
 
 const AxisTable* Table(const OptionalAxis& axis) { return axis ? &axis->table() : nullptr; }
+
+CellMoments MomentsOf(const SplineBasis& outer,
+                      const SplineBasis* inner,
+                      const PointRows& points,
+                      ThreadPool& pool) {
+  const AxisStorage outer_axis(outer, 0);
+  const OptionalAxis inner_axis = AxisOf(inner);
+  return CellMoments(outer_axis.table(), Table(inner_axis), points, pool);
+}
 
 // Converts moments of a span into sums over products of its basis functions, p being the degree.
 class SpanForms {
@@ -173,16 +181,23 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                                  const SplineBasis* inner_basis,
                                  const PointRows& points,
                                  ThreadPool& pool)
+    : NormalEquations(
+          outer_basis, inner_basis, MomentsOf(outer_basis, inner_basis, points, pool), pool) {}
+
+NormalEquations::NormalEquations(const SplineBasis& outer_basis,
+                                 const SplineBasis* inner_basis,
+                                 const CellMoments& moments,
+                                 ThreadPool& pool)
     : outer_rows_(CoefficientOrder(outer_basis).Rows(outer_basis)),
       inner_rows_(DistinctIndices(inner_basis)),
-      degree_outer_(outer_basis.degree()),
-      degree_inner_(inner_basis ? inner_basis->degree() : 0) {
+      band_(outer_basis.size(),
+            static_cast<int>(inner_rows_.size()),
+            outer_basis.degree(),
+            inner_basis ? inner_basis->degree() : 0) {
   const AxisStorage outer_axis(outer_basis, 0);
   const OptionalAxis inner_axis = AxisOf(inner_basis);
-  const AxisTable* inner_table = Table(inner_axis);
-  const CellMoments moments(outer_axis.table(), inner_table, points, pool);
-  const SpanForms outer(&outer_axis.table()), inner(inner_table);
-  const int p = degree_outer_, q = degree_inner_, dimension = points.dimension;
+  const SpanForms outer(&outer_axis.table()), inner(Table(inner_axis));
+  const int p = outer.degree(), q = inner.degree(), dimension = moments.sizes().dimension;
   const int outer_size = outer_basis.size(), inner_size = static_cast<int>(inner_rows_.size());
 
   std::vector<std::optional<Strip>> strips(static_cast<size_t>(outer.spans()));
@@ -190,8 +205,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
     for (std::ptrdiff_t span = first; span < last; ++span)
       strips[static_cast<size_t>(span)].emplace(moments, inner, inner_size, static_cast<int>(span));
   });
-  const std::ptrdiff_t pair_row = std::ptrdiff_t{inner_size} * (q + 1);
-  band_.assign(static_cast<size_t>(outer_size * (p + 1) * pair_row), 0.0);
+  const std::ptrdiff_t pair_row = band_.row_size();
   std::vector<double> values(static_cast<size_t>(outer_size) * dimension * inner_size, 0.0);
   const std::vector<SpanRange> ranges = SpansOfFunctions(outer, outer_size);
   pool.For(outer_size, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
@@ -208,7 +222,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
                    outer.width(),
                    strip.pairs(),
                    pair_row,
-                   band_.data() + i * (p + 1) * pair_row,
+                   band_.row(static_cast<int>(i), 0),
                    pair_row);
         for (int d = 0; d < dimension; ++d) {
           AddProduct(1,
@@ -231,7 +245,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
       Eigen::MatrixXd::Zero(Eigen::Index{DistinctCount(outer_basis)} * inner_distinct, dimension);
   for (int i = 0; i < outer_size; ++i) {
     const Eigen::Index row = Eigen::Index{outer_rows_[static_cast<size_t>(i)]} * inner_distinct;
-    const double* diagonal = band_.data() + std::ptrdiff_t{i} * (p + 1) * pair_row;
+    const double* diagonal = band_.row(i, 0);
     for (int j = 0; j < inner_size; ++j) {
       trace_ += diagonal[j * (q + 1)];
       for (int d = 0; d < dimension; ++d)
@@ -245,13 +259,12 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
 }
 
 void NormalEquations::AddTo(BlockBandedMatrix& matrix) const {
-  const int p = degree_outer_, q = degree_inner_;
+  const int p = band_.outer_reach(), q = band_.inner_reach();
   const auto outer_size = static_cast<int>(outer_rows_.size()),
              inner_size = static_cast<int>(inner_rows_.size());
-  const double* band = band_.data();
   for (int i = 0; i < outer_size; ++i) {
-    for (int a = 0; a <= p; ++a, band += std::ptrdiff_t{inner_size} * (q + 1)) {
-      if (i + a >= outer_size) continue;
+    for (int a = 0; a <= p && i + a < outer_size; ++a) {
+      const double* band = band_.row(i, a);
       // Two functions of one coefficient meet on the diagonal, from either side.
       const int row = outer_rows_[static_cast<size_t>(i)],
                 row2 = outer_rows_[static_cast<size_t>(i + a)];

@@ -5,10 +5,12 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fitting/linear/block_banded_matrix.h"
 #include "batten/fitting/point_rows.h"
 #include "batten/geometry/spline_basis.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/least_squares/cell_moments.h"
+#include "fitting/linear/block_banded_matrix.h"
+#include "fitting/linear/tensor_band.h"
 
 namespace batten::internal {
 
@@ -52,6 +54,12 @@ class NormalEquations {
                   const PointRows& points,
                   ThreadPool& pool);
 
+  // The same from moments over the bases' spans.
+  NormalEquations(const SplineBasis& outer_basis,
+                  const SplineBasis* inner_basis,
+                  const CellMoments& moments,
+                  ThreadPool& pool);
+
   // Adds A to a matrix of EmptyMatrix' sizes. O(n (p+1)(2q+1)).
   void AddTo(BlockBandedMatrix& matrix) const;
 
@@ -61,11 +69,12 @@ class NormalEquations {
   double squares() const { return squares_; }          // Σ w |z|²
   double trace() const { return trace_; }              // of A, repeated coefficients apart
 
+  // A over the bases' coefficients, repeated ones apart.
+  const TensorBand& band() const { return band_; }
+
  private:
   std::vector<int> outer_rows_, inner_rows_;
-  int degree_outer_, degree_inner_;
-  // Σ w N_i N_{i+a} M_j M_{j+b} at ((i(p+1) + a) n_inner + j)(q+1) + b.
-  std::vector<double> band_;
+  TensorBand band_;
   Eigen::MatrixXd rhs_;
   double squares_ = 0, trace_ = 0;
 };

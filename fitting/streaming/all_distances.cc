@@ -19,12 +19,18 @@ DistanceMeter::DistanceMeter(const NurbsSurface& surface,
     of_sample_ = guesses_->of_sample();
     return;
   }
+  heights_ = HeightDistances::Of(surface, *plane_, pool);
+  if (heights_) {
+    of_sample_ = heights_->To(sample, pool);
+    return;
+  }
   const Eigen::Matrix2Xd near = plane_->ToFrame(sample).topRows<2>();
   over_plane_.emplace(surface, expected, sample, near, pool);
   of_sample_ = over_plane_->To(sample, near, pool);
 }
 
 PointDistances DistanceMeter::Of(const Eigen::Matrix3Xd& points, ThreadPool& pool) const {
+  if (heights_) return heights_->To(points, pool);
   return plane_ ? over_plane_->To(points, plane_->ToFrame(points).topRows<2>(), pool)
                 : guesses_->DistancesOf(points, pool);
 }
@@ -45,24 +51,35 @@ void AllDistances::Add(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& di
   }
 }
 
+AllDistances::Extremes AllDistances::extremes() const {
+  const Eigen::Vector3d &at = farthest, &low = beyond.min(), &high = beyond.max();
+  return {used.greatest(),
+          all.greatest(),
+          at[0],
+          at[1],
+          at[2],
+          low[0],
+          low[1],
+          low[2],
+          high[0],
+          high[1],
+          high[2]};
+}
+
+void AllDistances::set_extremes(const Extremes& one) {
+  used.set_greatest(one[0]);
+  all.set_greatest(one[1]);
+  farthest = {one[2], one[3], one[4]};
+  beyond.min() = {one[5], one[6], one[7]};
+  beyond.max() = {one[8], one[9], one[10]};
+}
+
 void AllDistances::Merge(PointSource& source) {
   source.Sum(used.numbers());
   source.Sum(all.numbers());
-  const Eigen::Vector3d &at = farthest, &low = beyond.min(), &high = beyond.max();
-  const std::vector<double> own = {used.greatest(),
-                                   all.greatest(),
-                                   at[0],
-                                   at[1],
-                                   at[2],
-                                   low[0],
-                                   low[1],
-                                   low[2],
-                                   high[0],
-                                   high[1],
-                                   high[2]};
-  const std::size_t size = own.size();
-  const std::vector<double> every = source.Gathered(own);
-  for (std::size_t k = 0; k < every.size(); k += size) {
+  const Extremes own = extremes();
+  const std::vector<double> every = source.Gathered({own.begin(), own.end()});
+  for (std::size_t k = 0; k < every.size(); k += kExtremes) {
     const double* one = every.data() + k;
     if (one[0] > used.greatest()) farthest = Eigen::Vector3d(one[2], one[3], one[4]);
     used.set_greatest(std::max(used.greatest(), one[0]));

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "batten/fitting/point_source.h"
@@ -11,6 +14,7 @@
 #include "fitting/parameterization/parameterization.h"
 #include "fitting/streaming/distance_counts.h"
 #include "fitting/streaming/foot_guesses.h"
+#include "fitting/streaming/height_distances.h"
 
 namespace batten::internal {
 
@@ -28,8 +32,9 @@ class DistanceMeter {
   const PointDistances& of_sample() const { return of_sample_; }
 
  private:
+  std::unique_ptr<HeightDistances> heights_;
   std::optional<PlaneBase> plane_;
-  std::optional<SurfaceDistances> over_plane_;
+  std::optional<SurfaceDistances> over_plane_;  // of what is no plain surface of heights
   std::optional<FootGuesses> guesses_;
   PointDistances of_sample_;
 };
@@ -42,6 +47,12 @@ struct AllDistances {
   void Add(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& distances);
   // Adds what other processes have measured.
   void Merge(PointSource& source);
+
+  // What Merge adds beside the counts, as numbers and from them.
+  static constexpr std::size_t kExtremes = 11;
+  using Extremes = std::array<double, kExtremes>;
+  Extremes extremes() const;
+  void set_extremes(const Extremes& extremes);
 
   DistanceCounts used, all;
   double limit;

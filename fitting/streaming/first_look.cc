@@ -9,14 +9,18 @@
 
 namespace batten::internal {
 
-FirstLook TakeFirstLook(PointSource& source,
-                        Eigen::Index size,
-                        std::uint64_t seed,
-                        const Progress& progress) {
+namespace {
+
+// Of all processes.
+FirstLook Seen(PointPasses& passes,
+               Eigen::Index size,
+               std::uint64_t seed,
+               const Progress& progress) {
+  PointSource& source = passes.source();
   FirstLook look;
   PointSample own(size, seed);
   Eigen::AlignedBox3d box;
-  source.Pass([&](const Eigen::Matrix3Xd& points) {
+  passes.Over([&](const Eigen::Matrix3Xd& points) {
     if (points.cols() == 0) return;
     look.count += static_cast<double>(points.cols());
     box.extend(points.rowwise().minCoeff().eval());
@@ -45,6 +49,29 @@ FirstLook TakeFirstLook(PointSource& source,
   look.different = source.shared() ? all.Different() : own.Different();
   look.sample = all.Points();
   return look;
+}
+
+}  // namespace
+
+FirstLook TakeFirstLook(PointPasses& passes,
+                        Eigen::Index size,
+                        std::uint64_t seed,
+                        const Progress& progress) {
+  // Counts, size of the sample, box; then the sample, with room for all of it.
+  constexpr Eigen::Index kBefore = 9;
+  Eigen::VectorXd numbers = Eigen::VectorXd::Zero(kBefore + 3 * size);
+  passes.Next({{numbers.data(), static_cast<std::size_t>(numbers.size())}}, [&] {
+    const FirstLook look = Seen(passes, size, seed, progress);
+    numbers.head<kBefore>() << look.count, look.different, static_cast<double>(look.sample.cols()),
+        look.low, look.high;
+    numbers.segment(kBefore, look.sample.size()) = look.sample.reshaped();
+  });
+  const auto kept = static_cast<Eigen::Index>(numbers[2]);
+  return {numbers[0],
+          numbers[1],
+          numbers.segment<3>(3),
+          numbers.segment<3>(6),
+          numbers.segment(kBefore, 3 * kept).reshaped(3, kept)};
 }
 
 }  // namespace batten::internal

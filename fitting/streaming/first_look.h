@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "batten/fitting/point_source.h"
 #include "batten/fitting/progress.h"
+#include "fitting/streaming/point_passes.h"
 
 namespace batten::internal {
 
@@ -18,7 +18,7 @@ struct FirstLook {
 };
 
 // Passes over all points. Throws std::invalid_argument where there is none.
-FirstLook TakeFirstLook(PointSource& source,
+FirstLook TakeFirstLook(PointPasses& passes,
                         Eigen::Index sample,
                         std::uint64_t seed,
                         const Progress& progress);

@@ -47,11 +47,11 @@ std::optional<SurfaceFit> Fitted(const PointCloud& cloud,
   SurfaceFitOptions plain = options;
   plain.optimize = FreeVariables{};
   CloudSource source(cloud);
-  StreamPipeline pipeline(source,
+  PointPasses passes(source, nullptr, false);
+  StreamPipeline pipeline(passes,
                           plain,
                           StreamLimits{kFirstSums, static_cast<double>(cloud.size()) / 2, false},
-                          TakeFirstLook(source, sample, options.seed, options.progress),
-                          1,
+                          TakeFirstLook(passes, sample, options.seed, options.progress),
                           pool,
                           clock);
   if (!pipeline.sample().clean) return std::nullopt;
@@ -61,12 +61,12 @@ std::optional<SurfaceFit> Fitted(const PointCloud& cloud,
   Eigen::Matrix2Xd parameters(2, cloud.size());
   Eigen::VectorXd residuals(cloud.size());
   Eigen::Index at = 0;
-  StreamedFit fit = pipeline.Measured(std::move(places), [&](const PointDistances& found) {
-    const Eigen::Index count = found.distances.size();
-    parameters.middleCols(at, count) = found.parameters;
-    residuals.segment(at, count) = found.distances;
-    at += count;
-  });
+  StreamedFit fit = pipeline.Measured(std::move(places), {[&](const PointDistances& found) {
+                                        const Eigen::Index count = found.distances.size();
+                                        parameters.middleCols(at, count) = found.parameters;
+                                        residuals.segment(at, count) = found.distances;
+                                        at += count;
+                                      }});
   FitReport& report = fit.report;
   if (report.termination != Termination::kNoiseReached &&
       report.termination != Termination::kToleranceReached &&

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/fitting/fit_surface.h"
+#include "fitting/streaming/sample_warnings.h"
 #include "fitting/streaming/stream_pipeline.h"
 
 namespace batten {
@@ -49,15 +50,18 @@ StreamedFit FitStreamed(PointSource& source,
   Check(stream);
   RefuseWhatNeedsAllPoints(options);
   StageClock clock(&StageSeconds::read);
-  FirstLook look = TakeFirstLook(source, stream.sample, options.seed, options.progress);
+  PointPasses passes(source, stream.store, options.threads != 1);
+  FirstLook look = TakeFirstLook(passes, stream.sample, options.seed, options.progress);
   if (!source.shared() && kBytesOfPoint * look.count <= static_cast<double>(stream.memory))
     return InMemory(source, options, look.count);
   SurfaceFitOptions plain = options;
   plain.optimize = FreeVariables{};
   ThreadPool pool(options.threads);
   const StreamLimits limits{kFirstPlaces, static_cast<double>(stream.memory) / kBytesOfPlace, true};
-  StreamPipeline pipeline(source, plain, limits, std::move(look), 1, pool, clock);
-  return pipeline.Measured(pipeline.Solve());
+  StreamPipeline pipeline(passes, plain, limits, std::move(look), pool, clock);
+  StreamedFit fit = pipeline.Measured(pipeline.Solve());
+  WarnOfParts(fit.sample, pool, fit.report);
+  return fit;
 }
 
 }  // namespace batten

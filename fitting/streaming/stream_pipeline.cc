@@ -10,10 +10,10 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/refused_data.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/streaming/sample_warnings.h"
 #include "fitting/surface/hold_between_points.h"
 #include "fitting/surface/surface_overshoot.h"
 #include "fitting/surface/surface_postprocess.h"
-#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
@@ -23,9 +23,6 @@ namespace {
 constexpr double kPlacesOfControlPoint = 40, kPlacesToAsk = 80;
 constexpr int kRounds = 3;
 constexpr double kRoomInSpacings = 4;  // of the sample, beyond its edges
-
-// By how much the share of the points beyond the limit is more than the sample's by chance.
-constexpr double kStandardErrors = 5;
 
 // The prepared cloud of means of places: each is as sure as its points are many.
 PreparedCloud PreparedMeans(const NearSurface& near,
@@ -78,34 +75,37 @@ void RefuseWhatNeedsAllPoints(const SurfaceFitOptions& options) {
   if (options.smooth_by != SmoothBy::kWeight) refuse("smooth_by");
 }
 
-StreamPipeline::StreamPipeline(PointSource& source,
+StreamPipeline::StreamPipeline(PointPasses& passes,
                                const SurfaceFitOptions& options,
                                const StreamLimits& limits,
                                FirstLook look,
-                               int passes,
                                ThreadPool& pool,
                                StageClock& clock)
-    : source_(source),
+    : passes_(passes),
       options_(options),
       limits_(limits),
       look_(std::move(look)),
-      passes_(passes),
       pool_(pool),
       clock_(clock),
       sample_(FitSample(look_, options, pool, clock)) {}
 
-void StreamPipeline::Pass(const char* stage, const TakePoints& take) {
-  ++passes_;
-  double done = 0;
-  source_.Pass([&](const Eigen::Matrix3Xd& points) {
-    take(points);
-    done += static_cast<double>(points.cols());
-    const double share = std::min(1.0, done / look_.count);
-    if (limits_.stops_in_passes) {
-      Report(options_.progress, stage, share);
-    } else if (options_.progress) {
-      options_.progress(stage, share);
-    }
+void StreamPipeline::Pass(const char* stage,
+                          const std::vector<std::span<double>>& numbers,
+                          const TakePoints& take,
+                          const std::function<void()>& merge) {
+  passes_.Next(numbers, [&] {
+    double done = 0;
+    passes_.Over([&](const Eigen::Matrix3Xd& points) {
+      take(points);
+      done += static_cast<double>(points.cols());
+      const double share = std::min(1.0, done / look_.count);
+      if (limits_.stops_in_passes) {
+        Report(options_.progress, stage, share);
+      } else if (options_.progress) {
+        options_.progress(stage, share);
+      }
+    });
+    merge();
   });
 }
 
@@ -118,14 +118,14 @@ PlacedSums StreamPipeline::Summed(const NearSurface& near, double places) {
   const double limit =
       sample_.LimitOf(near.Place(sample_.cloud.points(), pool_).distances, options_);
   PlaceSums sums(PlaceGrid::Of(near.low(), near.high(), places));
-  Pass("parameterize", [&](const Eigen::Matrix3Xd& points) {
+  const auto add = [&](const Eigen::Matrix3Xd& points) {
     const PlacedPoints placed = near.Place(Local(points), pool_);
     for (Eigen::Index k = 0; k < points.cols(); ++k) {
       const bool beyond = !(std::abs(placed.distances[k]) <= limit);
       sums.Add(placed.parameters.col(k), placed.offsets[k], beyond);
     }
-  });
-  source_.Sum(sums.numbers());
+  };
+  Pass("parameterize", {sums.numbers()}, add, [&] { source().Sum(sums.numbers()); });
   PlaceSums::Means means = sums.Collected();
   if (means.used + means.set_aside != look_.count)
     throw std::runtime_error("the source gave other points than in its first pass");
@@ -228,32 +228,51 @@ StreamedFit StreamPipeline::Measured(PlacesFit places, const TakeDistances& take
                               std::move(fitted.report),
                               nullptr,
                               &fitted.draft.parameters);
+  return Measured(UnmeasuredFit{std::move(fit.surface),
+                                std::move(fit.report),
+                                std::move(places.prepared.base),
+                                places.sums.noise,
+                                places.sums.limit,
+                                search,
+                                places.coarse},
+                  take);
+}
+
+StreamedFit StreamPipeline::Measured(UnmeasuredFit fit, const TakeDistances& take) {
+  clock_.Enter(&StageSeconds::project);
   const DistanceMeter meter(fit.surface.Translated(options_.shift - sample_.cloud.origin()),
-                            places.prepared.base,
+                            fit.base,
                             look_.count,
                             sample_.cloud.points(),
                             pool_);
-  AllDistances all((look_.high - look_.low).norm(), options_.tolerance, places.sums.limit);
-  Pass("project", [&](const Eigen::Matrix3Xd& points) {
+  AllDistances all((look_.high - look_.low).norm(), options_.tolerance, fit.limit);
+  AllDistances::Extremes extremes{};
+  std::vector<std::span<double>> numbers = {all.used.numbers(), all.all.numbers(), extremes};
+  numbers.insert(numbers.end(), take.numbers.begin(), take.numbers.end());
+  const auto measure = [&](const Eigen::Matrix3Xd& points) {
     const PointDistances found = meter.Of(Local(points), pool_);
     all.Add(points, found.distances);
-    if (take) take(found);
+    if (take.take) take.take(found);
+  };
+  Pass("project", numbers, measure, [&] {
+    all.Merge(source());
+    extremes = all.extremes();
+    if (take.merge) take.merge();
   });
-  all.Merge(source_);
+  all.set_extremes(extremes);
   StreamedFit result{.surface = std::move(fit.surface),
                      .report = std::move(fit.report),
                      .sample = sample_.cloud,
                      .parameters = meter.of_sample().parameters,
                      .residuals = meter.of_sample().distances,
-                     .outliers = meter.of_sample().distances.array().abs() > places.sums.limit};
-  Complete(places, all, search, result);
-  result.passes = passes_;
+                     .outliers = meter.of_sample().distances.array().abs() > fit.limit};
+  Complete(fit, all, result);
+  result.passes = passes_.done();
   return result;
 }
 
-void StreamPipeline::Complete(const PlacesFit& places,
+void StreamPipeline::Complete(const UnmeasuredFit& fit,
                               const AllDistances& all,
-                              EndCode search,
                               StreamedFit& result) const {
   FitReport& report = result.report;
   const bool structured = report.end.code == EndCode::kStructuredResiduals;
@@ -264,41 +283,26 @@ void StreamPipeline::Complete(const PlacesFit& places,
   input.used = report.error.points;
   input.outliers = input.points - input.used;
   input.spacing = sample_.SpacingOf(look_.different);
-  input.noise = places.sums.noise;
+  input.noise = fit.noise;
   input.origin = sample_.cloud.origin();
   input.box_min = look_.low;
   input.box_max = look_.high;
   report.optimize.why = "the points are not in memory: free parameters need them there";
   EndEvidence evidence;
-  evidence.search = search;
+  evidence.search = fit.search;
   evidence.control_points_given = options_.control_points.has_value();
-  evidence.noise = places.sums.noise;
+  evidence.noise = fit.noise;
   evidence.rounding = 1e-9 * (look_.high - look_.low).norm();
   evidence.structured = structured;
   evidence.farthest = all.farthest;
   JudgeEnd(evidence, report);
-  if (places.coarse) {
+  if (fit.coarse) {
     report.warnings.push_back(
         "in the memory allowed, places are few for so many control points: detail within them is "
         "averaged; more memory follows it");
   }
-  WarnOfWhatTheSampleMisses(all, result);
+  WarnOfWhatTheSampleMisses(all, look_.count, result.outliers, report);
   report.seconds = clock_.Seconds();
-}
-
-void StreamPipeline::WarnOfWhatTheSampleMisses(const AllDistances& all, StreamedFit& result) const {
-  const double beyond = static_cast<double>(result.report.input.outliers) / look_.count;
-  const auto size = static_cast<double>(result.outliers.size());
-  const double of_sample = static_cast<double>(result.outliers.count()) / size;
-  if (beyond <= of_sample + kStandardErrors * std::sqrt(of_sample / size)) return;
-  const auto corner = [](const Eigen::Vector3d& at) {
-    return "(" + RoundedText(at[0]) + ", " + RoundedText(at[1]) + ", " + RoundedText(at[2]) + ")";
-  };
-  result.report.warnings.push_back(
-      std::to_string(result.report.input.outliers) + " points, " + Percent(beyond) +
-      ", are farther than " + RoundedText(all.limit) + " from the surface, where the sample has " +
-      Percent(of_sample) + ": it may miss a part; they are between " + corner(all.beyond.min()) +
-      " and " + corner(all.beyond.max()) + "; a larger sample may have it");
 }
 
 }  // namespace batten::internal

@@ -4,8 +4,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <vector>
 
-#include "batten/fitting/point_source.h"
 #include "batten/fitting/stream_options.h"
 #include "batten/fitting/surface_options.h"
 #include "fitting/core/stage_clock.h"
@@ -13,6 +14,7 @@
 #include "fitting/streaming/first_look.h"
 #include "fitting/streaming/near_surface.h"
 #include "fitting/streaming/place_sums.h"
+#include "fitting/streaming/point_passes.h"
 #include "fitting/streaming/sample_fit.h"
 #include "fitting/surface/fit_over_base.h"
 
@@ -42,49 +44,66 @@ struct PlacesFit {
   bool coarse = false;  // fewer places to a control point than the means of places ask for
 };
 
+// A surface before all points are measured.
+struct UnmeasuredFit {
+  NurbsSurface surface;  // in world coordinates less options.shift
+  FitReport report;
+  Parameterization base;
+  double noise = 0, limit = 0;  // of points: the distance at which outliers begin
+  EndCode search = EndCode::kCrossValidated;
+  bool coarse = false;
+};
+
+// Gets the feet and distances of the points, in the order of the pass; merge and numbers as
+// StreamPipeline::Pass has them, of what it makes of them.
+struct TakeDistances {
+  std::function<void(const PointDistances& found)> take = {};
+  std::function<void()> merge = {};
+  std::vector<std::span<double>> numbers = {};
+};
+
 class StreamPipeline {
  public:
-  // `look`: what the first pass told, of `passes` so far.
-  // `options` free nothing for a joint stage.
-  StreamPipeline(PointSource& source,
+  // `look`: what the first of the passes told. `options` free nothing for a joint stage.
+  StreamPipeline(PointPasses& passes,
                  const SurfaceFitOptions& options,
                  const StreamLimits& limits,
                  FirstLook look,
-                 int passes,
                  ThreadPool& pool,
                  StageClock& clock);
 
+  const FirstLook& look() const { return look_; }
   const SampleFit& sample() const { return sample_; }
-  int passes() const { return passes_; }
+  PointSource& source() const { return passes_.source(); }
+
+  // The next pass, of whose points, in world coordinates, all tell `numbers` in the end: `merge`
+  // brings those of other processes in.
+  void Pass(const char* stage,
+            const std::vector<std::span<double>>& numbers,
+            const TakePoints& take,
+            const std::function<void()>& merge);
+  // In the sample's coordinates.
+  Eigen::Matrix3Xd Local(const Eigen::Matrix3Xd& points) const;
 
   // Places the points, sums them and solves over the places until these are fine enough, then trims
   // the surface.
   PlacesFit Solve();
 
-  // Gets the feet and distances of the points, in the order of the pass.
-  using TakeDistances = std::function<void(const PointDistances& found)>;
-
   // Passes over the points to measure them.
   StreamedFit Measured(PlacesFit places, const TakeDistances& take = {});
+  StreamedFit Measured(UnmeasuredFit fit, const TakeDistances& take = {});
 
  private:
-  void Pass(const char* stage, const TakePoints& take);
-  Eigen::Matrix3Xd Local(const Eigen::Matrix3Xd& points) const;
   PlacedSums Summed(const NearSurface& near, double places);
   SurfaceFitOptions OptionsOfPlaces(double noise) const;
   bool IsFar(const NearSurface& near, const PlacesFit& fit);
   void Trim(PlacesFit& fit);
-  void Complete(const PlacesFit& places,
-                const AllDistances& all,
-                EndCode search,
-                StreamedFit& result) const;
-  void WarnOfWhatTheSampleMisses(const AllDistances& all, StreamedFit& result) const;
+  void Complete(const UnmeasuredFit& fit, const AllDistances& all, StreamedFit& result) const;
 
-  PointSource& source_;
+  PointPasses& passes_;
   const SurfaceFitOptions options_;
   const StreamLimits limits_;
   const FirstLook look_;
-  int passes_;
   ThreadPool& pool_;
   StageClock& clock_;
   SampleFit sample_;

@@ -45,18 +45,6 @@ void RequireRoomToClose(const SurfaceFitOptions& options, const Parameterization
   require(options.control_points->second, options.degree_v, least_v);
 }
 
-// So many control points are fairness and nothing else, and take long.
-void RequireDataFor(const SurfaceFitOptions& options, Eigen::Index points) {
-  constexpr Eigen::Index kAlways = 10000, kForEach = 10;
-  if (!options.control_points) return;
-  const auto& [u, v] = *options.control_points;
-  const Eigen::Index most = std::max(kAlways, kForEach * points);
-  if (Eigen::Index{u} * v <= most) return;
-  throw std::invalid_argument("control_points: " + std::to_string(u) + " x " + std::to_string(v) +
-                              " are far more than " + std::to_string(points) +
-                              " points determine: at most " + std::to_string(most) + " for them");
-}
-
 // How the linear stage found the surface.
 FitEstimator EstimatorOf(const PreparedCloud& prepared,
                          const SurfaceFitOptions& options,
@@ -120,6 +108,17 @@ FittedState Solved(const PreparedCloud& prepared,
 }
 
 }  // namespace
+
+void RequireDataFor(const SurfaceFitOptions& options, Eigen::Index points) {
+  constexpr Eigen::Index kAlways = 10000, kForEach = 10;
+  if (!options.control_points) return;
+  const auto& [u, v] = *options.control_points;
+  const Eigen::Index most = std::max(kAlways, kForEach * points);
+  if (Eigen::Index{u} * v <= most) return;
+  throw std::invalid_argument("control_points: " + std::to_string(u) + " x " + std::to_string(v) +
+                              " are far more than " + std::to_string(points) +
+                              " points determine: at most " + std::to_string(most) + " for them");
+}
 
 FittedState FitOverBase(const PreparedCloud& prepared,
                         const SurfaceFitOptions& options,

@@ -16,6 +16,10 @@ struct FittedState {
   FitReport report;      // the given one and all stages; no final measurements
 };
 
+// So many control points as options ask for are fairness and nothing else over so few points, and
+// take long: throws std::invalid_argument.
+void RequireDataFor(const SurfaceFitOptions& options, Eigen::Index points);
+
 // Fits the surface in stages: outlier detection and knot grid selection until the two agree,
 // reweighting where there are outliers, refinement where a tolerance is given, else the regularized
 // solution, then joint optimization where it pays. `report` holds what preparation found. Throws

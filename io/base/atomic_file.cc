@@ -133,22 +133,34 @@ void AtomicFile::Write(std::string_view text) {
   if (!temporary_.empty() && buffer_.size() >= kBufferBytes) Flush();
 }
 
+void AtomicFile::Close() {
+  Flush();
+  if (!temporary_.empty()) {
+    // mkostemps makes files private; give the mode that an ordinary new file would have.
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    ::fchmod(descriptor_, 0666 & ~mask);
+  }
+  if (::close(std::exchange(descriptor_, -1)) != 0) throw Failed(target_, errno);
+}
+
+void AtomicFile::CommitAtOnce() {
+  Flush();
+  if (::fsync(descriptor_) != 0) throw Failed(target_, errno);
+  Close();
+  Rename({temporary_, replaced_, target_});
+  Leave(temporary_);
+  temporary_.clear();
+}
+
 void AtomicFile::Commit() {
   if (target_ == "-") {
     WriteAll(STDOUT_FILENO, buffer_, "standard output");
     buffer_.clear();
     return;
   }
-  Flush();
-  if (temporary_.empty()) {
-    if (::close(std::exchange(descriptor_, -1)) != 0) throw Failed(target_, errno);
-    return;
-  }
-  // mkostemps makes files private; give the mode that an ordinary new file would have.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(descriptor_, 0666 & ~mask);
-  if (::close(std::exchange(descriptor_, -1)) != 0) throw Failed(target_, errno);
+  Close();
+  if (temporary_.empty()) return;
   const Waiting file{temporary_, replaced_, target_};
   if (!TakenByBatch(file)) {
     Rename(file);

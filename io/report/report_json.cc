@@ -249,6 +249,17 @@ Json Certified(const CertificateSummary& certified) {
   return json;
 }
 
+Json Tile(const TileSummary& tile) {
+  return {{"at", {tile.u, tile.v}},
+          {"domain", {{tile.low[0], tile.high[0]}, {tile.low[1], tile.high[1]}}},
+          {"points", tile.points},
+          {"outliers", tile.outliers},
+          {"out_of_tolerance", tile.out_of_tolerance},
+          {"control_points", {tile.control_points_u, tile.control_points_v}},
+          {"rms", Number(tile.rms)},
+          {"max", Number(tile.max)}};
+}
+
 Json Form(const FormDeviation& form) {
   return {{"name", form.name},
           {"least_squares", Number(form.least_squares)},
@@ -325,6 +336,7 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
     if (!part.refused.empty()) entry["refused"] = part.refused;
     json["parts"].push_back(std::move(entry));
   }
+  for (const TileSummary& tile : report.tiles) json["tiles"].push_back(Tile(tile));
   if (context.part != nullptr) {
     json["faces"] = Faces(context.part->faces);
     json["relations"] = Relations(context.part->relations);

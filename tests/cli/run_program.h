@@ -34,8 +34,19 @@ struct ProgramRun {
 
 struct ProgramInput {
   std::string standard_input;
-  std::optional<double> interrupt_after;  // seconds until SIGINT
+  std::optional<double> interrupt_after = {};  // seconds until SIGINT
+  std::optional<std::string> killed_at = {};   // the file whose appearance is followed by SIGKILL
 };
+
+// Kills the process, which stays to be waited for, when the file is there.
+inline void KillAt(const std::string& path, pid_t process) {
+  siginfo_t ended{};
+  while (::access(path.c_str(), F_OK) != 0 &&
+         ::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(process, SIGKILL);
+}
 
 // Runs `batten` with the arguments and waits for its end.
 inline ProgramRun Batten(const std::vector<std::string>& arguments,
@@ -65,6 +76,7 @@ inline ProgramRun Batten(const std::vector<std::string>& arguments,
     std::this_thread::sleep_for(std::chrono::duration<double>(*input.interrupt_after));
     ::kill(process, SIGINT);
   }
+  if (input.killed_at) KillAt(*input.killed_at, process);
   int status = 0;
   rusage usage{};
   if (::wait4(process, &status, 0, &usage) != process) throw std::runtime_error("wait4 failed");

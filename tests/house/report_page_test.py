@@ -12,6 +12,7 @@ batten, root = map(os.path.abspath, sys.argv[1:3])
 RUNS = (
     "fit surface {data}/panel.ply -o a.json --tolerance 0.3 --thin 10",
     "fit surface {data}/panel.ply -o b.json --part all",
+    "fit surface {data}/panel.ply -o f.json --tiles 2x2",
     "fit primitive cloud.xyz -o c.json --kind sphere",
     "fit curve rows.csv -o d.json --parameterization given --columns u=1,x=2,y=3 --control-points 6",
     "compare two.json cloud.xyz --tolerance 1 --certify --align best --profile 1",

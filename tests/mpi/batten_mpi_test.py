@@ -15,6 +15,7 @@ import time
 BATTEN, BATTEN_MPI, MPIRUN = sys.argv[1:4]
 POINTS = 160000  # more than --memory 34MB holds
 MEMORY = ["--memory", "34MB", "--trim", "none", "--threads", "1"]
+TILES = ["--tiles", "2x2", "--tile-faces", "one", "--trim", "none", "--threads", "1"]
 
 
 def write_cloud(path, points, seed):
@@ -30,11 +31,27 @@ def write_cloud(path, points, seed):
         numbers.tofile(file)
 
 
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                   OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
+
+
 def shared(processes, words, **more):
-    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                       OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
-    return subprocess.run([MPIRUN, "-n", str(processes), BATTEN_MPI] + words, env=environment, capture_output=True, text=True,
+    return subprocess.run([MPIRUN, "-n", str(processes), BATTEN_MPI] + words, env=ENVIRONMENT, capture_output=True, text=True,
                           timeout=200, **more)
+
+
+def killed(processes, words, when):
+    """The job, one of whose processes is killed when `when` says so; None where it was done before."""
+    job = subprocess.Popen([MPIRUN, "-n", str(processes), BATTEN_MPI] + words, env=ENVIRONMENT, stdout=subprocess.PIPE,
+                           stderr=subprocess.PIPE, text=True)
+    while job.poll() is None and not when():
+        time.sleep(0.005)
+    children = subprocess.run(["ps", "--ppid", str(job.pid), "-o", "pid="], capture_output=True, text=True).stdout.split()
+    hit = job.poll() is None and bool(children)
+    if hit:
+        os.kill(int(children[-1]), signal.SIGKILL)
+    job.communicate(timeout=60)
+    return job.returncode if hit else None
 
 
 def net(path):
@@ -76,20 +93,29 @@ def main():
         require(not os.path.exists(out("never.json")), "nothing is written")
         write_cloud(parts[1], POINTS // 3, 1)
         # A process that is killed ends the job.
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                           OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
-        job = subprocess.Popen([MPIRUN, "-n", "2", BATTEN_MPI, "fit", "surface", *parts, "-o", out("never.json"), *MEMORY],
-                               env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(0.7)
-        children = subprocess.run(["ps", "--ppid", str(job.pid), "-o", "pid="], capture_output=True, text=True).stdout.split()
-        if job.poll() is None and children:
-            os.kill(int(children[-1]), signal.SIGKILL)
-            job.communicate(timeout=60)
-            require(job.returncode != 0, "a process that dies ends the job")
+        begin = time.monotonic()
+        ended = killed(2, ["fit", "surface", *parts, "-o", out("never.json"), *MEMORY], lambda: time.monotonic() > begin + 0.7)
+        if ended is not None:
+            require(ended != 0, "a process that dies ends the job")
             left = [name for name in os.listdir(folder) if "never" in name]
             require(not left, f"nothing half-written is left: {left}")
-        else:
-            job.communicate(timeout=60)
+        # With --checkpoint it goes on after the last finished pass, to the bytes of a job that was never killed.
+        for flags, name in ((MEMORY, "second"), (TILES, "tiles")):
+            job = ["fit", "surface", *parts, *flags]
+            run = shared(2, [*job, "-o", out(f"{name}.json")])
+            require(run.returncode == 0, f"two processes: {run.stderr}")
+            words = [*job, "-o", out("resumed.json"), "--checkpoint", out("passes")]
+            ended = killed(2, words, lambda: os.path.exists(out("passes/pass-2")))
+            require(ended is None or ended != 0, "a process that dies ends the job")
+            run = shared(2, words)
+            require(run.returncode == 0, f"a job that goes on: {run.stderr}")
+            require(ended is None or "finished passes" in run.stderr, "it says that it goes on: " + run.stderr)
+            require(open(out("resumed.json")).read() == open(out(f"{name}.json")).read(), f"{name}: the same bytes after a kill")
+            require(not os.path.exists(out("passes")), "finished passes are removed when the job is done")
+            run = shared(3, [*job, "-o", out("other.json")])
+            require(run.returncode == 0, f"three processes: {run.stderr}")
+            a, b = net(out("other.json")), net(out(f"{name}.json"))
+            require(len(a) == len(b) and max(abs(x - y) for x, y in zip(a, b)) < 1e-9, f"{name}: two processes are as three")
 
 
 main()

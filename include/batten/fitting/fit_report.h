@@ -183,6 +183,15 @@ struct CloudPartSummary {
   std::string refused;  // why not, where one was asked for
 };
 
+// A tile of a surface that was fitted tile by tile.
+struct TileSummary {
+  int u = 0, v = 0;                                                               // its place
+  Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();  // parameters
+  Eigen::Index points = 0, outliers = 0, out_of_tolerance = 0;  // whose feet are on it
+  int control_points_u = 0, control_points_v = 0;               // of its face
+  double rms = 0, max = 0;  // of the points that are no outliers
+};
+
 // How far a surface leaves its points between them (inside its trims), or a curve their box.
 struct OvershootSummary {
   // Height of a surface beyond that of all points near the place, or the distance from the box of
@@ -221,6 +230,7 @@ struct FitReport {
   std::optional<OvershootSummary> overshoot;  // of surfaces, and of curves that leave their points
   std::vector<PartError> parts;               // where there are several geometries, in their order
   std::vector<CloudPartSummary> cloud_parts;  // where parts of the cloud were asked for
+  std::vector<TileSummary> tiles;             // where there are any, v fastest
   bool judged_at_parameters = false;          // the tolerance applies to parameter_error
   OptimizeSummary optimize;
   std::optional<UncertaintySummary> uncertainty;  // where it was asked for

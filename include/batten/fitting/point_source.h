@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,8 @@ class PointSource {
   virtual ~PointSource() = default;
 
   // Hands every point to `take`, in pieces and in the same order each time. What `take` throws
-  // passes through.
+  // passes through. Fits on several threads call it from a thread of its own, so that reading goes
+  // on while they work; one pass at a time.
   virtual void Pass(const TakePoints& take) = 0;
 
   // Where processes have shares of the points: adds up their numbers, which are then the same for
@@ -30,6 +32,20 @@ class PointSource {
 
   // Whether Sum and Gathered do something: no process has all points.
   virtual bool shared() const { return false; }
+};
+
+// Keeps the numbers of each pass of a streamed fit. The fit asks for those of a pass before it
+// makes it; where it gets them it goes on as if it had made the pass, to the same result, as all
+// else follows from the passes and the options. That both are those of the fit that kept them is
+// the store's business. Of processes that share points the first one's store counts.
+class PassStore {
+ public:
+  virtual ~PassStore() = default;
+
+  // What was kept of pass 1, 2, …; none where it was not finished.
+  virtual std::optional<std::vector<double>> Kept(int pass) = 0;
+
+  virtual void Keep(int pass, std::span<const double> numbers) = 0;
 };
 
 // The points of a matrix, 3 × m, which it refers to.

@@ -8,6 +8,7 @@
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/point_mask.h"
+#include "batten/fitting/point_source.h"
 #include "batten/geometry/nurbs_surface.h"
 
 namespace batten {
@@ -15,6 +16,7 @@ namespace batten {
 struct StreamOptions {
   std::int64_t memory = std::int64_t{1} << 30;  // bytes the fit may take, ≥ 2^25
   Eigen::Index sample = 100000;                 // points kept, ≥ 1000
+  PassStore* store = nullptr;                   // where finished passes are kept, if anywhere
 };
 
 // Throws std::invalid_argument naming the field whose value breaks its rule.

@@ -30,12 +30,16 @@ class AtomicFile {
   // Gives the file its name; while an OutputBatch lives, that waits for the batch.
   void Commit();
 
+  // The same whatever batch lives, and on the disk when it returns: for what outlives the work.
+  void CommitAtOnce();
+
   // Unlinks the temporary files of every AtomicFile that is open, from any thread: for a process
   // about to end without running destructors.
   static void RemoveTemporaries();
 
  private:
   void Flush();
+  void Close();
   std::string target_, temporary_, buffer_;
   std::string replaced_;  // what the temporary file is renamed to: the target or what it links to
   int descriptor_ = -1;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "batten/fitting/distances.h"
@@ -185,6 +186,18 @@ TEST(FitStreamedTest, APartTheSampleMissesIsNamed) {
   EXPECT_LT(fit.report.error.max, 0.1);
 }
 
+TEST(FitStreamedTest, PartsThatDoNotTouchAreNamed) {
+  Eigen::Matrix3Xd points = Cloud(140000);
+  for (auto point : points.colwise())
+    if (point[0] > 0.6) point[0] += 2;
+  ArraySource source(points);
+  const StreamedFit fit = FitStreamed(source, Untrimmed(), {.memory = kLittle, .sample = 20000});
+  EXPECT_THAT(fit.report.warnings,
+              Contains(AllOf(HasSubstr("2 parts that do not touch: "),
+                             HasSubstr("between (2.6"),
+                             HasSubstr("one surface runs through the gaps"))));
+}
+
 TEST(FitStreamedTest, WhatCannotBeIsRefused) {
   const Eigen::Matrix3Xd points = Cloud(140000);
   ArraySource source(points);
@@ -210,6 +223,74 @@ TEST(FitStreamedTest, WhatCannotBeIsRefused) {
   SurfaceFitOptions stopped = Untrimmed();
   stopped.progress = [](const char* stage, double) { return std::string(stage) != "project"; };
   EXPECT_THROW(FitStreamed(source, stopped, {.memory = kLittle}), Cancelled);
+}
+
+// Finished passes in memory.
+class PassesInMemory : public PassStore {
+ public:
+  std::optional<std::vector<double>> Kept(int pass) override {
+    const auto found = passes.find(pass);
+    if (found == passes.end()) return std::nullopt;
+    return found->second;
+  }
+  void Keep(int pass, std::span<const double> numbers) override {
+    passes[pass] = {numbers.begin(), numbers.end()};
+  }
+  std::map<int, std::vector<double>> passes;
+};
+
+// Breaks down in pass `last`.
+class BreakingSource : public PiecesSource {
+ public:
+  BreakingSource(const Eigen::Matrix3Xd& points, int last)
+      : PiecesSource(points, 5, false), last_(last) {}
+  void Pass(const TakePoints& take) override {
+    int pieces = 0;
+    PiecesSource::Pass([&](const Eigen::Matrix3Xd& points) {
+      if (passes == last_ && ++pieces == 3) throw std::runtime_error("broken");
+      take(points);
+    });
+  }
+
+ private:
+  int last_;
+};
+
+TEST(FitStreamedTest, GoesOnAfterTheLastFinishedPass) {
+  const Eigen::Matrix3Xd points = Cloud(140000, 0.01);
+  StreamOptions stream{.memory = kLittle, .sample = 20000};
+  PiecesSource undisturbed(points, 5, false);
+  const StreamedFit whole = FitStreamed(undisturbed, Untrimmed(), stream);
+  for (int last = 1; last <= whole.passes; ++last) {
+    SCOPED_TRACE(last);
+    PassesInMemory store;
+    stream.store = &store;
+    BreakingSource breaking(points, last);
+    EXPECT_THROW(FitStreamed(breaking, Untrimmed(), stream), std::runtime_error);
+    EXPECT_EQ(store.passes.size(), last - 1);
+    PiecesSource rest(points, 5, false);
+    const StreamedFit fit = FitStreamed(rest, Untrimmed(), stream);
+    EXPECT_EQ(rest.passes, whole.passes - last + 1);
+    EXPECT_EQ(fit.surface, whole.surface);
+    EXPECT_EQ(fit.report.error_all.p99, whole.report.error_all.p99);
+    EXPECT_EQ(fit.report.end.words, whole.report.end.words);
+    EXPECT_EQ(fit.residuals, whole.residuals);
+  }
+}
+
+TEST(FitStreamedTest, ReadingAheadChangesNothing) {
+  const Eigen::Matrix3Xd points = Cloud(140000, 0.01);
+  PiecesSource source(points, 50, false), ahead(points, 50, false);
+  SurfaceFitOptions two = Untrimmed();
+  two.threads = 2;
+  const StreamOptions stream{.memory = kLittle, .sample = 20000};
+  EXPECT_EQ(FitStreamed(source, Untrimmed(), stream).surface,
+            FitStreamed(ahead, two, stream).surface);
+  // What the source throws arrives, and one that nobody listens to any more ends.
+  BreakingSource breaking(points, 2);
+  EXPECT_THROW(FitStreamed(breaking, two, stream), std::runtime_error);
+  two.progress = [](const char* stage, double) { return std::string(stage) != "project"; };
+  EXPECT_THROW(FitStreamed(source, two, stream), Cancelled);
 }
 
 TEST(FitStreamedTest, AToleranceIsJudgedByAllPoints) {

@@ -116,4 +116,28 @@ TEST_F(CloudSourceTest, WhatCannotBePassedOverIsRefused) {
   EXPECT_THAT(source.warnings()[0], HasSubstr("i.txt has the columns x y z i"));
 }
 
+TEST_F(CloudSourceTest, FilesThatSeemToBeInAnotherUnitAreNamed) {
+  const auto file = [&](const std::string& name, double unit, double at) {
+    std::string text;
+    for (int k = 0; k < 100; ++k)
+      text += std::to_string(unit * (at + k % 10)) + ' ' + std::to_string(unit * (at + k / 10)) +
+              " 0\n";
+    return folder_.With(name, text);
+  };
+  const auto warnings = [](const std::vector<std::string>& files) {
+    CloudFileSource source(files);
+    Passed(source);
+    return source.warnings();
+  };
+  // Neighbours, a tile ten times as large, and a small one far away are of one unit.
+  const std::string a = file("a.xyz", 1, 500), b = file("b.xyz", 1, 510),
+                    large = file("large.xyz", 10, 50), mm = file("mm.xyz", 1000, 520);
+  EXPECT_TRUE(warnings({a, b, large}).empty());
+  EXPECT_TRUE(warnings({a, file("small.xyz", 0.01, 50000)}).empty());
+  const std::vector<std::string> found = warnings({a, mm, b});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0], HasSubstr("mm.xyz are 1."));
+  EXPECT_THAT(found[0], HasSubstr("reach 1e+03 times as far"));
+}
+
 }  // namespace batten::internal::cloud_source_test
