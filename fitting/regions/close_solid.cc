@@ -9,6 +9,8 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/geometry/make_curve.h"
+#include "fitting/regions/border_repair.h"
+#include "fitting/regions/solid_genus.h"
 #include "fitting/regions/solid_samples.h"
 
 namespace batten::internal {
@@ -88,7 +90,9 @@ class SolidCloser {
   }
 
   ClosedSolid Close() && {
-    borders_ = FindBorders(data_, labels_, contacts_, same_);
+    const FaceMeets meets(data_, labels_, contacts_, same_);
+    borders_ = FindBorders(meets);
+    if (borders_.refused.empty()) RepairBorders(meets, borders_);
     refused_ = borders_.refused;
     if (refused_.empty()) CheckWhole();
     if (refused_.empty()) OrientEdges();
@@ -335,6 +339,7 @@ class SolidCloser {
     closed.invented = cover.invented;
     const std::vector<int> shells = ShellsOf(solid_);
     closed.shells = 1 + *std::max_element(shells.begin(), shells.end());
+    closed.genus = GenusOf(solid_);
     if (cover.invented > most_invented_) {
       refused_ = "the points do not go all round a body: " + percent(cover.invented) +
                  " % of its area have none near";

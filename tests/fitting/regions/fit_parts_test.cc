@@ -98,6 +98,33 @@ class Deviations {
 
 class MachinedPartTest : public testing::TestWithParam<int> {
  protected:
+  // Points on the face they were put on, or that are within noise of the shape of the face they are
+  // on now and no farther from points put on that than a few of these from one another.
+  double RightlyLabelled(const PartsFit& fit,
+                         const PartCloud& cloud,
+                         const std::vector<int>& truth,
+                         double sigma) const {
+    constexpr double kNoise = 3, kBeside = 3;
+    const double beside = kBeside * fit.report.input.spacing;
+    double right = 0;
+    for (std::size_t k = 0; k < cloud.face.size(); ++k) {
+      if (fit.labels[k] < 0) continue;
+      const int found = truth[std::size_t(fit.labels[k])];
+      const Eigen::Vector3d p = cloud.points.col(Eigen::Index(k));
+      const auto near = [&](std::size_t other) {
+        return cloud.face[other] == found &&
+               (cloud.points.col(Eigen::Index(other)) - p).norm() <= beside;
+      };
+      bool is_right = found == cloud.face[k];
+      if (!is_right && DistanceFrom(part.faces[std::size_t(found)].shape, p) <= kNoise * sigma) {
+        for (std::size_t other = 0; other < cloud.face.size() && !is_right; ++other)
+          is_right = near(other);
+      }
+      right += is_right;
+    }
+    return right;
+  }
+
   const TruthPart part = MachinedParts()[std::size_t(GetParam())];
 };
 
@@ -114,17 +141,10 @@ TEST_P(MachinedPartTest, HasItsFacesOfTheirKindsAndNoOthersAtEveryNoise) {
     for (std::size_t k = 0; k < truth.size(); ++k) {
       EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
     }
-    // All points but a few at corners are of the face they were put on, or of one that they are on
-    // as well as far as noise tells: at smooth borders those are many.
-    constexpr double kMost = 0.99, kNoise = 3;
-    double right = 0;
-    for (std::size_t k = 0; k < cloud.face.size(); ++k) {
-      if (fit.labels[k] < 0) continue;
-      const int found = truth[std::size_t(fit.labels[k])];
-      const double off = DistanceFrom(part.faces[std::size_t(found)].shape, cloud.points.col(k));
-      right += found == cloud.face[k] || off <= kNoise * sigma;
-    }
-    EXPECT_GT(right, kMost * kPoints);
+    // All points but a few at corners are of the face they were put on, or of one beside it that
+    // they are on as well as far as noise tells: at smooth borders those are many.
+    constexpr double kMost = 0.99;
+    EXPECT_GT(RightlyLabelled(fit, cloud, truth, sigma), kMost * kPoints);
     EXPECT_NEAR(fit.report.error.rms, sigma, 0.02 * sigma + 1e-9);
   }
 }
@@ -162,9 +182,8 @@ TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
   ASSERT_GT(all.size(), 300u);
   RecordProperty("numbers", static_cast<int>(all.size()));
   RecordProperty("within", static_cast<int>(within));
-  // Of normal errors 95.4 % are; three standard deviations of the count are chance.
-  const auto count = static_cast<double>(all.size());
-  EXPECT_GE(static_cast<double>(within), 0.954 * count - 3 * std::sqrt(0.954 * 0.046 * count));
+  constexpr double kNineteenInTwenty = 0.95;  // of normal errors 95.4 % are
+  EXPECT_GE(static_cast<double>(within), kNineteenInTwenty * static_cast<double>(all.size()));
 }
 
 TEST(FitPartsTest, SizeAndPlaceDoNotMatter) {
@@ -260,9 +279,6 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   options.regularise = options.solid = true;
   for (const TruthPart& part : MachinedParts()) {
     for (const double sigma : {0.0, 1e-4, 1e-3}) {
-      // There fillets and the balls in their corners, of some hundred points, are not told
-      // everywhere.
-      if ((part.name == "filleted box" || part.name == "bracket") && sigma > 1e-4) continue;
       SCOPED_TRACE(part.name + " at noise " + std::to_string(sigma));
       const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, 7), options);
       ASSERT_TRUE(fit.solid) << fit.no_solid;
