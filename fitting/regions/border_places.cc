@@ -20,7 +20,7 @@ FoundPlaces FindPlaces(const FaceMeets& meets) {
       const Eigen::Vector3d middle = (data.points.col(k) + data.points.col(other)) / 2;
       if (const auto place = meets.PlaceIn(faces, middle)) {
         found.of[faces].push_back(*place);
-      } else {
+      } else if (meets.BothAt(faces, middle)) {
         auto& [count, where] = smooth[faces];
         ++count;
         where.extend(middle);

@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "fitting/regions/border_places.h"
+
 namespace batten::internal {
 namespace {
 
@@ -46,8 +48,10 @@ bool AddShortEdge(const FaceMeets& meets,
   if (ends.empty()) return false;
   const Eigen::Vector3d start = borders.vertices[std::size_t(from)].place;
   const Eigen::Vector3d tangent = meets.TangentAt(faces, start);
+  BorderPlaces places{start};
+  for (const WalkEnd& end : ends) places.push_back(end.place);
   for (const Eigen::Vector3d& way : {tangent, Eigen::Vector3d(-tangent)}) {
-    BorderWalk walk = FollowBorder(meets, faces, {start}, ends, start, way, from);
+    BorderWalk walk = FollowBorder(meets, faces, places, ends, start, way, from);
     if (walk.end < 0) continue;
     walk.points.push_back(borders.vertices[std::size_t(walk.end)].place);
     borders.edges.push_back({faces, from, walk.end, AsColumns(walk.points)});
@@ -67,6 +71,52 @@ bool AddOne(const FaceMeets& meets, FaceBorders& borders) {
     }
   }
   return false;
+}
+
+bool IsShown(const BorderEdge& edge) { return edge.shown >= kFewLinks; }
+
+double LengthOf(const BorderEdge& edge) {
+  const Eigen::Index steps = edge.points.cols() - 1;
+  return (edge.points.rightCols(steps) - edge.points.leftCols(steps)).colwise().norm().sum();
+}
+
+// Of edges of the same faces between the same vertices that no places show, round the other side of
+// a shape too, the shortest stays.
+void DropDoubles(FaceBorders& borders) {
+  std::map<std::pair<FacePair, std::pair<int, int>>, double> least;
+  const auto key = [](const BorderEdge& edge) {
+    return std::pair(edge.faces, std::pair(std::minmax(edge.start, edge.end)));
+  };
+  for (const BorderEdge& edge : borders.edges) {
+    if (edge.start < 0) continue;
+    const auto [at, is_new] = least.try_emplace(key(edge), LengthOf(edge));
+    if (!is_new) at->second = std::min(at->second, LengthOf(edge));
+  }
+  std::erase_if(borders.edges, [&](const BorderEdge& edge) {
+    if (edge.start < 0 || IsShown(edge)) return false;
+    double& length = least.at(key(edge));
+    if (LengthOf(edge) > length) return true;
+    length = -1;  // of equal ones, as edges found from both ends are, the first
+    return false;
+  });
+}
+
+// A vertex at which a face is odd and of whose edges places show none is chance: it goes with
+// these.
+bool DropChance(FaceBorders& borders) {
+  const auto odd = OddFaces(borders);
+  std::vector<bool> shown(odd.size());
+  for (const BorderEdge& edge : borders.edges) {
+    if (edge.start < 0 || !IsShown(edge)) continue;
+    shown[std::size_t(edge.start)] = shown[std::size_t(edge.end)] = true;
+  }
+  return std::erase_if(borders.edges, [&](const BorderEdge& edge) {
+           if (edge.start < 0) return false;
+           const auto chance = [&](int vertex) {
+             return !odd[std::size_t(vertex)].empty() && !shown[std::size_t(vertex)];
+           };
+           return chance(edge.start) || chance(edge.end);
+         }) > 0;
 }
 
 // The edge turned round.
@@ -91,10 +141,12 @@ bool DropOne(FaceBorders& borders) {
     if (first.faces != second.faces) continue;
     if (first.end != k) first = Reversed(std::move(first));
     if (second.start != k) second = Reversed(std::move(second));
+    if (first.start == second.end) continue;  // both are needed to go round
     const Eigen::Index count = first.points.cols(), more = second.points.cols() - 1;
     first.points.conservativeResize(Eigen::NoChange, count + more);
     first.points.rightCols(more) = second.points.rightCols(more);
     first.end = second.end;
+    first.shown += second.shown;
     borders.edges[ends[0]] = std::move(first);
     borders.edges.erase(borders.edges.begin() + std::ptrdiff_t(ends[1]));
     return true;
@@ -105,6 +157,9 @@ bool DropOne(FaceBorders& borders) {
 }  // namespace
 
 void RepairBorders(const FaceMeets& meets, FaceBorders& borders) {
+  DropDoubles(borders);
+  while (DropChance(borders)) {
+  }
   while (AddOne(meets, borders)) {
   }
   while (DropOne(borders)) {

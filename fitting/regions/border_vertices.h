@@ -14,6 +14,13 @@ namespace batten::internal {
 struct BorderVertex {
   Eigen::Vector3d place;
   std::vector<int> faces;  // ascending, three or more
+  bool ends_lost = false;  // made to end a border that was lost: the others of its faces end too
+};
+
+// Where a border is lost, and which way it went on.
+struct LooseEnd {
+  FacePair faces;
+  Eigen::Vector3d place, way;
 };
 
 // Vertices nearer to one another than noise are one. Keeps references.
@@ -27,13 +34,15 @@ class BorderVertices {
   // On both faces.
   std::vector<WalkEnd> On(const FacePair& faces) const;
 
-  // Ends the border of two faces near a place: at the nearest corner with a third face that has
-  // points near. False where there is none that is not known.
-  bool EndAt(const FacePair& faces, const Eigen::Vector3d& place);
+  // Ends lost borders: each at the nearest corner with a third face that has points near, or two of
+  // three faces where these meet ahead of both. False where there is no corner that is not known.
+  bool End(const std::vector<LooseEnd>& ends);
 
  private:
   bool Meet(int a, int b) const { return places_.contains(std::minmax(a, b)); }
-  bool Add(const Eigen::Vector3d& place, const std::vector<int>& faces);
+  bool EndAt(const LooseEnd& end);
+  bool EndBoth(const LooseEnd& one, const LooseEnd& other);
+  bool Add(const Eigen::Vector3d& place, const std::vector<int>& faces, bool ends_lost);
 
   const FaceMeets& meets_;
   const std::map<FacePair, BorderPlaces>& places_;

@@ -70,7 +70,7 @@ BorderWalk FollowBorder(const FaceMeets& meets,
     if (far <= kBeside * spacing) walk.seen = *next;
     const bool hidden = std::any_of(ends.begin(), ends.end(), [&](const WalkEnd& end) {
       const Eigen::Vector3d off = end.place - *next;
-      return off.norm() <= end.blur && off.dot(walk.way) > 0;
+      return off.norm() <= end.reach && off.dot(walk.way) > 0;
     });
     if (far > kLost * spacing && !hidden) break;
   }

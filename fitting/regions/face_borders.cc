@@ -11,12 +11,6 @@
 namespace batten::internal {
 namespace {
 
-// Where a border was lost.
-struct LooseEnd {
-  FacePair faces;
-  Eigen::Vector3d place;
-};
-
 class BorderFinder {
  public:
   explicit BorderFinder(const FaceMeets& meets) : meets_(meets), spacing_(meets.spacing()) {}
@@ -33,9 +27,7 @@ class BorderFinder {
       borders_.edges.clear();
       loose_.clear();
       for (const auto& [faces, places] : places_) FollowEdges(faces, places);
-      bool added = false;
-      for (const LooseEnd& end : loose_) added = vertices.EndAt(end.faces, end.place) || added;
-      if (added && round < kMostRounds) continue;
+      if (round < kMostRounds && vertices.End(loose_)) continue;
       if (!loose_.empty()) {
         borders_.refused = "the border of " + WordsOf(loose_[0].faces) +
                            " ends without a corner near " + meets_.At(loose_[0].place);
@@ -58,19 +50,23 @@ class BorderFinder {
     });
   }
 
-  // How many places are along a walk, away from where it began.
-  int PlacesAlong(const BorderWalk& walk, const BorderPlaces& places, double away) const {
+  // How many places are along a walk, away from vertices as far as these blur.
+  int PlacesAlong(const BorderWalk& walk,
+                  const BorderPlaces& places,
+                  const std::vector<WalkEnd>& vertices) const {
     constexpr double kBeside = 0.5;  // spacings
     return static_cast<int>(
         std::count_if(places.begin(), places.end(), [&](const Eigen::Vector3d& place) {
-          return (place - walk.points.front()).norm() > away &&
-                 FarFrom(walk.points, place) < kBeside * spacing_;
+          const bool hidden = std::any_of(vertices.begin(), vertices.end(), [&](const auto& at) {
+            return (place - at.place).norm() <= at.blur;
+          });
+          return !hidden && FarFrom(walk.points, place) < kBeside * spacing_;
         }));
   }
 
-  void Keep(const FacePair& faces, BorderWalk walk, int start) {
+  void Keep(const FacePair& faces, BorderWalk walk, int start, int shown) {
     if (walk.end >= 0) walk.points.push_back(vertices_->all()[std::size_t(walk.end)].place);
-    borders_.edges.push_back({faces, start, walk.end, AsColumns(walk.points)});
+    borders_.edges.push_back({faces, start, walk.end, AsColumns(walk.points), shown});
   }
 
   void FollowEdges(const FacePair& faces, const BorderPlaces& places) {
@@ -92,16 +88,16 @@ class BorderFinder {
         if (is_taken(vertex.vertex, way) || !GoesOn(places, vertex.place, way)) continue;
         BorderWalk walk =
             FollowBorder(meets_, faces, places, vertices, vertex.place, way, vertex.vertex);
-        if (walk.end < 0 && PlacesAlong(walk, places, vertex.blur) < kFewLinks)
-          continue;  // chance at a corner
+        const int shown = PlacesAlong(walk, places, vertices);
+        if (walk.end < 0 && shown < kFewLinks) continue;  // chance at a corner
         cover(walk);
         if (walk.end < 0) {
-          loose_.push_back({faces, walk.seen});
+          loose_.push_back({faces, walk.seen, walk.way});
           continue;
         }
         taken.emplace_back(vertex.vertex, way);
         taken.emplace_back(walk.end, -walk.way);
-        Keep(faces, std::move(walk), vertex.vertex);
+        Keep(faces, std::move(walk), vertex.vertex, shown);
       }
     }
     constexpr double kCovered = 1.5;  // spacings
@@ -115,23 +111,25 @@ class BorderFinder {
       BorderWalk walk = FollowBorder(meets_, faces, places, vertices, place, way, -1);
       cover(walk);
       if (walk.closed) {
-        Keep(faces, std::move(walk), -1);
+        const int shown = PlacesAlong(walk, places, vertices);
+        Keep(faces, std::move(walk), -1, shown);
         continue;
       }
       BorderWalk back = FollowBorder(meets_, faces, places, vertices, place, -way, -1);
       cover(back);
+      const int shown = PlacesAlong(walk, places, vertices) + PlacesAlong(back, places, vertices);
+      if (shown < 2 * kFewLinks) continue;  // chance: the first place counts twice
       const bool ends = walk.end >= 0 && back.end >= 0;
       if (ends && !is_taken(walk.end, -walk.way) && !is_taken(back.end, -back.way)) {
         // A gap among the places hid it from its corners.
         taken.emplace_back(walk.end, -walk.way);
         taken.emplace_back(back.end, -back.way);
-        Keep(faces, Joined(back, walk), back.end);
+        Keep(faces, Joined(back, walk), back.end, shown);
         continue;
       }
-      if (PlacesAlong(walk, places, 0) + PlacesAlong(back, places, 0) < 2 * kFewLinks) continue;
-      if (walk.end < 0) loose_.push_back({faces, walk.seen});
-      if (back.end < 0) loose_.push_back({faces, back.seen});
-      if (ends) loose_.push_back({faces, place});
+      if (walk.end < 0) loose_.push_back({faces, walk.seen, walk.way});
+      if (back.end < 0) loose_.push_back({faces, back.seen, back.way});
+      if (ends) loose_.push_back({faces, place, way});
     }
   }
 

@@ -14,6 +14,7 @@ struct BorderEdge {
   FacePair faces;
   int start = -1, end = -1;  // vertices; −1 both where it is closed
   Eigen::Matrix3Xd points;   // on both faces, in order; of a closed one the first is not repeated
+  int shown = 0;             // how many places are along it, away from vertices
 };
 
 struct FaceBorders {

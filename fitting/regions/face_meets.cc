@@ -92,9 +92,10 @@ std::optional<Eigen::Vector3d> FaceMeets::PlaceIn(const FacePair& faces,
 }
 
 std::optional<Eigen::Vector3d> FaceMeets::Corner(const std::vector<int>& faces,
-                                                 const Eigen::Vector3d& near) const {
+                                                 const Eigen::Vector3d& near,
+                                                 double at_most) const {
   std::vector<const FittedSurface*> shapes;
-  double reach = kReach * spacing();
+  double reach = std::max(kReach * spacing(), at_most);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     shapes.push_back(&Shape(faces[i]));
     for (std::size_t j = 0; j < i; ++j) {
@@ -106,6 +107,14 @@ std::optional<Eigen::Vector3d> FaceMeets::Corner(const std::vector<int>& faces,
     }
   }
   return PlaceOn(shapes, near, reach);
+}
+
+bool FaceMeets::BothAt(const FacePair& faces, const Eigen::Vector3d& place) const {
+  // Of a fillet of four spacings' radius, the narrowest that is found, a place two spacings off.
+  constexpr double kBends = 0.5;  // spacings
+  const double near = kBends * spacing() + same_;
+  return std::abs(Shape(faces.first).Distance(place)) <= near &&
+         std::abs(Shape(faces.second).Distance(place)) <= near;
 }
 
 Eigen::Vector3d FaceMeets::TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const {

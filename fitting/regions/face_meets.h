@@ -47,10 +47,16 @@ class FaceMeets {
   // How far beyond a vertex points may be of its faces.
   double BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& place) const;
 
-  // On the border, and where three faces or more meet.
+  // On the border, and where three faces or more meet: no farther than a few spacings, or
+  // `at_most` where that is more.
   std::optional<Eigen::Vector3d> PlaceIn(const FacePair& faces, const Eigen::Vector3d& near) const;
   std::optional<Eigen::Vector3d> Corner(const std::vector<int>& faces,
-                                        const Eigen::Vector3d& near) const;
+                                        const Eigen::Vector3d& near,
+                                        double at_most = 0) const;
+
+  // Whether both shapes pass a place between two of their points: those of two sides of a thin wall
+  // do not.
+  bool BothAt(const FacePair& faces, const Eigen::Vector3d& place) const;
 
   // The direction of the border.
   Eigen::Vector3d TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const;

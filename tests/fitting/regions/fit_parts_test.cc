@@ -301,6 +301,36 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   }
 }
 
+// A box with a pocket in its top that is as deep as points are apart two and a half times: its
+// walls have two rows of points, whose neighbours are mostly of other faces.
+TEST(FitPartsTest, NarrowFacesBesideLargerOnesAreFoundAndClose) {
+  constexpr double kDeep = 0.03, kTop = 0.4;
+  const Eigen::Vector3d low(0.25, 0.2, kTop - kDeep), x(0.5, 0, 0), y(0, 0.3, 0), z(0, 0, kDeep);
+  TruthPart part = BoxPart();
+  part.faces[1] = FlatFace({0, 0, kTop}, {1, 0, 0}, {0, 0.7, 0}, [&](const Eigen::Vector3d& p) {
+    return p[0] < low[0] || p[0] > low[0] + x[0] || p[1] < low[1] || p[1] > low[1] + y[1];
+  });
+  part.faces.push_back(FlatFace(low, x, y));
+  part.faces.push_back(FlatFace(low, z, x));
+  part.faces.push_back(FlatFace(low + y, x, z));
+  part.faces.push_back(FlatFace(low, y, z));
+  part.faces.push_back(FlatFace(low + x, z, y));
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  // At 1e-3 noise takes a tenth of the walls' height from either side: parts of them are not told.
+  for (const double sigma : {0.0, 1e-4}) {
+    for (const unsigned seed : {3u, 4u, 5u}) {
+      SCOPED_TRACE("noise " + std::to_string(sigma) + ", seed " + std::to_string(seed));
+      const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, seed), options);
+      ASSERT_EQ(fit.faces.size(), 11u);
+      ASSERT_TRUE(fit.solid) << fit.no_solid;
+      EXPECT_EQ(fit.solid->edges.size(), 24u);
+      EXPECT_EQ(fit.solid->vertices.cols(), 16);
+      EXPECT_EQ(fit.genus, 0);
+    }
+  }
+}
+
 TEST(FitPartsTest, TheSolidOfSmoothlyJoinedFacesIsRefusedWithTheirPlace) {
   PartFitOptions options;
   options.solid = true;
