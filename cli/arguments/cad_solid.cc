@@ -36,10 +36,11 @@ std::string TooFewWords(double share) {
 }
 
 // Why the part is no solid of exact faces; empty where it is one.
-std::string WhyNot(const PartsFit& fit, SolidKind kind) {
+std::string WhyNot(const PartsFit& fit, SolidKind kind, std::optional<int> genus) {
   const double share = ExactShare(fit);
   if (share < kMostlyExact) return TooFewWords(share);
   if (!fit.solid) return fit.no_solid;
+  if (genus && fit.genus != *genus) return GenusWords(fit.genus, *genus);
   const bool several = kind == SolidKind::kAuto && fit.bodies > 1;
   return several ? fmt::format("the faces are {} bodies", fit.bodies) : "";
 }
@@ -73,6 +74,10 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
 
 }  // namespace
 
+std::string GenusWords(int genus, int asked) {
+  return fmt::format("its genus is {}, not {} (--genus)", genus, asked);
+}
+
 SolidKind ToSolidKind(const std::string& word) {
   return word == "cad"       ? SolidKind::kCad
          : word == "organic" ? SolidKind::kOrganic
@@ -81,7 +86,7 @@ SolidKind ToSolidKind(const std::string& word) {
 
 CadOutcome RunCadSolid(const FitArguments& a,
                        SolidKind kind,
-                       double most_invented,
+                       const SolidDemands& demands,
                        FitFiles& files,
                        const PointCloud& cloud) {
   if (kind == SolidKind::kOrganic) return {};
@@ -90,7 +95,7 @@ CadOutcome RunCadSolid(const FitArguments& a,
   options.regularise = true;
   options.free_form = false;
   options.solid = true;
-  options.most_invented = most_invented;
+  options.most_invented = demands.most_invented;
   options.shift = files.shift();
   options = WithWork(std::move(options), a);
   std::string reason;
@@ -102,7 +107,7 @@ CadOutcome RunCadSolid(const FitArguments& a,
       if (share < kMostlyExact) throw RefusedData(TooFewWords(share));
     }
     PartsFit fit = FitParts(cloud, options);
-    reason = WhyNot(fit, kind);
+    reason = WhyNot(fit, kind, demands.genus);
     if (reason.empty()) {
       const int code = Written(a, files, fit);
       if (kind == SolidKind::kAuto && !a.flags.quiet) {

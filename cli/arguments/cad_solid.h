@@ -18,11 +18,20 @@ struct CadOutcome {
   std::string reason;       // why kAuto has to take the other road
 };
 
+// What a solid has to be, on either road.
+struct SolidDemands {
+  double most_invented = 0.15;  // of its area, the share without points near
+  std::optional<int> genus = std::nullopt;
+};
+
+// Why a solid of another genus is refused.
+std::string GenusWords(int genus, int asked);
+
 // Takes the road over planes, cylinders, cones, spheres and tori; kCad refuses where it ends before
-// a solid. One that points do not show for more than `most_invented` of its area is none.
+// a solid that meets the demands.
 CadOutcome RunCadSolid(const FitArguments& arguments,
                        SolidKind kind,
-                       double most_invented,
+                       const SolidDemands& demands,
                        FitFiles& files,
                        const PointCloud& cloud);
 

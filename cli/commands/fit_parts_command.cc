@@ -65,8 +65,8 @@ void AddFitPartsCommand(CLI::App& fit, Action& action) {
   command.add_flag(
       "--regularise",
       a->regularise,
-      "Fit the faces together so that what is parallel, perpendicular, coaxial, coplanar or of one "
-      "radius within its standard deviations is so exactly");
+      "Fit the faces together so that what is parallel, perpendicular, coaxial, coplanar, of one "
+      "radius or tangent within its standard deviations is so exactly");
   GroupFitFlags(command);
   GroupFlags(command, "What is written", {"--labels"});
   GroupFlags(command, "Which shape", {"--regularise"});

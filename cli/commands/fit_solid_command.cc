@@ -33,13 +33,12 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMostInvented = 0.15;  // of the area
-
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
   std::string kind = "auto";
   int faces = 0;
+  SolidDemands demands;
   bool keep_outliers = false, every_face = false;
 };
 
@@ -97,7 +96,7 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a,
   }
   ReconstructedSurface made = files.Explained([&] {
     try {
-      return ReconstructSurface(cloud, kMostInvented, a.work.threads);
+      return ReconstructSurface(cloud, a.demands.most_invented, a.work.threads);
     } catch (const RefusedData& refusal) {
       if (refusal.remedy() != Remedy::kFitPart) throw;
       throw RefusedData(refusal.what() + std::string(" (--box, --where)"));  // there is no --part
@@ -108,6 +107,12 @@ ClosedSurface SurfaceOf(const FitSolidArguments& a,
                              100 * made.invented_share));
   }
   return made.closed;
+}
+
+// Handles that were closed or made from what the points leave open.
+void RefuseGenus(const FitSolidArguments& a, const FitFiles& files, int genus) {
+  if (a.demands.genus && genus != *a.demands.genus)
+    files.Refuse("makes another solid: " + GenusWords(genus, *a.demands.genus));
 }
 
 // What readers of STEP can't tell from a point would be drawn without end.
@@ -162,12 +167,13 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
-  const CadOutcome cad = RunCadSolid(a, kind, kMostInvented, files, cloud);
+  const CadOutcome cad = RunCadSolid(a, kind, a.demands, files, cloud);
   if (cad.code) return *cad.code;
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (a.quads.empty()) {
     bool measured = false;
     const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
+    RefuseGenus(a, files, closed.genus);
     if (measured) {
       TriangleSurface local = closed.surface;
       local.vertices.colwise() -= cloud.origin();
@@ -188,6 +194,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   SolidFit fit = files.Explained([&] {
     return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
   });
+  RefuseGenus(a, files, fit.layout.genus);
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
   files.KeepSolid(fit.solid);
@@ -245,6 +252,17 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
           "at most one for 5 points, 2500]")
       ->type_name("N");
   command
+      .add_option_function<std::string>(
+          "--genus",
+          [a](const std::string& text) {
+            constexpr int kMost = 100000;
+            a->demands.genus = int(ParseWhole("--genus", text, 0, kMost));
+          },
+          "How many handles the solid has, of all bodies together: 0 of a ball, 1 of a ring; one "
+          "of "
+          "another number is refused")
+      ->type_name("G");
+  command
       .add_option(
           "--mesh-out",
           a->mesh_out,
@@ -268,7 +286,7 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       a->every_face,
       "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
-  GroupFlags(command, "Which shape", {"--kind", "--quads", "--faces", "--every-face"});
+  GroupFlags(command, "Which shape", {"--kind", "--quads", "--faces", "--genus", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fitting/core/distributions.h"
+#include "fitting/primitives/steady_across.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -87,7 +88,7 @@ PrimitiveAccuracy AccuracyOf(const FittedLine& line,
   PrimitiveAccuracy accuracy;
   const Eigen::Vector3d& along = line.direction;
   accuracy.frame_x =
-      data.plane ? Eigen::Vector3d(-along.y(), along.x(), 0) : along.unitOrthogonal();
+      data.plane ? Eigen::Vector3d(-along.y(), along.x(), 0) : SteadyAcross(along);
   accuracy.frame_y = along.cross(accuracy.frame_x);
   // Turns and shifts; across the other direction they are the same.
   AccuracySums sums(2, used, data.plane);

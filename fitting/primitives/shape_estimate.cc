@@ -11,6 +11,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "fitting/primitives/shape_scores.h"
+#include "fitting/primitives/steady_across.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -280,7 +281,7 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
   estimate.inflation = free.inflation;
   AxisFrame frame;
   const Eigen::Vector3d direction = DirectionOf(fit.local);
-  frame.x = direction.unitOrthogonal();
+  frame.x = SteadyAcross(direction);
   frame.y = direction.cross(frame.x);
   frame.middle = fitter.starts().centroid;
   estimate.frame_x = frame.x;

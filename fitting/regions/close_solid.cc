@@ -9,6 +9,8 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/geometry/make_curve.h"
+#include "fitting/regions/border_repair.h"
+#include "fitting/regions/solid_genus.h"
 #include "fitting/regions/solid_samples.h"
 
 namespace batten::internal {
@@ -88,7 +90,9 @@ class SolidCloser {
   }
 
   ClosedSolid Close() && {
-    borders_ = FindBorders(data_, labels_, contacts_, same_);
+    const FaceMeets meets(data_, labels_, contacts_, same_);
+    borders_ = FindBorders(meets);
+    if (borders_.refused.empty()) RepairBorders(meets, borders_);
     refused_ = borders_.refused;
     if (refused_.empty()) CheckWhole();
     if (refused_.empty()) OrientEdges();
@@ -145,13 +149,58 @@ class SolidCloser {
 
   void OrientEdges() {
     for (const BorderEdge& edge : borders_.edges) {
-      sides_.push_back({SideOf(edge, edge.faces.first), SideOf(edge, edge.faces.second)});
-      if (sides_.back().first == 0 || sides_.back().second == 0) {
+      // One that ends where it began has a way round.
+      const bool point = edge.start >= 0 && edge.start == edge.end && OnSegment(edge.points);
+      if (point) {
         refused_ = "the border of faces " + std::to_string(edge.faces.first) + " and " +
-                   std::to_string(edge.faces.second) + " is too short for its points";
+                   std::to_string(edge.faces.second) + " comes back to where it began";
         return;
       }
+      sides_.push_back({SideOf(edge, edge.faces.first), SideOf(edge, edge.faces.second)});
     }
+    while (TellSideByNext()) {
+    }
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+      if (sides_[k].first != 0 && sides_[k].second != 0) continue;
+      const FacePair& faces = borders_.edges[k].faces;
+      refused_ = "the border of faces " + std::to_string(faces.first) + " and " +
+                 std::to_string(faces.second) + " is too short for its points";
+      return;
+    }
+  }
+
+  // Of an edge without points beside it the side follows from the face's other edge at a vertex:
+  // where one arrives the other leaves. Whether there is one more.
+  bool TellSideByNext() {
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+      const BorderEdge& edge = borders_.edges[k];
+      for (const int face : {edge.faces.first, edge.faces.second}) {
+        double& side = face == edge.faces.first ? sides_[k].first : sides_[k].second;
+        for (const int vertex : {edge.start, edge.end}) {
+          if (side != 0 || vertex < 0) continue;
+          const auto arrives = ArrivesAt(vertex, face, k);
+          if (!arrives) continue;
+          side = (*arrives == (edge.start == vertex)) ? 1 : -1;
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // Whether the loop of a face comes to a vertex along its only edge there beside one; none where
+  // that is not known.
+  std::optional<bool> ArrivesAt(int vertex, int face, std::size_t beside) const {
+    std::optional<bool> arrives;
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+      const BorderEdge& edge = borders_.edges[k];
+      const bool of_face = edge.faces.first == face || edge.faces.second == face;
+      if (k == beside || !of_face || (edge.start != vertex && edge.end != vertex)) continue;
+      const double side = face == edge.faces.first ? sides_[k].first : sides_[k].second;
+      if (arrives || side == 0 || edge.start == edge.end) return std::nullopt;
+      arrives = (edge.end == vertex) == (side > 0);
+    }
+    return arrives;
   }
 
   // Outwards along the normal (+1) or against it, so that loops run along an edge in opposite
@@ -335,6 +384,7 @@ class SolidCloser {
     closed.invented = cover.invented;
     const std::vector<int> shells = ShellsOf(solid_);
     closed.shells = 1 + *std::max_element(shells.begin(), shells.end());
+    closed.genus = GenusOf(solid_);
     if (cover.invented > most_invented_) {
       refused_ = "the points do not go all round a body: " + percent(cover.invented) +
                  " % of its area have none near";

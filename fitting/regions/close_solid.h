@@ -16,7 +16,7 @@ namespace batten::internal {
 struct ClosedSolid {
   std::optional<TrimmedSolid> solid;  // in the coordinates of the result
   std::string refused;                // why there is none, a sentence
-  int shells = 0;
+  int shells = 0, genus = 0;
   double invented = 0;  // of its area, the share without points near
 };
 

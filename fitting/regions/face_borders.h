@@ -3,33 +3,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "fitting/regions/grow_regions.h"
+#include "fitting/regions/border_vertices.h"
 
 namespace batten::internal {
-
-using FacePair = std::pair<int, int>;  // ascending
-
-// The place on all of two shapes or more nearest to `from`, by Gauss–Newton steps; none where they
-// do not settle on it within `reach`, or the shapes are near to tangent.
-std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
-                                       Eigen::Vector3d from,
-                                       double reach);
-
-struct BorderVertex {
-  Eigen::Vector3d place;
-  std::vector<int> faces;  // ascending, three or more
-};
 
 struct BorderEdge {
   FacePair faces;
   int start = -1, end = -1;  // vertices; −1 both where it is closed
   Eigen::Matrix3Xd points;   // on both faces, in order; of a closed one the first is not repeated
+  int shown = 0;             // how many places are along it, away from vertices
 };
 
 struct FaceBorders {
@@ -40,11 +25,8 @@ struct FaceBorders {
 
 // From pairs of neighbouring points of two regions: places on the shapes of both; vertices where
 // points of three regions are near; edges followed from vertex to vertex, or round, along the
-// places that the points show. Vertices nearer than `same`, which is noise, are one. `contacts` has
-// the normals along the curve where two faces touch exactly (NormalsAlong): it is their border.
-FaceBorders FindBorders(const RegionPoints& data,
-                        const RegionLabels& labels,
-                        const std::map<FacePair, FittedSurface>& contacts,
-                        double same);
+// places that the points show. A border that is lost ends where its curve meets a third face whose
+// points are near: a corner of its own.
+FaceBorders FindBorders(const FaceMeets& meets);
 
 }  // namespace batten::internal

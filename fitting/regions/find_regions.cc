@@ -24,12 +24,113 @@ double SigmaOf(const RegionPoints& data, const RegionLabels& labels, double assu
   return weighted.empty() ? assumed : std::max(data.rounding, WeightedMedian(std::move(weighted)));
 }
 
-RegionLabels RegionsAt(const RegionPoints& data,
+void Append(Region region, RegionLabels& labels) {
+  for (const int point : region.points)
+    labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
+  labels.regions.push_back(std::move(region));
+}
+
+// Takes narrow regions away, and returns them.
+std::vector<Region> TakeNarrow(const RegionPoints& data, RegionLabels& labels) {
+  RegionLabels kept{{}, std::vector<int>(labels.label.size(), kNoRegion)};
+  std::vector<Region> narrow;
+  for (Region& region : labels.regions) {
+    if (IsNarrow(data, labels.label, region.points)) {
+      narrow.push_back(std::move(region));
+    } else {
+      Append(std::move(region), kept);
+    }
+  }
+  labels = std::move(kept);
+  return narrow;
+}
+
+// Free points with points of a region within two rings: all those of a narrow face.
+std::vector<int> LeftBeside(const RegionPoints& data, const std::vector<int>& label) {
+  std::vector<int> left;
+  const auto taken = [&](int point) { return label[std::size_t(point)] != kNoRegion; };
+  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
+    if (taken(k)) continue;
+    const auto around = data.Around(k);
+    const bool beside = std::any_of(around.begin(), around.end(), [&](int one) {
+      const auto next = data.Around(one);
+      return taken(one) || std::any_of(next.begin(), next.end(), taken);
+    });
+    if (beside) left.push_back(k);
+  }
+  return left;
+}
+
+// Regions of the points, in the numbers of all, that are bounded by regions: few of their points
+// have free ones beside them. What free points bound is the rim of something else.
+std::vector<Region> NarrowOf(const RegionPoints& data,
+                             const std::vector<int>& taken,
+                             std::vector<Region> grown) {
+  constexpr std::ptrdiff_t kFew = 4;  // one in so many
+  for (bool changed = true; changed;) {
+    std::vector<int> label = taken;
+    for (const Region& region : grown) {
+      for (const int point : region.points) label[std::size_t(point)] = 0;
+    }
+    const auto beside_free = [&](int point) {
+      const auto around = data.Around(point);
+      return std::any_of(around.begin(), around.end(), [&](int other) {
+        return label[std::size_t(other)] == kNoRegion;
+      });
+    };
+    changed = std::erase_if(grown, [&](const Region& region) {
+                const auto open =
+                    std::count_if(region.points.begin(), region.points.end(), beside_free);
+                return kFew * open >= std::ssize(region.points);
+              }) > 0;
+  }
+  return grown;
+}
+
+// Grows narrow regions anew once the larger ones have their borders: beside these, narrow faces
+// have no neighbourhoods and normals of their own. They get normals. Whether there are new ones.
+bool GrowNarrow(RegionPoints& data,
+                double sigma,
+                RegionLabels& labels,
+                const Progress& progress,
+                ThreadPool& pool) {
+  if (!data.normals_estimated) return false;
+  bool found = false;
+  std::vector<Region> before = TakeNarrow(data, labels);
+  const std::vector<int> left = LeftBeside(data, labels.label);
+  if (std::ssize(left) >= kFewestPoints) {
+    const RegionPoints part = PartOf(data, left, pool);
+    std::vector<Region> grown = GrowRegions(part, sigma, kFewestPoints, progress, pool).regions;
+    for (Region& region : grown) {
+      for (int& point : region.points) point = left[std::size_t(point)];
+    }
+    for (Region& region : NarrowOf(data, labels.label, std::move(grown))) {
+      Append(std::move(region), labels);
+      found = true;
+    }
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      if (labels.label[std::size_t(left[k])] == kNoRegion) continue;
+      data.normals.col(left[k]) = part.normals.col(Eigen::Index(k));
+      data.turn[left[k]] = part.turn[Eigen::Index(k)];
+    }
+  }
+  // What is not found again was none of these.
+  for (Region& region : before) {
+    std::erase_if(region.points,
+                  [&](int point) { return labels.label[std::size_t(point)] != kNoRegion; });
+    if (std::ssize(region.points) >= kFewestPoints) Append(std::move(region), labels);
+  }
+  return found;
+}
+
+RegionLabels RegionsAt(RegionPoints& data,
                        double sigma,
                        const Progress& progress,
                        ThreadPool& pool) {
   RegionLabels labels = GrowRegions(data, sigma, kFewestPoints, progress, pool);
   SettleRegions(data, sigma, kFewestPoints, labels, pool);
+  if (GrowNarrow(data, sigma, labels, progress, pool))
+    SettleRegions(data, sigma, kFewestPoints, labels, pool);
   return labels;
 }
 
@@ -38,7 +139,7 @@ Eigen::Index Explained(const RegionLabels& labels) {
       labels.label.begin(), labels.label.end(), [](int label) { return label != kNoRegion; });
 }
 
-FoundRegions AtTheirNoise(const RegionPoints& data,
+FoundRegions AtTheirNoise(RegionPoints& data,
                           double tolerance,
                           const Progress& progress,
                           ThreadPool& pool) {
@@ -57,7 +158,7 @@ FoundRegions AtTheirNoise(const RegionPoints& data,
 
 }  // namespace
 
-FoundRegions FindRegions(const RegionPoints& data,
+FoundRegions FindRegions(RegionPoints& data,
                          double tolerance,
                          const Progress& progress,
                          ThreadPool& pool) {

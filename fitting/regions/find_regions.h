@@ -17,8 +17,8 @@ struct FoundRegions {
 };
 
 // `tolerance`: points so far from a shape are of it whatever the noise; 0: none. Lengths in the
-// unit of the data.
-FoundRegions FindRegions(const RegionPoints& data,
+// unit of the data. Points of narrow faces get normals of their own.
+FoundRegions FindRegions(RegionPoints& data,
                          double tolerance,
                          const Progress& progress,
                          ThreadPool& pool);

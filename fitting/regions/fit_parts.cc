@@ -291,6 +291,7 @@ class PartFitter {
     ClosedSolid closed =
         CloseSolid(data_, LabelsOf(numbers), contacts, found_.sigma, options_.most_invented, move_);
     result_.bodies = closed.shells;
+    result_.genus = closed.genus;
     result_.invented = closed.invented;
     result_.solid = std::move(closed.solid);
     result_.no_solid = std::move(closed.refused);

@@ -16,10 +16,10 @@ namespace {
 
 constexpr int kNeighbours = 10;        // a ring about a point
 constexpr int kNormalNeighbours = 16;  // two rings: noise of normals halves against one
-constexpr double kFarNeighbour = 4;    // spacings about the point: beyond is another sheet
 
-// The pairs of points that are neighbours, both ways, each point's nearest first.
-void LinkNeighbours(const NeighbourIndex& index, RegionPoints& data) {
+// The pairs of points that are neighbours, both ways, each point's nearest first; none farther than
+// `farthest`.
+void LinkNeighbours(const NeighbourIndex& index, double farthest, RegionPoints& data) {
   const auto count = static_cast<int>(data.size());
   const int k = std::min(kNeighbours + 1, count);
   const std::vector<int> nearest = index.Nearest(data.points, k);
@@ -30,7 +30,7 @@ void LinkNeighbours(const NeighbourIndex& index, RegionPoints& data) {
     for (int j = 0; j < k; ++j) {
       const int other = at(j);
       const double far = (data.points.col(other) - data.points.col(i)).norm();
-      if (other == i || !(far <= kFarNeighbour * usual)) continue;
+      if (other == i || !(far <= std::min(kFarNeighbour * usual, farthest))) continue;
       links[static_cast<std::size_t>(i)].emplace_back(far, other);
       links[static_cast<std::size_t>(other)].emplace_back(far, i);
     }
@@ -71,7 +71,7 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   constexpr double kStored = 4 * std::numeric_limits<double>::epsilon();
   data.rounding = std::max(kFitted, kStored * farthest / data.unit);
   const NeighbourIndex index(data.points, pool);
-  LinkNeighbours(index, data);
+  LinkNeighbours(index, std::numeric_limits<double>::infinity(), data);
   const CloudStatistics statistics =
       MeasureCloud(data.points, index, {.seed = seed, .find_outliers = false}, pool);
   data.spacing = statistics.spacing;
@@ -81,9 +81,27 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
     for (auto normal : data.normals.colwise()) normal.stableNormalize();
   } else {
     data.normals = EstimateNormals(index, data.points, data.points, kNormalNeighbours);
+    data.normals_estimated = true;
   }
   TakeTurns(data);
   return data;
+}
+
+RegionPoints PartOf(const RegionPoints& data, const std::vector<int>& points, ThreadPool& pool) {
+  RegionPoints part;
+  part.points = data.points(Eigen::all, points);
+  part.spacing = data.spacing;
+  part.noise = data.noise;
+  part.rounding = data.rounding;
+  part.most_trend = data.most_trend;
+  part.unit = data.unit;
+  part.middle = data.middle;
+  part.normals_estimated = true;
+  const NeighbourIndex index(part.points, pool);
+  LinkNeighbours(index, kFarNeighbour * data.spacing, part);
+  part.normals = EstimateNormals(index, part.points, part.points, kNormalNeighbours);
+  TakeTurns(part);
+  return part;
 }
 
 std::vector<int> Thinned(const std::vector<int>& points, std::size_t most) {

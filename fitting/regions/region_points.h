@@ -12,13 +12,16 @@
 
 namespace batten::internal {
 
+inline constexpr double kFarNeighbour = 4;  // spacings about a point: beyond is another sheet
+
 // (x − middle) / unit; lengths below are in units.
 struct RegionPoints {
   Eigen::Matrix3Xd points;
   Eigen::Matrix3Xd normals;  // unit vectors without a sign; zero where there is none
-  Eigen::VectorXd turn;      // rms sine of the angles to the neighbours' normals
-  std::vector<int> first;    // of the neighbours of each point; one entry more than points
-  std::vector<int> around;   // neighbours, the nearest first, symmetric
+  bool normals_estimated = false;
+  Eigen::VectorXd turn;     // rms sine of the angles to the neighbours' normals
+  std::vector<int> first;   // of the neighbours of each point; one entry more than points
+  std::vector<int> around;  // neighbours, the nearest first, symmetric
   double spacing = 0, noise = 0;
   double rounding = 0;  // distances below mean nothing
   // The largest correlation of distances at neighbouring points that does not reject a shape.
@@ -36,6 +39,10 @@ struct RegionPoints {
 // Of distinct points; the cloud's normals where it has them, else those of planes through
 // neighbours. Points are neighbours where either is among the nearest of the other. O(m log m).
 RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, ThreadPool& pool);
+
+// Some of them by themselves: neighbours, no farther than a few spacings, and normals among these
+// alone. Points of a narrow face are seen so once those of the faces beside it are gone.
+RegionPoints PartOf(const RegionPoints& data, const std::vector<int>& points, ThreadPool& pool);
 
 // At most so many of them, evenly along the list.
 std::vector<int> Thinned(const std::vector<int>& points, std::size_t most);

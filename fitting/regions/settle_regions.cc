@@ -73,29 +73,75 @@ void Compete(const RegionPoints& data, double sigma, RegionLabels& labels) {
   }
 }
 
-// Regions as connected sets of points of one label; small ones have no region any more.
-void Connect(const RegionPoints& data, int fewest, RegionLabels& labels) {
-  const std::vector<int> before = labels.label;
-  std::vector<Region> parts;
-  std::fill(labels.label.begin(), labels.label.end(), kNoRegion);
-  std::vector<bool> seen(before.size());
-  for (std::size_t k = 0; k < before.size(); ++k) {
-    if (before[k] == kNoRegion || seen[k]) continue;
-    std::vector<int> part{static_cast<int>(k)};
+using Component = std::vector<int>;  // points of one label that hang together
+
+std::vector<Component> ComponentsOf(const RegionPoints& data, const std::vector<int>& label) {
+  std::vector<Component> components;
+  std::vector<bool> seen(label.size());
+  for (std::size_t k = 0; k < label.size(); ++k) {
+    if (label[k] == kNoRegion || seen[k]) continue;
+    Component part{static_cast<int>(k)};
     seen[k] = true;
     for (std::size_t i = 0; i < part.size(); ++i) {
       for (const int other : data.Around(part[i])) {
-        if (seen[std::size_t(other)] || before[std::size_t(other)] != before[k]) continue;
+        if (seen[std::size_t(other)] || label[std::size_t(other)] != label[k]) continue;
         seen[std::size_t(other)] = true;
         part.push_back(other);
       }
     }
-    if (std::ssize(part) < fewest) continue;
-    std::sort(part.begin(), part.end());
-    for (const int point : part) labels.label[std::size_t(point)] = static_cast<int>(parts.size());
-    parts.push_back({labels.regions[std::size_t(before[k])].shape, std::move(part)});
+    components.push_back(std::move(part));
   }
-  labels.regions = std::move(parts);
+  return components;
+}
+
+bool Near(const RegionPoints& data, const Component& a, const Component& b) {
+  const double far = kFarNeighbour * data.spacing;
+  return std::any_of(a.begin(), a.end(), [&](int p) {
+    return std::any_of(b.begin(), b.end(), [&](int q) {
+      return (data.points.col(p) - data.points.col(q)).squaredNorm() <= far * far;
+    });
+  });
+}
+
+// Narrow components of one label that are near one another are one: the nearest neighbours of a
+// point may all be of the faces beside it.
+void JoinNarrow(const RegionPoints& data,
+                const std::vector<int>& label,
+                std::vector<Component>& components) {
+  std::vector<std::size_t> narrow;
+  for (std::size_t k = 0; k < components.size(); ++k) {
+    if (IsNarrow(data, label, components[k])) narrow.push_back(k);
+  }
+  for (std::size_t i = 0; i < narrow.size(); ++i) {
+    Component& one = components[narrow[i]];
+    const auto next =
+        std::find_if(narrow.begin() + std::ptrdiff_t(i) + 1, narrow.end(), [&](std::size_t k) {
+          return label[std::size_t(components[k].front())] == label[std::size_t(one.front())] &&
+                 Near(data, one, components[k]);
+        });
+    if (next == narrow.end()) continue;
+    Component& other = components[*next];
+    other.insert(other.end(), one.begin(), one.end());
+    one.clear();
+  }
+  std::erase_if(components, [](const Component& one) { return one.empty(); });
+}
+
+// Regions as connected sets of points of one label; small ones have no region any more.
+void Connect(const RegionPoints& data, int fewest, RegionLabels& labels) {
+  std::vector<Component> components = ComponentsOf(data, labels.label);
+  JoinNarrow(data, labels.label, components);
+  std::erase_if(components, [&](const auto& one) { return std::ssize(one) < fewest; });
+  for (Component& one : components) std::sort(one.begin(), one.end());
+  std::sort(components.begin(), components.end());
+  std::vector<Region> parts;
+  std::vector<int> label(labels.label.size(), kNoRegion);
+  for (Component& one : components) {
+    const int before = labels.label[std::size_t(one.front())];
+    for (const int point : one) label[std::size_t(point)] = static_cast<int>(parts.size());
+    parts.push_back({labels.regions[std::size_t(before)].shape, std::move(one)});
+  }
+  labels = {std::move(parts), std::move(label)};
 }
 
 // Shapes from core points; of the kind they have, or a simpler or richer one where those ask for
@@ -167,6 +213,18 @@ void JoinNeighbours(const RegionPoints& data,
 }
 
 }  // namespace
+
+bool IsNarrow(const RegionPoints& data,
+              const std::vector<int>& label,
+              const std::vector<int>& points) {
+  const auto inside = std::count_if(points.begin(), points.end(), [&](int point) {
+    const auto around = data.Around(point);
+    return std::all_of(around.begin(), around.end(), [&](int other) {
+      return label[std::size_t(other)] == label[std::size_t(point)];
+    });
+  });
+  return 2 * inside < std::ssize(points);
+}
 
 bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b) {
   constexpr double kSmooth = 0.4;  // mean sine

@@ -26,6 +26,12 @@ std::vector<int> CorePoints(const RegionPoints& data,
                             int region,
                             double sigma);
 
+// Whether most of the points, of one label, have neighbours of another: those of a face a few
+// spacings wide, whose neighbourhoods are not its own.
+bool IsNarrow(const RegionPoints& data,
+              const std::vector<int>& label,
+              const std::vector<int>& points);
+
 // Whether the shapes of two regions have nearly the same normals where the regions touch.
 bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, int b);
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._arrays import Path, finite, is_path, one_of, path_bytes, plain, whole
+from ._arrays import Path, finite, is_path, number, one_of, path_bytes, plain, whole
 from ._cloud import Cloud, cloud_of, from_file
 from ._curve import Curve
 from ._geometry import Geometry, _body_of
@@ -475,6 +475,8 @@ def fit_solid(
     *,
     layout: Any = None,
     faces: Optional[int] = None,
+    genus: Optional[int] = None,
+    most_invented: float = 0.15,
     tolerance: Optional[float] = None,
     smoothing: Union[float, str, None] = None,
     max_iterations: int = 40,
@@ -503,6 +505,10 @@ def fit_solid(
     faces : int, optional
         About how many quadrilaterals the layout that is made has, 6 … 20000; None: chosen by points left out, at most
         one for 5 points, and 2500.
+    genus : int, optional
+        How many handles the solid has, of all bodies together: 0 of a ball, 1 of a ring; another one is refused.
+    most_invented : float
+        Points alone are refused where more than this share of the area, in [0, 1], has none within three spacings.
     tolerance : float, optional
         Distance in the data's units; only judged.
     smoothing : float or 'auto', optional
@@ -548,6 +554,10 @@ def fit_solid(
         raise ValueError("faces: not beside layout, which has its own")
     if faces is not None and not 6 <= whole("faces", faces) <= 20000:
         raise ValueError(f"faces: {faces} is not in [6, 20000]")
+    if genus is not None:
+        whole("genus", genus, 0)
+    if not 0 <= number("most_invented", most_invented) <= 1:
+        raise ValueError(f"most_invented: {most_invented} is not in [0, 1]")
     mesh = _mesh_of("points", points)
     if mesh is not None:
         if normals is not None:
@@ -570,6 +580,8 @@ def fit_solid(
             raise ValueError("layout: (vertices, faces) or a path are needed")
     options = {
         "faces": faces,
+        "genus": genus,
+        "most_invented": float(most_invented),
         "tolerance": tolerance,
         "smoothing": smoothing,
         "max_iterations": max_iterations,

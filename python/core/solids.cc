@@ -11,6 +11,7 @@
 
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/reconstruct_surface.h"
 #include "batten/io/solid_writer.h"
@@ -109,6 +110,8 @@ struct SolidTask {
   std::optional<QuadMesh> layout = {};
   int faces = 0;  // 0: by the number of points
   bool chooses_outliers = false;
+  double most_invented = 0.15;  // of the area
+  std::optional<int> genus = {};
   SolidFitOptions options;
 };
 
@@ -118,9 +121,20 @@ std::string Percent(double share) {
   return text;
 }
 
+void RefuseGenus(const SolidTask& task, int genus) {
+  if (task.genus && genus != *task.genus) {
+    throw RefusedData("its genus is " + std::to_string(genus) + ", not " +
+                      std::to_string(*task.genus));
+  }
+}
+
 // As `batten fit solid` does it; `warnings` of the surface that a layout is made from.
 SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
-  if (task.layout) return FitSolid(task.points->cloud, *task.layout, task.options);
+  if (task.layout) {
+    SolidFit fit = FitSolid(task.points->cloud, *task.layout, task.options);
+    RefuseGenus(task, fit.layout.genus);
+    return fit;
+  }
   PointCloud cloud = task.points->cloud;
   ClosedSurface closed;
   if (task.mesh) {
@@ -136,14 +150,15 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     // A vertex on a sharp edge is no outlier.
     if (task.chooses_outliers) task.options.keep_outliers = true;
   } else {
-    constexpr double kMostInvented = 0.15;  // of the area
-    ReconstructedSurface made = ReconstructSurface(cloud, kMostInvented, task.options.threads);
+    ReconstructedSurface made =
+        ReconstructSurface(cloud, task.most_invented, task.options.threads);
     if (made.invented_share > 0) {
       warnings.push_back(Percent(made.invented_share) +
                          " of the surface have no points within three spacings");
     }
     closed = std::move(made.closed);
   }
+  RefuseGenus(task, closed.genus);
   return FitSolid(cloud, closed.surface, task.faces, task.options);
 }
 
@@ -156,6 +171,8 @@ SolidPtr FitOneSolid(const PointsPtr& points,
   SolidTask task{.points = points, .options = SolidOptionsOf(keywords)};
   Check(task.options);
   keywords.Take("faces", task.faces);
+  keywords.Take("most_invented", task.most_invented);
+  keywords.Take("genus", task.genus);
   task.chooses_outliers = !keywords.Has("keep_outliers");
   if (points->cloud.dimension() == 2) throw py::value_error("points: a solid needs x, y and z");
   if (layout) task.layout = QuadsOf(*layout);

@@ -110,6 +110,40 @@ TEST(FitSolidKindTest, CadKeepsEdgesSharp) {
   }
 }
 
+TEST(FitSolidKindTest, AnotherGenusThanAskedForIsRefused) {
+  const TemporaryFolder folder;
+  const std::string tube = folder.With("tube.xyz", TextOf(TubePart(), 12000, 1e-4));
+  const auto fit = [&](const char* kind, const char* genus) {
+    return Batten({"fit",
+                   "solid",
+                   tube,
+                   "-o",
+                   folder.File("a.step"),
+                   "--kind",
+                   kind,
+                   "--faces",
+                   "200",
+                   "--genus",
+                   genus});
+  };
+  ProgramRun run =
+      Batten({"fit", "solid", tube, "-o", folder.File("b.step"), "--kind", "cad", "--genus", "1"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  run =
+      Batten({"fit", "solid", tube, "-o", folder.File("c.step"), "--kind", "cad", "--genus", "0"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("its genus is 1, not 0 (--genus)"));
+  EXPECT_FALSE(std::filesystem::exists(folder.File("c.step")));
+  run = fit("organic", "0");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("its genus is 1, not 0 (--genus)"));
+  EXPECT_FALSE(std::filesystem::exists(folder.File("a.step")));
+  EXPECT_EQ(fit("organic", "1").code, 0);
+  run = fit("organic", "1.5");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("--genus"));
+}
+
 TEST(FitSolidKindTest, SaysWhyThereIsNoCadSolid) {
   const TemporaryFolder folder;
   TruthPart open = BoxPart();

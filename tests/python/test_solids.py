@@ -212,6 +212,7 @@ VERTICES, QUADS = cube_sphere(2)
     "points, keywords, words",
     [
         (sphere(3000, 0.003, least_z=0.2), {}, "do not go all round"),
+        (sphere(1000, 0.003), {"genus": 1}, "its genus is 0, not 1"),
         (np.column_stack([np.random.default_rng(1).random((2000, 2)), np.zeros(2000)]), {}, ""),
         (cube_sphere(4)[0], {"layout": (VERTICES, QUADS[:-1])}, "the mesh is open"),
         ((cube_sphere(4)[0], cube_sphere(4)[1][:50]), {}, "the surface is open"),
@@ -219,12 +220,20 @@ VERTICES, QUADS = cube_sphere(2)
         (sphere(1500), {"layout": (VERTICES + [3, 0, 0], QUADS)}, "apart from the points"),
         (sphere(20), {"layout": (VERTICES, QUADS)}, "a coarser layout is needed"),
     ],
-    ids=["bowl", "sheet", "open-layout", "open-mesh", "turned", "apart", "few"],
+    ids=["bowl", "genus", "sheet", "open-layout", "open-mesh", "turned", "apart", "few"],
 )
 def test_what_is_no_body_is_refused(points, keywords, words):
     with pytest.raises(batten.FitRefused) as caught:
         batten.fit_solid(points, **keywords)
     assert words in caught.value.reason
+
+
+def test_more_may_be_invented_where_it_is_said():
+    bowl = sphere(3000, NOISE, least_z=-0.6)
+    with pytest.raises(batten.FitRefused):
+        batten.fit_solid(bowl, most_invented=0.05)
+    closed = batten.fit_solid(bowl, most_invented=0.5, faces=100, genus=0)
+    assert closed.summary["watertight"] and any("no points" in words for words in closed.warnings)
 
 
 @pytest.mark.parametrize(
@@ -243,6 +252,10 @@ def test_what_is_no_body_is_refused(points, keywords, words):
         ({"faces": 5}, "faces"),
         ({"faces": 20001}, "faces"),
         ({"faces": 7.5}, "faces"),
+        ({"genus": -1}, "genus"),
+        ({"genus": 0.5}, "genus"),
+        ({"most_invented": 1.5}, "most_invented"),
+        ({"most_invented": "all"}, "most_invented"),
         ({"tolerance": -1}, "tolerance"),
         ({"tolerance": "small"}, "tolerance"),
         ({"smoothing": -1}, "smoothing"),

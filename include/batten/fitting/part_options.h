@@ -79,7 +79,7 @@ struct PartsFit {
   Eigen::Matrix2Xd parameters;  // of its foot
   std::vector<int> owners;      // the face that this is on
   std::optional<TrimmedSolid> solid;  // of all faces, where it was asked for and they close
-  int bodies = 0;                     // of the solid
+  int bodies = 0, genus = 0;          // of the solid; handles of all bodies together
   double invented = 0;                // of its area, the share without points near
   std::string no_solid;               // why not, a sentence without a full stop
   FitReport report;

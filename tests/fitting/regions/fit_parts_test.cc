@@ -98,6 +98,33 @@ class Deviations {
 
 class MachinedPartTest : public testing::TestWithParam<int> {
  protected:
+  // Points on the face they were put on, or that are within noise of the shape of the face they are
+  // on now and no farther from points put on that than a few of these from one another.
+  double RightlyLabelled(const PartsFit& fit,
+                         const PartCloud& cloud,
+                         const std::vector<int>& truth,
+                         double sigma) const {
+    constexpr double kNoise = 3, kBeside = 3;
+    const double beside = kBeside * fit.report.input.spacing;
+    double right = 0;
+    for (std::size_t k = 0; k < cloud.face.size(); ++k) {
+      if (fit.labels[k] < 0) continue;
+      const int found = truth[std::size_t(fit.labels[k])];
+      const Eigen::Vector3d p = cloud.points.col(Eigen::Index(k));
+      const auto near = [&](std::size_t other) {
+        return cloud.face[other] == found &&
+               (cloud.points.col(Eigen::Index(other)) - p).norm() <= beside;
+      };
+      bool is_right = found == cloud.face[k];
+      if (!is_right && DistanceFrom(part.faces[std::size_t(found)].shape, p) <= kNoise * sigma) {
+        for (std::size_t other = 0; other < cloud.face.size() && !is_right; ++other)
+          is_right = near(other);
+      }
+      right += is_right;
+    }
+    return right;
+  }
+
   const TruthPart part = MachinedParts()[std::size_t(GetParam())];
 };
 
@@ -114,17 +141,10 @@ TEST_P(MachinedPartTest, HasItsFacesOfTheirKindsAndNoOthersAtEveryNoise) {
     for (std::size_t k = 0; k < truth.size(); ++k) {
       EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
     }
-    // All points but a few at corners are of the face they were put on, or of one that they are on
-    // as well as far as noise tells: at smooth borders those are many.
-    constexpr double kMost = 0.99, kNoise = 3;
-    double right = 0;
-    for (std::size_t k = 0; k < cloud.face.size(); ++k) {
-      if (fit.labels[k] < 0) continue;
-      const int found = truth[std::size_t(fit.labels[k])];
-      const double off = DistanceFrom(part.faces[std::size_t(found)].shape, cloud.points.col(k));
-      right += found == cloud.face[k] || off <= kNoise * sigma;
-    }
-    EXPECT_GT(right, kMost * kPoints);
+    // All points but a few at corners are of the face they were put on, or of one beside it that
+    // they are on as well as far as noise tells: at smooth borders those are many.
+    constexpr double kMost = 0.99;
+    EXPECT_GT(RightlyLabelled(fit, cloud, truth, sigma), kMost * kPoints);
     EXPECT_NEAR(fit.report.error.rms, sigma, 0.02 * sigma + 1e-9);
   }
 }
@@ -162,9 +182,8 @@ TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
   ASSERT_GT(all.size(), 300u);
   RecordProperty("numbers", static_cast<int>(all.size()));
   RecordProperty("within", static_cast<int>(within));
-  // Of normal errors 95.4 % are; three standard deviations of the count are chance.
-  const auto count = static_cast<double>(all.size());
-  EXPECT_GE(static_cast<double>(within), 0.954 * count - 3 * std::sqrt(0.954 * 0.046 * count));
+  constexpr double kNineteenInTwenty = 0.95;  // of normal errors 95.4 % are
+  EXPECT_GE(static_cast<double>(within), kNineteenInTwenty * static_cast<double>(all.size()));
 }
 
 TEST(FitPartsTest, SizeAndPlaceDoNotMatter) {
@@ -260,9 +279,6 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   options.regularise = options.solid = true;
   for (const TruthPart& part : MachinedParts()) {
     for (const double sigma : {0.0, 1e-4, 1e-3}) {
-      // There fillets and the balls in their corners, of some hundred points, are not told
-      // everywhere.
-      if ((part.name == "filleted box" || part.name == "bracket") && sigma > 1e-4) continue;
       SCOPED_TRACE(part.name + " at noise " + std::to_string(sigma));
       const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, 7), options);
       ASSERT_TRUE(fit.solid) << fit.no_solid;
@@ -281,6 +297,36 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
       EXPECT_EQ(forward, std::vector<int>(forward.size(), 1));
       EXPECT_EQ(backward, std::vector<int>(backward.size(), 1));
       for (const TrimmedSolidEdge& edge : fit.solid->edges) EXPECT_TRUE(edge.exact);
+    }
+  }
+}
+
+// A box with a pocket in its top that is as deep as points are apart two and a half times: its
+// walls have two rows of points, whose neighbours are mostly of other faces.
+TEST(FitPartsTest, NarrowFacesBesideLargerOnesAreFoundAndClose) {
+  constexpr double kDeep = 0.03, kTop = 0.4;
+  const Eigen::Vector3d low(0.25, 0.2, kTop - kDeep), x(0.5, 0, 0), y(0, 0.3, 0), z(0, 0, kDeep);
+  TruthPart part = BoxPart();
+  part.faces[1] = FlatFace({0, 0, kTop}, {1, 0, 0}, {0, 0.7, 0}, [&](const Eigen::Vector3d& p) {
+    return p[0] < low[0] || p[0] > low[0] + x[0] || p[1] < low[1] || p[1] > low[1] + y[1];
+  });
+  part.faces.push_back(FlatFace(low, x, y));
+  part.faces.push_back(FlatFace(low, z, x));
+  part.faces.push_back(FlatFace(low + y, x, z));
+  part.faces.push_back(FlatFace(low, y, z));
+  part.faces.push_back(FlatFace(low + x, z, y));
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  // At 1e-3 noise takes a tenth of the walls' height from either side: parts of them are not told.
+  for (const double sigma : {0.0, 1e-4}) {
+    for (const unsigned seed : {3u, 4u, 5u}) {
+      SCOPED_TRACE("noise " + std::to_string(sigma) + ", seed " + std::to_string(seed));
+      const PartsFit fit = Fitted(SampledPart(part, kPoints, sigma, seed), options);
+      ASSERT_EQ(fit.faces.size(), 11u);
+      ASSERT_TRUE(fit.solid) << fit.no_solid;
+      EXPECT_EQ(fit.solid->edges.size(), 24u);
+      EXPECT_EQ(fit.solid->vertices.cols(), 16);
+      EXPECT_EQ(fit.genus, 0);
     }
   }
 }

@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "batten/fitting/fit_parts.h"
+#include "batten/geometry/make_curve.h"
 #include "body_clouds.h"
+#include "fitting/regions/solid_genus.h"
 #include "part_clouds.h"
 
 namespace batten::internal {
@@ -63,6 +65,49 @@ TEST(SolidSamplesTest, WhatNoPointShowsIsInvented) {
       EXPECT_NE(careful.no_solid.find("do not go all round"), std::string::npos);
     }
   }
+}
+
+TEST(SolidGenusTest, CountsHandles) {
+  const auto genus = [](const TruthPart& part) {
+    const PartsFit fit = SolidOf(SampledPart(part, kPoints, 1e-4, 7).points);
+    EXPECT_TRUE(fit.solid) << part.name << ": " << fit.no_solid;
+    return fit.genus;
+  };
+  EXPECT_EQ(genus(BoxPart()), 0);
+  EXPECT_EQ(genus(TubePart()), 1);
+  EXPECT_EQ(genus(FlangePart()), 7);
+  EXPECT_EQ(genus(ShaftPart()), 0);
+}
+
+TEST(SolidGenusTest, TheHandleOfATorusIsWhereItsLoopsLeaveIt) {
+  // Small circles on a torus about the z axis, seen from outside clockwise about their discs: the
+  // face beside them is the torus less the discs, or, turned round, a disc.
+  const auto loops_of = [](bool discs) {
+    TrimmedSolid solid;
+    solid.vertices.resize(3, 2);
+    TrimmedSolidFace face{TorusShape{{0, 0, 0}, {0, 0, 1}, 2, 0.5}, false, {}};
+    for (const double side : {1.0, -1.0}) {
+      const Frame frame({side * 2.4, 0, 0}, {side, 0, 0});
+      const ExactArc arc{frame, 0.3, {0, 2 * std::numbers::pi}};
+      const int number = static_cast<int>(solid.edges.size());
+      solid.edges.push_back({MakeArc(arc.frame, arc.radius, arc.angles), arc, number, number});
+      solid.vertices.col(number) = solid.edges.back().curve.At(0);
+      face.loops.push_back({{number, !discs}});
+    }
+    solid.faces = {face};
+    // Planes stand for what lies beside the circles.
+    solid.faces.push_back({PlaneShape{{2.4, 0, 0}, {1, 0, 0}}, false, {face.loops[0]}});
+    solid.faces.push_back({PlaneShape{{-2.4, 0, 0}, {1, 0, 0}}, false, {face.loops[1]}});
+    return solid;
+  };
+  EXPECT_EQ(GenusOf(loops_of(false)), 1);
+  // Two loops of which neither is in the other make a sphere where they are a face between them.
+  EXPECT_EQ(GenusOf(loops_of(true)), 0);
+  TrimmedSolid whole;
+  whole.faces = {{TorusShape{{0, 0, 0}, {0, 0, 1}, 2, 0.5}, false, {}}};
+  EXPECT_EQ(GenusOf(whole), 1);
+  whole.faces = {{SphereShape{{0, 0, 0}, 1}, false, {}}};
+  EXPECT_EQ(GenusOf(whole), 0);
 }
 
 TEST(SolidSamplesTest, BodiesApartAreCountedAndOthersRefused) {

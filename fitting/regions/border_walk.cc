@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/regions/border_walk.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace batten::internal {
+
+double FarFrom(const BorderPlaces& places, const Eigen::Vector3d& place) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& one : places) least = std::min(least, (one - place).squaredNorm());
+  return std::sqrt(least);
+}
+
+BorderWalk FollowBorder(const FaceMeets& meets,
+                        const FacePair& faces,
+                        const BorderPlaces& places,
+                        const std::vector<WalkEnd>& ends,
+                        const Eigen::Vector3d& from,
+                        const Eigen::Vector3d& way,
+                        int start) {
+  // Spacings, but for the sine of a turn and the share of a step.
+  constexpr double kStep = 0.5, kShort = 1.0 / 64, kLost = 4, kBeside = 1;
+  constexpr double kTurn = 0.15, kPassed = 0.2;
+  constexpr std::size_t kMost = 100000;
+  const double spacing = meets.spacing();
+  BorderWalk walk{{from}, -1, false, way, from};
+  double step = kStep * spacing;
+  while (walk.points.size() < kMost) {
+    const Eigen::Vector3d here = walk.points.back();
+    const auto next = PlaceOn(meets.Cutting(faces), here + step * walk.way, step);
+    Eigen::Vector3d turned = next ? meets.TangentAt(faces, *next) : walk.way;
+    if (turned.dot(walk.way) < 0) turned = -turned;
+    if (!next || turned.cross(walk.way).norm() > kTurn) {
+      step /= 2;
+      if (step < kShort * spacing) break;
+      continue;
+    }
+    const Eigen::Vector3d ahead = *next - here;
+    // How far ahead a place is passed in this step; none where it is not.
+    const auto passed = [&](const Eigen::Vector3d& place, double least) -> std::optional<double> {
+      const double along = (place - here).dot(ahead) / ahead.squaredNorm();
+      const double off = (place - here - along * ahead).norm();
+      if (!(along > 0 && along <= 1 && off <= std::max(least, kPassed * step))) return std::nullopt;
+      return along;
+    };
+    const bool left = walk.points.size() > 2;
+    double first = std::numeric_limits<double>::infinity();
+    for (const WalkEnd& end : ends) {
+      if (end.vertex == start && !left) continue;
+      // Vertices of several faces are within noise of each.
+      const auto along = passed(end.place, meets.same());
+      if (!along || !(*along < first)) continue;
+      first = *along;
+      walk.end = end.vertex;
+      walk.way = turned;
+    }
+    if (walk.end >= 0) return walk;
+    if (start < 0 && left && passed(from, 0)) {
+      walk.closed = true;
+      return walk;
+    }
+    walk.points.push_back(*next);
+    walk.way = turned;
+    step = std::min(kStep * spacing, 1.5 * step);
+    const double far = FarFrom(places, *next);
+    if (far <= kBeside * spacing) walk.seen = *next;
+    const bool hidden = std::any_of(ends.begin(), ends.end(), [&](const WalkEnd& end) {
+      const Eigen::Vector3d off = end.place - *next;
+      return off.norm() <= end.reach && off.dot(walk.way) > 0;
+    });
+    if (far > kLost * spacing && !hidden) break;
+  }
+  return walk;
+}
+
+}  // namespace batten::internal
