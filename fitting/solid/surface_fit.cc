@@ -188,7 +188,11 @@ class Fitter {
       const LimitFoot& foot = fit_.feet[k];
       const auto i = Eigen::Index(k);
       if (!foot.found || !Counts(k, some)) continue;
-      demands.push_back({foot.place, data_.points.col(i), foot.normal, data_.weights[i]});
+      demands.push_back({foot.place,
+                         data_.points.col(i),
+                         foot.on_crease,
+                         foot.on_crease ? foot.tangent : foot.normal,
+                         data_.weights[i]});
     }
     return demands;
   }
@@ -328,8 +332,17 @@ Eigen::Matrix3Xd ControlPointsThrough(const QuadTopology& mesh, const Eigen::Mat
     Eigen::Matrix3Xd limits(3, points.cols());
     for (int v = 0; v < mesh.vertices(); ++v) {
       const int n = mesh.Valence(v);
-      Eigen::Vector3d limit = points.col(v) * n / (n + 5.0);
       int h = mesh.Outgoing(v);
+      if (mesh.Creases(v) > 0) {
+        limits.col(v) = points.col(v);
+        if (mesh.IsCorner(v)) continue;
+        limits.col(v) *= 2.0 / 3;
+        for (int k = 0; k < n; ++k, h = mesh.Turned(h)) {
+          if (mesh.IsCrease(h)) limits.col(v) += points.col(mesh.Origin(QuadTopology::Next(h))) / 6;
+        }
+        continue;
+      }
+      Eigen::Vector3d limit = points.col(v) * n / (n + 5.0);
       for (int k = 0; k < n; ++k, h = mesh.Turned(h)) {
         const int next = QuadTopology::Next(h);
         limit += (4 * points.col(mesh.Origin(next)) +
