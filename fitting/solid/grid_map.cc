@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/solid/grid_map.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
@@ -118,21 +122,54 @@ class GridUnknowns {
   std::vector<std::vector<Gaussian>> lattice_;
 };
 
+// The corners of creases, and a vertex of each connected part that has none.
+std::vector<int> AnchorsOf(const SurfaceCreases& creases) {
+  std::vector<int> anchors, part(creases.corner.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](int v) {
+    while (part[std::size_t(v)] != v)
+      v = part[std::size_t(v)] = part[std::size_t(part[std::size_t(v)])];
+    return v;
+  };
+  for (const auto& [a, b] : creases.edges) part[std::size_t(root(a))] = root(b);
+  std::vector<char> has(part.size(), 0);
+  for (int v = 0; v < int(part.size()); ++v) {
+    if (!creases.corner[std::size_t(v)]) continue;
+    anchors.push_back(v);
+    has[std::size_t(root(v))] = 1;
+  }
+  for (const auto& [a, b] : creases.edges) {
+    if (has[std::size_t(root(a))]) continue;
+    has[std::size_t(root(a))] = 1;
+    anchors.push_back(a);
+  }
+  return anchors;
+}
+
 class GridMapper {
  public:
   GridMapper(const TriangleSurface& surface,
              const TriangleTopology& topology,
              const std::vector<double>& crosses,
-             const Eigen::VectorXd& lengths)
+             const Eigen::VectorXd& lengths,
+             const SurfaceCreases& creases)
       : topology_(topology),
         planar_(PlanarEdges(surface)),
-        seams_(topology, planar_, crosses),
+        creases_(CreasesByHalfEdge(topology, creases)),
+        held_(AnchorsOf(creases)),
+        seams_(topology, planar_, crosses, held_),
         unknowns_(topology, seams_),
         stiffness_(std::size_t(topology.triangles()), 1.0) {
     for (int h = 0; h < topology.half_edges(); ++h) {
       forms_.push_back(unknowns_.CornerForm(h));
       const Complex direction = seams_.directions()[std::size_t(h / 3)];
       wanted_.push_back(planar_[std::size_t(h)] * std::conj(direction) / lengths[h / 3]);
+    }
+    for (int h = 0; h < topology.half_edges(); ++h) {
+      if (!creases_[std::size_t(h)]) continue;
+      const Complex axis = AxisOf(h);
+      edges_.push_back(
+          {EdgeForm(h), axis, axis * std::real(std::conj(axis) * wanted_[std::size_t(h)]), 0});
     }
   }
 
@@ -149,6 +186,20 @@ class GridMapper {
   }
 
  private:
+  Form EdgeForm(int h) const {
+    Form row = forms_[std::size_t(TriangleTopology::Next(h))];
+    for (const auto& [k, factor] : forms_[std::size_t(h)]) row.emplace_back(k, -factor);
+    return row;
+  }
+
+  // Adds what a row asks for to right sides of free places and of integers.
+  void Pull(const Form& row, Complex by, Eigen::VectorXcd& free, Eigen::VectorXcd& integers) const {
+    const int n = unknowns_.free();
+    for (const auto& [j, one] : row) {
+      (j < n ? free[j] : integers[j - n]) += std::conj(one) * by;
+    }
+  }
+
   // min Σ c |p_b − p_a − w|² over the edges of all triangles, c the cotangent of the angle
   // opposite: the sum of squared differences of gradients from those of the cross.
   void Assemble() {
@@ -165,17 +216,12 @@ class GridMapper {
       const double cotangent = std::real(std::conj(to_b) * to_a) / std::abs(AreaOf(to_b, to_a));
       const double weight = (cotangent < kMost ? std::max(kLeast, cotangent) : kMost) *
                             stiffness_[std::size_t(h / 3)];
-      Form row = forms_[std::size_t(TriangleTopology::Next(h))];
-      for (const auto& [k, factor] : forms_[std::size_t(h)]) row.emplace_back(k, -factor);
+      const Form row = EdgeForm(h);
+      Pull(row, weight * wanted_[std::size_t(h)], right_, integer_right_);
+      const double whole = weight + (creases_[std::size_t(h)] ? kAlong : 0);
       for (const auto& [j, one] : row) {
-        const Complex pull = weight * std::conj(one) * wanted_[std::size_t(h)];
-        if (j < n) {
-          right_[j] += pull;
-        } else {
-          integer_right_[j - n] += pull;
-        }
         for (const auto& [k, other] : row) {
-          const Complex entry = weight * std::conj(one) * other;
+          const Complex entry = whole * std::conj(one) * other;
           if (j >= n && k >= n) {
             integer_part_(j - n, k - n) += entry;
           } else if (j < n && k >= n) {
@@ -197,21 +243,148 @@ class GridMapper {
   }
 
   void SolveForIntegers() {
-    Assemble();
     const int m = unknowns_.integers();
     integers_ = Eigen::VectorXcd::Zero(m);
     if (m == 0) return;
+    // Lines that creases hold cross where nothing keeps triangles from turning over before places
+    // are integers.
+    constexpr int kRounds = 8;
+    for (int round = 0; !edges_.empty() && round < kRounds; ++round) {
+      const GridMap relaxed = MapOf(Relaxed());
+      if (relaxed.turned_over == 0) break;
+      StiffenAbout(relaxed);
+    }
+    Relaxed();
+    const std::vector<GaussianRow> rows = CreaseConditions();
+    integers_ = rows.empty() ? RoundedWithin(quadratic_, integers_)
+                             : RoundedOnCreases(quadratic_, integers_, rows);
+  }
+
+  // The map whose integers may be any numbers, which are left in their place.
+  Eigen::VectorXcd Relaxed() {
+    Assemble();
     const Eigen::MatrixXcd answers = factor_.solve(Eigen::MatrixXcd(mixed_));
-    const Eigen::MatrixXcd quadratic = integer_part_ - mixed_.adjoint() * answers;
-    const Eigen::VectorXcd linear = integer_right_ - answers.adjoint() * right_;
-    const Eigen::VectorXcd centre = quadratic.ldlt().solve(linear);
-    if (!centre.allFinite()) throw RefusedData("the map onto a grid is not determined");
-    integers_ = RoundedWithin(quadratic, centre);
+    quadratic_ = integer_part_ - mixed_.adjoint() * answers;
+    const Eigen::LDLT<Eigen::MatrixXcd> of_integers(quadratic_);
+    Eigen::VectorXcd places =
+        OnCreases([&](const Eigen::VectorXcd& free, const Eigen::VectorXcd& integers) {
+          integers_ = of_integers.solve(integers - answers.adjoint() * free);
+          return factor_.solve(free - mixed_ * integers_).eval();
+        });
+    if (!integers_.allFinite()) throw RefusedData("the map onto a grid is not determined");
+    return places;
+  }
+
+  // The same over real and imaginary parts, one after the other, which keep the conditions.
+  static Eigen::VectorXcd RoundedOnCreases(const Eigen::MatrixXcd& quadratic,
+                                           const Eigen::VectorXcd& centre,
+                                           const std::vector<GaussianRow>& rows) {
+    const Eigen::Index m = centre.size();
+    const std::vector<std::vector<Gaussian>> lattice = LatticeOfZeros(rows, int(2 * m));
+    Eigen::MatrixXd basis(2 * m, Eigen::Index(lattice.size()));
+    for (Eigen::Index k = 0; k < basis.cols(); ++k) {
+      for (Eigen::Index j = 0; j < 2 * m; ++j) {
+        basis(j, k) = double(lattice[std::size_t(k)][std::size_t(j)].real());
+      }
+    }
+    Eigen::MatrixXd parts(2 * m, 2 * m);
+    parts << quadratic.real(), -quadratic.imag(), quadratic.imag(), quadratic.real();
+    Eigen::VectorXd middle(2 * m);
+    middle << centre.real(), centre.imag();
+    const Eigen::MatrixXd form = basis.transpose() * parts * basis;
+    const Eigen::VectorXd within = form.ldlt().solve(basis.transpose() * (parts * middle));
+    if (!within.allFinite()) throw RefusedData("the map onto a grid is not determined");
+    const Eigen::VectorXd rounded =
+        basis * RoundedWithin(form.cast<Complex>(), within.cast<Complex>()).real();
+    Eigen::VectorXcd integers(m);
+    integers.real() = rounded.head(m);
+    integers.imag() = rounded.tail(m);
+    return integers;
+  }
+
+  // The integers' real and imaginary parts, one after the other, make each crease begin and end on
+  // one line of the grid.
+  std::vector<GaussianRow> CreaseConditions() const {
+    std::vector<char> seen(creases_.size(), 0), stops(std::size_t(topology_.vertices()), 0);
+    for (const int v : held_) stops[std::size_t(v)] = 1;
+    std::vector<GaussianRow> rows;
+    for (int first = 0; first < topology_.half_edges(); ++first) {
+      if (!creases_[std::size_t(first)] || seen[std::size_t(first)]) continue;
+      if (!stops[std::size_t(topology_.Origin(first))]) continue;
+      std::map<int, Complex> across;  // of which the imaginary part is to vanish
+      for (int h = first;;) {
+        seen[std::size_t(h)] = seen[std::size_t(topology_.Twin(h))] = 1;
+        AddAcross(h, across);
+        const int v = topology_.Origin(TriangleTopology::Next(h));
+        if (stops[std::size_t(v)]) break;
+        // The other crease of the vertex.
+        int next = topology_.Turned(topology_.Twin(h));
+        while (!creases_[std::size_t(next)]) next = topology_.Turned(next);
+        h = next;
+      }
+      GaussianRow row = RowOf(across);
+      if (!row.empty()) rows.push_back(std::move(row));
+    }
+    return rows;
+  }
+
+  // An edge as a form, turned so that it should run along the real axis.
+  void AddAcross(int h, std::map<int, Complex>& across) const {
+    const Complex back = std::conj(AxisOf(h));
+    for (const auto& [k, factor] : EdgeForm(h)) across[k] += back * factor;
+  }
+
+  // The unit of the grid along which an edge should run.
+  Complex AxisOf(int h) const {
+    const double angle = std::arg(wanted_[std::size_t(h)]);
+    return AsComplex(PowerOfI(int(std::lround(angle / (std::numbers::pi / 2)))));
+  }
+
+  // None where the crease does not keep to its direction, and places of free vertices are left.
+  GaussianRow RowOf(const std::map<int, Complex>& across) const {
+    GaussianRow row;
+    const int n = unknowns_.free(), m = unknowns_.integers();
+    for (const auto& [k, factor] : across) {
+      const Gaussian whole(std::llround(factor.real()), std::llround(factor.imag()));
+      if (whole == Gaussian(0)) continue;
+      if (k < n) return {};
+      if (whole.imag() != 0) row[k - n] = whole.imag();
+      if (whole.real() != 0) row[k - n + m] = whole.real();
+    }
+    return row;
   }
 
   Eigen::VectorXcd Solve() {
     Assemble();
-    return factor_.solve(right_ - mixed_ * integers_);
+    return OnCreases([&](const Eigen::VectorXcd& free, const Eigen::VectorXcd&) {
+      return factor_.solve(free - mixed_ * integers_).eval();
+    });
+  }
+
+  // The least squares whose edges along creases run along lines of the grid, as long as they like:
+  // by turns with given lengths, which `solve` answers, and for these; what is left across is asked
+  // for against. [alternating directions: Boyd et al. 2011, §5]
+  template <typename Answer>
+  Eigen::VectorXcd OnCreases(Answer solve) {
+    constexpr int kRounds = 60;
+    Eigen::VectorXcd free;
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::VectorXcd right = right_, integer_right = integer_right_;
+      for (const auto& edge : edges_) {
+        Pull(edge.row, kAlong * (edge.along - edge.against), right, integer_right);
+      }
+      free = solve(right, integer_right);
+      if (edges_.empty()) break;
+      for (auto& edge : edges_) {
+        Complex place = edge.against;
+        for (const auto& [k, factor] : edge.row) {
+          place += factor * (k < unknowns_.free() ? free[k] : integers_[k - unknowns_.free()]);
+        }
+        edge.along = edge.axis * std::real(std::conj(edge.axis) * place);
+        edge.against = place - edge.along;
+      }
+    }
+    return free;
   }
 
   GridMap MapOf(const Eigen::VectorXcd& free) const {
@@ -254,15 +427,24 @@ class GridMapper {
 
   const TriangleTopology& topology_;
   std::vector<Complex> planar_;
+  std::vector<char> creases_;  // by half-edge
+  std::vector<int> held_;      // vertices
   ChartSeams seams_;
   GridUnknowns unknowns_;
   std::vector<Form> forms_;
   std::vector<Complex> wanted_;
   std::vector<double> stiffness_;
+  // Of those along creases: their unit of the grid, length and what is asked for across.
+  struct CreaseEdge {
+    Form row;
+    Complex axis, along, against;
+  };
+  static constexpr double kAlong = 3;  // weight of lengths given; other edges' are about one
+  std::vector<CreaseEdge> edges_;
   bool analysed_ = false;
   Factor factor_;
   SparseComplex mixed_;
-  Eigen::MatrixXcd integer_part_;
+  Eigen::MatrixXcd integer_part_, quadratic_;  // the latter with free places where they are best
   Eigen::VectorXcd right_, integer_right_, integers_;
 };
 
@@ -279,8 +461,9 @@ Complex GridMap::Across(int h, Complex p) const {
 GridMap MapOntoGrid(const TriangleSurface& surface,
                     const TriangleTopology& topology,
                     const std::vector<double>& crosses,
-                    const Eigen::VectorXd& lengths) {
-  return GridMapper(surface, topology, crosses, lengths).Map();
+                    const Eigen::VectorXd& lengths,
+                    const SurfaceCreases& creases) {
+  return GridMapper(surface, topology, crosses, lengths, creases).Map();
 }
 
 }  // namespace batten::internal

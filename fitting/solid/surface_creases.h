@@ -10,12 +10,18 @@
 
 namespace batten::internal {
 
+class TriangleTopology;
+
 struct SurfaceCreases {
   std::vector<std::array<int, 2>> edges;  // by their ends, the lower one first
   std::vector<char> corner;               // by vertex: curves of creases end, meet or turn there
 
   bool none() const { return edges.empty(); }
 };
+
+// The creases among the half-edges.
+std::vector<char> CreasesByHalfEdge(const TriangleTopology& topology,
+                                    const SurfaceCreases& creases);
 
 // Edges over which normals turn by much more than beside them, in chains longer than `shortest`.
 // Normals are means over triangles beside one another whose own differ by less, so that noise does

@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -81,7 +82,7 @@ void SurfaceSystem::MakeDifferences() {
   const QuadTopology& mesh = stencils_.mesh();
   const auto add = [&](int vertex, std::vector<std::pair<int, double>> row, double weight) {
     std::sort(row.begin(), row.end());
-    const bool crease = mesh.Creases(vertex) > 0 && row.size() == 3;
+    const bool crease = mesh.Creases(vertex) > 0 && row.size() == 3 && !mesh.IsCorner(vertex);
     Difference difference{vertex, crease, weight, std::move(row), {}};
     for (std::size_t a = 0; a < difference.row.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
@@ -99,6 +100,7 @@ void SurfaceSystem::MakeDifferences() {
       around.push_back(mesh.Origin(QuadTopology::Next(h)));
     }
     if (mesh.Creases(v) > 0) {
+      AddInwardCorners(v, add);
       if (!mesh.IsCorner(v)) add(v, {{around[0], 1}, {v, -2}, {around[1], 1}}, 1);
       continue;
     }
@@ -120,6 +122,25 @@ void SurfaceSystem::MakeDifferences() {
     add(corner[mesh.Creases(corner[smooth]) > 0 ? 0 : smooth],
         {{corner[0], 1}, {corner[1], -1}, {corner[2], 1}, {corner[3], -1}},
         2);
+  }
+}
+
+// Three faces at a corner are a grid without one of its quarters.
+template <typename Add>
+void SurfaceSystem::AddInwardCorners(int v, const Add& add) const {
+  const QuadTopology& mesh = stencils_.mesh();
+  int h = mesh.Outgoing(v);
+  for (int k = 0; k < mesh.Valence(v); ++k, h = mesh.Turned(h)) {
+    const QuadFan fan = mesh.FanOf(h);
+    if (fan.first != h || !fan.corner || fan.sectors != 3) continue;
+    std::array<int, 4> ends{};
+    int edge = h;
+    for (int& end : ends) {
+      end = mesh.Origin(QuadTopology::Next(edge));
+      edge = mesh.Turned(edge);
+    }
+    add(v, {{ends[0], 1}, {v, -2}, {ends[2], 1}}, 1);
+    add(v, {{ends[1], 1}, {v, -2}, {ends[3], 1}}, 1);
   }
 }
 

@@ -55,6 +55,8 @@ class SurfaceSystem {
  private:
   void MakePattern();
   void MakeDifferences();
+  template <typename Add>
+  void AddInwardCorners(int v, const Add& add) const;
   void AssembleEnergy(const Eigen::Matrix3Xd& control_points,
                       const Eigen::Matrix3Xd& normals,
                       const Stiffness& stiffness);

@@ -85,10 +85,12 @@ Eigen::RowVectorXd CreaseCoefficient(const RingPlaces& net, bool corner, int edg
 // What the coefficients have to keep.
 Equations Conditions(const RingPlaces& corner, const CornerKind& kind) {
   const int n = corner.valence, open = kind.ring.open;
-  const double c = std::cos(kind.angle / n), r = kDoubleKnot / kSingleKnot;
+  const double r = kDoubleKnot / kSingleKnot;
   Equations equations(5 * (n - open) + 7 * open, corner.size());
   Eigen::Index row = 0;
   for (int k = open; k < n; ++k, row += 5) {
+    const double c =
+        kind.cosines.empty() ? std::cos(kind.angle / n) : kind.cosines[std::size_t(k - open)];
     const auto add = [&](int condition, int sector, int i, int j, double weight) {
       equations.rows(row + condition, corner.At(sector, i, j)) += weight;
     };
@@ -150,11 +152,15 @@ Eigen::RowVectorXd LimitAt(
 }
 
 // Least squares for what is free.
-Equations NearLimit(const RingPlaces& corner, const RingKind& kind) {
+Equations NearLimit(const RingPlaces& corner, const CornerKind& kind) {
   const int n = corner.valence;
-  constexpr int kKinds = 5;  // derivatives ∂^(d+e), d + e = 3, beside the value
-  Equations equations(Eigen::Index{n} * kSamples * kSamples * kKinds, corner.size());
-  const ExtraordinaryRing& ring = ExtraordinaryRing::Of(kind);
+  // Where creases end, or turn by more than a straight angle inside, limit surfaces have no tangent
+  // plane and fold: the corner bends as little as it can instead.
+  const bool folds = kind.ring.corner && kind.angle > std::numbers::pi;
+  const int order = folds ? 2 : 3;
+  const int kinds = order + 2;  // derivatives ∂^(d+e), d + e = order, beside the value
+  Equations equations(Eigen::Index{n} * kSamples * kSamples * kinds, corner.size());
+  const ExtraordinaryRing& ring = ExtraordinaryRing::Of(kind.ring);
   Eigen::Index row = 0;
   for (int k = 0; k < n; ++k) {
     Eigen::MatrixXd outer(kFunctions * kFunctions, corner.size());
@@ -166,10 +172,11 @@ Equations NearLimit(const RingPlaces& corner, const RingKind& kind) {
       const double u = (sample / kSamples + 0.5) / kSamples;
       const double v = (sample % kSamples + 0.5) / kSamples;
       const auto in_u = BasisAt(u), in_v = BasisAt(v);
-      for (int derivative = 0; derivative < kKinds; ++derivative, ++row) {
-        const int d = derivative == 0 ? 0 : derivative - 1, e = derivative == 0 ? 0 : 3 - d;
-        constexpr double kBinomial[4] = {1, 3, 3, 1};
-        const double weight = derivative == 0 ? 1 : std::sqrt(kFairness * kBinomial[d]);
+      for (int derivative = 0; derivative < kinds; ++derivative, ++row) {
+        if (folds && derivative == 0) continue;
+        const int d = derivative == 0 ? 0 : derivative - 1, e = derivative == 0 ? 0 : order - d;
+        const double binomial = d == 0 || e == 0 ? 1 : order;
+        const double weight = derivative == 0 ? 1 : std::sqrt(kFairness * binomial);
         for (int i = 0; i < kFunctions; ++i) {
           for (int j = 0; j < kFunctions; ++j) {
             const double value = weight * in_u(d, i) * in_v(e, j);
@@ -218,7 +225,7 @@ SmoothCorner::SmoothCorner(const CornerKind& kind) : net_{kind.ring.sectors, 3, 
   elimination.setThreshold(kDependent);
   const Eigen::MatrixXd given = elimination.solve(conditions.right);
   const Eigen::MatrixXd free = elimination.kernel();
-  const Equations equations = NearLimit(net_, kind.ring);
+  const Equations equations = NearLimit(net_, kind);
   const Eigen::MatrixXd reduced = equations.rows * free;
   const Eigen::MatrixXd normal = reduced.transpose() * reduced;
   mask_ = given + free * normal.ldlt().solve(reduced.transpose() *

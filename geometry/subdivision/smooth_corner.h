@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
+#include <vector>
 
 #include "geometry/subdivision/extraordinary_ring.h"
 
@@ -19,6 +21,9 @@ inline constexpr double kDoubleKnot = 1.0 / 3, kSingleKnot = 2.0 / 3;
 struct CornerKind {
   RingKind ring;
   double angle = 0;  // radians
+  // Of the inner edges, κ_k in e_{k−1}' + e_{k+1}' = 2 κ_k e_k'; empty: all cos(angle/n), of even
+  // sectors. Only at corners of other angles than π and 2π they may be others.
+  std::vector<double> cosines = {};
 
   auto operator<=>(const CornerKind&) const = default;
 };
@@ -26,7 +31,7 @@ struct CornerKind {
 // The n faces at a vertex are bicubic splines over the knots 0⁴, kDoubleKnot², kSingleKnot, 1, 2, …
 // in both directions. Their coefficients (i, j), i, j ≤ 3, live on the first unit square only; all
 // others are those of the limit surface. With e_k the curve of edge k,
-//   ∂S_k/∂v (t, 0) + ∂S_{k−1}/∂u (0, t) = 2 cos(angle/n) (1 − t/kDoubleKnot)²₊ e_k'(t)
+//   ∂S_k/∂v (t, 0) + ∂S_{k−1}/∂u (0, t) = 2 κ_k (1 − t/kDoubleKnot)²₊ e_k'(t)
 // makes tangent planes continuous over every edge, and is five linear conditions an edge. Edges
 // that are creases keep the creases' own curve instead, the same for both sides. What is left free
 // comes as near to the limit surface as least squares at equal parameters and a trace of third

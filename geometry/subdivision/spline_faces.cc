@@ -50,14 +50,18 @@ class RefinedNet {
   Eigen::Vector3d Corner(int outgoing, int i, int j) {
     const QuadFan fan = fine_.topology.FanOf(outgoing);
     FanCoefficients& corner = corners_[fan.first];
-    if (corner.mask == nullptr) {
-      const double angle = AngleOf(fan);
-      corner.mask = &SmoothCorner::Of({{fan.sectors, fan.open, fan.corner}, angle});
-      corner.coefficients = NetOf(fan) * corner.mask->mask().transpose();
+    if (corner.coefficients.cols() == 0) {
+      const CornerKind kind = KindOf(fan);
+      corner.places = {fan.sectors, 3, fan.open};
+      const Eigen::Matrix3Xd net = NetOf(fan);
+      // Masks of even sectors are few, and used again.
+      corner.coefficients = kind.cosines.empty()
+                                ? Eigen::Matrix3Xd(net * SmoothCorner::Of(kind).mask().transpose())
+                                : Eigen::Matrix3Xd(net * SmoothCorner(kind).mask().transpose());
     }
     int sector = 0;
     for (int h = fan.first; h != outgoing; h = fine_.topology.Turned(h)) ++sector;
-    return corner.coefficients.col(corner.mask->net().At(sector, i, j));
+    return corner.coefficients.col(corner.places.At(sector, i, j));
   }
 
  private:
@@ -78,24 +82,45 @@ class RefinedNet {
     return net;
   }
 
-  // The angle that a fan takes, as SmoothCorner needs it: one of few, so that its masks are.
-  double AngleOf(const QuadFan& fan) const {
+  // As SmoothCorner needs it: one of few, so that its masks are, but where three faces or more make
+  // a corner. There every edge keeps to the net.
+  CornerKind KindOf(const QuadFan& fan) const {
     constexpr double kHalf = std::numbers::pi, kWhole = 2 * std::numbers::pi;
+    CornerKind kind{{fan.sectors, fan.open, fan.corner}, kWhole};
     const QuadTopology& mesh = fine_.topology;
-    if (!fan.open) return kWhole;
-    if (!fan.corner) return kHalf;
-    if (mesh.Creases(mesh.Origin(fan.first)) == 1) return kWhole;
+    if (!fan.open || mesh.Creases(mesh.Origin(fan.first)) == 1) return kind;
+    kind.angle = kHalf;
+    if (!fan.corner) return kind;
     const Eigen::Vector3d centre = points_.col(mesh.Origin(fan.first));
-    double angle = 0;
+    std::vector<double> sectors;
+    double angle = 0, first = 0, last = 0;  // lengths of creases
     int h = fan.first;
     for (int k = 0; k < fan.sectors; ++k, h = mesh.Turned(h)) {
       const Eigen::Vector3d one = points_.col(mesh.Origin(QuadTopology::Next(h))) - centre;
       const Eigen::Vector3d two = points_.col(mesh.Origin(QuadTopology::Previous(h))) - centre;
-      angle += std::atan2(one.cross(two).norm(), one.dot(two));
+      sectors.push_back(std::atan2(one.cross(two).norm(), one.dot(two)));
+      angle += sectors.back();
+      if (k == 0) first = one.norm();
+      last = two.norm();
     }
     constexpr double kStep = std::numbers::pi / 12;  // edges then fit the net within a tenth
     const double rounded = std::clamp(std::round(angle / kStep), 1.0, 22.0) * kStep;
-    return std::abs(rounded - kHalf) < kStraight ? kHalf : rounded;
+    if (std::abs(rounded - kHalf) < kStraight) return kind;
+    kind.angle = rounded;
+    if (fan.sectors == 3 && rounded > kHalf) kind.cosines = CosinesOf(sectors, first, last);
+    return kind;
+  }
+
+  // Of the two inner edges of three sectors. Those have the lengths with which the sums of the
+  // edges beside them run along them.
+  static std::vector<double> CosinesOf(std::vector<double> sectors, double first, double last) {
+    constexpr double kLeast = std::numbers::pi / 4, kMost = 2 * std::numbers::pi / 3;
+    for (double& sector : sectors) sector = std::clamp(sector, kLeast, kMost);
+    const double middle = std::sin(sectors[1]);
+    const double second = last * std::sin(sectors[2]) / middle;
+    const double third = first * std::sin(sectors[0]) / middle;
+    return {(third * std::cos(sectors[1]) + first * std::cos(sectors[0])) / (2 * second),
+            (last * std::cos(sectors[2]) + second * std::cos(sectors[1])) / (2 * third)};
   }
 
   // Where a fan of two or more faces has a corner that is nearly straight, the two creases get one
@@ -103,7 +128,7 @@ class RefinedNet {
   void Straighten(int h) {
     const QuadTopology& mesh = fine_.topology;
     const QuadFan fan = mesh.FanOf(h);
-    if (!fan.corner || fan.sectors < 2 || fan.first != h || AngleOf(fan) != std::numbers::pi)
+    if (!fan.corner || fan.sectors < 2 || fan.first != h || KindOf(fan).angle != std::numbers::pi)
       return;
     int last = h;
     for (int k = 0; k < fan.sectors; ++k) last = mesh.Turned(last);
@@ -118,7 +143,7 @@ class RefinedNet {
   static constexpr double kStraight = 0.3;
 
   struct FanCoefficients {
-    const SmoothCorner* mask = nullptr;
+    RingPlaces places{};
     Eigen::Matrix3Xd coefficients;
   };
   SubdividedMesh fine_;
