@@ -366,7 +366,7 @@ class GridMapper {
   // for against. [alternating directions: Boyd et al. 2011, §5]
   template <typename Answer>
   Eigen::VectorXcd OnCreases(Answer solve) {
-    constexpr int kRounds = 60;
+    constexpr int kRounds = 30;
     Eigen::VectorXcd free;
     for (int round = 0; round < kRounds; ++round) {
       Eigen::VectorXcd right = right_, integer_right = integer_right_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/refused_data.h"
 #include "fitting/solid/crease_layout.h"
@@ -41,15 +42,23 @@ QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& pro
   const SurfaceProjector projector(surface);
   const SurfaceCreases creases = CreasesOf(surface, ShortestCrease(surface, faces));
   // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
-  // parts, smaller ones there may do, or another size that falls differently on the shape.
+  // parts, smaller ones there may do, or another size that falls differently on the shape. Creases
+  // nearer to one another than faces leave none: then they do not count.
   struct Attempt {
     double finer;
-    bool by_curvature;
+    bool by_curvature, heed_creases;
   };
-  for (const auto& [finer, by_curvature] :
-       {Attempt{1, false}, Attempt{1, true}, Attempt{1.2, false}, Attempt{1.5, true}}) {
+  std::vector<Attempt> attempts = {
+      {1, false, false}, {1, true, false}, {1.2, false, false}, {1.5, true, false}};
+  if (!creases.none()) attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}});
+  for (const auto& [finer, by_curvature, heed_creases] : attempts) {
     try {
-      return FieldLayout(surface, creases, projector, faces * finer, by_curvature, progress);
+      return FieldLayout(surface,
+                         heed_creases ? creases : SurfaceCreases(),
+                         projector,
+                         faces * finer,
+                         by_curvature,
+                         progress);
     } catch (const std::invalid_argument&) {
     }
   }
