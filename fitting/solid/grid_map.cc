@@ -122,6 +122,113 @@ class GridUnknowns {
   std::vector<std::vector<Gaussian>> lattice_;
 };
 
+// An edge: its end less its origin.
+Form EdgeForm(const std::vector<Form>& corners, int h) {
+  Form row = corners[std::size_t(TriangleTopology::Next(h))];
+  for (const auto& [k, factor] : corners[std::size_t(h)]) row.emplace_back(k, -factor);
+  return row;
+}
+
+// Adds what a row asks for to right sides of free places and of integers, which follow these.
+void PullTo(const Form& row, Complex by, Eigen::VectorXcd& free, Eigen::VectorXcd& integers) {
+  const auto n = static_cast<int>(free.size());
+  for (const auto& [j, one] : row) (j < n ? free[j] : integers[j - n]) += std::conj(one) * by;
+}
+
+// Edges along creases, which are to run along lines of the grid, as long as they like: by turns
+// least squares with given lengths and lengths from these; what is left across is asked for
+// against. [alternating directions: Boyd et al. 2011, §5]
+class CreaseLines {
+ public:
+  CreaseLines() = default;
+  // Creases by half-edge, forms of corners and wanted edges.
+  CreaseLines(std::vector<char> creases,
+              const std::vector<Form>& corners,
+              const std::vector<Complex>& wanted)
+      : creases_(std::move(creases)), number_(creases_.size(), -1) {
+    for (int h = 0; h < int(creases_.size()); ++h) {
+      if (!creases_[std::size_t(h)]) continue;
+      const Complex edge = wanted[std::size_t(h)];
+      const Complex axis =
+          AsComplex(PowerOfI(int(std::lround(std::arg(edge) / (std::numbers::pi / 2)))));
+      number_[std::size_t(h)] = int(edges_.size());
+      edges_.push_back({EdgeForm(corners, h), axis, axis * std::real(std::conj(axis) * edge), 0});
+    }
+  }
+
+  bool none() const { return edges_.empty(); }
+  double WeightOf(int h) const { return creases_[std::size_t(h)] ? kAlong : 0; }
+
+  void Pull(Eigen::VectorXcd& free, Eigen::VectorXcd& integers) const {
+    for (const Edge& edge : edges_) {
+      PullTo(edge.row, kAlong * (edge.along - edge.against), free, integers);
+    }
+  }
+
+  void Follow(const Eigen::VectorXcd& free, const Eigen::VectorXcd& integers) {
+    const auto n = static_cast<int>(free.size());
+    for (Edge& edge : edges_) {
+      Complex place = edge.against;
+      for (const auto& [k, factor] : edge.row)
+        place += factor * (k < n ? free[k] : integers[k - n]);
+      edge.along = edge.axis * std::real(std::conj(edge.axis) * place);
+      edge.against = place - edge.along;
+    }
+  }
+
+  // The integers' real and imaginary parts, one after the other, make each crease between held
+  // vertices begin and end on one line of the grid.
+  std::vector<GaussianRow> Conditions(const TriangleTopology& topology,
+                                      const std::vector<int>& held,
+                                      int free,
+                                      int integers) const {
+    std::vector<char> seen(creases_.size(), 0), stops(std::size_t(topology.vertices()), 0);
+    for (const int v : held) stops[std::size_t(v)] = 1;
+    std::vector<GaussianRow> rows;
+    for (int first = 0; first < topology.half_edges(); ++first) {
+      if (!creases_[std::size_t(first)] || seen[std::size_t(first)]) continue;
+      if (!stops[std::size_t(topology.Origin(first))]) continue;
+      std::map<int, Complex> across;  // of which the imaginary part is to vanish
+      for (int h = first;;) {
+        seen[std::size_t(h)] = seen[std::size_t(topology.Twin(h))] = 1;
+        const Edge& edge = edges_[std::size_t(number_[std::size_t(h)])];
+        for (const auto& [k, factor] : edge.row) across[k] += std::conj(edge.axis) * factor;
+        if (stops[std::size_t(topology.Origin(TriangleTopology::Next(h)))]) break;
+        // The other crease of the vertex.
+        h = topology.Turned(topology.Twin(h));
+        while (!creases_[std::size_t(h)]) h = topology.Turned(h);
+      }
+      GaussianRow row = RowOf(across, free, integers);
+      if (!row.empty()) rows.push_back(std::move(row));
+    }
+    return rows;
+  }
+
+ private:
+  struct Edge {
+    Form row;
+    Complex axis, along, against;  // a unit of the grid, the length, what is asked for across
+  };
+
+  // None where the crease does not keep to its direction, and places of free vertices are left.
+  static GaussianRow RowOf(const std::map<int, Complex>& across, int free, int integers) {
+    GaussianRow row;
+    for (const auto& [k, factor] : across) {
+      const Gaussian whole(std::llround(factor.real()), std::llround(factor.imag()));
+      if (whole == Gaussian(0)) continue;
+      if (k < free) return {};
+      if (whole.imag() != 0) row[k - free] = whole.imag();
+      if (whole.real() != 0) row[k - free + integers] = whole.real();
+    }
+    return row;
+  }
+
+  static constexpr double kAlong = 3;  // weight of lengths given; other edges' are about one
+  std::vector<char> creases_;
+  std::vector<int> number_;  // in edges_, by half-edge
+  std::vector<Edge> edges_;
+};
+
 // The corners of creases, and a vertex of each connected part that has none.
 std::vector<int> AnchorsOf(const SurfaceCreases& creases) {
   std::vector<int> anchors, part(creases.corner.size());
@@ -155,7 +262,6 @@ class GridMapper {
              const SurfaceCreases& creases)
       : topology_(topology),
         planar_(PlanarEdges(surface)),
-        creases_(CreasesByHalfEdge(topology, creases)),
         held_(AnchorsOf(creases)),
         seams_(topology, planar_, crosses, held_),
         unknowns_(topology, seams_),
@@ -165,12 +271,7 @@ class GridMapper {
       const Complex direction = seams_.directions()[std::size_t(h / 3)];
       wanted_.push_back(planar_[std::size_t(h)] * std::conj(direction) / lengths[h / 3]);
     }
-    for (int h = 0; h < topology.half_edges(); ++h) {
-      if (!creases_[std::size_t(h)]) continue;
-      const Complex axis = AxisOf(h);
-      edges_.push_back(
-          {EdgeForm(h), axis, axis * std::real(std::conj(axis) * wanted_[std::size_t(h)]), 0});
-    }
+    lines_ = CreaseLines(CreasesByHalfEdge(topology, creases), forms_, wanted_);
   }
 
   GridMap Map() {
@@ -186,20 +287,6 @@ class GridMapper {
   }
 
  private:
-  Form EdgeForm(int h) const {
-    Form row = forms_[std::size_t(TriangleTopology::Next(h))];
-    for (const auto& [k, factor] : forms_[std::size_t(h)]) row.emplace_back(k, -factor);
-    return row;
-  }
-
-  // Adds what a row asks for to right sides of free places and of integers.
-  void Pull(const Form& row, Complex by, Eigen::VectorXcd& free, Eigen::VectorXcd& integers) const {
-    const int n = unknowns_.free();
-    for (const auto& [j, one] : row) {
-      (j < n ? free[j] : integers[j - n]) += std::conj(one) * by;
-    }
-  }
-
   // min Σ c |p_b − p_a − w|² over the edges of all triangles, c the cotangent of the angle
   // opposite: the sum of squared differences of gradients from those of the cross.
   void Assemble() {
@@ -216,9 +303,9 @@ class GridMapper {
       const double cotangent = std::real(std::conj(to_b) * to_a) / std::abs(AreaOf(to_b, to_a));
       const double weight = (cotangent < kMost ? std::max(kLeast, cotangent) : kMost) *
                             stiffness_[std::size_t(h / 3)];
-      const Form row = EdgeForm(h);
-      Pull(row, weight * wanted_[std::size_t(h)], right_, integer_right_);
-      const double whole = weight + (creases_[std::size_t(h)] ? kAlong : 0);
+      const Form row = EdgeForm(forms_, h);
+      PullTo(row, weight * wanted_[std::size_t(h)], right_, integer_right_);
+      const double whole = weight + lines_.WeightOf(h);
       for (const auto& [j, one] : row) {
         for (const auto& [k, other] : row) {
           const Complex entry = whole * std::conj(one) * other;
@@ -249,15 +336,15 @@ class GridMapper {
     // Lines that creases hold cross where nothing keeps triangles from turning over before places
     // are integers.
     constexpr int kRounds = 8;
-    for (int round = 0; !edges_.empty() && round < kRounds; ++round) {
+    for (int round = 0; !lines_.none() && round < kRounds; ++round) {
       const GridMap relaxed = MapOf(Relaxed());
       if (relaxed.turned_over == 0) break;
       StiffenAbout(relaxed);
     }
     Relaxed();
-    const std::vector<GaussianRow> rows = CreaseConditions();
-    integers_ = rows.empty() ? RoundedWithin(quadratic_, integers_)
-                             : RoundedOnCreases(quadratic_, integers_, rows);
+    const std::vector<GaussianRow> rows =
+        lines_.Conditions(topology_, held_, unknowns_.free(), unknowns_.integers());
+    integers_ = RoundedWithin(quadratic_, integers_, rows);
   }
 
   // The map whose integers may be any numbers, which are left in their place.
@@ -275,85 +362,6 @@ class GridMapper {
     return places;
   }
 
-  // The same over real and imaginary parts, one after the other, which keep the conditions.
-  static Eigen::VectorXcd RoundedOnCreases(const Eigen::MatrixXcd& quadratic,
-                                           const Eigen::VectorXcd& centre,
-                                           const std::vector<GaussianRow>& rows) {
-    const Eigen::Index m = centre.size();
-    const std::vector<std::vector<Gaussian>> lattice = LatticeOfZeros(rows, int(2 * m));
-    Eigen::MatrixXd basis(2 * m, Eigen::Index(lattice.size()));
-    for (Eigen::Index k = 0; k < basis.cols(); ++k) {
-      for (Eigen::Index j = 0; j < 2 * m; ++j) {
-        basis(j, k) = double(lattice[std::size_t(k)][std::size_t(j)].real());
-      }
-    }
-    Eigen::MatrixXd parts(2 * m, 2 * m);
-    parts << quadratic.real(), -quadratic.imag(), quadratic.imag(), quadratic.real();
-    Eigen::VectorXd middle(2 * m);
-    middle << centre.real(), centre.imag();
-    const Eigen::MatrixXd form = basis.transpose() * parts * basis;
-    const Eigen::VectorXd within = form.ldlt().solve(basis.transpose() * (parts * middle));
-    if (!within.allFinite()) throw RefusedData("the map onto a grid is not determined");
-    const Eigen::VectorXd rounded =
-        basis * RoundedWithin(form.cast<Complex>(), within.cast<Complex>()).real();
-    Eigen::VectorXcd integers(m);
-    integers.real() = rounded.head(m);
-    integers.imag() = rounded.tail(m);
-    return integers;
-  }
-
-  // The integers' real and imaginary parts, one after the other, make each crease begin and end on
-  // one line of the grid.
-  std::vector<GaussianRow> CreaseConditions() const {
-    std::vector<char> seen(creases_.size(), 0), stops(std::size_t(topology_.vertices()), 0);
-    for (const int v : held_) stops[std::size_t(v)] = 1;
-    std::vector<GaussianRow> rows;
-    for (int first = 0; first < topology_.half_edges(); ++first) {
-      if (!creases_[std::size_t(first)] || seen[std::size_t(first)]) continue;
-      if (!stops[std::size_t(topology_.Origin(first))]) continue;
-      std::map<int, Complex> across;  // of which the imaginary part is to vanish
-      for (int h = first;;) {
-        seen[std::size_t(h)] = seen[std::size_t(topology_.Twin(h))] = 1;
-        AddAcross(h, across);
-        const int v = topology_.Origin(TriangleTopology::Next(h));
-        if (stops[std::size_t(v)]) break;
-        // The other crease of the vertex.
-        int next = topology_.Turned(topology_.Twin(h));
-        while (!creases_[std::size_t(next)]) next = topology_.Turned(next);
-        h = next;
-      }
-      GaussianRow row = RowOf(across);
-      if (!row.empty()) rows.push_back(std::move(row));
-    }
-    return rows;
-  }
-
-  // An edge as a form, turned so that it should run along the real axis.
-  void AddAcross(int h, std::map<int, Complex>& across) const {
-    const Complex back = std::conj(AxisOf(h));
-    for (const auto& [k, factor] : EdgeForm(h)) across[k] += back * factor;
-  }
-
-  // The unit of the grid along which an edge should run.
-  Complex AxisOf(int h) const {
-    const double angle = std::arg(wanted_[std::size_t(h)]);
-    return AsComplex(PowerOfI(int(std::lround(angle / (std::numbers::pi / 2)))));
-  }
-
-  // None where the crease does not keep to its direction, and places of free vertices are left.
-  GaussianRow RowOf(const std::map<int, Complex>& across) const {
-    GaussianRow row;
-    const int n = unknowns_.free(), m = unknowns_.integers();
-    for (const auto& [k, factor] : across) {
-      const Gaussian whole(std::llround(factor.real()), std::llround(factor.imag()));
-      if (whole == Gaussian(0)) continue;
-      if (k < n) return {};
-      if (whole.imag() != 0) row[k - n] = whole.imag();
-      if (whole.real() != 0) row[k - n + m] = whole.real();
-    }
-    return row;
-  }
-
   Eigen::VectorXcd Solve() {
     Assemble();
     return OnCreases([&](const Eigen::VectorXcd& free, const Eigen::VectorXcd&) {
@@ -361,28 +369,18 @@ class GridMapper {
     });
   }
 
-  // The least squares whose edges along creases run along lines of the grid, as long as they like:
-  // by turns with given lengths, which `solve` answers, and for these; what is left across is asked
-  // for against. [alternating directions: Boyd et al. 2011, §5]
+  // The least squares whose edges along creases run along lines of the grid, as long as they like.
+  // `solve` answers right sides.
   template <typename Answer>
   Eigen::VectorXcd OnCreases(Answer solve) {
     constexpr int kRounds = 30;
     Eigen::VectorXcd free;
     for (int round = 0; round < kRounds; ++round) {
       Eigen::VectorXcd right = right_, integer_right = integer_right_;
-      for (const auto& edge : edges_) {
-        Pull(edge.row, kAlong * (edge.along - edge.against), right, integer_right);
-      }
+      lines_.Pull(right, integer_right);
       free = solve(right, integer_right);
-      if (edges_.empty()) break;
-      for (auto& edge : edges_) {
-        Complex place = edge.against;
-        for (const auto& [k, factor] : edge.row) {
-          place += factor * (k < unknowns_.free() ? free[k] : integers_[k - unknowns_.free()]);
-        }
-        edge.along = edge.axis * std::real(std::conj(edge.axis) * place);
-        edge.against = place - edge.along;
-      }
+      if (lines_.none()) break;
+      lines_.Follow(free, integers_);
     }
     return free;
   }
@@ -427,20 +425,13 @@ class GridMapper {
 
   const TriangleTopology& topology_;
   std::vector<Complex> planar_;
-  std::vector<char> creases_;  // by half-edge
-  std::vector<int> held_;      // vertices
+  std::vector<int> held_;  // vertices
   ChartSeams seams_;
   GridUnknowns unknowns_;
   std::vector<Form> forms_;
   std::vector<Complex> wanted_;
   std::vector<double> stiffness_;
-  // Of those along creases: their unit of the grid, length and what is asked for across.
-  struct CreaseEdge {
-    Form row;
-    Complex axis, along, against;
-  };
-  static constexpr double kAlong = 3;  // weight of lengths given; other edges' are about one
-  std::vector<CreaseEdge> edges_;
+  CreaseLines lines_;
   bool analysed_ = false;
   Factor factor_;
   SparseComplex mixed_;

@@ -50,7 +50,9 @@ QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& pro
   };
   std::vector<Attempt> attempts = {
       {1, false, false}, {1, true, false}, {1.2, false, false}, {1.5, true, false}};
-  if (!creases.none()) attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}});
+  if (!creases.none()) {
+    attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}, {1.2, false, true}});
+  }
   for (const auto& [finer, by_curvature, heed_creases] : attempts) {
     try {
       return FieldLayout(surface,

@@ -47,13 +47,93 @@ Eigen::Matrix3Xd MeanNormals(const TriangleSurface& surface, const TriangleTopol
 
 constexpr std::size_t kEach = 6;  // edges of a crease for a corner, or noise makes them
 
+// How much normals jump over edges, beyond what they bend beside them.
+class NormalJumps {
+ public:
+  // `walls`, by half-edge: over which sides do not go on.
+  NormalJumps(const TriangleSurface& surface,
+              const TriangleTopology& topology,
+              const std::vector<char>& walls)
+      : surface_(surface),
+        topology_(topology),
+        walls_(walls),
+        seen_(std::size_t(topology.triangles()), 0) {}
+
+  // The angle between the normals of both sides at an edge, from those near it and farther away.
+  double Across(int h) {
+    const std::array<Eigen::Vector3d, 2> normal = {NormalAt(h), NormalAt(topology_.Twin(h))};
+    return std::atan2(normal[0].cross(normal[1]).norm(), normal[0].dot(normal[1]));
+  }
+
+ private:
+  Eigen::Vector3d InwardOf(int h) const {
+    const Eigen::Vector3d a = surface_.vertices.col(topology_.Origin(h));
+    const Eigen::Vector3d along =
+        (surface_.vertices.col(topology_.Origin(TriangleTopology::Next(h))) - a).stableNormalized();
+    const Eigen::Vector3d way =
+        surface_.vertices.col(topology_.Origin(TriangleTopology::Previous(h))) - a;
+    return (way - way.dot(along) * along).stableNormalized();
+  }
+
+  // The line through mean normals over triangles on the side of a half-edge, and of walls, where
+  // it meets that.
+  Eigen::Vector3d NormalAt(int h) {
+    constexpr double kFar = 4;  // lengths of the edge
+    const Eigen::Vector3d a = surface_.vertices.col(topology_.Origin(h)),
+                          b = surface_.vertices.col(topology_.Origin(TriangleTopology::Next(h)));
+    const Eigen::Vector3d middle = (a + b) / 2;
+    const Eigen::Vector3d inward = InwardOf(h), apart = inward - InwardOf(topology_.Twin(h));
+    double weight = 0, first = 0, second = 0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = sum;
+    std::vector<int> open = {h / 3}, touched = open;
+    seen_[std::size_t(h / 3)] = 1;
+    while (!open.empty()) {
+      const int t = open.back();
+      open.pop_back();
+      const auto corner = surface_.triangles.col(t);
+      const Eigen::Vector3d p = surface_.vertices.col(corner[0]);
+      const Eigen::Vector3d q = surface_.vertices.col(corner[1]);
+      const Eigen::Vector3d r = surface_.vertices.col(corner[2]);
+      const Eigen::Vector3d twice = (q - p).cross(r - p);
+      const double depth = ((p + q + r) / 3 - middle).dot(inward);
+      weight += twice.norm();
+      first += twice.norm() * depth;
+      second += twice.norm() * depth * depth;
+      sum += twice;
+      moment += depth * twice;
+      for (int g = 3 * t; g < 3 * t + 3; ++g) {
+        const int beside = topology_.Twin(g) / 3;
+        if (walls_[std::size_t(g)] || seen_[std::size_t(beside)]) continue;
+        const auto its = surface_.triangles.col(beside);
+        const Eigen::Vector3d centre =
+            (surface_.vertices.col(its[0]) + surface_.vertices.col(its[1]) +
+             surface_.vertices.col(its[2])) /
+            3;
+        if ((centre - middle).norm() > kFar * (b - a).norm() || (centre - middle).dot(apart) < 0) {
+          continue;
+        }
+        seen_[std::size_t(beside)] = 1;
+        touched.push_back(beside);
+        open.push_back(beside);
+      }
+    }
+    for (const int t : touched) seen_[std::size_t(t)] = 0;
+    const double spread = weight * second - first * first;
+    constexpr double kSpread = 1e-6;
+    if (!(spread > kSpread * weight * second)) return sum.stableNormalized();
+    return (second * sum - first * moment).stableNormalized();
+  }
+
+  const TriangleSurface& surface_;
+  const TriangleTopology& topology_;
+  const std::vector<char>& walls_;
+  std::vector<char> seen_;  // triangles
+};
+
 class CreaseFinder {
  public:
   explicit CreaseFinder(const TriangleSurface& surface)
-      : surface_(surface),
-        topology_(surface),
-        angle_(std::size_t(topology_.half_edges())),
-        seen_(std::size_t(topology_.triangles()), 0) {
+      : surface_(surface), topology_(surface), angle_(std::size_t(topology_.half_edges())) {
     const Eigen::Matrix3Xd normals = MeanNormals(surface, topology_);
     for (int h = 0; h < topology_.half_edges(); ++h) {
       const Eigen::Vector3d one = normals.col(h / 3), two = normals.col(topology_.Twin(h) / 3);
@@ -68,10 +148,13 @@ class CreaseFinder {
       sharp_[std::size_t(h)] = angle_[std::size_t(h)] > kWeak && StandsOut(h);
     }
     // Means make steps of bends; what bends is no jump.
+    std::vector<char> walls(angle_.size());
+    for (std::size_t h = 0; h < walls.size(); ++h) walls[h] = sharp_[h] && angle_[h] > kStrong;
+    NormalJumps jumps(surface_, topology_, walls);
     std::vector<double> jump(angle_.size(), 0.0);
     for (int h = 0; h < topology_.half_edges(); ++h) {
       if (sharp_[std::size_t(h)] && topology_.Twin(h) > h) {
-        jump[std::size_t(h)] = jump[std::size_t(topology_.Twin(h))] = JumpAcross(h);
+        jump[std::size_t(h)] = jump[std::size_t(topology_.Twin(h))] = jumps.Across(h);
       }
     }
     turn_ = std::exchange(angle_, std::move(jump));
@@ -106,70 +189,6 @@ class CreaseFinder {
                                  angle_[std::size_t(TriangleTopology::Previous(side))]));
     }
     return angle_[std::size_t(h)] > kMore * beside;
-  }
-
-  // The angle between the normals of both sides at an edge, from those near it and farther away.
-  double JumpAcross(int h) {
-    const std::array<Eigen::Vector3d, 2> normal = {NormalAt(h), NormalAt(topology_.Twin(h))};
-    return std::atan2(normal[0].cross(normal[1]).norm(), normal[0].dot(normal[1]));
-  }
-
-  Eigen::Vector3d InwardOf(int h) const {
-    const Eigen::Vector3d a = surface_.vertices.col(Origin(h));
-    const Eigen::Vector3d along = (surface_.vertices.col(Target(h)) - a).stableNormalized();
-    const Eigen::Vector3d way =
-        surface_.vertices.col(topology_.Origin(TriangleTopology::Previous(h))) - a;
-    return (way - way.dot(along) * along).stableNormalized();
-  }
-
-  // The line through mean normals over triangles on the side of a half-edge, and of others that are
-  // sharp, where it meets that.
-  Eigen::Vector3d NormalAt(int h) {
-    constexpr double kFar = 4;  // lengths of the edge
-    const Eigen::Vector3d a = surface_.vertices.col(Origin(h)),
-                          b = surface_.vertices.col(Target(h));
-    const Eigen::Vector3d middle = (a + b) / 2;
-    const Eigen::Vector3d inward = InwardOf(h), apart = inward - InwardOf(topology_.Twin(h));
-    double weight = 0, first = 0, second = 0;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = sum;
-    std::vector<int> open = {h / 3}, touched = open;
-    seen_[std::size_t(h / 3)] = 1;
-    while (!open.empty()) {
-      const int t = open.back();
-      open.pop_back();
-      const auto corner = surface_.triangles.col(t);
-      const Eigen::Vector3d p = surface_.vertices.col(corner[0]);
-      const Eigen::Vector3d q = surface_.vertices.col(corner[1]);
-      const Eigen::Vector3d r = surface_.vertices.col(corner[2]);
-      const Eigen::Vector3d twice = (q - p).cross(r - p);
-      const double depth = ((p + q + r) / 3 - middle).dot(inward);
-      weight += twice.norm();
-      first += twice.norm() * depth;
-      second += twice.norm() * depth * depth;
-      sum += twice;
-      moment += depth * twice;
-      for (int g = 3 * t; g < 3 * t + 3; ++g) {
-        const int beside = topology_.Twin(g) / 3;
-        const bool other = sharp_[std::size_t(g)] && angle_[std::size_t(g)] > kStrong;
-        if (other || seen_[std::size_t(beside)]) continue;
-        const auto its = surface_.triangles.col(beside);
-        const Eigen::Vector3d centre =
-            (surface_.vertices.col(its[0]) + surface_.vertices.col(its[1]) +
-             surface_.vertices.col(its[2])) /
-            3;
-        if ((centre - middle).norm() > kFar * (b - a).norm() || (centre - middle).dot(apart) < 0) {
-          continue;
-        }
-        seen_[std::size_t(beside)] = 1;
-        touched.push_back(beside);
-        open.push_back(beside);
-      }
-    }
-    for (const int t : touched) seen_[std::size_t(t)] = 0;
-    const double spread = weight * second - first * first;
-    constexpr double kSpread = 1e-6;
-    if (!(spread > kSpread * weight * second)) return sum.stableNormalized();
-    return (second * sum - first * moment).stableNormalized();
   }
 
   std::vector<int> SharpFrom(int v) const {
@@ -315,7 +334,7 @@ class CreaseFinder {
   const TriangleSurface& surface_;
   TriangleTopology topology_;
   std::vector<double> angle_, turn_;  // by half-edge, radians: what jumps, and of mean normals
-  std::vector<char> sharp_, seen_;    // by half-edge; by triangle
+  std::vector<char> sharp_;           // by half-edge
 };
 
 }  // namespace
