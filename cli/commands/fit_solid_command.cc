@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
+#include "batten/fitting/solid_layout.h"
+#include "batten/geometry/quad_mesh.h"
 #include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
@@ -51,11 +54,21 @@ SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
   return WithWork(std::move(options), a);
 }
 
+std::string SharpWords(const SolidAudit& audit) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  return fmt::format("over {} sharp edge{} of length {:.6g} at {:.3g}° to {:.3g}°",
+                     audit.sharp_edges,
+                     audit.sharp_edges == 1 ? "" : "s",
+                     audit.sharp_length,
+                     audit.least_sharp / kDegree,
+                     audit.greatest_sharp / kDegree);
+}
+
 std::string SolidWords(const SolidFit& fit) {
   const int bodies = fit.layout.components;
   return fmt::format(
       "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
-      "within {:.2g} and {:.2g}°{}",
+      "within {:.2g} and {:.2g}°{}{}",
       bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
@@ -65,35 +78,62 @@ std::string SolidWords(const SolidFit& fit) {
       fit.audit.area,
       fit.audit.gap,
       fit.audit.edge_angle * 180 / std::numbers::pi,
+      fit.audit.sharp_edges == 0 ? "" : ", " + SharpWords(fit.audit),
       fit.held_out.size() == 0 ? ""
                                : fmt::format("; points left out are met within rms {:.4g}",
                                              std::sqrt(fit.held_out.mean())));
 }
 
-// The surface from whose size and shape a layout is made: the faces of the file, which are
-// `measured` themselves, or a surface about its points.
-ClosedSurface SurfaceOf(const FitSolidArguments& a,
-                        const FitFiles& files,
-                        const PointCloud& cloud,
-                        bool& measured) {
-  measured = false;
+// The faces of the file, closed; none where it has none.
+std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
   const auto& path = a.clouds.front();
-  if (a.clouds.size() == 1 && MayHoldFaces(path) && a.cloud.format.empty()) {
-    const PolygonMesh mesh = ReadPolygons(path);
-    if (!mesh.faces.empty()) {
-      ClosedSurface closed =
-          files.Explained([&] { return CloseSurface(mesh.vertices, mesh.faces); });
-      if (closed.filled > 0) {
-        PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
-                                 path,
-                                 closed.filled,
-                                 closed.filled == 1 ? " is" : "s are",
-                                 100 * closed.filled_share));
-      }
-      measured = true;
-      return closed;
-    }
+  if (a.clouds.size() != 1 || !MayHoldFaces(path) || !a.cloud.format.empty()) return std::nullopt;
+  const PolygonMesh mesh = ReadPolygons(path);
+  if (mesh.faces.empty()) return std::nullopt;
+  ClosedSurface closed = CloseSurface(mesh.vertices, mesh.faces);
+  if (closed.filled > 0) {
+    PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
+                             path,
+                             closed.filled,
+                             closed.filled == 1 ? " is" : "s are",
+                             100 * closed.filled_share));
   }
+  return closed;
+}
+
+// The points have the normals of the faces.
+void TakeFaces(const ClosedSurface& faces, PointCloud& cloud, SolidFitOptions& options) {
+  TriangleSurface local = faces.surface;
+  local.vertices.colwise() -= cloud.origin();
+  cloud.set_normals(NormalsNear(local, cloud.points()));
+  // A vertex on a sharp edge is no outlier.
+  options.keep_outliers = true;
+}
+
+// The layout of the user with the sharp edges of the faces, where these close.
+QuadMesh LayoutOnFaces(const FitSolidArguments& a,
+                       const QuadMesh& layout,
+                       PointCloud& cloud,
+                       SolidFitOptions& options) {
+  std::optional<ClosedSurface> faces;
+  try {
+    faces = FacesOf(a);
+    CheckQuadMesh(layout);
+  } catch (const RefusedData& refusal) {
+    PrintWarning(std::string("sharp edges are not looked for: ") + refusal.what());
+  } catch (const std::invalid_argument&) {
+    return layout;  // refused by the fit
+  }
+  if (!faces) return layout;
+  QuadMesh creased = WithCreases(layout, faces->surface);
+  if (creased.creases.cols() > 0) TakeFaces(*faces, cloud, options);
+  return creased;
+}
+
+// A surface about the points.
+ClosedSurface SurfaceAbout(const FitSolidArguments& a,
+                           const FitFiles& files,
+                           const PointCloud& cloud) {
   ReconstructedSurface made = files.Explained([&] {
     try {
       return ReconstructSurface(cloud, a.demands.most_invented, a.work.threads);
@@ -170,17 +210,13 @@ int RunFitSolid(const FitSolidArguments& a) {
   const CadOutcome cad = RunCadSolid(a, kind, a.demands, files, cloud);
   if (cad.code) return *cad.code;
   std::optional<TriangleSurface> over;  // from which layouts are made
-  if (a.quads.empty()) {
-    bool measured = false;
-    const ClosedSurface closed = SurfaceOf(a, files, cloud, measured);
+  if (!a.quads.empty()) {
+    layout = LayoutOnFaces(a, layout, cloud, options);
+  } else {
+    const std::optional<ClosedSurface> faces = files.Explained([&] { return FacesOf(a); });
+    if (faces) TakeFaces(*faces, cloud, options);
+    const ClosedSurface closed = faces ? *faces : SurfaceAbout(a, files, cloud);
     RefuseGenus(a, files, closed.genus);
-    if (measured) {
-      TriangleSurface local = closed.surface;
-      local.vertices.colwise() -= cloud.origin();
-      cloud.set_normals(NormalsNear(local, cloud.points()));
-      // A vertex on a sharp edge is no outlier.
-      options.keep_outliers = true;
-    }
     if (!a.mesh_out.empty()) {
       TriangleMesh made;
       made.vertices = closed.surface.vertices.colwise() - options.shift;
@@ -302,8 +338,10 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "on the points. It is closed, each edge between two faces, faces counter-clockwise seen "
       "from\n"
       "outside.\n"
+      "Sharp edges of a mesh, longer than three faces of the layout, become creases of it.\n"
       "One subdivision surface over it is fitted to all points and written as bicubic faces with\n"
-      "continuous tangent planes that share their edges: a MANIFOLD_SOLID_BREP. With --kind cad "
+      "continuous tangent planes that share their edges, those on creases sharp: a\n"
+      "MANIFOLD_SOLID_BREP. With --kind cad "
       "the\n"
       "faces are those of fit parts --regularise, and their edges where these meet. Before the "
       "file\n"

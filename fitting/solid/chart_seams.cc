@@ -15,13 +15,14 @@ constexpr int kUnnumbered = 0;  // of half-edges that are seams, while lines hav
 
 ChartSeams::ChartSeams(const TriangleTopology& topology,
                        const std::vector<std::complex<double>>& planar_edges,
-                       const std::vector<double>& crosses)
+                       const std::vector<double>& crosses,
+                       const std::vector<int>& held)
     : topology_(topology),
       turn_(std::size_t(topology.half_edges()), 0),
       line_(std::size_t(topology.half_edges()), kUnnumbered),
       forward_(std::size_t(topology.half_edges()), 1) {
   Comb(planar_edges, crosses);
-  FindAnchors();
+  FindAnchors(held);
   PruneSeams();
   NumberLines();
 }
@@ -79,13 +80,16 @@ int ChartSeams::TurnAbout(int vertex) const {
   return turn & 3;
 }
 
-void ChartSeams::FindAnchors() {
+void ChartSeams::FindAnchors(const std::vector<int>& held) {
   const int components = *std::max_element(component_.begin(), component_.end()) + 1;
   std::vector<char> has(std::size_t(components), 0);
   const auto component = [&](int v) { return component_[std::size_t(topology_.Outgoing(v) / 3)]; };
+  std::vector<char> is_held(std::size_t(topology_.vertices()), 0);
+  for (const int v : held) is_held[std::size_t(v)] = 1;
   for (int v = 0; v < topology_.vertices(); ++v) {
-    if (TurnAbout(v) == 0) continue;
-    ++singular_;
+    const bool turns = TurnAbout(v) != 0;
+    if (!turns && !is_held[std::size_t(v)]) continue;
+    singular_ += turns;
     anchors_.push_back(v);
     if (!has[std::size_t(component(v))]) pinned_.push_back(v);
     has[std::size_t(component(v))] = 1;

@@ -17,7 +17,8 @@ class ChartSeams {
  public:
   ChartSeams(const TriangleTopology& topology,
              const std::vector<std::complex<double>>& planar_edges,
-             const std::vector<double>& crosses);
+             const std::vector<double>& crosses,
+             const std::vector<int>& held);
 
   const std::vector<std::complex<double>>& directions() const { return directions_; }
   int Turn(int h) const { return turn_[std::size_t(h)]; }  // quarter turns across a half-edge
@@ -28,8 +29,8 @@ class ChartSeams {
   Gaussian Factor(int h) const {
     return forward_[std::size_t(h)] ? Gaussian(1) : -PowerOfI(Turn(h));
   }
-  // Vertices whose place has to be an integer: about which charts turn, and one of every component
-  // that has none of these.
+  // Vertices whose place has to be an integer: about which charts turn, those held, and one of
+  // every component that has none of these.
   const std::vector<int>& anchors() const { return anchors_; }
   const std::vector<int>& pinned() const { return pinned_; }  // of anchors: one of each component
   int singular() const { return singular_; }
@@ -37,7 +38,7 @@ class ChartSeams {
  private:
   void Comb(const std::vector<std::complex<double>>& planar_edges,
             const std::vector<double>& crosses);
-  void FindAnchors();
+  void FindAnchors(const std::vector<int>& held);
   void PruneSeams();
   void NumberLines();
   void FollowLine(int first, std::vector<char>& ends);

@@ -25,10 +25,14 @@ Complex Unit(Complex z) {
 // Crosses are fourth powers of unit directions, which do not tell the four apart.
 class CrossSmoother {
  public:
-  CrossSmoother(const TriangleSurface& surface, const TriangleTopology& topology, double length)
+  CrossSmoother(const TriangleSurface& surface,
+                const TriangleTopology& topology,
+                double length,
+                const std::vector<char>& creases)
       : surface_(surface),
         topology_(topology),
         carried_(SquaresAcross(topology, PlanarEdges(surface))),
+        creases_(creases),
         length_(length) {}
 
   std::vector<double> Angles() {
@@ -38,6 +42,7 @@ class CrossSmoother {
     crosses_ = pull_;
     for (Eigen::Index t = 0; t < count; ++t) {
       if (crosses_[t] == Complex(0)) crosses_[t] = 1e-6;
+      if (std::abs(crosses_[t]) > 1) crosses_[t] = Unit(crosses_[t]);
     }
     // Diffused far first, so that the field is that of the whole shape.
     for (const double share : {kWide, kWide / 5, kWide / 25, kNarrow}) Diffuse(share);
@@ -55,6 +60,16 @@ class CrossSmoother {
     for (Eigen::Index t = 0; t < bending.size(); ++t) {
       const double weight = std::min(1.0, std::abs(bending[t]) * length_ / kStrong);
       pull_[t] = weight * weight * Unit(bending[t] * bending[t]);
+    }
+    const std::vector<Complex> edges = PlanarEdges(surface_);
+    constexpr double kAlong = 1e4;  // far more than what is beside
+    for (int t = 0; t < topology_.triangles(); ++t) {
+      Complex along = 0;
+      for (int h = 3 * t; h < 3 * t + 3; ++h) {
+        const Complex square = edges[std::size_t(h)] * edges[std::size_t(h)];
+        if (creases_[std::size_t(h)]) along += square * square / std::norm(square);
+      }
+      if (along != Complex(0)) pull_[t] = kAlong * Unit(along);
     }
   }
 
@@ -95,6 +110,7 @@ class CrossSmoother {
   const TriangleSurface& surface_;
   const TriangleTopology& topology_;
   std::vector<Complex> carried_;  // by half-edges: squares of directions to the triangle across
+  const std::vector<char>& creases_;
   double length_;
   Eigen::VectorXcd pull_, crosses_;
 };
@@ -103,8 +119,9 @@ class CrossSmoother {
 
 std::vector<double> SmoothCrosses(const TriangleSurface& surface,
                                   const TriangleTopology& topology,
-                                  double face_length) {
-  return CrossSmoother(surface, topology, face_length).Angles();
+                                  double face_length,
+                                  const std::vector<char>& creases) {
+  return CrossSmoother(surface, topology, face_length, creases).Angles();
 }
 
 }  // namespace batten::internal

@@ -15,10 +15,21 @@ using Triangle = std::array<int, 3>;
 
 class EvenMesh {
  public:
-  EvenMesh(const TriangleSurface& surface, const SurfaceProjector& projector, double length)
-      : projector_(projector), length_(length), around_(std::size_t(surface.vertices.cols())) {
+  EvenMesh(const TriangleSurface& surface,
+           const SurfaceCreases& creases,
+           const SurfaceProjector& projector,
+           double length)
+      : surface_(surface),
+        creases_(creases),
+        projector_(projector),
+        length_(length),
+        around_(std::size_t(surface.vertices.cols())),
+        along_(around_.size()),
+        corner_(creases.corner) {
     for (const auto p : surface.vertices.colwise()) points_.push_back(p);
     for (const auto t : surface.triangles.colwise()) AddTriangle({t[0], t[1], t[2]});
+    corner_.resize(around_.size(), 0);
+    for (const auto& [a, b] : creases.edges) Join(a, b);
   }
 
   // A round of all four operations.
@@ -30,9 +41,10 @@ class EvenMesh {
     Relax();
   }
 
-  TriangleSurface Surface() const {
+  EvenSurface Surface() const {
     std::vector<int> number(points_.size(), -1);
-    TriangleSurface surface;
+    EvenSurface even;
+    TriangleSurface& surface = even.surface;
     std::vector<Triangle> kept;
     std::vector<Eigen::Vector3d> places;
     for (const Triangle& triangle : triangles_) {
@@ -55,7 +67,16 @@ class EvenMesh {
     for (std::size_t k = 0; k < kept.size(); ++k) {
       surface.triangles.col(Eigen::Index(k)) << kept[k][0], kept[k][1], kept[k][2];
     }
-    return surface;
+    even.creases.corner.assign(places.size(), 0);
+    for (std::size_t a = 0; a < points_.size(); ++a) {
+      if (number[a] < 0) continue;
+      even.creases.corner[std::size_t(number[a])] = corner_[a];
+      for (const int b : along_[a]) {
+        const int other = number[std::size_t(b)];
+        if (number[a] < other) even.creases.edges.push_back({number[a], other});
+      }
+    }
+    return even;
   }
 
  private:
@@ -107,6 +128,23 @@ class EvenMesh {
     return edges;
   }
 
+  void Join(int a, int b) {
+    along_[std::size_t(a)].push_back(b);
+    along_[std::size_t(b)].push_back(a);
+  }
+  bool OnCrease(int a, int b) const {
+    const std::vector<int>& along = along_[std::size_t(a)];
+    return std::find(along.begin(), along.end(), b) != along.end();
+  }
+  void Part(int a, int b) {
+    std::erase(along_[std::size_t(a)], b);
+    std::erase(along_[std::size_t(b)], a);
+  }
+  // How much keeps a vertex where it is: nothing, a crease, a corner.
+  int Held(int v) const {
+    return corner_[std::size_t(v)] ? 2 : along_[std::size_t(v)].empty() ? 0 : 1;
+  }
+
   void SplitLonger(double length) {
     for (bool more = true; more;) {
       more = false;
@@ -118,6 +156,13 @@ class EvenMesh {
         const int m = int(points_.size());
         points_.push_back((At(a) + At(b)) / 2);
         around_.emplace_back();
+        along_.emplace_back();
+        corner_.push_back(0);
+        if (OnCrease(a, b)) {
+          Part(a, b);
+          Join(a, m);
+          Join(m, b);
+        }
         RemoveTriangle(left);
         RemoveTriangle(right);
         for (const Triangle& t : {Triangle{a, m, c}, {m, b, c}, {b, m, d}, {m, a, d}})
@@ -137,6 +182,12 @@ class EvenMesh {
   }
 
   void Collapse(int a, int b, double longest) {
+    if (Held(a) > Held(b)) std::swap(a, b);
+    // A vertex of a crease goes along it, if that stays three edges long where it closes.
+    if (Held(a) == 2 || (Held(a) == 1 && !OnCrease(a, b))) return;
+    int before = -1;
+    for (const int v : along_[std::size_t(a)]) before = v == b ? before : v;
+    if (before >= 0 && OnCrease(before, b)) return;
     const auto [left, c] = LeftOf(a, b);
     const auto [right, d] = LeftOf(b, a);
     if (left < 0 || right < 0) return;
@@ -147,7 +198,12 @@ class EvenMesh {
     if (common != 2 || around_[std::size_t(c)].size() < 4 || around_[std::size_t(d)].size() < 4)
       return;
     if (of_a.size() + of_b.size() < 7) return;
-    const Eigen::Vector3d middle = (At(a) + At(b)) / 2;
+    Eigen::Vector3d middle = (At(a) + At(b)) / 2;
+    if (Held(a) < Held(b)) {
+      middle = At(b);
+    } else if (Held(a) == 1) {
+      middle = NearestOnCreases(surface_, creases_, middle);
+    }
     for (const int end : {a, b}) {
       for (const int t : around_[std::size_t(end)]) {
         if (t == left || t == right) continue;
@@ -170,6 +226,10 @@ class EvenMesh {
       AddTriangle(triangle);
     }
     At(b) = middle;
+    if (before < 0) return;
+    Part(a, b);
+    Part(before, a);
+    Join(before, b);
   }
 
   void Turn() {
@@ -179,7 +239,7 @@ class EvenMesh {
     for (const auto& [a, b] : Edges()) {
       const auto [left, c] = LeftOf(a, b);
       const auto [right, d] = LeftOf(b, a);
-      if (left < 0 || right < 0 || c == d) continue;
+      if (left < 0 || right < 0 || c == d || OnCrease(a, b)) continue;
       const std::size_t na = around_[std::size_t(a)].size(), nb = around_[std::size_t(b)].size();
       const std::size_t nc = around_[std::size_t(c)].size(), nd = around_[std::size_t(d)].size();
       if (na < 4 || nb < 4) continue;
@@ -204,7 +264,15 @@ class EvenMesh {
   void Relax() {
     std::vector<Eigen::Vector3d> moved = points_;
     for (int v = 0; v < int(points_.size()); ++v) {
-      if (around_[std::size_t(v)].empty()) continue;
+      if (around_[std::size_t(v)].empty() || Held(v) == 2) continue;
+      constexpr double kShare = 0.7;
+      if (Held(v) == 1) {
+        const std::vector<int>& along = along_[std::size_t(v)];
+        const Eigen::Vector3d middle = (At(along[0]) + At(along[1])) / 2;
+        moved[std::size_t(v)] =
+            NearestOnCreases(surface_, creases_, At(v) + kShare * (middle - At(v)));
+        continue;
+      }
       Eigen::Vector3d normal = Eigen::Vector3d::Zero(), middle = normal;
       for (const int t : around_[std::size_t(v)]) normal += NormalOf(triangles_[std::size_t(t)]);
       normal.stableNormalize();
@@ -212,28 +280,31 @@ class EvenMesh {
       for (const int other : beside) middle += At(other) / double(beside.size());
       Eigen::Vector3d way = middle - At(v);
       way -= way.dot(normal) * normal;
-      constexpr double kShare = 0.7;
       const Eigen::Vector3d place = projector_.Nearest(At(v) + kShare * way);
       if ((place - At(v)).norm() < length_) moved[std::size_t(v)] = place;
     }
     points_ = std::move(moved);
   }
 
+  const TriangleSurface& surface_;
+  const SurfaceCreases& creases_;
   const SurfaceProjector& projector_;
   double length_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<Triangle> triangles_;
-  std::vector<std::vector<int>> around_;
+  std::vector<std::vector<int>> around_, along_;  // triangles; the other ends of crease edges
+  std::vector<char> corner_;
 };
 
 }  // namespace
 
-TriangleSurface EvenTriangles(const TriangleSurface& surface,
-                              const SurfaceProjector& projector,
-                              double length,
-                              const Progress& progress) {
+EvenSurface EvenTriangles(const TriangleSurface& surface,
+                          const SurfaceCreases& creases,
+                          const SurfaceProjector& projector,
+                          double length,
+                          const Progress& progress) {
   constexpr int kRounds = 10;
-  EvenMesh mesh(surface, projector, length);
+  EvenMesh mesh(surface, creases, projector, length);
   for (int round = 0; round < kRounds; ++round) {
     Report(progress, "layout", 0.5 * round / kRounds);
     mesh.Improve();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/solid/crease_layout.h"
 #include "fitting/solid/cross_field.h"
 #include "fitting/solid/even_triangles.h"
 #include "fitting/solid/grid_faces.h"
@@ -37,9 +38,40 @@ Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
   return sizes * std::sqrt(count / faces);
 }
 
+constexpr double kFlat = 0;  // no angle is
+
+QuadMesh Improved(const QuadMesh& raw, const SurfaceProjector& projector) {
+  std::vector<Quad> quads;
+  for (const auto face : raw.faces.colwise()) quads.push_back({face[0], face[1], face[2], face[3]});
+  QuadImprover improver(raw.vertices, std::move(quads), projector);
+  constexpr int kSmoothings = 4;
+  improver.Smooth(kSmoothings);
+  improver.Improve();
+  if (improver.LeastSquareness() < kFlat) throw RefusedData("a face is too uneven");
+  return improver.Mesh();
+}
+
+QuadMesh Creased(const QuadMesh& raw,
+                 const TriangleSurface& surface,
+                 const SurfaceCreases& creases,
+                 const SurfaceProjector& projector) {
+  constexpr int kSmoothings = 12;
+  // Where a crease passes from one line of the grid to the next it goes straight through the corner
+  // of a face.
+  constexpr double kStraight = -0.3;
+  QuadMesh layout = OntoCreases(raw, surface, creases, projector, kSmoothings);
+  for (const auto face : layout.faces.colwise()) {
+    if (Squareness(layout.vertices, {face[0], face[1], face[2], face[3]}) < kStraight) {
+      throw RefusedData("a face is too uneven");
+    }
+  }
+  return layout;
+}
+
 }  // namespace
 
 QuadMesh FieldLayout(const TriangleSurface& surface,
+                     const SurfaceCreases& creases,
                      const SurfaceProjector& projector,
                      double faces,
                      bool by_curvature,
@@ -49,24 +81,19 @@ QuadMesh FieldLayout(const TriangleSurface& surface,
   constexpr double kFine = 0.42;        // of the length of faces
   constexpr double kTriangles = 12000;  // at least, so that they follow the shape
   const double edge = std::min(kFine * length, std::sqrt(4 / std::sqrt(3.0) * area / kTriangles));
-  const TriangleSurface even = EvenTriangles(surface, projector, edge, progress);
+  const EvenSurface made = EvenTriangles(surface, creases, projector, edge, progress);
+  const TriangleSurface& even = made.surface;
   const TriangleTopology topology(even);
+  const std::vector<char> sharp = CreasesByHalfEdge(topology, made.creases);
   Report(progress, "layout", 0.5);
-  const std::vector<double> crosses = SmoothCrosses(even, topology, length);
+  const std::vector<double> crosses = SmoothCrosses(even, topology, length, sharp);
   Report(progress, "layout", 0.6);
-  const GridMap map =
-      MapOntoGrid(even, topology, crosses, FaceLengths(even, topology, faces, by_curvature));
+  const GridMap map = MapOntoGrid(
+      even, topology, crosses, FaceLengths(even, topology, faces, by_curvature), made.creases);
   Report(progress, "layout", 0.9);
-  const QuadMesh raw = FacesOfGrid(even, topology, map);
-  std::vector<Quad> quads;
-  for (const auto face : raw.faces.colwise()) quads.push_back({face[0], face[1], face[2], face[3]});
-  QuadImprover improver(raw.vertices, std::move(quads), projector);
-  constexpr int kSmoothings = 4;
-  improver.Smooth(kSmoothings);
-  improver.Improve();
-  constexpr double kEven = 0;  // no angle is flat
-  if (improver.LeastSquareness() < kEven) throw RefusedData("a face is too uneven");
-  QuadMesh layout = improver.Mesh();
+  const QuadMesh raw = FacesOfGrid(even, topology, map, sharp);
+  QuadMesh layout =
+      creases.none() ? Improved(raw, projector) : Creased(raw, surface, creases, projector);
   CheckQuadMesh(layout);
   if (EulerOf(layout) != EulerOf(surface)) throw RefusedData("its genus differs");
   return layout;

@@ -5,6 +5,7 @@
 #include "batten/fitting/progress.h"
 #include "batten/geometry/quad_mesh.h"
 #include "batten/geometry/triangle_surface.h"
+#include "fitting/solid/surface_creases.h"
 #include "fitting/solid/surface_projector.h"
 
 namespace batten::internal {
@@ -14,7 +15,9 @@ namespace batten::internal {
 // other than four edges: those about which the crosses turn. Throws RefusedData where no layout of
 // the surface's Euler number comes out, or one whose faces turn over. [field: Knöppel et al. 2013;
 // map: Bommes, Zimmer & Kobbelt 2009]
+// Creases become edges of the layout.
 QuadMesh FieldLayout(const TriangleSurface& surface,
+                     const SurfaceCreases& creases,
                      const SurfaceProjector& projector,
                      double faces,
                      bool by_curvature,

@@ -65,7 +65,7 @@ class SolidFitter {
   SolidFit Fit() && {
     Prepare();
     clock_.Enter(&StageSeconds::parameterize);
-    const QuadTopology mesh(layout_.faces, static_cast<int>(layout_.vertices.cols()));
+    const QuadTopology mesh(layout_);
     const LimitStencils stencils(mesh);
     CheckNear(stencils);
     clock_.Enter(&StageSeconds::optimize);
@@ -238,7 +238,8 @@ class SolidFitter {
     fit_.solid = shift.isZero() ? solid : solid.Translated(shift);
     fit_.audit.edge_angle_at += shift;
     fit_.held_out = surface.held_out;
-    fit_.control_mesh = {surface.control_points.colwise() + shift, layout_.faces};
+    fit_.control_mesh = {
+        surface.control_points.colwise() + shift, layout_.faces, layout_.creases, layout_.corners};
     FitReport& report = fit_.report;
     report.input.outliers = fit_.outliers.count();
     report.input.used = cloud_.size() - report.input.outliers;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "batten/fitting/refused_data.h"
+
 namespace batten::internal {
 namespace {
 
@@ -146,6 +148,34 @@ Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::V
     }
   }
   return lattice.basis * z;
+}
+
+Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic,
+                               const Eigen::VectorXcd& centre,
+                               const std::vector<GaussianRow>& rows) {
+  if (rows.empty()) return RoundedWithin(quadratic, centre);
+  const Eigen::Index m = centre.size();
+  const std::vector<std::vector<Gaussian>> lattice = LatticeOfZeros(rows, int(2 * m));
+  Eigen::MatrixXd basis(2 * m, Eigen::Index(lattice.size()));
+  for (Eigen::Index k = 0; k < basis.cols(); ++k) {
+    for (Eigen::Index j = 0; j < 2 * m; ++j) {
+      basis(j, k) = double(lattice[std::size_t(k)][std::size_t(j)].real());
+    }
+  }
+  Eigen::MatrixXd parts(2 * m, 2 * m);
+  parts << quadratic.real(), -quadratic.imag(), quadratic.imag(), quadratic.real();
+  Eigen::VectorXd middle(2 * m);
+  middle << centre.real(), centre.imag();
+  const Eigen::MatrixXd form = basis.transpose() * parts * basis;
+  const Eigen::VectorXd within = form.ldlt().solve(basis.transpose() * (parts * middle));
+  if (!within.allFinite()) throw RefusedData("the integers are not determined");
+  const Eigen::VectorXcd rounded =
+      RoundedWithin(form.cast<std::complex<double>>(), within.cast<std::complex<double>>());
+  const Eigen::VectorXd whole = basis * rounded.real();
+  Eigen::VectorXcd integers(m);
+  integers.real() = whole.head(m);
+  integers.imag() = whole.tail(m);
+  return integers;
 }
 
 }  // namespace batten::internal

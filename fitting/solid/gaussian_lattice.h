@@ -27,4 +27,10 @@ std::vector<std::vector<Gaussian>> LatticeOfZeros(const std::vector<GaussianRow>
 // while these help. [Bommes, Zimmer & Kobbelt 2009]
 Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::VectorXcd& centre);
 
+// The same among those whose real parts, and imaginary parts after them, every row of integers
+// sends to zero. Throws RefusedData where these do not determine them.
+Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic,
+                               const Eigen::VectorXcd& centre,
+                               const std::vector<GaussianRow>& rows);
+
 }  // namespace batten::internal

@@ -17,10 +17,14 @@ constexpr std::array<Complex, 4> kOutwards = {Complex(0, -1), 1, Complex(0, 1), 
 
 class GridWalker {
  public:
-  GridWalker(const TriangleSurface& surface, const TriangleTopology& topology, const GridMap& map)
+  GridWalker(const TriangleSurface& surface,
+             const TriangleTopology& topology,
+             const GridMap& map,
+             const std::vector<char>& creases)
       : surface_(surface),
         topology_(topology),
         map_(map),
+        creases_(creases),
         in_triangle_(std::size_t(topology.triangles())) {
     for (int t = 0; t < topology.triangles(); ++t) FindMiddles(t);
   }
@@ -54,6 +58,14 @@ class GridWalker {
       ++faces;
     }
     mesh.faces.conservativeResize(4, faces);
+    for (int h = 0; h < sides; ++h) {
+      if (middles_[std::size_t(h / 4)].gone || !crossing_[std::size_t(h)]) continue;
+      const int other = twin_[std::size_t(h)];
+      if (other < h) continue;
+      mesh.creases.conservativeResize(2, mesh.creases.cols() + 1);
+      mesh.creases.rightCols(1) << vertex[std::size_t(h)],
+          vertex[std::size_t((h & ~3) | ((h + 1) & 3))];
+    }
     return mesh;
   }
 
@@ -102,7 +114,8 @@ class GridWalker {
 
   // The side of the face reached by a unit step out of a face; −1: none. Along the line of the grid
   // from triangle to triangle, through those that turn over as well.
-  int Reached(int side) const {
+  int Reached(int side) {
+    crossing_[std::size_t(side)] = 0;
     const Middle& from = middles_[std::size_t(side >> 2)];
     Complex direction = kOutwards[std::size_t(side & 3)];
     Complex goal = from.at + direction;
@@ -117,6 +130,7 @@ class GridWalker {
       }
       const int left = ExitOf(t, goal, direction, entered);
       if (left < 0) return -1;
+      crossing_[std::size_t(side)] ^= creases_[std::size_t(left)];
       goal = map_.Across(left, goal);
       direction = map_.DirectionAcross(left, direction);
       entered = topology_.Twin(left);
@@ -147,6 +161,7 @@ class GridWalker {
   void FindTwins() {
     const std::size_t sides = 4 * middles_.size();
     twin_.resize(sides);
+    crossing_.resize(sides);
     constexpr std::size_t kMost = 20;  // one in so many middles goes
     std::size_t lost = 0;
     for (std::size_t gone = 0; gone <= middles_.size() / kMost; ++gone) {
@@ -176,17 +191,20 @@ class GridWalker {
   const TriangleSurface& surface_;
   const TriangleTopology& topology_;
   const GridMap& map_;
+  const std::vector<char>& creases_;
   std::vector<Middle> middles_;
   std::vector<std::vector<int>> in_triangle_;
-  std::vector<int> twin_;  // of sides 4f + k, as half-edges of QuadTopology
+  std::vector<int> twin_;       // of sides 4f + k, as half-edges of QuadTopology
+  std::vector<char> crossing_;  // whether a crease lies between the two
 };
 
 }  // namespace
 
 QuadMesh FacesOfGrid(const TriangleSurface& surface,
                      const TriangleTopology& topology,
-                     const GridMap& map) {
-  return GridWalker(surface, topology, map).Faces();
+                     const GridMap& map,
+                     const std::vector<char>& creases) {
+  return GridWalker(surface, topology, map, creases).Faces();
 }
 
 }  // namespace batten::internal

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/solid/grid_map.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
@@ -118,15 +122,148 @@ class GridUnknowns {
   std::vector<std::vector<Gaussian>> lattice_;
 };
 
+// An edge: its end less its origin.
+Form EdgeForm(const std::vector<Form>& corners, int h) {
+  Form row = corners[std::size_t(TriangleTopology::Next(h))];
+  for (const auto& [k, factor] : corners[std::size_t(h)]) row.emplace_back(k, -factor);
+  return row;
+}
+
+// Adds what a row asks for to right sides of free places and of integers, which follow these.
+void PullTo(const Form& row, Complex by, Eigen::VectorXcd& free, Eigen::VectorXcd& integers) {
+  const auto n = static_cast<int>(free.size());
+  for (const auto& [j, one] : row) (j < n ? free[j] : integers[j - n]) += std::conj(one) * by;
+}
+
+// Edges along creases, which are to run along lines of the grid, as long as they like: by turns
+// least squares with given lengths and lengths from these; what is left across is asked for
+// against. [alternating directions: Boyd et al. 2011, §5]
+class CreaseLines {
+ public:
+  CreaseLines() = default;
+  // Creases by half-edge, forms of corners and wanted edges.
+  CreaseLines(std::vector<char> creases,
+              const std::vector<Form>& corners,
+              const std::vector<Complex>& wanted)
+      : creases_(std::move(creases)), number_(creases_.size(), -1) {
+    for (int h = 0; h < int(creases_.size()); ++h) {
+      if (!creases_[std::size_t(h)]) continue;
+      const Complex edge = wanted[std::size_t(h)];
+      const Complex axis =
+          AsComplex(PowerOfI(int(std::lround(std::arg(edge) / (std::numbers::pi / 2)))));
+      number_[std::size_t(h)] = int(edges_.size());
+      edges_.push_back({EdgeForm(corners, h), axis, axis * std::real(std::conj(axis) * edge), 0});
+    }
+  }
+
+  bool none() const { return edges_.empty(); }
+  double WeightOf(int h) const { return creases_[std::size_t(h)] ? kAlong : 0; }
+
+  void Pull(Eigen::VectorXcd& free, Eigen::VectorXcd& integers) const {
+    for (const Edge& edge : edges_) {
+      PullTo(edge.row, kAlong * (edge.along - edge.against), free, integers);
+    }
+  }
+
+  void Follow(const Eigen::VectorXcd& free, const Eigen::VectorXcd& integers) {
+    const auto n = static_cast<int>(free.size());
+    for (Edge& edge : edges_) {
+      Complex place = edge.against;
+      for (const auto& [k, factor] : edge.row)
+        place += factor * (k < n ? free[k] : integers[k - n]);
+      edge.along = edge.axis * std::real(std::conj(edge.axis) * place);
+      edge.against = place - edge.along;
+    }
+  }
+
+  // The integers' real and imaginary parts, one after the other, make each crease between held
+  // vertices begin and end on one line of the grid.
+  std::vector<GaussianRow> Conditions(const TriangleTopology& topology,
+                                      const std::vector<int>& held,
+                                      int free,
+                                      int integers) const {
+    std::vector<char> seen(creases_.size(), 0), stops(std::size_t(topology.vertices()), 0);
+    for (const int v : held) stops[std::size_t(v)] = 1;
+    std::vector<GaussianRow> rows;
+    for (int first = 0; first < topology.half_edges(); ++first) {
+      if (!creases_[std::size_t(first)] || seen[std::size_t(first)]) continue;
+      if (!stops[std::size_t(topology.Origin(first))]) continue;
+      std::map<int, Complex> across;  // of which the imaginary part is to vanish
+      for (int h = first;;) {
+        seen[std::size_t(h)] = seen[std::size_t(topology.Twin(h))] = 1;
+        const Edge& edge = edges_[std::size_t(number_[std::size_t(h)])];
+        for (const auto& [k, factor] : edge.row) across[k] += std::conj(edge.axis) * factor;
+        if (stops[std::size_t(topology.Origin(TriangleTopology::Next(h)))]) break;
+        // The other crease of the vertex.
+        h = topology.Turned(topology.Twin(h));
+        while (!creases_[std::size_t(h)]) h = topology.Turned(h);
+      }
+      GaussianRow row = RowOf(across, free, integers);
+      if (!row.empty()) rows.push_back(std::move(row));
+    }
+    return rows;
+  }
+
+ private:
+  struct Edge {
+    Form row;
+    Complex axis, along, against;  // a unit of the grid, the length, what is asked for across
+  };
+
+  // None where the crease does not keep to its direction, and places of free vertices are left.
+  static GaussianRow RowOf(const std::map<int, Complex>& across, int free, int integers) {
+    GaussianRow row;
+    for (const auto& [k, factor] : across) {
+      const Gaussian whole(std::llround(factor.real()), std::llround(factor.imag()));
+      if (whole == Gaussian(0)) continue;
+      if (k < free) return {};
+      if (whole.imag() != 0) row[k - free] = whole.imag();
+      if (whole.real() != 0) row[k - free + integers] = whole.real();
+    }
+    return row;
+  }
+
+  static constexpr double kAlong = 3;  // weight of lengths given; other edges' are about one
+  std::vector<char> creases_;
+  std::vector<int> number_;  // in edges_, by half-edge
+  std::vector<Edge> edges_;
+};
+
+// The corners of creases, and a vertex of each connected part that has none.
+std::vector<int> AnchorsOf(const SurfaceCreases& creases) {
+  std::vector<int> anchors, part(creases.corner.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](int v) {
+    while (part[std::size_t(v)] != v)
+      v = part[std::size_t(v)] = part[std::size_t(part[std::size_t(v)])];
+    return v;
+  };
+  for (const auto& [a, b] : creases.edges) part[std::size_t(root(a))] = root(b);
+  std::vector<char> has(part.size(), 0);
+  for (int v = 0; v < int(part.size()); ++v) {
+    if (!creases.corner[std::size_t(v)]) continue;
+    anchors.push_back(v);
+    has[std::size_t(root(v))] = 1;
+  }
+  for (const auto& [a, b] : creases.edges) {
+    if (has[std::size_t(root(a))]) continue;
+    has[std::size_t(root(a))] = 1;
+    anchors.push_back(a);
+  }
+  return anchors;
+}
+
 class GridMapper {
  public:
   GridMapper(const TriangleSurface& surface,
              const TriangleTopology& topology,
              const std::vector<double>& crosses,
-             const Eigen::VectorXd& lengths)
+             const Eigen::VectorXd& lengths,
+             const SurfaceCreases& creases)
       : topology_(topology),
         planar_(PlanarEdges(surface)),
-        seams_(topology, planar_, crosses),
+        held_(AnchorsOf(creases)),
+        seams_(topology, planar_, crosses, held_),
         unknowns_(topology, seams_),
         stiffness_(std::size_t(topology.triangles()), 1.0) {
     for (int h = 0; h < topology.half_edges(); ++h) {
@@ -134,6 +271,7 @@ class GridMapper {
       const Complex direction = seams_.directions()[std::size_t(h / 3)];
       wanted_.push_back(planar_[std::size_t(h)] * std::conj(direction) / lengths[h / 3]);
     }
+    lines_ = CreaseLines(CreasesByHalfEdge(topology, creases), forms_, wanted_);
   }
 
   GridMap Map() {
@@ -165,17 +303,12 @@ class GridMapper {
       const double cotangent = std::real(std::conj(to_b) * to_a) / std::abs(AreaOf(to_b, to_a));
       const double weight = (cotangent < kMost ? std::max(kLeast, cotangent) : kMost) *
                             stiffness_[std::size_t(h / 3)];
-      Form row = forms_[std::size_t(TriangleTopology::Next(h))];
-      for (const auto& [k, factor] : forms_[std::size_t(h)]) row.emplace_back(k, -factor);
+      const Form row = EdgeForm(forms_, h);
+      PullTo(row, weight * wanted_[std::size_t(h)], right_, integer_right_);
+      const double whole = weight + lines_.WeightOf(h);
       for (const auto& [j, one] : row) {
-        const Complex pull = weight * std::conj(one) * wanted_[std::size_t(h)];
-        if (j < n) {
-          right_[j] += pull;
-        } else {
-          integer_right_[j - n] += pull;
-        }
         for (const auto& [k, other] : row) {
-          const Complex entry = weight * std::conj(one) * other;
+          const Complex entry = whole * std::conj(one) * other;
           if (j >= n && k >= n) {
             integer_part_(j - n, k - n) += entry;
           } else if (j < n && k >= n) {
@@ -197,21 +330,59 @@ class GridMapper {
   }
 
   void SolveForIntegers() {
-    Assemble();
     const int m = unknowns_.integers();
     integers_ = Eigen::VectorXcd::Zero(m);
     if (m == 0) return;
+    // Lines that creases hold cross where nothing keeps triangles from turning over before places
+    // are integers.
+    constexpr int kRounds = 8;
+    for (int round = 0; !lines_.none() && round < kRounds; ++round) {
+      const GridMap relaxed = MapOf(Relaxed());
+      if (relaxed.turned_over == 0) break;
+      StiffenAbout(relaxed);
+    }
+    Relaxed();
+    const std::vector<GaussianRow> rows =
+        lines_.Conditions(topology_, held_, unknowns_.free(), unknowns_.integers());
+    integers_ = RoundedWithin(quadratic_, integers_, rows);
+  }
+
+  // The map whose integers may be any numbers, which are left in their place.
+  Eigen::VectorXcd Relaxed() {
+    Assemble();
     const Eigen::MatrixXcd answers = factor_.solve(Eigen::MatrixXcd(mixed_));
-    const Eigen::MatrixXcd quadratic = integer_part_ - mixed_.adjoint() * answers;
-    const Eigen::VectorXcd linear = integer_right_ - answers.adjoint() * right_;
-    const Eigen::VectorXcd centre = quadratic.ldlt().solve(linear);
-    if (!centre.allFinite()) throw RefusedData("the map onto a grid is not determined");
-    integers_ = RoundedWithin(quadratic, centre);
+    quadratic_ = integer_part_ - mixed_.adjoint() * answers;
+    const Eigen::LDLT<Eigen::MatrixXcd> of_integers(quadratic_);
+    Eigen::VectorXcd places =
+        OnCreases([&](const Eigen::VectorXcd& free, const Eigen::VectorXcd& integers) {
+          integers_ = of_integers.solve(integers - answers.adjoint() * free);
+          return factor_.solve(free - mixed_ * integers_).eval();
+        });
+    if (!integers_.allFinite()) throw RefusedData("the map onto a grid is not determined");
+    return places;
   }
 
   Eigen::VectorXcd Solve() {
     Assemble();
-    return factor_.solve(right_ - mixed_ * integers_);
+    return OnCreases([&](const Eigen::VectorXcd& free, const Eigen::VectorXcd&) {
+      return factor_.solve(free - mixed_ * integers_).eval();
+    });
+  }
+
+  // The least squares whose edges along creases run along lines of the grid, as long as they like.
+  // `solve` answers right sides.
+  template <typename Answer>
+  Eigen::VectorXcd OnCreases(Answer solve) {
+    constexpr int kRounds = 30;
+    Eigen::VectorXcd free;
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::VectorXcd right = right_, integer_right = integer_right_;
+      lines_.Pull(right, integer_right);
+      free = solve(right, integer_right);
+      if (lines_.none()) break;
+      lines_.Follow(free, integers_);
+    }
+    return free;
   }
 
   GridMap MapOf(const Eigen::VectorXcd& free) const {
@@ -254,15 +425,17 @@ class GridMapper {
 
   const TriangleTopology& topology_;
   std::vector<Complex> planar_;
+  std::vector<int> held_;  // vertices
   ChartSeams seams_;
   GridUnknowns unknowns_;
   std::vector<Form> forms_;
   std::vector<Complex> wanted_;
   std::vector<double> stiffness_;
+  CreaseLines lines_;
   bool analysed_ = false;
   Factor factor_;
   SparseComplex mixed_;
-  Eigen::MatrixXcd integer_part_;
+  Eigen::MatrixXcd integer_part_, quadratic_;  // the latter with free places where they are best
   Eigen::VectorXcd right_, integer_right_, integers_;
 };
 
@@ -279,8 +452,9 @@ Complex GridMap::Across(int h, Complex p) const {
 GridMap MapOntoGrid(const TriangleSurface& surface,
                     const TriangleTopology& topology,
                     const std::vector<double>& crosses,
-                    const Eigen::VectorXd& lengths) {
-  return GridMapper(surface, topology, crosses, lengths).Map();
+                    const Eigen::VectorXd& lengths,
+                    const SurfaceCreases& creases) {
+  return GridMapper(surface, topology, crosses, lengths, creases).Map();
 }
 
 }  // namespace batten::internal

@@ -5,6 +5,7 @@
 #include <complex>
 #include <vector>
 
+#include "fitting/solid/surface_creases.h"
 #include "fitting/solid/triangle_topology.h"
 
 namespace batten::internal {
@@ -28,11 +29,14 @@ struct GridMap {
 };
 
 // The map whose unit steps are crosses of this length, in the mean of squares over the surface,
-// with singular vertices at integers. Triangles that turn over are made stiffer a few times.
-// [Bommes, Zimmer & Kobbelt 2009] Throws RefusedData where there is none.
+// with singular vertices at integers, and corners of creases or one vertex of each that closes.
+// Along creases squares count far more, so that they become lines of the grid. Triangles that turn
+// over are made stiffer a few times. [Bommes, Zimmer & Kobbelt 2009] Throws RefusedData where there
+// is none.
 GridMap MapOntoGrid(const TriangleSurface& surface,
                     const TriangleTopology& topology,
                     const std::vector<double>& crosses,
-                    const Eigen::VectorXd& lengths);
+                    const Eigen::VectorXd& lengths,
+                    const SurfaceCreases& creases = {});
 
 }  // namespace batten::internal

@@ -63,7 +63,7 @@ QuadMesh EvenLayout(const TriangleSurface& surface,
                     const Progress& progress) {
   // Two triangles to a face; those of even size have edges of this length.
   const double length = std::sqrt(2 * AreaOf(surface) / (std::sqrt(3.0) * faces));
-  const TriangleSurface even = EvenTriangles(surface, projector, length, progress);
+  const TriangleSurface even = EvenTriangles(surface, {}, projector, length, progress).surface;
   QuadImprover improver(even.vertices, Paired(even), projector);
   improver.Improve();
   if (improver.LeastSquareness() < least_squareness) throw RefusedData("a face is too uneven");

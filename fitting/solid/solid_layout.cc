@@ -2,29 +2,65 @@
 #include "batten/fitting/solid_layout.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/solid/crease_layout.h"
 #include "fitting/solid/field_layout.h"
 #include "fitting/solid/paired_layout.h"
+#include "fitting/solid/surface_creases.h"
 #include "fitting/solid/surface_projector.h"
 
 namespace batten {
 using namespace internal;
 
+namespace {
+
+// Shorter ones are finer than what the layout can follow.
+double ShortestCrease(const TriangleSurface& surface, double faces) {
+  constexpr double kFaces = 3;
+  return kFaces * std::sqrt(AreaOf(surface) / faces);
+}
+
+}  // namespace
+
+QuadMesh WithCreases(const QuadMesh& layout, const TriangleSurface& surface) {
+  CheckQuadMesh(layout);
+  const SurfaceCreases creases =
+      CreasesOf(surface, ShortestCrease(surface, double(layout.faces.cols())));
+  if (creases.none()) return layout;
+  QuadMesh creased = layout;
+  creased.creases = CreasesBetweenFaces(layout, surface, creases);
+  constexpr int kRounds = 0;  // it stays as it is drawn beside them
+  return OntoCreases(creased, surface, creases, SurfaceProjector(surface), kRounds);
+}
+
 QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& progress) {
   if (faces < 6) throw RefusedData("a layout of fewer than six faces closes nothing");
   const SurfaceProjector projector(surface);
+  const SurfaceCreases creases = CreasesOf(surface, ShortestCrease(surface, faces));
   // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
-  // parts, smaller ones there may do, or another size that falls differently on the shape.
+  // parts, smaller ones there may do, or another size that falls differently on the shape. Creases
+  // nearer to one another than faces leave none: then they do not count.
   struct Attempt {
     double finer;
-    bool by_curvature;
+    bool by_curvature, heed_creases;
   };
-  for (const auto& [finer, by_curvature] :
-       {Attempt{1, false}, Attempt{1, true}, Attempt{1.2, false}, Attempt{1.5, true}}) {
+  std::vector<Attempt> attempts = {
+      {1, false, false}, {1, true, false}, {1.2, false, false}, {1.5, true, false}};
+  if (!creases.none()) {
+    attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}, {1.2, false, true}});
+  }
+  for (const auto& [finer, by_curvature, heed_creases] : attempts) {
     try {
-      return FieldLayout(surface, projector, faces * finer, by_curvature, progress);
+      return FieldLayout(surface,
+                         heed_creases ? creases : SurfaceCreases(),
+                         projector,
+                         faces * finer,
+                         by_curvature,
+                         progress);
     } catch (const std::invalid_argument&) {
     }
   }

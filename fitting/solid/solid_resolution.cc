@@ -32,6 +32,14 @@ bool IsNearNoise(const SolidFit& fit) {
   return kTaken * (fit.held_out.mean() - noise) < noise;
 }
 
+// By half as many again, from the last on: over creases a layout is too coarse here and there, and
+// the next one seldom in the same place.
+std::vector<int> CountsAbove(int count, int most) {
+  std::vector<int> counts;
+  for (double next = most; next > 1.2 * count; next /= 1.5) counts.push_back(int(next));
+  return counts;
+}
+
 }  // namespace
 
 SolidFit FitSolid(const PointCloud& cloud,
@@ -50,16 +58,25 @@ SolidFit FitSolid(const PointCloud& cloud,
   }
   std::optional<SolidFit> best;
   std::string why;
+  bool creased = false;
   while (!counts.empty()) {
     const int count = counts.back();
     counts.pop_back();
     try {
-      SolidFit fit = FitSolid(cloud, LayoutOf(surface, count, options.progress), options);
+      const QuadMesh layout = LayoutOf(surface, count, options.progress);
+      if (layout.creases.cols() > 0 && !creased) {
+        creased = true;
+        counts = CountsAbove(count, most);
+      }
+      // Edges that were sharp stay so.
+      if (best && best->audit.sharp_edges > 0 && layout.creases.cols() == 0) continue;
+      SolidFit fit = FitSolid(cloud, layout, options);
       if (best && !MeetsBetter(fit, *best)) break;
       best = std::move(fit);
       if (count == most) break;
       // The finest next; the one between only if that is refused.
-      if (counts.size() > 1 && !IsNearNoise(*best)) std::swap(counts.front(), counts.back());
+      if (counts.size() > 1 && !creased && !IsNearNoise(*best))
+        std::swap(counts.front(), counts.back());
     } catch (const Cancelled&) {
       if (!best) throw;
       best->report.termination = Termination::kCancelled;

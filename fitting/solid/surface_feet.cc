@@ -42,7 +42,12 @@ void Descend(const LimitSurface& surface, const Eigen::Vector3d& q, LimitFoot& f
     constexpr double kConvex = 0.1;
     const bool convex = second.determinant() > kConvex * first.determinant() && second(0, 0) > 0;
     Eigen::Vector2d move = -(convex ? second : first).inverse() * slope;
-    if (!move.allFinite()) break;
+    // Along a crease that the step would cross, if not over its end.
+    const LimitSurface::Creases creases = surface.CreasesAt(foot.place);
+    const bool left = creases.left && move[0] < 0, down = creases.down && move[1] < 0;
+    if (left) move = {0, -slope[1] / (convex ? second : first)(1, 1)};
+    if (down) move = {left ? 0 : -slope[0] / (convex ? second : first)(0, 0), 0};
+    if (!move.allFinite() || move.isZero()) break;
     constexpr double kLongest = 0.7;  // of a patch
     move *= std::min(1.0, kLongest / move.cwiseAbs().maxCoeff());
     bool nearer = false;
@@ -62,6 +67,44 @@ void Descend(const LimitSurface& surface, const Eigen::Vector3d& q, LimitFoot& f
   }
   foot.point = jet.point;
   foot.normal = jet.du.cross(jet.dv).stableNormalized();
+  const LimitSurface::Creases creases = surface.CreasesAt(foot.place);
+  foot.on_crease = creases.left || creases.down;
+  foot.tangent.setZero();
+  if (creases.left != creases.down) {
+    foot.tangent = (creases.down ? jet.du : jet.dv).stableNormalized();
+  }
+}
+
+// Whether the normal of a foot agrees; on a crease that is the mean of both sides'.
+bool IsFound(const LimitSurface& surface,
+             const LimitFoot& foot,
+             const Eigen::Vector3d& given,
+             bool oriented) {
+  Eigen::Vector3d normal = foot.normal;
+  for (const LimitPlace& beyond : surface.Beyond(foot.place)) {
+    const SurfaceJet jet = surface.JetAt(beyond);
+    normal += jet.du.cross(jet.dv).stableNormalized();
+  }
+  return Agrees(normal.stableNormalized(), given, oriented);
+}
+
+// The same, and on from creases over them for as long as that comes nearer.
+void DescendOverCreases(const LimitSurface& surface, const Eigen::Vector3d& q, LimitFoot& foot) {
+  Descend(surface, q, foot);
+  constexpr int kMost = 4;
+  for (int round = 0; round < kMost; ++round) {
+    const double square = (foot.point - q).squaredNorm();
+    LimitFoot best = foot;
+    for (const LimitPlace& beyond : surface.Beyond(foot.place)) {
+      LimitFoot other;
+      other.place = beyond;
+      Descend(surface, q, other);
+      constexpr double kNearer = 1 - 1e-9;
+      if ((other.point - q).squaredNorm() < kNearer * (best.point - q).squaredNorm()) best = other;
+    }
+    if (!((best.point - q).squaredNorm() < square)) return;
+    foot = best;
+  }
 }
 
 // Places spread over all patches.
@@ -121,8 +164,8 @@ std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
         });
         foot.place = samples->places[std::size_t(chosen < first + candidates ? *chosen : *first)];
       }
-      Descend(surface, points.col(k), foot);
-      foot.found = Agrees(foot.normal, given, oriented);
+      DescendOverCreases(surface, points.col(k), foot);
+      foot.found = IsFound(surface, foot, given, oriented);
     }
   });
   return feet;

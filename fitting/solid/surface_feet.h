@@ -13,6 +13,8 @@ namespace batten::internal {
 struct LimitFoot {
   LimitPlace place;
   Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  bool on_crease = false;
+  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  // of the crease, zero at a corner
   bool found = false;  // on a part of the surface whose normal agrees with the point's
 };
 

@@ -23,8 +23,9 @@ constexpr double kFirstDamping = 0.1, kLeastDamping = 0.01, kMostDamping = 10;
 constexpr double kStillFalls = 1e-3;  // relative fall of the sum of squares in two rounds
 
 // Stiffness against uneven faces: it moves places along the surface, which hardly changes its
-// shape, and keeps faces from folding.
-constexpr double kStretch = 0.01;
+// shape, and keeps faces from folding. Beside creases faces are less even: measured on a part of 25
+// corners, one layout in four had folds at 0.2, two at 0.05, all at 0.01.
+constexpr double kStretch = 0.01, kStretchBesideCreases = 0.2;
 
 // Of the control mesh, from the faces around.
 Eigen::Matrix3Xd VertexNormals(const QuadTopology& mesh, const Eigen::Matrix3Xd& points) {
@@ -82,6 +83,10 @@ class Fitter {
          ThreadPool& pool)
       : stencils_(stencils), data_(data), settings_(settings), pool_(pool), system_(stencils) {
     fit_.control_points = start;
+    const QuadTopology& mesh = stencils.mesh();
+    for (int v = 0; v < mesh.vertices(); ++v) {
+      if (mesh.Creases(v) > 0) stretch_ = kStretchBesideCreases;
+    }
     if (!data_.oriented) Orient();
   }
 
@@ -188,7 +193,11 @@ class Fitter {
       const LimitFoot& foot = fit_.feet[k];
       const auto i = Eigen::Index(k);
       if (!foot.found || !Counts(k, some)) continue;
-      demands.push_back({foot.place, data_.points.col(i), foot.normal, data_.weights[i]});
+      demands.push_back({foot.place,
+                         data_.points.col(i),
+                         foot.on_crease,
+                         foot.on_crease ? foot.tangent : foot.normal,
+                         data_.weights[i]});
     }
     return demands;
   }
@@ -219,7 +228,7 @@ class Fitter {
                        damping,
                        fit_.control_points,
                        VertexNormals(stencils_.mesh(), fit_.control_points),
-                       {fit_.smoothing, std::max(fit_.smoothing, kStretch)});
+                       {fit_.smoothing, std::max(fit_.smoothing, stretch_)});
       const double cost = Cost(fit_.feet, fit_.control_points, some);
       Eigen::Matrix3Xd step = system_.Step(fit_.control_points);
       constexpr int kHalvings = 3;
@@ -304,6 +313,7 @@ class Fitter {
   const SurfaceFitSettings& settings_;
   ThreadPool& pool_;
   SurfaceSystem system_;
+  double stretch_ = kStretch;
   LimitSurfaceFit fit_;
   std::vector<int> folded_, unfolded_;  // patches: of the control points, of the step tried last
   Stopwatch watch_;
@@ -328,8 +338,17 @@ Eigen::Matrix3Xd ControlPointsThrough(const QuadTopology& mesh, const Eigen::Mat
     Eigen::Matrix3Xd limits(3, points.cols());
     for (int v = 0; v < mesh.vertices(); ++v) {
       const int n = mesh.Valence(v);
-      Eigen::Vector3d limit = points.col(v) * n / (n + 5.0);
       int h = mesh.Outgoing(v);
+      if (mesh.Creases(v) > 0) {
+        limits.col(v) = points.col(v);
+        if (mesh.IsCorner(v)) continue;
+        limits.col(v) *= 2.0 / 3;
+        for (int k = 0; k < n; ++k, h = mesh.Turned(h)) {
+          if (mesh.IsCrease(h)) limits.col(v) += points.col(mesh.Origin(QuadTopology::Next(h))) / 6;
+        }
+        continue;
+      }
+      Eigen::Vector3d limit = points.col(v) * n / (n + 5.0);
       for (int k = 0; k < n; ++k, h = mesh.Turned(h)) {
         const int next = QuadTopology::Next(h);
         limit += (4 * points.col(mesh.Origin(next)) +

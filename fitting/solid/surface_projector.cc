@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "batten/fitting/neighbours.h"
 
 namespace batten::internal {
-namespace {
 
-Eigen::Vector3d NearestOnTriangle(const Eigen::Vector3d& p,
-                                  const Eigen::Vector3d& a,
-                                  const Eigen::Vector3d& b,
-                                  const Eigen::Vector3d& c) {
+Eigen::Vector3d NearestOnTriangle(const TriangleSurface& surface, int t, const Eigen::Vector3d& p) {
+  const auto corner = surface.triangles.col(t);
+  const Eigen::Vector3d a = surface.vertices.col(corner[0]), b = surface.vertices.col(corner[1]),
+                        c = surface.vertices.col(corner[2]);
   // The seven regions by signs of projections. [Ericson 2005, §5.1.5]
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -36,8 +36,6 @@ Eigen::Vector3d NearestOnTriangle(const Eigen::Vector3d& p,
   const double scale = 1 / (va + vb + vc);
   return a + vb * scale * ab + vc * scale * ac;
 }
-
-}  // namespace
 
 struct SurfaceProjector::Search {
   NeighbourIndex index;
@@ -61,15 +59,33 @@ Eigen::Vector3d SurfaceProjector::Nearest(const Eigen::Vector3d& p) const {
   const int count = int(std::min<Eigen::Index>(kVertices, surface_.vertices.cols()));
   for (const int v : search_->index.Nearest(p, count)) {
     for (const int t : around_[std::size_t(v)]) {
-      const auto corner = surface_.triangles.col(t);
-      const Eigen::Vector3d place = NearestOnTriangle(p,
-                                                      surface_.vertices.col(corner[0]),
-                                                      surface_.vertices.col(corner[1]),
-                                                      surface_.vertices.col(corner[2]));
+      const Eigen::Vector3d place = NearestOnTriangle(surface_, t, p);
       const double square = (place - p).squaredNorm();
       if (square >= least) continue;
       least = square;
       best = place;
+    }
+  }
+  return best;
+}
+
+int SurfaceProjector::TriangleNear(const Eigen::Vector3d& p,
+                                   const Eigen::Vector3d& direction) const {
+  constexpr int kVertices = 12;
+  const int count = int(std::min<Eigen::Index>(kVertices, surface_.vertices.cols()));
+  int best = -1;
+  std::pair<bool, double> least = {true, std::numeric_limits<double>::infinity()};
+  for (const int v : search_->index.Nearest(p, count)) {
+    for (const int t : around_[std::size_t(v)]) {
+      const auto corner = surface_.triangles.col(t);
+      const Eigen::Vector3d a = surface_.vertices.col(corner[0]);
+      const Eigen::Vector3d normal =
+          (surface_.vertices.col(corner[1]) - a).cross(surface_.vertices.col(corner[2]) - a);
+      const std::pair<bool, double> its = {!(normal.dot(direction) > 0),
+                                           (NearestOnTriangle(surface_, t, p) - p).norm()};
+      if (best >= 0 && its >= least) continue;
+      least = its;
+      best = t;
     }
   }
   return best;

@@ -20,6 +20,9 @@ class SurfaceProjector {
 
   // The nearest place on the triangles about the vertices nearest to p.
   Eigen::Vector3d Nearest(const Eigen::Vector3d& p) const;
+  // The nearest of those triangles whose normals are less than a right angle from a direction, if
+  // any is.
+  int TriangleNear(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const;
 
  private:
   struct Search;
@@ -27,6 +30,9 @@ class SurfaceProjector {
   std::vector<std::vector<int>> around_;  // triangles of each vertex
   std::unique_ptr<Search> search_;
 };
+
+// The nearest place of one triangle.
+Eigen::Vector3d NearestOnTriangle(const TriangleSurface& surface, int t, const Eigen::Vector3d& p);
 
 double AreaOf(const TriangleSurface& surface);
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -75,12 +76,14 @@ int SurfaceSystem::BlockOf(int row, int column) const {
 }
 
 // Second differences over vertices of four edges, the distance from the mean of the neighbours over
-// others, and the twist of every face twice: on a grid the bending energy of a thin plate.
+// others, and the twist of every face twice: on a grid the bending energy of a thin plate. Creases
+// are thin rods, and no plate goes over them.
 void SurfaceSystem::MakeDifferences() {
   const QuadTopology& mesh = stencils_.mesh();
   const auto add = [&](int vertex, std::vector<std::pair<int, double>> row, double weight) {
     std::sort(row.begin(), row.end());
-    Difference difference{vertex, weight, std::move(row), {}};
+    const bool crease = mesh.Creases(vertex) > 0 && row.size() == 3 && !mesh.IsCorner(vertex);
+    Difference difference{vertex, crease, weight, std::move(row), {}};
     for (std::size_t a = 0; a < difference.row.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
         difference.blocks.push_back(BlockOf(difference.row[a].first, difference.row[b].first));
@@ -93,7 +96,13 @@ void SurfaceSystem::MakeDifferences() {
     std::vector<int> around;
     int h = mesh.Outgoing(v);
     for (int k = 0; k < mesh.Valence(v); ++k, h = mesh.Turned(h)) {
+      if (mesh.Creases(v) > 0 && !mesh.IsCrease(h)) continue;
       around.push_back(mesh.Origin(QuadTopology::Next(h)));
+    }
+    if (mesh.Creases(v) > 0) {
+      AddInwardCorners(v, add);
+      if (!mesh.IsCorner(v)) add(v, {{around[0], 1}, {v, -2}, {around[1], 1}}, 1);
+      continue;
     }
     if (around.size() == 4) {
       add(v, {{around[0], 1}, {v, -2}, {around[2], 1}}, 1);
@@ -107,22 +116,61 @@ void SurfaceSystem::MakeDifferences() {
   }
   for (int face = 0; face < mesh.faces(); ++face) {
     const auto corner = mesh.corners().col(face);
-    add(corner[0], {{corner[0], 1}, {corner[1], -1}, {corner[2], 1}, {corner[3], -1}}, 2);
+    // Normals on creases are of no side.
+    int smooth = 0;
+    while (smooth < 3 && mesh.Creases(corner[smooth]) > 0) ++smooth;
+    add(corner[mesh.Creases(corner[smooth]) > 0 ? 0 : smooth],
+        {{corner[0], 1}, {corner[1], -1}, {corner[2], 1}, {corner[3], -1}},
+        2);
   }
 }
 
-void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness) {
+// Three faces at a corner are a grid without one of its quarters.
+template <typename Add>
+void SurfaceSystem::AddInwardCorners(int v, const Add& add) const {
+  const QuadTopology& mesh = stencils_.mesh();
+  int h = mesh.Outgoing(v);
+  for (int k = 0; k < mesh.Valence(v); ++k, h = mesh.Turned(h)) {
+    const QuadFan fan = mesh.FanOf(h);
+    if (fan.first != h || !fan.corner || fan.sectors != 3) continue;
+    std::array<int, 4> ends{};
+    int edge = h;
+    for (int& end : ends) {
+      end = mesh.Origin(QuadTopology::Next(edge));
+      edge = mesh.Turned(edge);
+    }
+    add(v, {{ends[0], 1}, {v, -2}, {ends[2], 1}}, 1);
+    add(v, {{ends[1], 1}, {v, -2}, {ends[3], 1}}, 1);
+  }
+}
+
+void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& control_points,
+                                   const Eigen::Matrix3Xd& normals,
+                                   const Stiffness& stiffness) {
   double data_trace = 0;
   for (int v = 0; v < vertices_; ++v) data_trace += blocks_[column_begin_[v]].trace();
   const double scale = data_trace / energy_trace_;
   std::fill(energy_.begin(), energy_.end(), Eigen::Matrix3d::Zero());
   std::fill(plates_.begin(), plates_.end(), 0.0);
   for (const Difference& difference : differences_) {
-    const Eigen::Vector3d normal = normals.col(difference.vertex);
-    const Eigen::Matrix3d metric =
-        scale * difference.weight *
-        (stiffness.stretch * Eigen::Matrix3d::Identity() +
-         (stiffness.bending - stiffness.stretch) * normal * normal.transpose());
+    Eigen::Matrix3d across;
+    if (difference.crease) {
+      Eigen::Vector3d along = Eigen::Vector3d::Zero();
+      double sign = 1;
+      for (const auto& [vertex, factor] : difference.row) {
+        if (vertex == difference.vertex) continue;
+        along += sign * control_points.col(vertex);
+        sign = -1;
+      }
+      along.stableNormalize();
+      across = Eigen::Matrix3d::Identity() - along * along.transpose();
+    } else {
+      const Eigen::Vector3d normal = normals.col(difference.vertex);
+      across = normal * normal.transpose();
+    }
+    const Eigen::Matrix3d metric = scale * difference.weight *
+                                   (stiffness.stretch * Eigen::Matrix3d::Identity() +
+                                    (stiffness.bending - stiffness.stretch) * across);
     std::size_t at = 0;
     for (std::size_t a = 0; a < difference.row.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
@@ -150,7 +198,8 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
     for (std::size_t a = 0; a < support.size(); ++a) {
       point += weights[Eigen::Index(a)] * control_points.col(support[a]);
     }
-    const Eigen::Matrix3d along = demand.normal * demand.normal.transpose();
+    Eigen::Matrix3d along = demand.direction * demand.direction.transpose();
+    if (demand.on_crease) along = Eigen::Matrix3d::Identity() - along;
     const Eigen::Matrix3d metric =
         demand.weight * (along + tangential * (Eigen::Matrix3d::Identity() - along));
     const Eigen::Vector3d pull = metric * (demand.target - point);
@@ -166,7 +215,7 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
       }
     }
   }
-  AssembleEnergy(normals, stiffness);
+  AssembleEnergy(control_points, normals, stiffness);
   normals_ = normals;
   tangential_ = tangential;
   stiffness_ = stiffness;

@@ -12,11 +12,14 @@
 
 namespace batten::internal {
 
-// A point's demand on the surface: (S(place) − target)ᵀ W (S(place) − target), W of the normal n is
-// weight · (n nᵀ + tangential (I − n nᵀ)).
+// A point's demand on the surface: (S(place) − target)ᵀ W (S(place) − target), W is
+// weight · (P + tangential (I − P)) and P = n nᵀ for the normal n or, on a crease, P = I − t tᵀ for
+// its tangent t, zero at a corner.
 struct SurfaceDemand {
   LimitPlace place;
-  Eigen::Vector3d target, normal;
+  Eigen::Vector3d target;
+  bool on_crease = false;
+  Eigen::Vector3d direction;  // n or t
   double weight = 1;
 };
 
@@ -34,8 +37,8 @@ class SurfaceSystem {
   explicit SurfaceSystem(const LimitStencils& stencils);
 
   // Sets A and the right side Σ Wᵀ(target − S) of the demands, and P, for the surface of these
-  // control points; normals are those of the vertices. Factors relative to tr(A) over the trace of
-  // a P of factors one.
+  // control points; normals are those of the vertices. Creases bend across their own direction.
+  // Factors relative to tr(A) over the trace of a P of factors one.
   void Assemble(const std::vector<SurfaceDemand>& demands,
                 double tangential,
                 const Eigen::Matrix3Xd& control_points,
@@ -52,7 +55,11 @@ class SurfaceSystem {
  private:
   void MakePattern();
   void MakeDifferences();
-  void AssembleEnergy(const Eigen::Matrix3Xd& normals, const Stiffness& stiffness);
+  template <typename Add>
+  void AddInwardCorners(int v, const Add& add) const;
+  void AssembleEnergy(const Eigen::Matrix3Xd& control_points,
+                      const Eigen::Matrix3Xd& normals,
+                      const Stiffness& stiffness);
   int BlockOf(int row, int column) const;  // row ≥ column
   bool Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) const;
   Eigen::SparseMatrix<double> Scalars(double of_data, double of_energy) const;
@@ -65,7 +72,8 @@ class SurfaceSystem {
   std::vector<Eigen::Matrix3d> energy_;         // P
   std::vector<double> shares_, plates_;         // both as if the demands' metric were one
   struct Difference {
-    int vertex;  // whose normal counts
+    int vertex;   // whose normal counts
+    bool crease;  // where all directions across the crease do
     double weight;
     std::vector<std::pair<int, double>> row;
     std::vector<int> blocks;  // for a ≥ b of the row, by vertices: its block

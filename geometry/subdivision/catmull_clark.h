@@ -14,7 +14,8 @@ using StencilMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 // points_coarse · stencilsᵀ. Vertices come first, then a point for every edge, then one for every
 // face. Face f becomes the faces 4f + k: the corner k of f, the point of its half-edge k, that of
 // the face, that of its half-edge k − 1. So corner 0 of a finer face is a vertex of the coarser
-// mesh, and only there can it have other than four edges. [Catmull & Clark 1978]
+// mesh, and only there can it have other than four edges. Creases are halved, corners stay.
+// [Catmull & Clark 1978; creases: Hoppe et al. 1994, DeRose, Kass & Truong 1998]
 struct SubdividedMesh {
   QuadTopology topology;
   StencilMatrix stencils;

@@ -28,22 +28,26 @@ Eigen::Matrix<double, 16, 6> TensorWeights(double u, double v, double scale) {
 
 }  // namespace
 
-std::vector<int> PlainPlaces(const QuadTopology& mesh, int h) {
-  std::vector<int> places(16);
+PlainNet PlainNetOf(const QuadTopology& mesh, int h) {
+  PlainNet net;
+  net.vertices.fill(-1);
   const int columns[3] = {mesh.Left(h), h, mesh.Right(h)};
+  net.beyond = {columns[0] < 0, mesh.Down(h) < 0, columns[2] < 0, mesh.Up(h) < 0};
   for (int i = 0; i < 3; ++i) {
+    if (columns[i] < 0) continue;
     const int rows[3] = {mesh.Down(columns[i]), columns[i], mesh.Up(columns[i])};
     for (int j = 0; j < 3; ++j) {
       const int cell = rows[j];
+      if (cell < 0) continue;
       const int next = QuadTopology::Next(cell);
       const int corner[4] = {mesh.Origin(cell),
                              mesh.Origin(QuadTopology::Previous(cell)),
                              mesh.Origin(next),
                              mesh.Origin(QuadTopology::Next(next))};
-      for (int k = 0; k < 4; ++k) places[4 * (i + k / 2) + j + k % 2] = corner[k];
+      for (int k = 0; k < 4; ++k) net.vertices[4 * (i + k / 2) + j + k % 2] = corner[k];
     }
   }
-  return places;
+  return net;
 }
 
 std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPlaces& places) {
@@ -58,6 +62,9 @@ std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPla
         // The last row and column are far corners of the cells before.
         vertices[places.At(k, i + 1, j)] =
             mesh.Origin(j < places.rings ? QuadTopology::Next(cell) : QuadTopology::Across(cell));
+        if (i == 0 && j < places.rings) {
+          vertices[places.At(k, 0, j + 1)] = mesh.Origin(QuadTopology::Previous(cell));
+        }
         if (j + 1 < places.rings) cell = mesh.Up(cell);
       }
       if (i + 1 < places.rings) column = mesh.Right(column);
@@ -68,38 +75,43 @@ std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPla
 
 LimitStencils::LimitStencils(const QuadTopology& mesh)
     : mesh_(mesh), finer_(Subdivided(mesh)), patches_(finer_.topology.faces()) {
-  for (int p = 0; p < patches(); ++p) MakePatch(p);
+  std::map<int, int> nets;
+  for (int p = 0; p < patches(); ++p) MakePatch(p, nets);
 }
 
-void LimitStencils::MakePatch(int p) {
+void LimitStencils::MakePatch(int p, std::map<int, int>& nets) {
   const QuadTopology& finer = finer_.topology;
   Patch& patch = patches_[p];
   const int first = 4 * p;
-  const int valence = finer.Valence(finer.Origin(first));
-  if (valence == 4) {
-    patch.places = PlainPlaces(finer, first);
+  const QuadFan fan = finer.FanOf(first);
+  if (fan.plain()) {
+    const PlainNet net = PlainNetOf(finer, first);
+    patch.places.assign(net.vertices.begin(), net.vertices.end());
+    patch.beyond = net.beyond;
   } else {
-    patch.ring = &ExtraordinaryRing::Of(valence);
-    patch.places = RingVertices(finer, first, patch.ring->coarse());
-    const int vertex = finer.Origin(first);
-    // All patches about a vertex share its refined nets, which begin at its first half-edge.
-    int h = finer.Outgoing(vertex);
-    for (patch.sector = 0; h != first; ++patch.sector) h = finer.Turned(h);
-    if (patch.sector == 0) ring_vertices_.push_back(vertex);
-    patch.vertex = vertex;
+    patch.ring = &ExtraordinaryRing::Of({fan.sectors, fan.open, fan.corner});
+    // All patches of a fan share its refined nets, which begin at its first half-edge.
+    patch.places = RingVertices(finer, fan.first, patch.ring->coarse());
+    for (int h = fan.first; h != first; ++patch.sector) h = finer.Turned(h);
+    const auto [known, fresh] = nets.try_emplace(fan.first, static_cast<int>(net_first_.size()));
+    if (fresh) net_first_.push_back(fan.first);
+    patch.net = known->second;
   }
+  MakeStencils(patch);
+}
+
+void LimitStencils::MakeStencils(Patch& patch) const {
   // Places that weigh nothing in this sector would only widen the support.
   std::vector<bool> counts(patch.places.size(), true);
   if (patch.ring != nullptr) {
     Eigen::VectorXd most = Eigen::VectorXd::Zero(patch.ring->coarse().size());
-    for (const auto& [u, v] : {std::pair{0.3, 0.7}, {0.7, 0.3}, {0.8, 0.9}}) {
-      const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v);
-      for (const int place : piece.places) {
-        most += patch.ring->Refined(piece.level).row(place).cwiseAbs().transpose();
-      }
+    for (const auto& [u, v] : {std::pair{0.3, 0.7}, {0.7, 0.3}, {0.8, 0.9}, {1e-6, 1e-6}}) {
+      const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v, patch.sector);
+      most += patch.ring->Rows(piece).cwiseAbs().colwise().sum().transpose();
     }
     for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = most[Eigen::Index(k)] > 0;
   }
+  for (std::size_t k = 0; k < counts.size(); ++k) counts[k] = counts[k] && patch.places[k] >= 0;
   std::map<int, int> column;
   for (std::size_t k = 0; k < patch.places.size(); ++k) {
     if (!counts[k]) continue;
@@ -119,6 +131,7 @@ void LimitStencils::MakePatch(int p) {
       patch.stencils(Eigen::Index(k), column.at(static_cast<int>(it.col()))) += it.value();
     }
   }
+  if (patch.ring == nullptr) patch.beyond.Fill([&](int k) { return patch.stencils.row(k); });
 }
 
 Eigen::MatrixXd LimitStencils::WeightsAt(const LimitPlace& place, int kinds) const {
@@ -127,13 +140,9 @@ Eigen::MatrixXd LimitStencils::WeightsAt(const LimitPlace& place, int kinds) con
     const Eigen::Matrix<double, 16, 6> weights = TensorWeights(place.u, place.v, 1.0);
     return patch.stencils.transpose() * weights.leftCols(kinds);
   }
-  const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(place.u, place.v);
+  const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(place.u, place.v, patch.sector);
   const Eigen::Matrix<double, 16, 6> weights = TensorWeights(piece.u, piece.v, piece.scale);
-  const Eigen::MatrixXd& refined = patch.ring->Refined(piece.level);
-  Eigen::MatrixXd on_places = Eigen::MatrixXd::Zero(refined.cols(), kinds);
-  for (int k = 0; k < 16; ++k) {
-    on_places += refined.row(piece.places[k]).transpose() * weights.row(k).head(kinds);
-  }
+  const Eigen::MatrixXd on_places = patch.ring->Rows(piece).transpose() * weights.leftCols(kinds);
   return patch.stencils.transpose() * on_places;
 }
 
@@ -149,15 +158,15 @@ LimitPlace LimitStencils::PlaceOnFace(int face, double u, double v) {
 LimitSurface::LimitSurface(const LimitStencils& stencils, const Eigen::Matrix3Xd& control_points)
     : stencils_(stencils), finer_points_(Combined(stencils.finer_.stencils, control_points)) {
   const QuadTopology& finer = stencils.finer_.topology;
-  rings_.resize(finer.vertices());
-  for (const int vertex : stencils.ring_vertices_) {
-    const ExtraordinaryRing& ring = ExtraordinaryRing::Of(finer.Valence(vertex));
-    const std::vector<int> places = RingVertices(finer, finer.Outgoing(vertex), ring.coarse());
+  for (const int first : stencils.net_first_) {
+    const QuadFan fan = finer.FanOf(first);
+    const ExtraordinaryRing& ring = ExtraordinaryRing::Of({fan.sectors, fan.open, fan.corner});
+    const std::vector<int> places = RingVertices(finer, first, ring.coarse());
     Eigen::Matrix3Xd net(3, ring.coarse().size());
     for (std::size_t k = 0; k < places.size(); ++k) {
       net.col(Eigen::Index(k)) = finer_points_.col(places[k]);
     }
-    std::vector<Eigen::Matrix3Xd>& levels = rings_[vertex];
+    std::vector<Eigen::Matrix3Xd>& levels = rings_.emplace_back();
     levels.push_back(net);
     for (int level = 1; level <= kKeptLevels; ++level) {
       levels.push_back(net * ring.Refined(level).transpose());
@@ -170,22 +179,23 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
   Eigen::Matrix<double, 3, 16> points;
   double u = place.u, v = place.v, scale = 1;
   if (patch.ring == nullptr) {
-    for (int k = 0; k < 16; ++k) points.col(k) = finer_points_.col(patch.places[k]);
-  } else {
-    const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v);
-    const std::vector<Eigen::Matrix3Xd>& levels = rings_[patch.vertex];
-    const RingPlaces& fine = patch.ring->fine();
-    const int per_sector = fine.rings * (fine.rings + 1);
     for (int k = 0; k < 16; ++k) {
-      // Sector 0 of the patch is another one of the vertex.
+      if (patch.places[k] >= 0) points.col(k) = finer_points_.col(patch.places[k]);
+    }
+    patch.beyond.Fill([&](int k) { return points.col(k); });
+  } else {
+    const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v, patch.sector);
+    const std::vector<Eigen::Matrix3Xd>& levels = rings_[patch.net];
+    for (int k = 0; k < 16; ++k) {
       const int at = piece.places[k];
-      const int turned = at == 0 ? 0 : 1 + (at - 1 + patch.sector * per_sector) % (fine.size() - 1);
+      if (at < 0) continue;
       if (piece.level <= kKeptLevels) {
-        points.col(k) = levels[piece.level].col(turned);
+        points.col(k) = levels[piece.level].col(at);
       } else {
-        points.col(k) = levels[0] * patch.ring->Refined(piece.level).row(turned).transpose();
+        points.col(k) = levels[0] * patch.ring->Refined(piece.level).row(at).transpose();
       }
     }
+    piece.beyond.Fill([&](int k) { return points.col(k); });
     u = piece.u;
     v = piece.v;
     scale = piece.scale;
@@ -194,10 +204,43 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
   return {jet.col(0), jet.col(1), jet.col(2), jet.col(3), jet.col(4), jet.col(5)};
 }
 
+namespace {
+
+// A place on a side of a patch as the patch beside it has it, and a step from there.
+struct Crossing {
+  LimitPlace place;
+  double du, dv;
+};
+
+Crossing Crossed(
+    const QuadTopology& finer, const LimitPlace& place, int side, double du, double dv) {
+  // In the frame of the side: s along it, t inwards. Across, s runs the other way and t outwards.
+  const double s = side == 0   ? place.u
+                   : side == 1 ? place.v
+                   : side == 2 ? 1 - place.u
+                               : 1 - place.v;
+  const double ds = side == 0 ? du : side == 1 ? dv : side == 2 ? -du : -dv;
+  const double dt = side == 0 ? dv : side == 1 ? -du : side == 2 ? -dv : du;
+  const int beside = finer.Twin(4 * place.patch + side);
+  const double r = 1 - s, dr = -ds, dq = -dt;
+  switch (beside & 3) {
+    case 0:
+      return {{beside >> 2, r, 0}, dr, dq};
+    case 1:
+      return {{beside >> 2, 1, r}, -dq, dr};
+    case 2:
+      return {{beside >> 2, 1 - r, 1}, -dr, -dq};
+    default:
+      return {{beside >> 2, 0, 1 - r}, dq, -dr};
+  }
+}
+
+}  // namespace
+
 LimitPlace LimitSurface::Moved(const LimitPlace& from, double du, double dv, int crossings) const {
   const QuadTopology& finer = stencils_.finer_.topology;
   LimitPlace place = from;
-  for (;; --crossings) {
+  for (;;) {
     // How much of the step fits.
     double share = 1;
     int side = -1;
@@ -215,36 +258,35 @@ LimitPlace LimitSurface::Moved(const LimitPlace& from, double du, double dv, int
     limit(place.v, dv, 0, 2);
     place.u = std::clamp(place.u + share * du, 0.0, 1.0);
     place.v = std::clamp(place.v + share * dv, 0.0, 1.0);
-    if (side < 0 || crossings <= 0) return place;
+    if (side < 0) return place;
     du *= 1 - share;
     dv *= 1 - share;
-    // In the frame of the side: s along it, t inwards. Across, s runs the other way and t outwards.
-    const double s = side == 0   ? place.u
-                     : side == 1 ? place.v
-                     : side == 2 ? 1 - place.u
-                                 : 1 - place.v;
-    const double ds = side == 0 ? du : side == 1 ? dv : side == 2 ? -du : -dv;
-    const double dt = side == 0 ? dv : side == 1 ? -du : side == 2 ? -dv : du;
-    const int beside = finer.Twin(4 * place.patch + side);
-    const double r = 1 - s, dr = -ds, dq = -dt;
-    switch (beside & 3) {
-      case 0:
-        place = {beside >> 2, r, 0};
-        du = dr, dv = dq;
-        break;
-      case 1:
-        place = {beside >> 2, 1, r};
-        du = -dq, dv = dr;
-        break;
-      case 2:
-        place = {beside >> 2, 1 - r, 1};
-        du = -dr, dv = -dq;
-        break;
-      default:
-        place = {beside >> 2, 0, 1 - r};
-        du = dq, dv = -dr;
+    if (finer.IsCrease(4 * place.patch + side)) {
+      (side % 2 == 0 ? dv : du) = 0;
+      (side % 2 == 0 ? place.v : place.u) = 0;  // where patches have creases
+      continue;
     }
+    if (crossings-- <= 0) return place;
+    const Crossing crossing = Crossed(finer, place, side, du, dv);
+    place = crossing.place;
+    du = crossing.du;
+    dv = crossing.dv;
   }
+}
+
+LimitSurface::Creases LimitSurface::CreasesAt(const LimitPlace& place) const {
+  const QuadTopology& finer = stencils_.finer_.topology;
+  return {place.v == 0 && finer.IsCrease(4 * place.patch),
+          place.u == 0 && finer.IsCrease(4 * place.patch + 3)};
+}
+
+std::vector<LimitPlace> LimitSurface::Beyond(const LimitPlace& place) const {
+  const QuadTopology& finer = stencils_.finer_.topology;
+  const Creases creases = CreasesAt(place);
+  std::vector<LimitPlace> places;
+  if (creases.down) places.push_back(Crossed(finer, place, 0, 0, 0).place);
+  if (creases.left) places.push_back(Crossed(finer, place, 3, 0, 0).place);
+  return places;
 }
 
 }  // namespace batten::internal

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -21,16 +22,20 @@ struct LimitPlace {
   double u = 0, v = 0;
 };
 
-// The 4 × 4 vertices about a face whose corners have four edges each: index 4i + j, i along
-// half-edge h, the face's lower left corner at i = j = 1.
-std::vector<int> PlainPlaces(const QuadTopology& mesh, int h);
+// The 4 × 4 vertices about a face whose corners' fans are plain: index 4i + j, i along half-edge h,
+// the face's lower left corner at i = j = 1; −1 beyond creases.
+struct PlainNet {
+  std::array<int, 16> vertices;
+  NetBorders beyond;
+};
+PlainNet PlainNetOf(const QuadTopology& mesh, int h);
 
 // The vertices of a net about the origin of a half-edge, sector 0 to the left of it, by place;
-// those inside the net have four edges.
+// fans inside the net are plain.
 std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPlaces& places);
 
 // The stencils of a mesh, whatever its points are. Exact: a patch is a uniform bicubic B-spline or,
-// at a vertex of other than four edges, one of a net refined about that vertex. [Stam 1998]
+// at a vertex whose fan is not plain, one of a net refined about that vertex. [Stam 1998]
 class LimitStencils {
  public:
   explicit LimitStencils(const QuadTopology& mesh);
@@ -43,8 +48,8 @@ class LimitStencils {
   std::span<const int> Support(int patch) const { return patches_[patch].support; }
 
   // Weights on Support(place.patch) of S, S_u, S_v, S_uu, S_uv, S_vv; the first `kinds` of them
-  // (1, 3 or 6) as columns. Derivatives are with respect to the patch's u and v. At a vertex of
-  // other than four edges they are those 2^-20 beside it.
+  // (1, 3 or 6) as columns. Derivatives are with respect to the patch's u and v. At a vertex
+  // whose fan is not plain they are those 2^-20 beside it.
   Eigen::MatrixXd WeightsAt(const LimitPlace& place, int kinds) const;
 
   // The place of the parameters (u, v) of a whole face, u along half-edge 4f, in [0,1]².
@@ -54,18 +59,19 @@ class LimitStencils {
   friend class LimitSurface;
   struct Patch {
     const ExtraordinaryRing* ring = nullptr;  // none: a plain bicubic
-    int vertex = -1;                          // of the finer mesh, that of the ring
-    int sector = 0;
+    int net = -1, sector = 0;                 // of the ring, in net_first_
+    NetBorders beyond;                        // of a plain bicubic
     std::vector<int> places;   // vertices of the finer mesh: 4 × 4, or the net of two rings
     std::vector<int> support;  // of the control mesh
     Eigen::MatrixXd stencils;  // places × support
   };
-  void MakePatch(int patch);
+  void MakePatch(int patch, std::map<int, int>& nets);
+  void MakeStencils(Patch& patch) const;
 
   QuadTopology mesh_;
   SubdividedMesh finer_;
   std::vector<Patch> patches_;
-  std::vector<int> ring_vertices_;  // of the finer mesh, in their order
+  std::vector<int> net_first_;  // the first half-edges of fans that are not plain
 };
 
 // The limit surface of given control points. Keeps a reference to the stencils.
@@ -78,13 +84,22 @@ class LimitSurface {
   Eigen::Vector3d At(const LimitPlace& place) const { return JetAt(place).point; }
 
   // The place after a step (du, dv) from a place: where it leaves the patch, it goes on in the one
-  // beside, at most through `crossings` of them; it ends at the last border otherwise.
+  // beside, at most through `crossings` of them; it ends at the last border otherwise. Along
+  // creases it slides.
   LimitPlace Moved(const LimitPlace& from, double du, double dv, int crossings = 3) const;
+
+  // Whether a place is on a crease that its patch has at v = 0 or at u = 0.
+  struct Creases {
+    bool down = false, left = false;
+  };
+  Creases CreasesAt(const LimitPlace& place) const;
+  // The same places on the other sides of these.
+  std::vector<LimitPlace> Beyond(const LimitPlace& place) const;
 
  private:
   const LimitStencils& stencils_;
   Eigen::Matrix3Xd finer_points_;
-  // The net of every vertex with a ring, sector 0 first, and some of the refined ones, by level.
+  // The net of every fan with a ring, and some of the refined ones, by level.
   std::vector<std::vector<Eigen::Matrix3Xd>> rings_;
 };
 

@@ -13,35 +13,48 @@ namespace {
 class Walls {
  public:
   explicit Walls(const QuadTopology& mesh) : mesh_(mesh), wall_(mesh.edges(), false) {
-    std::vector<char> origin(mesh.vertices(), 0);
-    const std::vector<int> component = mesh.Components();
-    const int components = *std::max_element(component.begin(), component.end()) + 1;
-    std::vector<int> first(components, -1);
-    std::vector<bool> has(components, false);
-    for (int v = 0; v < mesh.vertices(); ++v) {
-      const int part = component[mesh.Outgoing(v) >> 2];
-      if (first[part] < 0) first[part] = v;
-      if (mesh.Valence(v) == 4) continue;
-      origin[v] = 1;
-      has[part] = true;
+    std::vector<char> passed(mesh.vertices(), 0);  // where lines end
+    std::vector<int> heads = Origins();
+    for (const int h : heads) passed[mesh.Origin(h)] = 1;
+    for (int h = 0; h < mesh.half_edges(); ++h) {
+      if (!mesh.IsCrease(h)) continue;
+      wall_[mesh.Edge(h)] = true;
+      passed[mesh.Origin(h)] = 1;
     }
-    for (int part = 0; part < components; ++part) {
-      if (!has[part]) origin[first[part]] = 1;
-    }
-    Trace(std::move(origin));
+    Trace(std::move(heads), std::move(passed));
   }
 
   bool At(int half_edge) const { return wall_[mesh_.Edge(half_edge)]; }
 
  private:
-  // `passed`: vertices where lines end.
-  void Trace(std::vector<char> passed) {
+  // The half-edges along which lines begin: those of fans that are not plain and, where a smooth
+  // part has none, nor a corner, which a grid of faces with four sides has, those of one vertex.
+  std::vector<int> Origins() const {
+    const std::vector<int> parts = mesh_.SmoothParts();
+    const int count = *std::max_element(parts.begin(), parts.end()) + 1;
+    std::vector<int> first(count, -1);
+    std::vector<bool> has(count, false);
     std::vector<int> heads;
     for (int v = 0; v < mesh_.vertices(); ++v) {
-      if (!passed[v]) continue;
       int h = mesh_.Outgoing(v);
-      for (int k = 0; k < mesh_.Valence(v); ++k, h = mesh_.Turned(h)) heads.push_back(h);
+      for (int k = 0; k < mesh_.Valence(v); ++k, h = mesh_.Turned(h)) {
+        const int part = parts[h >> 2];
+        const QuadFan fan = mesh_.FanOf(h);
+        if (first[part] < 0) first[part] = h;
+        if (!fan.plain()) heads.push_back(h);
+        if (!fan.plain() || fan.corner) has[part] = true;
+      }
     }
+    for (int part = 0; part < count; ++part) {
+      if (has[part]) continue;
+      const QuadFan fan = mesh_.FanOf(first[part]);
+      int h = fan.first;
+      for (int k = 0; k < fan.sectors; ++k, h = mesh_.Turned(h)) heads.push_back(h);
+    }
+    return heads;
+  }
+
+  void Trace(std::vector<int> heads, std::vector<char> passed) {
     while (!heads.empty()) {
       std::vector<int> next;
       for (const int h : heads) {

@@ -24,7 +24,53 @@ std::string FaceName(int h) { return "face " + std::to_string((h >> 2) + 1); }
 }  // namespace
 
 QuadTopology::QuadTopology(Eigen::Matrix4Xi faces, int vertices)
-    : faces_(std::move(faces)), outgoing_(vertices, -1), valence_(vertices, 0) {
+    : QuadTopology(QuadMesh{Eigen::Matrix3Xd(3, vertices), std::move(faces)}) {}
+
+QuadTopology::QuadTopology(const QuadMesh& mesh)
+    : faces_(mesh.faces),
+      outgoing_(mesh.vertices.cols(), -1),
+      valence_(mesh.vertices.cols(), 0),
+      crease_(4 * mesh.faces.cols(), 0),
+      corner_(mesh.vertices.cols(), 0) {
+  CheckFaces(static_cast<int>(mesh.vertices.cols()));
+  FindTwins();
+  FindFans();
+  for (const int v : mesh.corners) {
+    if (v < 0 || v >= vertices()) Refuse("a corner is a vertex that is not there");
+    corner_[v] = 1;
+  }
+  for (const auto crease : mesh.creases.colwise()) MarkCrease(crease[0], crease[1]);
+  CountCreases();
+}
+
+QuadTopology::QuadTopology(Eigen::Matrix4Xi faces,
+                           std::vector<char> creases,
+                           std::vector<char> corners)
+    : faces_(std::move(faces)),
+      outgoing_(corners.size(), -1),
+      valence_(corners.size(), 0),
+      crease_(std::move(creases)),
+      corner_(std::move(corners)) {
+  CheckFaces(vertices());
+  FindTwins();
+  FindFans();
+  CountCreases();
+}
+
+void QuadTopology::MarkCrease(int a, int b) {
+  if (std::min(a, b) < 0 || std::max(a, b) >= vertices()) {
+    Refuse("a crease ends at a vertex that is not there");
+  }
+  int h = outgoing_[a];
+  for (int turn = 0; turn < valence_[a]; ++turn, h = Turned(h)) {
+    if (Origin(Next(h)) != b) continue;
+    crease_[h] = crease_[twin_[h]] = 1;
+    return;
+  }
+  Refuse("the crease from " + VertexName(a) + " to " + VertexName(b) + " is no edge");
+}
+
+void QuadTopology::CheckFaces(int vertices) const {
   if (faces_.cols() == 0) Refuse("there are no faces");
   for (int f = 0; f < faces_.cols(); ++f) {
     const auto face = faces_.col(f);
@@ -37,8 +83,20 @@ QuadTopology::QuadTopology(Eigen::Matrix4Xi faces, int vertices)
       }
     }
   }
-  FindTwins();
-  FindFans();
+}
+
+void QuadTopology::CountCreases() {
+  creases_.assign(vertices(), 0);
+  for (int h = 0; h < half_edges(); ++h) creases_[Origin(h)] += IsCrease(h);
+}
+
+QuadFan QuadTopology::FanOf(int h) const {
+  const int vertex = Origin(h);
+  if (creases_[vertex] == 0) return {outgoing_[vertex], valence_[vertex], false, false};
+  while (!IsCrease(h)) h = Next(twin_[h]);
+  QuadFan fan{h, 1, true, IsCorner(vertex)};
+  for (; !IsCrease(Previous(h)); h = Turned(h)) ++fan.sectors;
+  return fan;
 }
 
 void QuadTopology::FindTwins() {
@@ -87,7 +145,7 @@ void QuadTopology::FindFans() {
   }
 }
 
-std::vector<int> QuadTopology::Components() const {
+std::vector<int> QuadTopology::Parts(bool smooth) const {
   std::vector<int> component(faces(), -1), open;
   int count = 0;
   for (int first = 0; first < faces(); ++first) {
@@ -99,7 +157,7 @@ std::vector<int> QuadTopology::Components() const {
       open.pop_back();
       for (int k = 0; k < 4; ++k) {
         const int beside = twin_[4 * f + k] >> 2;
-        if (component[beside] >= 0) continue;
+        if (component[beside] >= 0 || (smooth && IsCrease(4 * f + k))) continue;
         component[beside] = count;
         open.push_back(beside);
       }
@@ -114,7 +172,7 @@ std::vector<int> QuadTopology::Components() const {
 QuadMeshSummary CheckQuadMesh(const QuadMesh& mesh) {
   using namespace internal;
   if (!mesh.vertices.allFinite()) Reject("quad mesh", "a coordinate is not finite");
-  const QuadTopology topology(mesh.faces, static_cast<int>(mesh.vertices.cols()));
+  const QuadTopology topology(mesh);
   QuadMeshSummary summary;
   const std::vector<int> component = topology.Components();
   summary.components = *std::max_element(component.begin(), component.end()) + 1;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "geometry/numeric/gauss_rule.h"
@@ -48,6 +49,8 @@ void AuditEdge(const SolidModel& solid,
                int samples,
                SolidAudit& audit) {
   const SplineBasis& basis = edge.curve.basis();
+  double middle = 2, middle_angle = 0, length = 0;  // the share nearest to a half
+  std::optional<Eigen::Vector3d> before;
   for (const double t : PlacesOf(basis, samples)) {
     const double share = (t - basis.lower()) / (basis.upper() - basis.lower());
     const Eigen::Vector3d on_curve = edge.curve.At(t);
@@ -60,11 +63,23 @@ void AuditEdge(const SolidModel& solid,
       audit.gap = std::max(audit.gap, (jet.point - on_curve).norm());
       normal[k] = jet.du.cross(jet.dv).stableNormalized();
     }
+    if (before) length += (on_curve - *before).norm();
+    before = on_curve;
     const double angle = AngleOf(normal[0], normal[1]);
-    if (angle <= audit.edge_angle) continue;
+    if (std::abs(share - 0.5) < std::abs(middle - 0.5)) {
+      middle = share;
+      middle_angle = angle;
+    }
+    if (edge.sharp || angle <= audit.edge_angle) continue;
     audit.edge_angle = angle;
     audit.edge_angle_at = on_curve;
   }
+  if (!edge.sharp) return;
+  audit.least_sharp =
+      audit.sharp_edges == 0 ? middle_angle : std::min(audit.least_sharp, middle_angle);
+  audit.greatest_sharp = std::max(audit.greatest_sharp, middle_angle);
+  audit.sharp_length += length;
+  ++audit.sharp_edges;
 }
 
 void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
@@ -110,7 +125,8 @@ SolidModel SolidModel::Translated(const Eigen::Vector3d& shift) const {
     moved.edges.push_back(
         {NurbsCurve<3>(edge.curve.basis(), std::move(points), edge.curve.weights()),
          edge.start,
-         edge.end});
+         edge.end,
+         edge.sharp});
   }
   for (const SolidFace& face : faces)
     moved.faces.push_back({face.surface.Translated(shift), face.loop});

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/subdivision/spline_faces.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -21,48 +23,135 @@ constexpr int kQuarters = 4;  // faces of the mesh refined twice along one of th
 constexpr int kOwned = 4;     // coefficients of a smooth corner in each direction
 
 // The mesh refined twice, where corner blocks of neighbouring vertices keep apart, and the
-// coefficients at its extraordinary vertices.
+// coefficients of its fans that are not plain.
 class RefinedNet {
  public:
   RefinedNet(const QuadTopology& mesh, const Eigen::Matrix3Xd& control_points)
       : RefinedNet(Subdivided(mesh), control_points) {}
 
   const QuadTopology& topology() const { return fine_.topology; }
-  Eigen::Vector3d point(int vertex) const { return points_.col(vertex); }
 
   // The cell at the lower left of a block whose u runs along half-edge h of the mesh.
   static int CellOf(int h) { return kQuarters * kQuarters * h; }
 
-  // Coefficient (i, j) of the corner in the sector to the left of an outgoing half-edge of a vertex
-  // that has not four edges.
+  // The 4 × 4 points about a cell, those beyond creases too.
+  Eigen::Matrix<double, 3, 16> PointsAbout(int cell) const {
+    const PlainNet net = PlainNetOf(fine_.topology, cell);
+    Eigen::Matrix<double, 3, 16> points;
+    for (int k = 0; k < 16; ++k) {
+      if (net.vertices[k] >= 0) points.col(k) = points_.col(net.vertices[k]);
+    }
+    net.beyond.Fill([&](int k) { return points.col(k); });
+    return points;
+  }
+
+  // Coefficient (i, j) of the corner in the sector to the left of an outgoing half-edge whose fan
+  // is not plain.
   Eigen::Vector3d Corner(int outgoing, int i, int j) {
-    const int vertex = fine_.topology.Origin(outgoing);
-    const SmoothCorner& corner = SmoothCorner::Of(fine_.topology.Valence(vertex));
-    Eigen::Matrix3Xd& coefficients = corners_[vertex];
-    const int first = fine_.topology.Outgoing(vertex);
-    if (coefficients.cols() == 0) {
-      const std::vector<int> places = RingVertices(fine_.topology, first, corner.net());
-      Eigen::Matrix3Xd net(3, Eigen::Index(places.size()));
-      for (std::size_t k = 0; k < places.size(); ++k)
-        net.col(Eigen::Index(k)) = points_.col(places[k]);
-      coefficients = net * corner.mask().transpose();
+    const QuadFan fan = fine_.topology.FanOf(outgoing);
+    FanCoefficients& corner = corners_[fan.first];
+    if (corner.coefficients.cols() == 0) {
+      const CornerKind kind = KindOf(fan);
+      corner.places = {fan.sectors, 3, fan.open};
+      const Eigen::Matrix3Xd net = NetOf(fan);
+      // Masks of even sectors are few, and used again.
+      corner.coefficients = kind.cosines.empty()
+                                ? Eigen::Matrix3Xd(net * SmoothCorner::Of(kind).mask().transpose())
+                                : Eigen::Matrix3Xd(net * SmoothCorner(kind).mask().transpose());
     }
     int sector = 0;
-    for (int h = first; h != outgoing; h = fine_.topology.Turned(h)) ++sector;
-    return coefficients.col(corner.net().At(sector, i, j));
+    for (int h = fan.first; h != outgoing; h = fine_.topology.Turned(h)) ++sector;
+    return corner.coefficients.col(corner.places.At(sector, i, j));
   }
 
  private:
   RefinedNet(const SubdividedMesh& once, const Eigen::Matrix3Xd& control_points)
       : fine_(Subdivided(once.topology)),
-        points_(Combined(fine_.stencils, Combined(once.stencils, control_points))) {}
+        points_(Combined(fine_.stencils, Combined(once.stencils, control_points))) {
+    for (int h = 0; h < fine_.topology.half_edges(); ++h) {
+      if (fine_.topology.IsCrease(h)) Straighten(h);
+    }
+  }
 
+  Eigen::Matrix3Xd NetOf(const QuadFan& fan) const {
+    const std::vector<int> places =
+        RingVertices(fine_.topology, fan.first, RingPlaces{fan.sectors, 3, fan.open});
+    Eigen::Matrix3Xd net(3, Eigen::Index(places.size()));
+    for (std::size_t k = 0; k < places.size(); ++k)
+      net.col(Eigen::Index(k)) = points_.col(places[k]);
+    return net;
+  }
+
+  // As SmoothCorner needs it: one of few, so that its masks are, but where three faces or more make
+  // a corner. There every edge keeps to the net.
+  CornerKind KindOf(const QuadFan& fan) const {
+    constexpr double kHalf = std::numbers::pi, kWhole = 2 * std::numbers::pi;
+    CornerKind kind{{fan.sectors, fan.open, fan.corner}, kWhole};
+    const QuadTopology& mesh = fine_.topology;
+    if (!fan.open || mesh.Creases(mesh.Origin(fan.first)) == 1) return kind;
+    kind.angle = kHalf;
+    if (!fan.corner) return kind;
+    const Eigen::Vector3d centre = points_.col(mesh.Origin(fan.first));
+    std::vector<double> sectors;
+    double angle = 0, first = 0, last = 0;  // lengths of creases
+    int h = fan.first;
+    for (int k = 0; k < fan.sectors; ++k, h = mesh.Turned(h)) {
+      const Eigen::Vector3d one = points_.col(mesh.Origin(QuadTopology::Next(h))) - centre;
+      const Eigen::Vector3d two = points_.col(mesh.Origin(QuadTopology::Previous(h))) - centre;
+      sectors.push_back(std::atan2(one.cross(two).norm(), one.dot(two)));
+      angle += sectors.back();
+      if (k == 0) first = one.norm();
+      last = two.norm();
+    }
+    constexpr double kStep = std::numbers::pi / 12;  // edges then fit the net within a tenth
+    const double rounded = std::clamp(std::round(angle / kStep), 1.0, 22.0) * kStep;
+    if (std::abs(rounded - kHalf) < kStraight) return kind;
+    kind.angle = rounded;
+    if (fan.sectors == 3 && rounded > kHalf) kind.cosines = CosinesOf(sectors, first, last);
+    return kind;
+  }
+
+  // Of the two inner edges of three sectors. Those have the lengths with which the sums of the
+  // edges beside them run along them.
+  static std::vector<double> CosinesOf(std::vector<double> sectors, double first, double last) {
+    constexpr double kLeast = std::numbers::pi / 4, kMost = 2 * std::numbers::pi / 3;
+    for (double& sector : sectors) sector = std::clamp(sector, kLeast, kMost);
+    const double middle = std::sin(sectors[1]);
+    const double second = last * std::sin(sectors[2]) / middle;
+    const double third = first * std::sin(sectors[0]) / middle;
+    return {(third * std::cos(sectors[1]) + first * std::cos(sectors[0])) / (2 * second),
+            (last * std::cos(sectors[2]) + second * std::cos(sectors[1])) / (2 * third)};
+  }
+
+  // Where a fan of two or more faces has a corner that is nearly straight, the two creases get one
+  // tangent line: none in the middle would have a tangent plane else, or a poor one.
+  void Straighten(int h) {
+    const QuadTopology& mesh = fine_.topology;
+    const QuadFan fan = mesh.FanOf(h);
+    if (!fan.corner || fan.sectors < 2 || fan.first != h || KindOf(fan).angle != std::numbers::pi)
+      return;
+    int last = h;
+    for (int k = 0; k < fan.sectors; ++k) last = mesh.Turned(last);
+    const int centre = mesh.Origin(h);
+    const int one = mesh.Origin(QuadTopology::Next(h)), two = mesh.Origin(QuadTopology::Next(last));
+    const Eigen::Vector3d half = (points_.col(one) - points_.col(two)) / 2;
+    points_.col(one) = points_.col(centre) + half;
+    points_.col(two) = points_.col(centre) - half;
+  }
+
+  // Corners nearer to 180° are taken for straight, radians.
+  static constexpr double kStraight = 0.3;
+
+  struct FanCoefficients {
+    RingPlaces places{};
+    Eigen::Matrix3Xd coefficients;
+  };
   SubdividedMesh fine_;
   Eigen::Matrix3Xd points_;
-  std::unordered_map<int, Eigen::Matrix3Xd> corners_;  // by vertex
+  std::unordered_map<int, FanCoefficients> corners_;  // by the fan's first half-edge
 };
 
-// Knots over `cells` cells of one direction of a block; more at ends with extraordinary vertices.
+// Knots over `cells` cells of one direction of a block; more at ends where fans are not plain.
 std::vector<double> KnotsOf(int cells, bool low, bool high) {
   std::vector<double> knots(4, 0.0);
   if (low) knots.insert(knots.end(), {kDoubleKnot, kDoubleKnot, kSingleKnot});
@@ -127,7 +216,7 @@ class BlockFace {
   }
 
   int Cell(int a, int b) const { return cells_[std::size_t(a) * cells_v_ + b]; }
-  bool Odd(int corner) const { return mesh_.Valence(mesh_.Origin(corner_[corner])) != 4; }
+  bool Odd(int corner) const { return !mesh_.FanOf(corner_[corner]).plain(); }
 
   Eigen::Vector3d Coefficient(int i, int j, int size_u, int size_v) {
     const int from_u = size_u - 1 - i, from_v = size_v - 1 - j;
@@ -142,10 +231,10 @@ class BlockFace {
         UniformCubicBlossom(knots_u_[i + 1] - a, knots_u_[i + 2] - a, knots_u_[i + 3] - a);
     const auto in_v =
         UniformCubicBlossom(knots_v_[j + 1] - b, knots_v_[j + 2] - b, knots_v_[j + 3] - b);
-    const std::vector<int> places = PlainPlaces(mesh_, Cell(a, b));
+    const Eigen::Matrix<double, 3, 16> points = net_.PointsAbout(Cell(a, b));
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (int p = 0; p < 4; ++p) {
-      for (int q = 0; q < 4; ++q) point += in_u[p] * in_v[q] * net_.point(places[4 * p + q]);
+      for (int q = 0; q < 4; ++q) point += in_u[p] * in_v[q] * points.col(4 * p + q);
     }
     return point;
   }
@@ -265,8 +354,10 @@ class SolidMaker {
     const int origin = vertex_[mesh_.Origin(first)];
     const int target = vertex_[mesh_.Origin(QuadTopology::Next(last))];
     const int edge = static_cast<int>(solid_.edges.size());
-    solid_.edges.push_back(
-        {Segment(whole, from, to), with_curve ? origin : target, with_curve ? target : origin});
+    solid_.edges.push_back({Segment(whole, from, to),
+                            with_curve ? origin : target,
+                            with_curve ? target : origin,
+                            mesh_.IsCrease(first)});
     edge_[first] = {edge, with_curve};
     return with_curve ? SolidCoedge{edge, false, low, high} : SolidCoedge{edge, true, high, low};
   }

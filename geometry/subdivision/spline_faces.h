@@ -18,9 +18,10 @@ struct QuadBlock {
   int across = 1, along = 1;
 };
 
-// Blocks that cover a mesh, as few as lines traced from vertices of other than four edges leave:
-// each line ends where it meets another. Lines go on by turns, one face each. Components without
-// such vertices get two crossing lines. [motorcycle graph: Eppstein, Goodrich, Kim & Tamstorf 2008]
+// Blocks that cover a mesh, as few as creases and lines traced from vertices whose fans are not
+// plain leave: each line ends where it meets another or a crease. Lines go on by turns, one face
+// each. Smooth parts without such vertices or corners get crossing lines. [motorcycle graph:
+// Eppstein, Goodrich, Kim & Tamstorf 2008]
 std::vector<QuadBlock> MotorcycleBlocks(const QuadTopology& mesh);
 
 // One block for each face.
@@ -38,10 +39,10 @@ std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
 Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place);
 
 // The limit surface over the blocks, each one bicubic B-spline: exact, but for the quarter of a
-// quarter of a face beside a vertex of other than four edges, where SmoothCorner makes tangent
-// planes continuous. Parameters count quarters of faces. Sides of blocks are cut into edges where
-// blocks beside them end. Control points are columns, one for each vertex; corners of blocks that
-// are not vertices of four edges must be corners only.
+// quarter of a face beside a vertex whose fan is not plain, where SmoothCorner makes tangent planes
+// continuous. Parameters count quarters of faces. Sides of blocks are cut into edges where
+// blocks beside them end; those on creases are sharp. Control points are columns, one for each
+// vertex; those whose fans are not plain must be corners of blocks only.
 SolidModel SplineSolid(const QuadTopology& mesh,
                        const Eigen::Matrix3Xd& control_points,
                        const std::vector<QuadBlock>& blocks);

@@ -67,6 +67,30 @@ TEST(FitSolidCommandTest, TakesTheFacesOfAMeshAndALayout) {
   EXPECT_THAT(folder.Text("a.step"), HasSubstr("MANIFOLD_SOLID_BREP"));
 }
 
+// A box of 16 × 16 squares a side, over a layout that is made and over one that is given.
+TEST(FitSolidCommandTest, KeepsTheSharpEdgesOfAMesh) {
+  const TemporaryFolder folder;
+  QuadMesh mesh = Creased(Cube(), 1);
+  QuadMesh layout;
+  for (int k = 0; k < 4; ++k) {
+    mesh = Refined(mesh);
+    if (k == 1) layout = {mesh.vertices, mesh.faces};
+  }
+  WriteQuadMesh(mesh, folder.File("box.obj"));
+  WriteQuadMesh(layout, folder.File("layout.obj"));
+  std::vector<std::string> command = {
+      "fit", "solid", folder.File("box.obj"), "-o", folder.File("box.step"), "--kind", "organic"};
+  const ProgramRun made = Batten(command);
+  command.insert(command.end(), {"--quads", folder.File("layout.obj")});
+  const ProgramRun given = Batten(command);
+  for (const ProgramRun& run : {made, given}) {
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("a watertight solid of 6 faces, 12 edges and 8 vertices"));
+    EXPECT_THAT(run.err, HasSubstr("volume 8, area 24"));
+    EXPECT_THAT(run.err, HasSubstr("over 12 sharp edges of length 24 at 90° to 90°"));
+  }
+}
+
 TEST(FitSolidCommandTest, WritesWatertightTriangles) {
   const TemporaryFolder folder;
   WriteQuadMesh(CubeSphere(4), folder.File("ball.obj"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Closed meshes of quadrilaterals: the layouts of smooth solids.
+// Closed meshes of quadrilaterals: the layouts of smooth solids, and of solids with sharp edges.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,10 +8,14 @@
 namespace batten {
 
 // Vertices (columns, the data's units) and faces of four vertex indices each, counter-clockwise
-// seen from outside.
+// seen from outside. A surface over it is smooth but over the creases, edges named by their ends.
+// Three creases or more, or one, end at their vertex; of two it is told whether their curve has a
+// corner there.
 struct QuadMesh {
   Eigen::Matrix3Xd vertices;
   Eigen::Matrix4Xi faces;
+  Eigen::Matrix2Xi creases = Eigen::Matrix2Xi(2, 0);
+  std::vector<int> corners = {};  // vertices
 };
 
 // What a closed mesh of quadrilaterals is like, as a surface.
@@ -26,7 +30,8 @@ struct QuadMeshSummary {
 // Throws std::invalid_argument, with a sentence for the user that names the vertex, edge or face,
 // unless every face has four different vertices that exist and are finite, every edge belongs to
 // two faces that run along it in opposite directions, the faces at every vertex form one fan, every
-// vertex has at least three edges, and every component's volume is positive. O(n).
+// vertex has at least three edges, every component's volume is positive, creases are edges and
+// corners vertices. O(n).
 QuadMeshSummary CheckQuadMesh(const QuadMesh& mesh);
 
 }  // namespace batten

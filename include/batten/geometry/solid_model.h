@@ -22,6 +22,7 @@ struct SolidCoedge {
 struct SolidEdge {
   NurbsCurve<3> curve;
   int start = 0, end = 0;  // vertices
+  bool sharp = false;      // its faces need not have the same tangent planes
 };
 
 // The whole of an untrimmed surface whose normal points outwards, bounded by one loop,
@@ -48,8 +49,11 @@ std::vector<FaceBorder> BordersOf(const SolidModel& solid);
 // How well the faces of a solid meet.
 struct SolidAudit {
   double gap = 0;         // greatest distance of the two faces of an edge, and of either from it
-  double edge_angle = 0;  // greatest angle of normals across an edge, radians
+  double edge_angle = 0;  // greatest angle of normals across an edge that is not sharp, radians
   Eigen::Vector3d edge_angle_at = Eigen::Vector3d::Zero();
+  int sharp_edges = 0;
+  double sharp_length = 0;                     // of all of them
+  double least_sharp = 0, greatest_sharp = 0;  // angles across them in their middles, radians
   double turn = 0;    // greatest angle of neighbouring samples' normals inside a face
   double volume = 0;  // enclosed, by quadrature over the faces
   double area = 0;

@@ -21,15 +21,19 @@ TriangleSurface SurfaceOf(const QuadMesh& mesh) {
   return CloseSurface(mesh.vertices, FacesOf(mesh)).surface;
 }
 
+std::vector<char> NoCreases(const TriangleTopology& topology) {
+  return CreasesByHalfEdge(topology, {});
+}
+
 // The surface with triangles of even size, and a map of it onto the grid.
 struct Mapped {
   Mapped(const QuadMesh& mesh, double faces) : surface(SurfaceOf(mesh)) {
     const double length = std::sqrt(AreaOf(surface) / faces);
-    surface = EvenTriangles(surface, SurfaceProjector(surface), length / 2, {});
+    surface = EvenTriangles(surface, {}, SurfaceProjector(surface), length / 2, {}).surface;
     const TriangleTopology topology(surface);
     map = MapOntoGrid(surface,
                       topology,
-                      SmoothCrosses(surface, topology, length),
+                      SmoothCrosses(surface, topology, length, NoCreases(topology)),
                       Eigen::VectorXd::Constant(topology.triangles(), length));
   }
   TriangleSurface surface;
@@ -96,7 +100,7 @@ TEST(MapOntoGridTest, GoesOnAcrossEveryEdge) {
 TEST(FieldLayoutTest, HasFewExtraordinaryVertices) {
   const auto extraordinary = [](const QuadMesh& mesh, int faces) {
     const TriangleSurface surface = SurfaceOf(mesh);
-    const QuadMesh layout = FieldLayout(surface, SurfaceProjector(surface), faces, false, {});
+    const QuadMesh layout = FieldLayout(surface, {}, SurfaceProjector(surface), faces, false, {});
     EXPECT_EQ(EulerOf(layout), EulerOf(surface));
     EXPECT_GT(layout.faces.cols(), 0.8 * faces);
     EXPECT_LT(layout.faces.cols(), 1.6 * faces);
@@ -130,9 +134,9 @@ TEST(FaceSizesTest, AreSmallerWhereTheSurfaceBends) {
 
 TEST(FieldLayoutTest, GrowsWithItsSurface) {
   TriangleSurface surface = SurfaceOf(CubeSphere(4));
-  const QuadMesh one = FieldLayout(surface, SurfaceProjector(surface), 150, false, {});
+  const QuadMesh one = FieldLayout(surface, {}, SurfaceProjector(surface), 150, false, {});
   surface.vertices *= 1024;  // exact
-  const QuadMesh large = FieldLayout(surface, SurfaceProjector(surface), 150, false, {});
+  const QuadMesh large = FieldLayout(surface, {}, SurfaceProjector(surface), 150, false, {});
   ASSERT_EQ(one.faces, large.faces);
   EXPECT_LE((large.vertices / 1024 - one.vertices).cwiseAbs().maxCoeff(), kIterated);
 }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
+#include <vector>
 
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/refused_data.h"
@@ -201,6 +203,88 @@ TEST(FitSolidTest, RefusesLayoutsByName) {
   EXPECT_THAT(refusal(apart), HasSubstr("the layout lies apart from the points"));
   EXPECT_THAT(refusal(CubeSphere(4)), HasSubstr("a coarser layout is needed"));
   EXPECT_THROW(FitSolid(cloud, CubeSphere(1), {.tolerance = -1.0}), std::invalid_argument);
+}
+
+// The surface of a mesh of flat faces, each cut into n × n, a power of two so that faces meet
+// exactly, with points at its vertices.
+struct Body {
+  Body(const QuadMesh& coarse, int n) {
+    std::vector<std::vector<int>> faces;
+    std::vector<Eigen::Vector3d> points;
+    for (const auto face : coarse.faces.colwise()) {
+      const int first = int(points.size());
+      for (int i = 0; i <= n; ++i) {
+        for (int j = 0; j <= n; ++j) {
+          const double u = double(i) / n, v = double(j) / n;
+          points.push_back((1 - u) * (1 - v) * coarse.vertices.col(face[0]) +
+                           u * (1 - v) * coarse.vertices.col(face[1]) +
+                           u * v * coarse.vertices.col(face[2]) +
+                           (1 - u) * v * coarse.vertices.col(face[3]));
+        }
+      }
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+          const int at = first + i * (n + 1) + j;
+          faces.push_back({at, at + n + 1, at + n + 2, at + 1});
+        }
+      }
+    }
+    Eigen::Matrix3Xd all(3, Eigen::Index(points.size()));
+    for (std::size_t k = 0; k < points.size(); ++k) all.col(Eigen::Index(k)) = points[k];
+    surface = CloseSurface(all, faces).surface;
+  }
+
+  // With the points moved by noise in all directions.
+  SolidFit Fit(const QuadMesh* layout, int faces, double noise = 0) const {
+    TriangleSurface moved = surface;
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    for (double& value : moved.vertices.reshaped()) value += noise * normal(random);
+    PointCloud cloud(moved.vertices);
+    cloud.set_normals(NormalsNear(moved, moved.vertices));
+    const SolidFitOptions options{.keep_outliers = true, .threads = 1};
+    return layout ? FitSolid(cloud, WithCreases(*layout, moved), options)
+                  : FitSolid(cloud, moved, faces, options);
+  }
+
+  TriangleSurface surface;
+};
+
+TEST(FitSolidTest, MakesABoxExactlyOverAGivenLayoutAndItsOwn) {
+  const Body box(Cube(), 16);
+  const QuadMesh layout = Refined(Creased(Cube(), 1));
+  const QuadMesh given{layout.vertices, layout.faces};
+  for (const SolidFit& fit : {box.Fit(&given, 0), box.Fit(nullptr, 100)}) {
+    EXPECT_EQ(fit.solid.faces.size(), 6u);
+    EXPECT_EQ(fit.audit.sharp_edges, 12);
+    EXPECT_NEAR(fit.audit.sharp_length, 24, kHalfDigits);
+    EXPECT_NEAR(fit.audit.volume, 8, kHalfDigits);
+    EXPECT_NEAR(fit.audit.least_sharp, std::numbers::pi / 2, kHalfDigits);
+    EXPECT_LE(fit.report.error.max, kHalfDigits);
+    EXPECT_EQ(fit.control_mesh.corners.size(), 8u);
+  }
+}
+
+TEST(FitSolidTest, KeepsSharpEdgesThroughNoise) {
+  constexpr double kNoise = 2e-3;  // 1e-3 of the size
+  const SolidFit box = Body(Cube(), 16).Fit(nullptr, 60, kNoise);
+  EXPECT_EQ(box.audit.sharp_edges, 12);
+  EXPECT_LE(box.report.error.rms, 1.1 * kNoise);
+  // Faces are planes of some hundred points each.
+  EXPECT_NEAR(box.audit.volume, 8, 0.1 * kNoise * 24);
+  const SolidFit block = Body(LBlock(), 8).Fit(nullptr, 110, kNoise);
+  EXPECT_NEAR(block.audit.sharp_length, 22, 30 * kNoise);  // they waver by the noise
+  EXPECT_NEAR(block.audit.volume, 3, 0.5 * kNoise * 14);
+  EXPECT_LE(block.audit.edge_angle, kHalfDigits);
+}
+
+TEST(FitSolidTest, FindsNoSharpEdgesOnNoisySmoothBodies) {
+  for (const QuadMesh& mesh : {CubeSphere(4), Torus(48, 24)}) {
+    const double noise = 1e-3 * (mesh.vertices.maxCoeff() - mesh.vertices.minCoeff());
+    const TriangleSurface body =
+        CloseSurface(Shaken(mesh, std::sqrt(3.0) * noise, 5).vertices, FacesOf(mesh)).surface;
+    EXPECT_EQ(LayoutOf(body, 150).creases.cols(), 0);
+  }
 }
 
 }  // namespace batten::internal::fit_solid_test

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <random>
 
@@ -78,6 +79,45 @@ TEST(RoundedWithinTest, FindsTheNearestOfTwoByTrial) {
     // Rounding one by one in a reduced basis of two is within a factor of the nearest.
     // [Babai 1986: 2^(n/2) for the distance, n = 2]
     EXPECT_LE(Cost(form, found - centre), 4 * least + kRounding);
+  }
+}
+
+// One real condition on two complex numbers: the nearest of those that keep it, by trial.
+TEST(RoundedWithinTest, KeepsConditionsOnRealAndImaginaryParts) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_int_distribution<int> factor(-2, 2);
+  for (int trial = 0; trial < 30; ++trial) {
+    Eigen::MatrixXcd root(2, 2);
+    for (Complex& entry : root.reshaped()) entry = {normal(random), normal(random)};
+    const Eigen::MatrixXcd form = root.adjoint() * root + 0.1 * Eigen::MatrixXcd::Identity(2, 2);
+    const Eigen::VectorXcd centre = Eigen::VectorXcd::NullaryExpr(
+        2, [&](Eigen::Index) { return Complex(normal(random), normal(random)); });
+    GaussianRow row;  // of Re z₀, Re z₁, Im z₀, Im z₁
+    for (int k = 0; k < 4; ++k) row[k] = factor(random);
+    row[trial % 4] = 1;
+    const auto of = [&](const Eigen::VectorXcd& z) {
+      const std::array<double, 4> parts = {z[0].real(), z[1].real(), z[0].imag(), z[1].imag()};
+      double sum = 0;
+      for (const auto& [k, value] : row) sum += double(value.real()) * parts[std::size_t(k)];
+      return sum;
+    };
+    const Eigen::VectorXcd found = RoundedWithin(form, centre, {row});
+    EXPECT_EQ(of(found), 0);
+    double least = std::numeric_limits<double>::infinity();
+    constexpr int kFar = 6;
+    for (int a = -kFar; a <= kFar; ++a) {
+      for (int b = -kFar; b <= kFar; ++b) {
+        for (int c = -kFar; c <= kFar; ++c) {
+          for (int d = -kFar; d <= kFar; ++d) {
+            const Eigen::Vector2cd z(Complex(a, b), Complex(c, d));
+            if (of(z) == 0) least = std::min(least, Cost(form, z - centre));
+          }
+        }
+      }
+    }
+    // Of three numbers. [Babai 1986: 2^(n/2) for the distance]
+    EXPECT_LE(Cost(form, found - centre), 8 * least + kRounding);
   }
 }
 

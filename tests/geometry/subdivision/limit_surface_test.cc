@@ -14,9 +14,7 @@
 
 namespace batten::internal::limit_surface_test {
 
-QuadTopology TopologyOf(const QuadMesh& mesh) {
-  return QuadTopology(mesh.faces, static_cast<int>(mesh.vertices.cols()));
-}
+QuadTopology TopologyOf(const QuadMesh& mesh) { return QuadTopology(mesh); }
 
 const std::vector<QuadMesh>& Meshes() {
   static const std::vector<QuadMesh> meshes = {Shaken(Cube(), 0.2, 1),
@@ -24,6 +22,20 @@ const std::vector<QuadMesh>& Meshes() {
                                                Shaken(Prism(5), 0.1, 3),
                                                Shaken(Prism(8), 0.1, 4),
                                                Refined(Shaken(Prism(3), 0.1, 5))};
+  return meshes;
+}
+
+// And ones with creases, their ends, corners of 90° and of 270°.
+const std::vector<QuadMesh>& AllMeshes() {
+  static const std::vector<QuadMesh> meshes = [] {
+    std::vector<QuadMesh> all = Meshes();
+    all.insert(all.end(),
+               {Creased(Shaken(Cube(), 0.1, 1), 1),
+                Shaken(Can(), 0.05, 2),
+                Shaken(Creased(LBlock(), 1), 0.05, 3),
+                Shaken(CreasedTorus(), 0.05, 4)});
+    return all;
+  }();
   return meshes;
 }
 
@@ -43,7 +55,7 @@ void ForPlaces(const QuadMesh& mesh, Visit visit) {
 double WidthAt(const LimitPlace& place) { return std::max(place.u, place.v) / 2; }
 
 TEST(LimitStencilsTest, SumToOneAndTheirDerivativesToZero) {
-  for (const QuadMesh& mesh : Meshes()) {
+  for (const QuadMesh& mesh : AllMeshes()) {
     const LimitStencils stencils(TopologyOf(mesh));
     ForPlaces(mesh, [&](int face, double u, double v) {
       const LimitPlace place = LimitStencils::PlaceOnFace(face, u, v);
@@ -57,7 +69,7 @@ TEST(LimitStencilsTest, SumToOneAndTheirDerivativesToZero) {
 }
 
 TEST(LimitStencilsTest, GiveTheJetsOfTheSurface) {
-  for (const QuadMesh& mesh : Meshes()) {
+  for (const QuadMesh& mesh : AllMeshes()) {
     const LimitStencils stencils(TopologyOf(mesh));
     const LimitSurface surface(stencils, mesh.vertices);
     ForPlaces(mesh, [&](int face, double u, double v) {
@@ -82,7 +94,7 @@ TEST(LimitStencilsTest, GiveTheJetsOfTheSurface) {
 
 // The limit of a mesh is the limit of the mesh refined.
 TEST(LimitSurfaceTest, IsThatOfTheRefinedMesh) {
-  for (const QuadMesh& mesh : Meshes()) {
+  for (const QuadMesh& mesh : AllMeshes()) {
     const QuadMesh finer = Refined(mesh);
     const LimitStencils stencils(TopologyOf(mesh)), finer_stencils(TopologyOf(finer));
     const LimitSurface surface(stencils, mesh.vertices);
@@ -98,7 +110,7 @@ TEST(LimitSurfaceTest, IsThatOfTheRefinedMesh) {
 }
 
 TEST(LimitSurfaceTest, DerivativesAreDifferences) {
-  for (const QuadMesh& mesh : Meshes()) {
+  for (const QuadMesh& mesh : AllMeshes()) {
     const LimitStencils stencils(TopologyOf(mesh));
     const LimitSurface surface(stencils, mesh.vertices);
     constexpr double kStep = 1e-6;
@@ -114,6 +126,40 @@ TEST(LimitSurfaceTest, DerivativesAreDifferences) {
       EXPECT_LE(((up.dv - jet.dv) / kStep - jet.dvv).norm(), 1e3 * kHalfDigits);
     }
   }
+}
+
+// Both sides of a crease have the same curve, a uniform cubic spline of its own points.
+TEST(LimitSurfaceTest, HasTheCurveOfACreaseOnBothSides) {
+  const QuadMesh mesh = Shaken(Can(2), 0.05, 5);
+  const QuadTopology topology(mesh);
+  const LimitStencils stencils(topology);
+  const LimitSurface surface(stencils, mesh.vertices);
+  int creases = 0;
+  for (int h = 0; h < topology.half_edges(); ++h) {
+    if (!topology.IsCrease(h)) continue;
+    ++creases;
+    const LimitPlace one{h, 0.3, 0}, other{QuadTopology::Next(topology.Twin(h)), 0, 0.3};
+    EXPECT_LE((surface.At(one) - surface.At(other)).norm(), kRounding * 10);
+    int before = h, after = topology.Outgoing(topology.Origin(QuadTopology::Next(h)));
+    do {
+      before = topology.Turned(before);
+    } while (!topology.IsCrease(before));
+    while (!topology.IsCrease(after) || after == topology.Twin(h)) after = topology.Turned(after);
+    const auto weights = UniformCubic(0.15).value;
+    Eigen::Vector3d expected = Eigen::Vector3d::Zero();
+    const auto far = [&](int g) {
+      return mesh.vertices.col(topology.Origin(QuadTopology::Next(g)));
+    };
+    expected += weights[0] * far(before) + weights[1] * mesh.vertices.col(topology.Origin(h)) +
+                weights[2] * far(h) + weights[3] * far(after);
+    EXPECT_LE((surface.At(one) - expected).norm(), kRounding * 10);
+    // A step over the crease slides along it.
+    const LimitPlace slid = surface.Moved({h, 0.3, 0.1}, 0.2, -0.3);
+    EXPECT_EQ(slid.patch, h);
+    EXPECT_NEAR(slid.u, 0.5, kRounding);
+    EXPECT_EQ(slid.v, 0);
+  }
+  EXPECT_EQ(creases, 32);
 }
 
 // The closed masks of limit positions against deep refinement. [Halstead et al. 1993]
