@@ -68,18 +68,27 @@ class SolidFitter {
     const QuadTopology mesh(layout_);
     const LimitStencils stencils(mesh);
     CheckNear(stencils);
-    clock_.Enter(&StageSeconds::optimize);
-    const LimitSurfaceFit surface =
-        FitLimitSurface(stencils,
-                        ControlPointsThrough(mesh, layout_.vertices),
-                        data_,
-                        {options_.smoothing, options_.max_iterations, options_.progress},
-                        pool_);
-    clock_.Enter(&StageSeconds::trim);
     const std::vector<QuadBlock> blocks =
         options_.merge_faces ? MotorcycleBlocks(mesh) : SingleBlocks(mesh);
-    const SolidModel solid = SplineSolid(mesh, surface.control_points, blocks);
-    fit_.audit = AuditSolid(solid);
+    const bool creased = layout_.creases.cols() > 0;
+    LimitSurfaceFit surface;
+    SolidModel solid;
+    // Beside creases faces that fold are kept more even, until they do not.
+    constexpr double kMore = 5, kMost = 5;
+    double stretch = creased ? kStretchBesideCreases : kStretch;
+    for (;; stretch *= kMore) {
+      clock_.Enter(&StageSeconds::optimize);
+      surface =
+          FitLimitSurface(stencils,
+                          ControlPointsThrough(mesh, layout_.vertices),
+                          data_,
+                          {options_.smoothing, options_.max_iterations, options_.progress, stretch},
+                          pool_);
+      clock_.Enter(&StageSeconds::trim);
+      solid = SplineSolid(mesh, surface.control_points, blocks);
+      fit_.audit = AuditSolid(solid);
+      if (!creased || fit_.audit.turn <= kFold || stretch * kMore > kMost) break;
+    }
     Judge(solid);
     clock_.Enter(&StageSeconds::project);
     Measure(solid, mesh, blocks, stencils, surface);

@@ -22,11 +22,6 @@ namespace {
 constexpr double kFirstDamping = 0.1, kLeastDamping = 0.01, kMostDamping = 10;
 constexpr double kStillFalls = 1e-3;  // relative fall of the sum of squares in two rounds
 
-// Stiffness against uneven faces: it moves places along the surface, which hardly changes its
-// shape, and keeps faces from folding. Beside creases faces are less even: measured on a part of 25
-// corners, one layout in four had folds at 0.2, two at 0.05, all at 0.01.
-constexpr double kStretch = 0.01, kStretchBesideCreases = 0.2;
-
 // Of the control mesh, from the faces around.
 Eigen::Matrix3Xd VertexNormals(const QuadTopology& mesh, const Eigen::Matrix3Xd& points) {
   Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, points.cols());
@@ -83,10 +78,6 @@ class Fitter {
          ThreadPool& pool)
       : stencils_(stencils), data_(data), settings_(settings), pool_(pool), system_(stencils) {
     fit_.control_points = start;
-    const QuadTopology& mesh = stencils.mesh();
-    for (int v = 0; v < mesh.vertices(); ++v) {
-      if (mesh.Creases(v) > 0) stretch_ = kStretchBesideCreases;
-    }
     if (!data_.oriented) Orient();
   }
 
@@ -228,7 +219,7 @@ class Fitter {
                        damping,
                        fit_.control_points,
                        VertexNormals(stencils_.mesh(), fit_.control_points),
-                       {fit_.smoothing, std::max(fit_.smoothing, stretch_)});
+                       {fit_.smoothing, std::max(fit_.smoothing, settings_.stretch)});
       const double cost = Cost(fit_.feet, fit_.control_points, some);
       Eigen::Matrix3Xd step = system_.Step(fit_.control_points);
       constexpr int kHalvings = 3;
@@ -313,7 +304,6 @@ class Fitter {
   const SurfaceFitSettings& settings_;
   ThreadPool& pool_;
   SurfaceSystem system_;
-  double stretch_ = kStretch;
   LimitSurfaceFit fit_;
   std::vector<int> folded_, unfolded_;  // patches: of the control points, of the step tried last
   Stopwatch watch_;

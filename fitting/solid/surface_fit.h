@@ -21,10 +21,17 @@ struct SurfaceData {
   double noise = 0;                  // standard deviation, zero where not known
 };
 
+// Beside creases faces are less even: measured on a part of 25 corners, one layout in four had
+// folds at 0.2, two at 0.05, all at 0.01.
+inline constexpr double kStretch = 0.01, kStretchBesideCreases = 0.2;
+
 struct SurfaceFitSettings {
   std::optional<double> smoothing;  // λ over the data's scale; absent: cross-validated
   int max_iterations = 40;
   Progress progress;
+  // Against uneven faces, relative to the data: it moves places along the surface, which hardly
+  // changes its shape, and keeps faces from folding.
+  double stretch = kStretch;
 };
 
 struct LimitSurfaceFit {
