@@ -369,10 +369,12 @@ std::vector<FaceRelation> FindRelations(const RegionPoints& data,
   return RelationFinder(data, faces, pool).Find(joins);
 }
 
-std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
-                                       const std::vector<RegionFace>& faces,
-                                       const std::vector<FaceRelation>& relations,
-                                       ThreadPool& pool) {
+namespace {
+
+std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
+                                        const std::vector<RegionFace>& faces,
+                                        const std::vector<FaceRelation>& relations,
+                                        ThreadPool& pool) {
   constexpr int kMostSteps = 20;
   constexpr double kTuning = 2.795, kSettled = 1e-14;
   std::vector<FittedSurface> shapes;
@@ -405,6 +407,58 @@ std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
     if (largest < kSettled) break;
   }
   return shapes;
+}
+
+// Σ d²/σ² over the points of a face's core, each no farther off than what counts.
+double CostOf(const RegionPoints& data, const RegionFace& face, const FittedSurface& shape) {
+  const double sigma = std::max(face.numbers.scale / data.unit, data.rounding);
+  double cost = 0;
+  for (const int point : face.core) {
+    const double off = std::min(kFarOff, std::abs(shape.Distance(data.points.col(point))) / sigma);
+    cost += off * off;
+  }
+  return cost;
+}
+
+// The relation that is least likely of those whose faces have left their points; the end where no
+// face has: each of its relations may cost as much as chance explains once in a million.
+std::vector<FaceRelation>::iterator WorstOf(const RegionPoints& data,
+                                            const std::vector<RegionFace>& faces,
+                                            const std::vector<FittedSurface>& shapes,
+                                            std::vector<FaceRelation>& relations) {
+  constexpr double kMostCost = 35.89;  // of five dimensions
+  std::vector<double> allowed(faces.size());
+  for (const FaceRelation& relation : relations) {
+    allowed[std::size_t(relation.first)] += kMostCost;
+    allowed[std::size_t(relation.second)] += kMostCost;
+  }
+  const auto left = [&](int face) {
+    const auto k = std::size_t(face);
+    return !(CostOf(data, faces[k], shapes[k]) <=
+             CostOf(data, faces[k], faces[k].shape) + allowed[k]);
+  };
+  auto worst = relations.end();
+  for (auto one = relations.begin(); one != relations.end(); ++one) {
+    if (!left(one->first) && !left(one->second)) continue;
+    if (worst == relations.end() ||
+        one->deviation * worst->allowed > worst->deviation * one->allowed)
+      worst = one;
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
+                                       const std::vector<RegionFace>& faces,
+                                       std::vector<FaceRelation>& relations,
+                                       ThreadPool& pool) {
+  for (;;) {
+    std::vector<FittedSurface> shapes = SettledUnder(data, faces, relations, pool);
+    const auto worst = WorstOf(data, faces, shapes, relations);
+    if (worst == relations.end()) return shapes;
+    relations.erase(worst);
+  }
 }
 
 }  // namespace batten::internal

@@ -47,10 +47,12 @@ std::vector<FaceRelation> FindRelations(const RegionPoints& data,
                                         ThreadPool& pool);
 
 // The shapes of least Σ (d/σ)² over all faces' core points under the relations, exactly: Gauss–
-// Newton steps over all freedoms with multipliers. [Fletcher 1987, §10] O(relations³) a step.
+// Newton steps over all freedoms with multipliers. [Fletcher 1987, §10] O(relations³) a step. Where
+// faces leave their points by more than chance explains of all their relations, not all of these
+// hold together: the least likely are taken out, one after the other.
 std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
                                        const std::vector<RegionFace>& faces,
-                                       const std::vector<FaceRelation>& relations,
+                                       std::vector<FaceRelation>& relations,
                                        ThreadPool& pool);
 
 }  // namespace batten::internal
