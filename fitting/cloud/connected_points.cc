@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -21,7 +20,8 @@ constexpr double kPartReach = 5;  // spacings: twice the radius of outlines' alp
 constexpr double kPartCell = 2;   // spacings: what lies in touching cells is at most seven apart
 constexpr Eigen::Index kSampledForSpacing = 4096;
 constexpr std::ptrdiff_t kPartBlock = 4096;
-constexpr double kMostOfAll = 0.8;     // a part of so many points has clutter beside it …
+constexpr Eigen::Index kLeastPart = 30;  // points; fewer are strays
+constexpr double kMostOfAll = 0.8;     // a part of so many of the others has clutter beside it …
 constexpr double kOfTheLargest = 0.1;  // … in parts of at most so many of its points
 
 class Sets {
@@ -204,41 +204,30 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
 
 std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
-                            const NeighbourIndex& index,
                             ThreadPool& pool) {
   std::vector<Eigen::Index> some;
   for (Eigen::Index k = 0; k < mask.size(); ++k)
     if (mask[k]) some.push_back(k);
   if (some.empty()) return {};
-  const bool all = std::ssize(some) == points.cols();
-  const Eigen::Matrix3Xd own = all ? Eigen::Matrix3Xd() : points(Eigen::all, some).eval();
-  std::optional<NeighbourIndex> of_own;
-  if (!all) of_own.emplace(own, pool);
-  const std::vector<Eigen::Index> roots =
-      all ? ConnectedPoints(points, index, pool) : ConnectedPoints(own, *of_own, pool);
+  const Eigen::Matrix3Xd own = points(Eigen::all, some);
+  const std::vector<Eigen::Index> roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);
   const auto most = static_cast<double>(Largest(roots).second);
-  if (most < kMostOfAll * static_cast<double>(some.size())) return {};
   std::vector<Eigen::Index> sizes(roots.size());
   for (const Eigen::Index root : roots) ++sizes[static_cast<size_t>(root)];
+  double in_parts = 0;
+  for (const Eigen::Index size : sizes)
+    if (size >= kLeastPart) in_parts += static_cast<double>(size);
+  if (most < kMostOfAll * in_parts) return {};
   std::vector<int> number(roots.size(), -1), parts(static_cast<size_t>(points.cols()), -1);
   int count = 0;
   for (size_t i = 0; i < roots.size(); ++i) {
     const auto root = static_cast<size_t>(roots[i]);
-    if (static_cast<double>(sizes[root]) > kOfTheLargest * most) continue;
+    if (sizes[root] < kLeastPart || static_cast<double>(sizes[root]) > kOfTheLargest * most)
+      continue;
     if (number[root] < 0) number[root] = count++;
     parts[static_cast<size_t>(some[i])] = number[root];
   }
-  if (count == 0) return {};
-  // What is masked out goes with its nearest neighbour: a part's rough places are none of others.
-  std::vector<Eigen::Index> rest;
-  for (Eigen::Index k = 0; k < mask.size(); ++k)
-    if (!mask[k]) rest.push_back(k);
-  if (rest.empty()) return parts;
-  const std::vector<int> nearest = of_own->Nearest(points(Eigen::all, rest), 1);
-  for (size_t i = 0; i < rest.size(); ++i)
-    parts[static_cast<size_t>(rest[i])] =
-        parts[static_cast<size_t>(some[static_cast<size_t>(nearest[i])])];
-  return parts;
+  return count > 0 ? parts : std::vector<int>{};
 }
 
 }  // namespace batten::internal

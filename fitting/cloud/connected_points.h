@@ -18,13 +18,11 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
                                           const NeighbourIndex& index,
                                           ThreadPool& pool);
 
-// Small parts beside one that holds most of the points under a mask: clutter, supports. For every
-// point the number of its small part, from 0, or −1: it is in none. Empty where there are none, as
-// where no part holds four fifths of the points. The index holds all points. What is not under the
-// mask goes with its nearest point under it. O(m log m).
+// Small parts, of thirty points at least, beside one that holds most of the points under a mask:
+// clutter, supports. For every point the number of its small part, from 0, or −1: it is in none.
+// Empty where there are none, as where no part holds four fifths of those in parts. O(m log m).
 std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
-                            const NeighbourIndex& index,
                             ThreadPool& pool);
 
 }  // namespace batten::internal

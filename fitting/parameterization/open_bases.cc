@@ -58,9 +58,6 @@ BaseAttempt OverPlane(const BaseInput& input, const PlaneBase& plane) {
     made.warnings.push_back(InLayers(plane) + ": a height field goes between the layers there");
   made.distorted = layers || (!plane.lattice && plane.steepness > kGentle);
   made.certain = !made.distorted && Acts(Rule::kCertainBase);
-  made.ragged =
-      !made.certain &&
-      EmptyAreaFraction(base.parameters, made.reached, base.length_u, base.length_v) > kLittleEmpty;
   return made;
 }
 

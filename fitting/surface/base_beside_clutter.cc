@@ -11,83 +11,93 @@
 #include "batten/fitting/refused_data.h"
 #include "fitting/cloud/connected_points.h"
 #include "fitting/core/rules.h"
+#include "fitting/parameterization/projection_overlap.h"
 
 namespace batten::internal {
 namespace {
 
-// Which points have another above or below over a plane, farther from them than their neighbours
-// and the noise.
-class LayersOver {
- public:
-  LayersOver(const Eigen::Matrix3Xd& points, const PlaneBase& plane, ThreadPool& pool)
-      : places_(plane.ToFrame(points)), plan_(Flat(places_)), over_(plan_, pool), pool_(pool) {}
+// The points but outliers far from others: those of rough places connect what is beside them.
+PointMask NoStrays(const Eigen::Matrix3Xd& points,
+                   const NeighbourIndex& index,
+                   const CloudStatistics& statistics) {
+  constexpr int kNeighbours = 6;
+  constexpr double kFar = 5;  // spacings
+  PointMask kept = !statistics.outliers;
+  std::vector<Eigen::Index> asked;
+  for (Eigen::Index k = 0; k < kept.size(); ++k)
+    if (!kept[k]) asked.push_back(k);
+  const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, points.cols()));
+  const std::vector<int> near = index.Nearest(points(Eigen::all, asked), each);
+  for (size_t i = 0; i < asked.size(); ++i) {
+    const int last = near[(i + 1) * static_cast<size_t>(each) - 1];
+    kept[asked[i]] = (points.col(last) - points.col(asked[i])).norm() <= kFar * statistics.spacing;
+  }
+  return kept;
+}
 
-  // Of some of the points, by their neighbours among them.
-  std::vector<bool> ApartAmong(const std::vector<Eigen::Index>& some, double noise) const {
-    constexpr int kNeighbours = 4, kOver = 3;
-    constexpr double kApart = 2, kApartInNoise = 6;  // of the neighbours' distance
-    const Eigen::Matrix3Xd own = places_(Eigen::all, some);
-    const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, own.cols())),
-              others = static_cast<int>(std::min<Eigen::Index>(kOver + 1, places_.cols()));
-    const std::vector<int> near = NeighbourIndex(own, pool_).Nearest(own, each),
-                           over = over_.Nearest(Flat(own), others);
-    std::vector<bool> apart(some.size());
-    for (Eigen::Index i = 0; i < own.cols(); ++i) {
-      const double reach =
-          (own.col(near[static_cast<size_t>((i + 1) * each - 1)]) - own.col(i)).norm();
-      for (int n = 0; n < others; ++n) {
-        const Eigen::Vector3d way =
-            places_.col(over[static_cast<size_t>(i * others + n)]) - own.col(i);
-        if (way.head<2>().norm() <= reach &&
-            std::abs(way[2]) > kApart * reach + kApartInNoise * noise)
-          apart[static_cast<size_t>(i)] = true;
-      }
+// The share of some points of a cloud that have another of them above or below over a plane,
+// farther from them than their neighbours and the noise.
+double ShareInLayers(const std::vector<Eigen::Index>& some,
+                     const PointCloud& cloud,
+                     const PlaneBase& plane,
+                     double noise,
+                     ThreadPool& pool) {
+  constexpr int kNeighbours = 4, kOver = 3;
+  constexpr double kApart = 2, kApartInNoise = 6;  // of the neighbours' distance
+  const Eigen::Matrix3Xd places = plane.ToFrame(cloud.points()(Eigen::all, some));
+  Eigen::Matrix3Xd plan = places;
+  plan.row(2).setZero();
+  const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, places.cols())),
+            others = static_cast<int>(std::min<Eigen::Index>(kOver + 1, places.cols()));
+  const std::vector<int> near = NeighbourIndex(places, pool).Nearest(places, each),
+                         over = NeighbourIndex(plan, pool).Nearest(plan, others);
+  double apart = 0;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const int last = near[static_cast<size_t>((i + 1) * each - 1)];
+    const double reach = (places.col(last) - places.col(i)).norm();
+    bool found = false;
+    for (int n = 0; n < others; ++n) {
+      const Eigen::Vector3d way =
+          places.col(over[static_cast<size_t>(i * others + n)]) - places.col(i);
+      found |= way.head<2>().norm() <= reach &&
+               std::abs(way[2]) > kApart * reach + kApartInNoise * noise;
     }
-    return apart;
+    apart += found;
   }
+  return apart / std::max<double>(1, static_cast<double>(places.cols()));
+}
 
- private:
-  static Eigen::Matrix3Xd Flat(Eigen::Matrix3Xd places) {
-    places.row(2).setZero();
-    return places;
-  }
-
-  Eigen::Matrix3Xd places_, plan_;
-  NeighbourIndex over_;
-  ThreadPool& pool_;
-};
-
-// Which small parts are no heights beside the others over a plane, as islands are: clearly more of
-// their points than of the others have another above or below.
+// Which small parts are no heights beside the others, as islands are: all where they make more
+// layers of them over a plane, else those that lie in layers themselves, clearly more than the
+// others.
 std::vector<bool> PartsInLayers(const std::vector<int>& parts,
                                 const PointCloud& cloud,
                                 const CloudStatistics& statistics,
                                 const PlaneBase& plane,
                                 ThreadPool& pool) {
-  constexpr double kMore = 0.2;  // share of a part's points
-  std::vector<Eigen::Index> inliers, small, large;
-  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
-    if (statistics.outliers[k]) continue;
-    (parts[static_cast<size_t>(k)] >= 0 ? small : large).push_back(std::ssize(inliers));
-    inliers.push_back(k);
-  }
-  const LayersOver layers(cloud.points()(Eigen::all, inliers), plane, pool);
-  const std::vector<bool> apart = layers.ApartAmong(small, statistics.noise),
-                          others = layers.ApartAmong(large, statistics.noise);
-  const double usual = static_cast<double>(std::ranges::count(others, true)) /
-                       static_cast<double>(std::max<size_t>(1, others.size()));
+  constexpr double kMore = 0.2, kMoreLayered = 0.01;  // shares of a part's points, of places
   const auto count = static_cast<size_t>(*std::ranges::max_element(parts) + 1);
-  std::vector<double> all(count), layered(count);
-  for (size_t i = 0; i < small.size(); ++i) {
-    const auto part =
-        static_cast<size_t>(parts[static_cast<size_t>(inliers[static_cast<size_t>(small[i])])]);
-    ++all[part];
-    layered[part] += apart[i];
+  std::vector<std::vector<Eigen::Index>> small(count);
+  std::vector<Eigen::Index> large, all;
+  for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+    const int part = parts[static_cast<size_t>(k)];
+    if (part < 0 && statistics.outliers[k]) continue;
+    (part >= 0 ? small[static_cast<size_t>(part)] : large).push_back(k);
+    all.push_back(k);
   }
-  std::vector<bool> in_layers(count);
+  const auto layered = [&](const std::vector<Eigen::Index>& some) {
+    return LayeredPlaces(cloud.points()(Eigen::all, some),
+                         plane.origin,
+                         plane.axes,
+                         statistics.spacing,
+                         std::tan(plane.steepness));
+  };
+  if (layered(all) > layered(large) + kMoreLayered) return std::vector<bool>(count, true);
+  const double others = ShareInLayers(large, cloud, plane, statistics.noise, pool);
+  std::vector<bool> found(count);
   for (size_t part = 0; part < count; ++part)
-    in_layers[part] = layered[part] > (usual + kMore) * all[part];
-  return in_layers;
+    found[part] = ShareInLayers(small[part], cloud, plane, statistics.noise, pool) > others + kMore;
+  return found;
 }
 
 // Keeps the marked parts.
@@ -128,7 +138,7 @@ BaseBesideClutter ChooseBesideClutter(const PointCloud& cloud,
   };
   std::vector<int> parts;
   if (!keep_all && Acts(Rule::kClutter))
-    parts = SmallParts(cloud.points(), !statistics.outliers, index, pool);
+    parts = SmallParts(cloud.points(), NoStrays(cloud.points(), index, statistics), pool);
   Chosen all = choose(statistics);
   if (parts.empty()) return {std::move(all).OrThrow(), {}};
   const auto lie_in_layers = [&](const ConditionedBase& base) {

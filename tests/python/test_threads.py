@@ -40,7 +40,7 @@ def longest_silence(work):
         lambda: batten.fit_surface(sheet(20000, 1e-3), threads=1),
         lambda: batten.make.torus(3, 1).closest(np.random.default_rng(1).normal(size=(40000, 3)), threads=1),
         lambda: batten.make.torus(3, 1).tessellate(5e-4),
-        lambda: batten.make.torus(3, 1).curvature(np.random.default_rng(1).random(300000), 0.3, threads=1),
+        lambda: batten.make.torus(3, 1).curvature(np.random.default_rng(1).random(900000), 0.3, threads=1),
     ],
     ids=["fit", "closest", "tessellate", "curvature"],
 )
