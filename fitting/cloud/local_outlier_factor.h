@@ -26,6 +26,6 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mas
 PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
                             ThreadPool& pool,
-                            bool many_strays = true);
+                            bool many_strays = false);
 
 }  // namespace batten::internal

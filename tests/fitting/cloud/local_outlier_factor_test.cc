@@ -28,7 +28,7 @@ TEST(CompanyTest, PointsOfAShapeHaveCompany) {
       std::mt19937_64 random(seed);
       const Eigen::Matrix3Xd points = Square(5000, uneven, random);
       const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5000, true));
-      EXPECT_GE(kept.count(), 4995);  // by chance one in a thousand may stand apart
+      EXPECT_GE(kept.count(), 4998);  // a corner point may stand apart by chance
     }
   }
 }
@@ -67,7 +67,9 @@ TEST(CompanyTest, StraysHaveNoneNearAnEdgeNorAmongThemselves) {
     points.col(kPoints + k) << (k + 0.5) / kBeside, 1 + 2 * reach, 0;
   for (int k = 0; k < kGroup; ++k)  // a tenth of the density along each side
     points.col(kPoints + kBeside + k) << 1.3 + 0.14 * (k % 5), 0.3 + 0.14 * (k / 5), 0.02 * (k % 3);
-  const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(points.cols(), true));
+  ThreadPool alone(1);
+  const PointMask kept =
+      NonIsolatedPoints(points, PointMask::Constant(points.cols(), true), alone, true);
   EXPECT_EQ(kept.tail(kBeside + kGroup).count(), 0);
   EXPECT_GE(kept.head(kPoints).count(), kPoints - 4);
 }
