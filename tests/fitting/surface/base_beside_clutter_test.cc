@@ -69,25 +69,29 @@ TEST(ChooseBesideClutterTest, ClutterDoesNotDecideTheBase) {
 }
 
 // A gentle sheet with a round outline, whose box has a fifth as many stray points, and two hollow
-// balls beside it: over its plane they are heights that some surface would follow.
+// balls beside it: over its plane they are heights that some surface would follow, and where it
+// goes on into a corner of its domain it passes through one.
 TEST(ChooseBesideClutterTest, AGentleSheetIsFoundAmongBallsAndOutliers) {
   constexpr int kSheet = 8000, kEach = 320, kOutliers = 1600;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSplines random(seed);
     const double bend = random.Real(0.2, 0.5), wave = random.Real(2, 5);
+    const auto height = [&](double x, double y) {
+      return bend * x * x - 0.2 * y * y + 0.03 * std::sin(wave * (x + y));
+    };
     Eigen::Matrix3Xd points(3, kSheet + 2 * kEach + kOutliers), truth(3, kSheet);
     for (int k = 0; k < kSheet;) {
       const double x = random.Real(-0.5, 0.5), y = random.Real(-0.4, 0.4);
       if (std::hypot(x / 0.5, y / 0.4) > 1) continue;
-      truth.col(k) << x, y, bend * x * x - 0.2 * y * y + 0.03 * std::sin(wave * (x + y));
+      truth.col(k) << x, y, height(x, y);
       points.col(k) = truth.col(k) + random.Vector(kNoise);
       ++k;
     }
     for (int k = 0; k < 2 * kEach; ++k) {
-      const double side = k < kEach ? 1 : -1;
-      points.col(kSheet + k) = Eigen::Vector3d(0.45 * side, 0.5 * side, random.Real(0, 1e-3)) +
-                               0.08 * random.Vector(1).normalized();
+      const Eigen::Vector3d centre = k < kEach ? Eigen::Vector3d(0.46, 0.36, height(0.46, 0.36))
+                                               : Eigen::Vector3d(-0.45, -0.5, 0);
+      points.col(kSheet + k) = centre + 0.08 * random.Vector(1).normalized();
     }
     for (int k = kSheet + 2 * kEach; k < points.cols(); ++k)
       points.col(k) << random.Real(-0.7, 0.7), random.Real(-0.6, 0.6), random.Real(-0.2, 0.3);
