@@ -97,6 +97,7 @@ TEST(ChooseBesideClutterTest, AGentleSheetIsFoundAmongBallsAndOutliers) {
       points.col(k) << random.Real(-0.7, 0.7), random.Real(-0.6, 0.6), random.Real(-0.2, 0.3);
     const SurfaceFit fit = FitSurface(PointCloud::FromWorld(points), {});
     EXPECT_LE(fit.outliers.head(kSheet).count(), kSheet / 100);
+    EXPECT_TRUE(fit.outliers.segment(kSheet, 2 * kEach).all());  // as wholes
     EXPECT_GE(fit.outliers.tail(points.cols() - kSheet).count(),
               (points.cols() - kSheet) * 97 / 100);
     ThreadPool pool(2);
