@@ -9,12 +9,6 @@
 #include "fitting/cloud/connected_points.h"
 
 namespace batten {
-namespace {
-
-constexpr Eigen::Index kLeastPartPoints = 30;
-constexpr double kLeastPartShare = 1e-3;
-
-}  // namespace
 
 CloudParts FindCloudParts(const PointCloud& cloud, ThreadPool& pool) {
   if (cloud.size() == 0) throw std::invalid_argument("FindCloudParts: cloud: holds no points");
@@ -32,7 +26,8 @@ CloudParts FindCloudParts(const PointCloud& cloud, ThreadPool& pool) {
   for (std::vector<Eigen::Index>& one : members) {
     const auto count = std::ssize(one);
     if (count == 0) continue;
-    if (count < kLeastPartPoints || static_cast<double>(count) < kLeastPartShare * all) {
+    if (count < internal::kLeastPartPoints ||
+        static_cast<double>(count) < internal::kLeastPartShare * all) {
       found.stray += count;
       continue;
     }

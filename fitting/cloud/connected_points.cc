@@ -20,7 +20,6 @@ constexpr double kPartReach = 5;  // spacings: twice the radius of outlines' alp
 constexpr double kPartCell = 2;   // spacings: what lies in touching cells is at most seven apart
 constexpr Eigen::Index kSampledForSpacing = 4096;
 constexpr std::ptrdiff_t kPartBlock = 4096;
-constexpr Eigen::Index kLeastPart = 30;  // points; fewer are strays
 constexpr double kMostOfAll = 0.8;     // a part of so many of the others has clutter beside it …
 constexpr double kOfTheLargest = 0.1;  // … in parts of at most so many of its points
 
@@ -216,13 +215,13 @@ std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
   for (const Eigen::Index root : roots) ++sizes[static_cast<size_t>(root)];
   double in_parts = 0;
   for (const Eigen::Index size : sizes)
-    if (size >= kLeastPart) in_parts += static_cast<double>(size);
+    if (size >= kLeastPartPoints) in_parts += static_cast<double>(size);
   if (most < kMostOfAll * in_parts) return {};
   std::vector<int> number(roots.size(), -1), parts(static_cast<size_t>(points.cols()), -1);
   int count = 0;
   for (size_t i = 0; i < roots.size(); ++i) {
     const auto root = static_cast<size_t>(roots[i]);
-    if (sizes[root] < kLeastPart || static_cast<double>(sizes[root]) > kOfTheLargest * most)
+    if (sizes[root] < kLeastPartPoints || static_cast<double>(sizes[root]) > kOfTheLargest * most)
       continue;
     if (number[root] < 0) number[root] = count++;
     parts[static_cast<size_t>(some[i])] = number[root];

@@ -18,9 +18,6 @@ constexpr double kMuchFarther = 2.5;
 // by the mean of their directions (0.64 along a straight edge).
 constexpr double kFarFromAll = 1.15, kOnOneSide = 0.8;
 constexpr int kCountedByFew = 1;
-// Points in fewer, connected with no others, are strays.
-constexpr Eigen::Index kLeastGroup = 30;
-constexpr double kLeastGroupShare = 1e-3;
 constexpr Eigen::Index kFewest = 50;
 
 // The sixth neighbours' distances and the six neighbours of every point of an index, by the index's
@@ -87,7 +84,7 @@ void LeaveOutGroups(const Eigen::Matrix3Xd& points, PointMask& mask, ThreadPool&
   std::vector<Eigen::Index> sizes(roots.size());
   for (const Eigen::Index root : roots) ++sizes[static_cast<size_t>(root)];
   const double least =
-      std::max<double>(kLeastGroup, kLeastGroupShare * static_cast<double>(some.size()));
+      std::max<double>(kLeastPartPoints, kLeastPartShare * static_cast<double>(some.size()));
   if (static_cast<double>(*std::ranges::max_element(sizes)) < least) return;  // nothing but strays
   for (size_t i = 0; i < some.size(); ++i)
     mask[some[i]] = static_cast<double>(sizes[static_cast<size_t>(roots[i])]) >= least;

@@ -107,6 +107,13 @@ void KeepParts(const std::vector<bool>& marked, std::vector<int>& parts) {
   if (std::ranges::max_element(parts)[0] < 0) parts.clear();
 }
 
+// The points of parts.
+PointMask Marked(const std::vector<int>& parts) {
+  PointMask marked(std::ssize(parts));
+  for (Eigen::Index k = 0; k < marked.size(); ++k) marked[k] = parts[static_cast<size_t>(k)] >= 0;
+  return marked;
+}
+
 // A base, or why there is none.
 struct Chosen {
   std::optional<ConditionedBase> base;
@@ -146,20 +153,21 @@ BaseBesideClutter ChooseBesideClutter(const PointCloud& cloud,
       KeepParts(PartsInLayers(parts, cloud, statistics, *plane, pool), parts);
   };
   if (all.base) lie_in_layers(*all.base);
-  const bool fits = all.FitsNoise() && !all.base->choice.base.plane;
-  if (parts.empty() || fits) return {std::move(all).OrThrow(), {}};
-  PointMask small(cloud.size());
-  for (Eigen::Index k = 0; k < small.size(); ++k) small[k] = parts[static_cast<size_t>(k)] >= 0;
+  if (parts.empty()) return {std::move(all).OrThrow(), {}};
   CloudStatistics quiet = statistics;
-  quiet.outliers = quiet.outliers || small;
+  quiet.outliers = statistics.outliers || Marked(parts);
   Chosen without = choose(quiet);
   if (!without.base) return {std::move(all).OrThrow(), {}};
   if (all.base) {
-    // Beside a plane they lie over each other: no height field holds them all.
-    const bool serves = all.base->choice.base.plane || without.base->choice.fits_noise;
-    lie_in_layers(*without.base);
+    // Beside a plane they lie over each other: no height field holds them all. A bent base that
+    // holds them within the noise gives way to a plane only.
+    const bool plane = without.base->choice.base.plane.has_value(), fits = without.FitsNoise();
+    const bool serves = all.base->choice.base.plane ? true : fits && (plane || !all.FitsNoise());
+    if (serves) lie_in_layers(*without.base);
     if (!serves || parts.empty()) return {std::move(all).OrThrow(), {}};
   }
+  const PointMask small = Marked(parts);
+  quiet.outliers = statistics.outliers || small;
   statistics.outliers = quiet.outliers;
   ParameterizationChoice& choice = without.base->choice;
   choice.reached = choice.reached && !small;  // nor do they vote

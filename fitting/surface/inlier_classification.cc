@@ -213,13 +213,12 @@ class InlierPasses {
         Acts(Rule::kNeighbourVotes)
             ? ResidualInliers(parameters, distances_, limit, context_.spacing(), context_.pool())
             : (distances_.array().abs() <= limit).eval();
-    // Points without parameters in the base, or beyond its domain, must be on the surface: places
-    // next to each other do not make them neighbours.
-    for (Eigen::Index k = 0; k < close.size(); ++k) {
-      const bool inside = context_.base().exact || context_.IsInside(k);
-      if (!context_.prepared().reached[k] || !inside)
-        close[k] = std::abs(distances_[k]) <= limit && inside;
-    }
+    // Points without parameters in the base must be on the surface: places next to each other do
+    // not make them neighbours.
+    for (Eigen::Index k = 0; k < close.size(); ++k)
+      if (!context_.prepared().reached[k])
+        close[k] =
+            std::abs(distances_[k]) <= limit && (context_.base().exact || context_.IsInside(k));
     LeaveOutPartsOff(close);
     return close;
   }
