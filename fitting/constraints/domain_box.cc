@@ -45,14 +45,7 @@ void TakeDomain(Parameterization& base,
   const Eigen::Vector2d old(base.length_u, base.length_v);
   const Eigen::Vector2d low(box.u0, box.v0), sides(box.u1 - box.u0, box.v1 - box.v0);
   const Eigen::Vector2d shift = low - corner;
-  base.parameters.colwise() -= shift;
-  if (base.plane) base.plane->origin += base.plane->axes.leftCols<2>() * shift;
-  base.length_u = sides[0];
-  base.length_v = sides[1];
-  if (base.plane) {
-    base.plane->length_u = sides[0];
-    base.plane->length_v = sides[1];
-  }
+  base.MoveRectangle(shift, sides);
   for (Eigen::Index k = 0; k < reached.size(); ++k) {
     auto place = base.parameters.col(k);
     const Eigen::Vector2d inside = place.cwiseMax(0.0).cwiseMin(sides);

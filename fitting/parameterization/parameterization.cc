@@ -45,6 +45,16 @@ NurbsSurface Parameterization::Surface(const SplineBasis& basis_u,
                      basis_u, basis_v, WithPolesClosed(coefficients, basis_u, basis_v, poles));
 }
 
+void Parameterization::MoveRectangle(const Eigen::Vector2d& shift, const Eigen::Vector2d& sides) {
+  parameters.colwise() -= shift;
+  length_u = sides[0];
+  length_v = sides[1];
+  if (!plane) return;
+  plane->origin += plane->axes.leftCols<2>() * shift;
+  plane->length_u = length_u;
+  plane->length_v = length_v;
+}
+
 FittingProblem Parameterization::ProblemOf(const PointCloud& points,
                                            const PointMask& mask,
                                            int degree_u,

@@ -42,6 +42,10 @@ struct Parameterization {
                        const SplineBasis& basis_v,
                        const Eigen::MatrixXd& coefficients) const;
 
+  // Moves the rectangle's corner by `shift`, over a plane with it, and gives it other sides; points
+  // keep their places on the shape.
+  void MoveRectangle(const Eigen::Vector2d& shift, const Eigen::Vector2d& sides);
+
   // Sets up the least-squares problem of the points under a mask (over the points the parameters
   // belong to) with one span in each direction.
   FittingProblem ProblemOf(const PointCloud& points,

@@ -90,10 +90,10 @@ Parameterization NearSurface::BaseOf(const std::vector<PlaceMeans>& places, doub
     base.parameters.col(k) = places[static_cast<std::size_t>(k)].at;
   const Eigen::Vector2d least = base.parameters.rowwise().minCoeff(),
                         most = base.parameters.rowwise().maxCoeff();
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero(), sides(base.length_u, base.length_v);
   if (!base.periodic_u && !base.sharp_edge) {
     shift[0] = least[0] - margin;
-    base.length_u = most[0] - least[0] + 2 * margin;
+    sides[0] = most[0] - least[0] + 2 * margin;
   }
   // Poles stay at the ends of the rectangle.
   const bool open_below = base.poles.start == PoleKind::kNone,
@@ -101,14 +101,9 @@ Parameterization NearSurface::BaseOf(const std::vector<PlaceMeans>& places, doub
   if (!base.periodic_v) {
     const double end = open_above ? most[1] + margin : base.length_v;
     if (open_below) shift[1] = least[1] - margin;
-    base.length_v = end - shift[1];
+    sides[1] = end - shift[1];
   }
-  base.parameters.colwise() -= shift;
-  if (base.plane) {
-    base.plane->origin += base.plane->axes.leftCols<2>() * shift;
-    base.plane->length_u = base.length_u;
-    base.plane->length_v = base.length_v;
-  }
+  base.MoveRectangle(shift, sides);
   base.settled_cells_u = base.settled_cells_v = 0;
   return base;
 }
