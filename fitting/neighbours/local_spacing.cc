@@ -51,6 +51,11 @@ double BreadthOf(const Eigen::Matrix2Xd& local) {
   return length > 0 ? deviation(over) / length : 1;
 }
 
+// A spacing, and the area of the plane that the point which tells it stands for.
+struct LocalTold {
+  double spacing, area;
+};
+
 // The points in cells of one width.
 class Cells {
  public:
@@ -116,16 +121,15 @@ class Cells {
   }
 
   // Spacing about some points of a cell, by the areas of the discs that hold those nearest to them.
-  std::vector<double> SpacingsIn(size_t cell, const PlaceInSpace& place) const {
-    std::vector<double> spacings;
+  std::vector<LocalTold> SpacingsIn(size_t cell, const PlaceInSpace& place) const {
+    std::vector<LocalTold> spacings;
     const auto count = static_cast<size_t>(CountIn(cell)), asked = std::min(kAskedInCell, count);
     for (size_t k = 0; k < asked; ++k) {
       const Index point = order_[static_cast<size_t>(first_[cell]) + k * count / asked];
       const auto nearest = Nearest(points_.col(point), kNearest + 1);  // itself besides
       if (nearest.empty() || nearest.back().first > width_ * width_) continue;
-      spacings.push_back(place ? SpacingInSpace(point, nearest, place)
-                               : std::sqrt(std::numbers::pi * nearest.back().first /
-                                           static_cast<double>(kNearest)));
+      const double area = std::numbers::pi * nearest.back().first / static_cast<double>(kNearest);
+      spacings.push_back({place ? SpacingInSpace(point, nearest, place) : std::sqrt(area), area});
     }
     return spacings;
   }
@@ -198,11 +202,21 @@ float QuantileByArea(Radii radii, double share) {
   return 0;
 }
 
+// The median by area: by count the denser parts would tell, where there are more points.
+double MedianByArea(std::vector<LocalTold> told) {
+  std::ranges::sort(told, {}, &LocalTold::spacing);
+  double all = 0, sum = 0;
+  for (const LocalTold& one : told) all += one.area;
+  for (const LocalTold& one : told)
+    if ((sum += one.area) >= all / 2) return one.spacing;
+  return 0;
+}
+
 // What the points nearest to some points of each cell, and of those around it, tell about the
 // points' spacing there; 0 where they are too few.
 std::vector<float> SpacingsByNeighbours(const Cells& cells, const PlaceInSpace& place) {
   const std::vector<float> areas = cells.OccupiedAreas();
-  std::vector<std::optional<std::vector<double>>> told(areas.size());
+  std::vector<std::optional<std::vector<LocalTold>>> told(areas.size());
   std::vector<float> spacings(areas.size(), 0);
   for (size_t cell = 0; cell < areas.size(); ++cell) {
     double count = 0, area = 0;
@@ -213,13 +227,13 @@ std::vector<float> SpacingsByNeighbours(const Cells& cells, const PlaceInSpace& 
     if (count < kFewest) continue;
     spacings[cell] = 1;
     if (area < kSparse * count) continue;
-    std::vector<double> near;
+    std::vector<LocalTold> near;
     cells.Around(cell, [&](size_t at) {
       if (!told[at]) told[at] = cells.SpacingsIn(at, place);
       near.insert(near.end(), told[at]->begin(), told[at]->end());
     });
     const bool tell = static_cast<double>(near.size()) >= kFewest;
-    const double spacing = tell ? kSure * Median(std::move(near)) : 0;
+    const double spacing = tell ? kSure * MedianByArea(std::move(near)) : 0;
     if (!tell || spacing > kClearly) spacings[cell] = static_cast<float>(spacing);
   }
   return spacings;

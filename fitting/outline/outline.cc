@@ -216,7 +216,8 @@ class OutlineSearch {
     for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, is_gap, pool_)) {
       const bool large = std::abs(AreaInSpace(polygon, options_)) >= LeastArea(polygon, spacing_);
       if (!large && !(SignedArea(polygon) > 0 && HoldsOneOf(lone, polygon))) continue;
-      loops.push_back(SampledOutline(polygon, kOutwards));
+      loops.push_back(SampledOutline(
+          polygon, [&](const Eigen::Vector2d& at) { return kOutwards * spacing_.At(at); }));
       // A small part is too short to be sampled.
       if (!large)
         PinToBorder(loops.back(),
@@ -296,7 +297,7 @@ class OutlineSearch {
     for (size_t k = 0; k < parts.size(); ++k) {
       if (anew[k] == 0) continue;
       OutlineLoop loop = parts[k];
-      PutOnEdges(loop, pins[k], sides_);
+      PutOnEdges(loop, pins[k], spacing_, sides_);
       for (const OutlinePin& pin : pins[k]) PinToBorder(loop, pin);
       splines[k] = SmoothedOutline(loop, options_.noise / options_.spacing);
       FixOnEdges(splines[k]);

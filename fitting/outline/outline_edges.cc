@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace batten::internal {
 namespace {
@@ -23,14 +25,12 @@ double EdgeAt(int edge, const Eigen::Vector2d& sides) {
   return edge % 2 == 0 ? 0.0 : sides[edge / 2];
 }
 
-// The greatest mean depth of so many samples in a row: a border that bends away is no edge.
-double DeepestWindow(
-    const OutlineLoop& loop, size_t first, size_t count, int edge, const Eigen::Vector2d& sides) {
+// The greatest mean of so many depths in a row: a border that bends away is no edge.
+double DeepestWindow(const std::vector<double>& depths) {
   double sum = 0, deepest = 0;
-  for (size_t k = 0; k < count; ++k) {
-    sum += Depth(loop[(first + k) % loop.size()].measured, edge, sides);
-    if (k >= kEdgeWindow)
-      sum -= Depth(loop[(first + k - kEdgeWindow) % loop.size()].measured, edge, sides);
+  for (size_t k = 0; k < depths.size(); ++k) {
+    sum += depths[k];
+    if (k >= kEdgeWindow) sum -= depths[k - kEdgeWindow];
     if (k + 1 >= kEdgeWindow) deepest = std::max(deepest, sum / static_cast<double>(kEdgeWindow));
   }
   return deepest;
@@ -44,19 +44,23 @@ bool RunsAlong(const Eigen::Vector2d& way, int edge) {
 }
 
 // The index of the edge along which samples first … last run, −1 if none.
-int EdgeOf(const OutlineLoop& loop, size_t first, size_t count, const Eigen::Vector2d& sides) {
+int EdgeOf(const OutlineLoop& loop,
+           size_t first,
+           size_t count,
+           const LocalSpacing& spacing,
+           const Eigen::Vector2d& sides) {
   const Eigen::Vector2d way =
       loop[(first + count - 1) % loop.size()].measured - loop[first % loop.size()].measured;
   for (int edge = 0; edge < 4; ++edge) {
     if (!RunsAlong(way, edge)) continue;
-    double deepest = 0, sum = 0;
+    std::vector<double> depths;  // of local spacings
     for (size_t k = 0; k < count; ++k) {
-      const OutlineSample& sample = loop[(first + k) % loop.size()];
-      deepest = std::max(deepest, Depth(sample.measured, edge, sides));
-      sum += Depth(sample.measured, edge, sides);
+      const Eigen::Vector2d& at = loop[(first + k) % loop.size()].measured;
+      depths.push_back(Depth(at, edge, sides) / spacing.At(at));
     }
-    if (deepest < kFarthestFromEdges && sum < kMeanDepth * static_cast<double>(count) &&
-        DeepestWindow(loop, first, count, edge, sides) < kWindowDepth) {
+    const double sum = std::accumulate(depths.begin(), depths.end(), 0.0);
+    if (*std::ranges::max_element(depths) < kFarthestFromEdges &&
+        sum < kMeanDepth * static_cast<double>(count) && DeepestWindow(depths) < kWindowDepth) {
       return edge;
     }
   }
@@ -85,6 +89,7 @@ bool FillsRectangle(const OutlineLoop& outer,
 
 void PutOnEdges(OutlineLoop& loop,
                 const std::vector<OutlinePin>& pins,
+                const LocalSpacing& spacing,
                 const Eigen::Vector2d& sides) {
   const size_t n = loop.size();
   const auto first = static_cast<size_t>(
@@ -104,7 +109,7 @@ void PutOnEdges(OutlineLoop& loop,
           if (pin.Holds(loop[(first + i) % n])) return true;
       return false;
     };
-    int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, sides);
+    int edge = corner.along_cut ? -1 : EdgeOf(loop, start, end - k + 1, spacing, sides);
     if (edge >= 0 && pinned()) edge = -1;
     if (edge >= 0) {
       corner.along_cut = true;

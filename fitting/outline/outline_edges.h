@@ -19,10 +19,11 @@ bool FillsRectangle(const OutlineLoop& outer,
                     const LocalSpacing& spacing,
                     const Eigen::Vector2d& sides);
 
-// Moves stretches between corners that are nowhere far from an edge exactly onto it, up to the
-// rectangle's corners; not those that a pin holds.
+// Moves stretches between corners that are nowhere far, by the spacing there, from an edge exactly
+// onto it, up to the rectangle's corners; not those that a pin holds.
 void PutOnEdges(OutlineLoop& loop,
                 const std::vector<OutlinePin>& pins,
+                const LocalSpacing& spacing,
                 const Eigen::Vector2d& sides);
 
 // Gives corners cut by a seam the same height on both sides of it.

@@ -54,7 +54,7 @@ EvenPoints Evenly(const Eigen::Matrix2Xd& polygon) {
 // Samples of the points first … last (wrapped), each smoothed by a line through those near it.
 class StretchSmoothing {
  public:
-  StretchSmoothing(const Eigen::Matrix2Xd& border, double step, double outwards)
+  StretchSmoothing(const Eigen::Matrix2Xd& border, double step, const Outwards& outwards)
       : border_(border),
         reach_(std::clamp<Index>(border.cols() / 16, 2, std::lround(kSmoothed / step))),
         outwards_(outwards) {}
@@ -74,7 +74,8 @@ class StretchSmoothing {
     if (square > 0) slope /= square;
     const Eigen::Vector2d right = RightOf(slope.normalized());
     const Eigen::Vector2d place = mean + (static_cast<double>(i) - middle) * slope;
-    return {place + outwards_ * right, At(i) + outwards_ * right, false, false, false, At(i), {}};
+    const Eigen::Vector2d off = outwards_(At(i)) * right;
+    return {place + off, At(i) + off, false, false, false, At(i), {}};
   }
 
  private:
@@ -85,7 +86,7 @@ class StretchSmoothing {
 
   const Eigen::Matrix2Xd& border_;
   Index reach_;
-  double outwards_;
+  const Outwards& outwards_;
 };
 
 // The number of points next to a corner, in one direction, that are off its side.
@@ -113,7 +114,7 @@ Eigen::Vector2d CornerMoved(const OutlineCorner& corner, double outwards) {
 
 }  // namespace
 
-OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards) {
+OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, const Outwards& outwards) {
   const auto [border, step, edges] = Evenly(polygon);
   const std::vector<OutlineCorner> corners = OutlineCorners(border, step);
   const StretchSmoothing smoothing(border, step, outwards);
@@ -127,7 +128,7 @@ OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards) {
   if (corners.empty())
     for (Index i = 0; i < n; ++i) add(i, smoothing.Sample(i, -n, 2 * n));
   for (size_t c = 0; c < corners.size(); ++c) {
-    const Eigen::Vector2d place = CornerMoved(corners[c], outwards);
+    const Eigen::Vector2d place = CornerMoved(corners[c], outwards(corners[c].place));
     add(corners[c].index, {place, place, true, false, false, border.col(corners[c].index), {}});
     const OutlineCorner& next = corners[(c + 1) % corners.size()];
     const Index end = c + 1 < corners.size() ? next.index : next.index + n;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 namespace batten::internal {
@@ -21,9 +22,11 @@ struct OutlineSample {
 // A closed loop with the covered region on its left.
 using OutlineLoop = std::vector<OutlineSample>;
 
-// Samples a closed polygon about every half spacing, with its corners, offset outwards by
-// `outwards`. O(length).
-OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, double outwards);
+// By how much an outline lies outside the ragged border at a place of it.
+using Outwards = std::function<double(const Eigen::Vector2d&)>;
+
+// Samples a closed polygon about every half spacing, with its corners, offset outwards. O(length).
+OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, const Outwards& outwards);
 
 // A disc in which an outline follows the ragged border.
 struct OutlinePin {

@@ -24,7 +24,8 @@ constexpr double kFirmer = 4;  // ratio of the places' weights from round to rou
 // stands between points that contradict each other, as at a jump of depth. On nine scans and six
 // scenes those brought back fell to 0.6-0.9 a round.
 constexpr double kGain = 0.92;
-constexpr double kWorthIt = 0.8;         // of the greatest overshoot: what leaves more is not taken
+constexpr int kMostInVain = 2;    // rounds in a row: one may be spent on places next to those held
+constexpr double kWorthIt = 0.8;  // of the greatest overshoot: what leaves more is not taken
 constexpr double kHoldSmoothing = 1e-3;  // of the change: it fades over a cell or two
 constexpr double kMostGrowth = 1.05;     // ratio of the rms distance of the points …
 constexpr double kUnseen = 0.01;         // … or in spacings, where they lie on the surface
@@ -34,7 +35,7 @@ struct Standing {
   Eigen::Matrix2Xd feet = {};
   double squares = 0, max = 0;  // of the distances
   std::vector<Excursion> excursions = {};
-  double most = 0;  // of them
+  double most = 0;  // of them, in spacings
 };
 
 // The least change of the surface that moves places by given ways.
@@ -77,7 +78,7 @@ bool HoldBetweenPoints(SurfaceState& draft,
   if (!Acts(Rule::kHeldBetween) || draft.surface.rational() || !(spacing > 0)) return false;
   const Eigen::Matrix3Xd& points = draft.used.points();
   const auto overshoots = [&](const NurbsSurface& surface, const Eigen::Matrix2Xd& feet) {
-    return FindExcursions({surface, points, feet, spacing, up}, kAllowed * spacing, pool);
+    return FindExcursions({surface, points, feet, spacing, up}, kAllowed, pool);
   };
   if (overshoots(draft.surface, draft.parameters).empty()) return false;
   const auto standing = [&](const NurbsSurface& surface, PointDistances found) {
@@ -87,7 +88,8 @@ bool HoldBetweenPoints(SurfaceState& draft,
     now.max = found.distances.cwiseAbs().maxCoeff();
     now.feet = std::move(found.parameters);
     now.excursions = overshoots(surface, now.feet);
-    for (const Excursion& one : now.excursions) now.most = std::max(now.most, one.back.norm());
+    for (const Excursion& one : now.excursions)
+      now.most = std::max(now.most, one.back.norm() / one.spacing);
     return now;
   };
   // Local foot points serve while it is sought; global ones judge, and take over where they find
@@ -112,24 +114,26 @@ bool HoldBetweenPoints(SurfaceState& draft,
     NurbsSurface surface = best;
     Standing now = of_best;
     double weight = 1;
+    int in_vain = 0;
     std::vector<Excursion> places;  // of all rounds: those of before stay where they are
     for (int round = 0; round < kMostRounds && !now.excursions.empty();
          ++round, weight *= kFirmer) {
       for (Excursion& one : places) one.back.setZero();
-      for (Excursion& one : now.excursions) one.back *= 1 - kAim * spacing / one.back.norm();
+      for (Excursion& one : now.excursions) one.back *= 1 - kAim * one.spacing / one.back.norm();
       places.insert(places.end(), now.excursions.begin(), now.excursions.end());
       const Eigen::Matrix3Xd change = LeastChange(draft, now.feet, places, weight, pool);
       surface =
           NurbsSurface(surface.basis_u(), surface.basis_v(), surface.control_points() + change)
               .WithTrims(surface.trims());
-      const double last = now.most;
+      const double least = of_best.most;
       now = stand(surface, now.feet);
       if (!allowed(now)) break;
       if (now.most < of_best.most) {
         best = surface;
         of_best = now;
       }
-      if (round > 0 && now.most > kGain * last) break;
+      in_vain = now.most > kGain * least ? in_vain + 1 : 0;
+      if (in_vain == kMostInVain) break;
     }
   };
   search(nearby);

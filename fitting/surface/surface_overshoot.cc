@@ -10,6 +10,7 @@
 #include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/trim_region.h"
+#include "fitting/neighbours/local_spacing.h"
 
 namespace batten::internal {
 namespace {
@@ -64,6 +65,30 @@ Eigen::Vector2d StretchOf(const SurfaceEvaluator& surface, const Eigen::Matrix2X
   }
   return stretch;
 }
+
+// The points' spacing at places of the domain, at least that of all.
+class SpacingAlong {
+ public:
+  SpacingAlong(const OvershootInput& input,
+               const SurfaceEvaluator& surface,
+               const Eigen::Vector2d& stretch)
+      : spacing_(input.spacing), scale_(stretch / input.spacing) {
+    const PlaceInSpace in_space = [&](const Eigen::Vector2d& at) -> Eigen::Vector3d {
+      const Eigen::Vector2d uv = at.cwiseQuotient(scale_);
+      return surface.At(uv[0], uv[1]) / spacing_;
+    };
+    local_.emplace(scale_.asDiagonal() * input.feet, std::vector<EmptyCircle>(), in_space);
+  }
+
+  double At(const Eigen::Vector2d& uv) const {
+    return spacing_ * local_->At(scale_.cwiseProduct(uv));
+  }
+
+ private:
+  double spacing_;
+  Eigen::Vector2d scale_;
+  std::optional<LocalSpacing> local_;
+};
 
 // Feet in lengths along the surface, with those near a seam repeated beyond it.
 class FootMap {
@@ -154,7 +179,8 @@ struct Places {
   Eigen::Matrix2Xd uv;
   Eigen::VectorXd widths;
   Eigen::Matrix3Xd points;
-  std::vector<Eigen::Index> alone;  // indices of those far from all points
+  std::vector<Eigen::Index> alone;  // indices of those far from all points …
+  std::vector<double> spacings;     // … and how far apart these are there
 };
 
 Places MeasuredPlaces(const OvershootInput& input,
@@ -172,7 +198,7 @@ Places MeasuredPlaces(const OvershootInput& input,
   const Midpoints us = MidpointsOf(bu, length_u, step, least),
                   vs = MidpointsOf(bv, length_v, step, least);
   const TrimRegion region(input.surface);
-  Places places{Eigen::Matrix2Xd(2, std::ssize(us.places) * std::ssize(vs.places)), {}, {}, {}};
+  Places places{Eigen::Matrix2Xd(2, std::ssize(us.places) * std::ssize(vs.places)), {}, {}, {}, {}};
   places.widths.resize(places.uv.cols());
   Eigen::Index count = 0;
   for (size_t i = 0; i < us.places.size(); ++i) {
@@ -187,10 +213,16 @@ Places MeasuredPlaces(const OvershootInput& input,
   if (count == 0) return places;
   surface.Points(places.uv, places.points, pool);
   const std::vector<int> nearest = NeighbourIndex(input.points, pool).Nearest(places.points, 1);
+  std::optional<SpacingAlong> spacing;  // takes time, and is seldom asked
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto own = input.points.col(nearest[static_cast<size_t>(k)]);
-    if ((places.points.col(k) - own).norm() > kWithPoints * input.spacing)
-      places.alone.push_back(k);
+    const double away = (places.points.col(k) - own).norm();
+    if (!(away > kWithPoints * input.spacing)) continue;
+    if (!spacing && input.spacing > 0) spacing.emplace(input, surface, stretch);
+    const double there = spacing ? spacing->At(places.uv.col(k)) : 0;
+    if (!(away > kWithPoints * there)) continue;
+    places.alone.push_back(k);
+    places.spacings.push_back(there);
   }
   return places;
 }
@@ -198,6 +230,7 @@ Places MeasuredPlaces(const OvershootInput& input,
 // A place far from all points.
 struct Alone {
   Eigen::Index place;
+  double spacing;        // of the points there
   double gap;            // along the surface to the nearest foot point
   Eigen::Vector3d back;  // the way to the nearest height of the points around
 };
@@ -208,12 +241,13 @@ std::vector<Alone> HeightsOf(const OvershootInput& input,
                              const Places& places) {
   const FootMap feet(input, stretch);
   std::vector<Alone> all;
-  for (const Eigen::Index k : places.alone) {
-    const FootMap::Neighbourhood around =
-        feet.Around(places.uv.col(k), kWithPoints * input.spacing);
+  for (size_t i = 0; i < places.alone.size(); ++i) {
+    const Eigen::Index k = places.alone[i];
+    const double spacing = places.spacings[i];
+    const FootMap::Neighbourhood around = feet.Around(places.uv.col(k), kWithPoints * spacing);
     const Eigen::Vector3d up = UpNear(input, surface, around.points);
     const double rise = RiseInto(places.points.col(k), up, input.points, around.points);
-    all.push_back({k, around.gap, rise * up});
+    all.push_back({k, spacing, around.gap, rise * up});
   }
   return all;
 }
@@ -232,7 +266,8 @@ std::vector<Excursion> FindExcursions(const OvershootInput& input, double least,
   std::vector<Excursion> found;
   if (places.alone.empty()) return found;
   for (const Alone& one : HeightsOf(input, surface, stretch, places))
-    if (one.back.norm() > least) found.push_back({places.uv.col(one.place), one.back});
+    if (one.back.norm() > least * one.spacing)
+      found.push_back({places.uv.col(one.place), one.back, one.spacing});
   return found;
 }
 
@@ -252,20 +287,21 @@ OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool)
   const std::vector<int> nearest = centres.Nearest(places.points, 1);
   double whole = 0;
   for (Eigen::Index k = 0; k < places.uv.cols(); ++k) {
-    const Eigen::Index centre = places.alone[static_cast<size_t>(nearest[static_cast<size_t>(k)])];
+    const auto own = static_cast<size_t>(nearest[static_cast<size_t>(k)]);
+    const Eigen::Index centre = places.alone[own];
     const double distance = (places.points.col(k) - places.points.col(centre)).norm();
     whole += area(k);
-    if (distance < kWithPoints * input.spacing) found.area_without_points += area(k);
+    if (distance < kWithPoints * places.spacings[own]) found.area_without_points += area(k);
   }
   for (const Alone& one : HeightsOf(input, surface, stretch, places)) {
     found.largest_gap = std::max(found.largest_gap, one.gap);
     const double beyond = one.back.norm();
+    if (one.spacing > 0) found.in_spacings = std::max(found.in_spacings, beyond / one.spacing);
     if (!(beyond > found.max)) continue;
     found.max = beyond;
     found.at = places.points.col(one.place);
   }
   if (whole > 0) found.share_without_points = found.area_without_points / whole;
-  found.in_spacings = input.spacing > 0 ? found.max / input.spacing : 0;
   return found;
 }
 

@@ -26,7 +26,8 @@ struct OvershootInput {
 std::optional<Eigen::Vector3d> DirectionOfHeights(const FitReport& report);
 
 // Measures the surface against its points, inside its trims, at places at most two spacings apart,
-// or more where that would be some 100 000. A place within three spacings of a point is with its
+// or more where that would be some 100 000. From here on spacings are those of the points there. A
+// place within three spacings of a point is with its
 // points. Elsewhere the gap g is the distance along the surface to the nearest foot point, and the
 // surface may have any height that points have within 2g + 3 spacings along it: what exceeds that
 // is overshoot. The area without points is that within three spacings of such places: the union of
@@ -37,9 +38,10 @@ OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool)
 struct Excursion {
   Eigen::Vector2d uv;
   Eigen::Vector3d back;  // the way to the nearest height allowed there
+  double spacing;        // of the points there
 };
 
-// The places measured that overshoot by more than so much. O(m log m).
+// The places measured that overshoot by more than so many spacings. O(m log m).
 std::vector<Excursion> FindExcursions(const OvershootInput& input, double least, ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -197,7 +197,7 @@ struct OvershootSummary {
   // Height of a surface beyond that of all points near the place, or the distance from the box of
   // the points used where of_box stands; in the data's units.
   double max = 0;
-  double in_spacings = 0;                        // the same
+  double in_spacings = 0;                        // the most in spacings of the points there
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // where; meaningless if max is 0
   double area_without_points = 0;                // farther than three spacings from all points
   double share_without_points = 0;               // of the area

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_report.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/geometry/surface_evaluator.h"
@@ -163,6 +164,40 @@ TEST(FitSurfaceOvershootTest, SurfacesThatLeaveTheBoxOfTheirPointsAreTold) {
     EXPECT_NEAR(std::sqrt(box.squaredExteriorDistance(at)),
                 fit.report.overshoot->max,
                 kIterated * fit.report.overshoot->max);
+  }
+}
+
+// A wavy sheet whose density falls a hundredfold from one side to the other: where its points are
+// sparse they are ten times as far apart as where they are dense, and nothing is missing. A quarter
+// of it was held to be without points, was flattened between them and trimmed.
+TEST(MeasureOvershootTest, SparsePointsAreNoGap) {
+  constexpr int kPoints = 40000;
+  constexpr double kNoise = 1e-3;
+  const auto height = [](double x, double y) { return 0.06 * std::sin(9 * x) * std::cos(6 * y); };
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 engine(seed);
+    std::uniform_real_distribution<double> uniform;
+    std::normal_distribution<double> noise(0, kNoise);
+    Eigen::Matrix3Xd points(3, kPoints);
+    for (Eigen::Index k = 0; k < kPoints; ++k) {
+      // The density goes as 100^-x.
+      const double x = -std::log(1 - 0.99 * uniform(engine)) / std::log(100.0), y = uniform(engine);
+      points.col(k) << x, y, height(x, y) + noise(engine);
+    }
+    const SurfaceFit fit = FitSurface(PointCloud::FromWorld(points), {});
+    EXPECT_LT(fit.report.overshoot->share_without_points, 0.01);
+    EXPECT_FALSE(fit.surface.trimmed());
+    Eigen::Matrix3Xd truth(3, 99 * 99);
+    for (int i = 0; i < 99; ++i)
+      for (int j = 0; j < 99; ++j) {
+        const double x = (i + 1) / 100.0, y = (j + 1) / 100.0;
+        truth.col(i * 99 + j) << x, y, height(x, y);
+      }
+    ThreadPool pool(2);
+    const Eigen::VectorXd off = DistancesTo(fit.surface, truth, pool).distances;
+    EXPECT_LT(std::sqrt(off.squaredNorm() / static_cast<double>(off.size())), 0.2 * kNoise);
+    EXPECT_LT(off.cwiseAbs().maxCoeff(), 3 * kNoise);
   }
 }
 
