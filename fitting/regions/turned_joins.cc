@@ -106,7 +106,7 @@ class JoinTurner {
     const bool touches = TouchesAny(relations_, face);
     if (touches && !turned_[std::size_t(beside)]) return false;
     const auto shape = touches ? std::optional(related_[std::size_t(face)])
-                               : ShapeAbout(AxisOf(other), faces_[std::size_t(face)].core, near);
+                               : ShapeAbout(AxisOf(other), faces_[std::size_t(face)], near);
     if (!shape) return false;
     const SmoothContact contact{ContactKind::kRound, near};
     const auto gap = ContactGap(contact, other, *shape);
@@ -119,11 +119,13 @@ class JoinTurner {
 
  private:
   std::optional<FittedSurface> ShapeAbout(const TurnedAxis& axis,
-                                          const std::vector<int>& core,
+                                          const RegionFace& face,
                                           const Vector3d& near) const {
-    const Eigen::Matrix2Xd profile = ProfileOf(data_.points(Eigen::all, core), axis);
+    const Eigen::Matrix2Xd profile = ProfileOf(data_.points(Eigen::all, face.core), axis);
+    // What the shape that it has leaves of its points is noise.
+    const double noise = std::max(sigma_, face.numbers.scale / data_.unit);
     for (const auto& shape : {Straight(profile, axis, near), Round(profile, axis, near)}) {
-      if (shape && TestShape(data_, core, *shape, sigma_).passed) return shape;
+      if (shape && TestShape(data_, face.core, *shape, noise).passed) return shape;
     }
     return std::nullopt;
   }
