@@ -22,8 +22,8 @@ double FarFrom(const BorderPlaces& places, const Eigen::Vector3d& place);
 struct WalkEnd {
   int vertex = -1;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  double blur = 0;   // how far before and beyond it points may be of other faces
-  double reach = 0;  // how far from it a border that leads to it may have lost its points
+  double blur = 0;     // how far before and beyond it points may be of other faces
+  double reach = 0;    // how far from it a border that leads to it may have lost its points
   bool fades = false;  // the two faces are near to tangent there
 };
 

@@ -19,8 +19,8 @@ using FacePair = std::pair<int, int>;  // ascending
 inline constexpr double kTangent = 0.14;  // sine: faces that meet under less have no sure border
 
 // The place on all of two shapes or more nearest to `from`, by Gauss–Newton steps; none where they
-// do not settle on it within `reach`, or the shapes are near to tangent: the sine of their angle, of
-// three the volume, is below `least`.
+// do not settle on it within `reach`, or the shapes are near to tangent: the sine of their angle,
+// of three the volume, is below `least`.
 std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
                                        Eigen::Vector3d from,
                                        double reach,

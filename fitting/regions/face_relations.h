@@ -24,6 +24,7 @@ struct FaceRelation {
   double deviation = 0;        // radians, or a length in units of RegionPoints
   double allowed = 0;          // the greatest that one case in a thousand of chance explains
   SmoothContact contact = {};  // of tangent ones
+  double moves = 0;  // how far faces may leave their points for it, where they do not close without
 };
 
 // Two faces whose shapes have nearly the same normals where they are neighbours.

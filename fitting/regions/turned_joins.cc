@@ -110,10 +110,12 @@ class JoinTurner {
     if (!shape) return false;
     const SmoothContact contact{ContactKind::kRound, near};
     const auto gap = ContactGap(contact, other, *shape);
-    if (!gap || !(gap->norm() <= data_.spacing)) return false;
+    constexpr double kFar = 3.5;    // standard deviations
+    constexpr double kNear = 0.01;  // spacings: no kink that points show
+    const double most = kNear * data_.spacing + kFar * sigma_;
+    if (!gap || !(gap->norm() <= most)) return false;
     if (!touches) Take(face, *shape);
-    relations_.push_back(
-        {RelationKind::kTangent, beside, face, gap->norm(), data_.spacing, contact});
+    relations_.push_back({RelationKind::kTangent, beside, face, gap->norm(), most, contact, most});
     return true;
   }
 
