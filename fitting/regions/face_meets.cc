@@ -75,6 +75,11 @@ double FaceMeets::ReachOf(const FacePair& faces, const Eigen::Vector3d& near) co
   return kReach * spacing() + std::min(kLargest, std::sqrt(same_ / most));
 }
 
+double FaceMeets::BesideOf(const FacePair& faces, const Eigen::Vector3d& place) const {
+  constexpr double kBeside = 1.5;  // spacings
+  return contacts_.contains(faces) ? ReachOf(faces, place) : kBeside * spacing();
+}
+
 double FaceMeets::BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& place) const {
   double blur = spacing();
   for (const int a : faces) {

@@ -49,6 +49,9 @@ class FaceMeets {
   // other.
   double ReachOf(const FacePair& faces, const Eigen::Vector3d& near) const;
 
+  // How far from a place of the border the nearest points of its faces are.
+  double BesideOf(const FacePair& faces, const Eigen::Vector3d& place) const;
+
   // How far beyond a vertex points may be of its faces.
   double BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& place) const;
 
