@@ -375,6 +375,17 @@ double SigmaOf(const RegionPoints& data, const RegionFace& face) {
   return std::max(face.numbers.scale / data.unit, data.rounding);
 }
 
+// A tangent relation of shapes that have moved to where they can't touch.
+std::vector<FaceRelation>::const_iterator LostContact(const std::vector<FaceRelation>& relations,
+                                                      const std::vector<FittedSurface>& shapes) {
+  return std::find_if(relations.begin(), relations.end(), [&](const FaceRelation& one) {
+    return one.kind == RelationKind::kTangent &&
+           !ContactGap(
+               one.contact, shapes[std::size_t(one.first)], shapes[std::size_t(one.second)]);
+  });
+}
+
+// Ends early where a contact is lost.
 std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
                                         const std::vector<RegionFace>& faces,
                                         const std::vector<FaceRelation>& relations,
@@ -392,6 +403,7 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
   }
   if (relations.empty()) return shapes;
   for (int step = 0; step < kMostSteps; ++step) {
+    if (LostContact(relations, shapes) != relations.end()) break;
     std::vector<RelationGap> gaps;
     for (const FaceRelation& relation : relations) {
       gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)], relation.contact);
@@ -462,6 +474,10 @@ std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
                                        ThreadPool& pool) {
   for (;;) {
     std::vector<FittedSurface> shapes = SettledUnder(data, faces, relations, pool);
+    if (const auto lost = LostContact(relations, shapes); lost != relations.end()) {
+      relations.erase(lost);
+      continue;
+    }
     const auto worst = WorstOf(data, faces, shapes, relations);
     if (worst == relations.end()) return shapes;
     relations.erase(worst);

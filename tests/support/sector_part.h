@@ -25,7 +25,10 @@ class SectorPart {
   static Eigen::Vector3d Toe() { return {0, std::sin(kAngle), std::cos(kAngle)}; }
   static Eigen::Vector3d Step() { return {0, std::sin(kAngle), -std::cos(kAngle)}; }
   static Eigen::Vector3d Rise() { return {0, std::cos(kAngle), std::sin(kAngle)}; }
-  static Eigen::Vector3d RoundMiddle() { return {0, 16.11102, -1.54635}; }
+  static Eigen::Vector3d RoundMiddle() {
+    constexpr double kAt = 0.095689;  // radians
+    return (kDrum + kRound) * Eigen::Vector3d(0, std::cos(kAt), -std::sin(kAt));
+  }
 
   static TruthPart Part() {
     constexpr double kHalf = kTurn / 2, kQuarter = kTurn / 4;
