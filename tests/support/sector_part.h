@@ -32,7 +32,7 @@ class SectorPart {
 
   static TruthPart Part() {
     constexpr double kHalf = kTurn / 2, kQuarter = kTurn / 4;
-    TruthPart part{"sector with a stepped hole", {}, 0, 0, 0};
+    TruthPart part{"sector with a stepped hole", {}, 68, 45, 0};
     part.faces = {
         Bounded(FlatFace({0, 12, 0}, {0, 6, 0}, {kEnd, 0, 0})),
         Bounded(FlatFace(12 * Way(), {kEnd, 0, 0}, 6 * Way())),
