@@ -31,6 +31,18 @@ const WalkEnd* FadeAhead(const std::vector<WalkEnd>& ends,
   return nearest;
 }
 
+// How far along a step a place is passed, as a share of it, at most so far aside; none where it is
+// not.
+std::optional<double> Passed(const Eigen::Vector3d& here,
+                             const Eigen::Vector3d& step,
+                             const Eigen::Vector3d& place,
+                             double aside) {
+  const double along = (place - here).dot(step) / step.squaredNorm();
+  const double off = (place - here - along * step).norm();
+  if (!(along > 0 && along <= 1 && off <= aside)) return std::nullopt;
+  return along;
+}
+
 }  // namespace
 
 BorderWalk FollowBorder(const FaceMeets& meets,
@@ -65,26 +77,19 @@ BorderWalk FollowBorder(const FaceMeets& meets,
       break;
     }
     const Eigen::Vector3d ahead = *next - here;
-    // How far ahead a place is passed in this step; none where it is not.
-    const auto passed = [&](const Eigen::Vector3d& place, double least) -> std::optional<double> {
-      const double along = (place - here).dot(ahead) / ahead.squaredNorm();
-      const double off = (place - here - along * ahead).norm();
-      if (!(along > 0 && along <= 1 && off <= std::max(least, kPassed * step))) return std::nullopt;
-      return along;
-    };
     const bool left = walk.points.size() > 2;
     double first = std::numeric_limits<double>::infinity();
     for (const WalkEnd& end : ends) {
       if (end.vertex == start && !left) continue;
       // Vertices of several faces are within noise of each.
-      const auto along = passed(end.place, meets.same());
+      const auto along = Passed(here, ahead, end.place, std::max(meets.same(), kPassed * step));
       if (!along || !(*along < first)) continue;
       first = *along;
       walk.end = end.vertex;
       walk.way = turned;
     }
     if (walk.end >= 0) return walk;
-    if (start < 0 && left && passed(from, 0)) {
+    if (start < 0 && left && Passed(here, ahead, from, kPassed * step)) {
       walk.closed = true;
       return walk;
     }
