@@ -10,6 +10,7 @@ namespace batten::internal {
 FoundPlaces FindPlaces(const FaceMeets& meets) {
   FoundPlaces found;
   std::map<FacePair, std::pair<int, Eigen::AlignedBox3d>> smooth;  // links without a place
+  std::map<FacePair, std::pair<int, int>> reached;  // links whose points are at the place, by face
   const RegionPoints& data = meets.data();
   for (int k = 0; k < static_cast<int>(data.size()); ++k) {
     const int here = meets.LabelOf(k);
@@ -20,6 +21,10 @@ FoundPlaces FindPlaces(const FaceMeets& meets) {
       const Eigen::Vector3d middle = (data.points.col(k) + data.points.col(other)) / 2;
       if (const auto place = meets.PlaceIn(faces, middle)) {
         found.of[faces].push_back(*place);
+        const double reach = meets.BesideOf(faces, *place);
+        auto& [first, second] = reached[faces];
+        first += (data.points.col(here == faces.first ? k : other) - *place).norm() <= reach;
+        second += (data.points.col(here == faces.first ? other : k) - *place).norm() <= reach;
       } else if (meets.BothAt(faces, middle)) {
         auto& [count, where] = smooth[faces];
         ++count;
@@ -39,7 +44,11 @@ FoundPlaces FindPlaces(const FaceMeets& meets) {
                     ": points do not tell where";
     return found;
   }
-  std::erase_if(found.of, [](const auto& one) { return std::ssize(one.second) < kFewLinks; });
+  // Faces on two sides of a thin wall are neighbours, and their shapes may meet near it.
+  std::erase_if(found.of, [&](const auto& one) {
+    const auto [first, second] = reached.at(one.first);
+    return std::min(first, second) < kFewLinks;
+  });
   return found;
 }
 

@@ -101,6 +101,28 @@ void DropDoubles(FaceBorders& borders) {
   });
 }
 
+// Whether an edge that no places show goes: the way on of a border beyond its corner. It is alone at
+// an end, or faces are odd at both its ends with it and none without.
+bool DropBeyond(FaceBorders& borders) {
+  const auto odd = OddFaces(borders);
+  std::vector<int> edges_at(borders.vertices.size());
+  for (const BorderEdge& edge : borders.edges) {
+    for (const int vertex : {edge.start, edge.end}) {
+      if (vertex >= 0) ++edges_at[std::size_t(vertex)];
+    }
+  }
+  const auto beyond =
+      std::find_if(borders.edges.begin(), borders.edges.end(), [&](const BorderEdge& edge) {
+        if (edge.start < 0 || edge.start == edge.end || IsShown(edge)) return false;
+        const auto start = std::size_t(edge.start), end = std::size_t(edge.end);
+        const std::vector<int> own{edge.faces.first, edge.faces.second};
+        return edges_at[start] == 1 || edges_at[end] == 1 || (odd[start] == own && odd[end] == own);
+      });
+  if (beyond == borders.edges.end()) return false;
+  borders.edges.erase(beyond);
+  return true;
+}
+
 // A vertex at which a face is odd and of whose edges places show none is chance: it goes with
 // these.
 bool DropChance(FaceBorders& borders) {
@@ -158,6 +180,8 @@ bool DropOne(FaceBorders& borders) {
 
 void RepairBorders(const FaceMeets& meets, FaceBorders& borders) {
   DropDoubles(borders);
+  while (DropBeyond(borders)) {
+  }
   while (DropChance(borders)) {
   }
   while (AddOne(meets, borders)) {

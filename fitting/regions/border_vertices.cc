@@ -33,11 +33,26 @@ BorderVertices::BorderVertices(const FaceMeets& meets,
         for (auto c = std::next(b); c != near.end(); ++c) {
           if (Meet(*a, *b) + Meet(*b, *c) + Meet(*a, *c) < 2) continue;
           if (const auto place = meets_.Corner({*a, *b, *c}, meets_.data().points.col(k)))
-            Add(*place, {*a, *b, *c}, false);
+            Add(*place, WithTangent({*a, *b, *c}, near, *place), false);
         }
       }
     }
   }
+}
+
+std::vector<int> BorderVertices::WithTangent(std::vector<int> faces,
+                                             const std::vector<int>& near,
+                                             const Eigen::Vector3d& place) const {
+  const std::vector<int> corner = faces;
+  for (const int face : near) {
+    if (std::binary_search(corner.begin(), corner.end(), face)) continue;
+    const bool touches = std::any_of(corner.begin(), corner.end(), [&](int other) {
+      return meets_.SineAt(std::minmax(face, other), place) < kTangent;
+    });
+    if (touches && meets_.IsOn(face, place)) faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
 }
 
 std::vector<WalkEnd> BorderVertices::On(const FacePair& faces) const {
@@ -47,7 +62,11 @@ std::vector<WalkEnd> BorderVertices::On(const FacePair& faces) const {
     if (std::binary_search(of.begin(), of.end(), faces.first) &&
         std::binary_search(of.begin(), of.end(), faces.second)) {
       const double blur = meets_.BlurOf(of, place);
-      on.push_back({k, place, blur, ends_lost ? std::numeric_limits<double>::infinity() : blur});
+      on.push_back({k,
+                    place,
+                    blur,
+                    ends_lost ? std::numeric_limits<double>::infinity() : blur,
+                    meets_.SineAt(faces, place) < kTangent});
     }
   }
   return on;

@@ -40,6 +40,11 @@ class BorderVertices {
 
  private:
   bool Meet(int a, int b) const { return places_.contains(std::minmax(a, b)); }
+  // A corner's faces and those near it that pass it in the tangent plane of one of them: no three
+  // with these tell where it is.
+  std::vector<int> WithTangent(std::vector<int> faces,
+                               const std::vector<int>& near,
+                               const Eigen::Vector3d& place) const;
   bool EndAt(const LooseEnd& end);
   bool EndBoth(const LooseEnd& one, const LooseEnd& other);
   bool Add(const Eigen::Vector3d& place, const std::vector<int>& faces, bool ends_lost);

@@ -22,8 +22,9 @@ double FarFrom(const BorderPlaces& places, const Eigen::Vector3d& place);
 struct WalkEnd {
   int vertex = -1;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  double blur = 0;   // how far before and beyond it points may be of other faces
-  double reach = 0;  // how far from it a border that leads to it may have lost its points
+  double blur = 0;     // how far before and beyond it points may be of other faces
+  double reach = 0;    // how far from it a border that leads to it may have lost its points
+  bool fades = false;  // the two faces are near to tangent there
 };
 
 struct BorderWalk {
@@ -37,6 +38,8 @@ struct BorderWalk {
 // Along both shapes from a place on them until one of the ends; from a place that is no vertex
 // (`start` −1) until that place again, or from a vertex until any other, or itself once round.
 // Lost, with neither, where it has left the places behind and no end that reaches as far is ahead.
+// Where the faces fade into one another at an end, it is the last piece, along which noise hides
+// where they meet, that goes straight there.
 BorderWalk FollowBorder(const FaceMeets& meets,
                         const FacePair& faces,
                         const BorderPlaces& places,

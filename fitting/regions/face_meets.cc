@@ -12,14 +12,14 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kReach = 4;       // spacings: of a border from the points beside it
-constexpr double kTangent = 0.14;  // sine: faces that meet under less have no sure border
+constexpr double kReach = 4;  // spacings: of a border from the points beside it
 
 }  // namespace
 
 std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
                                        Eigen::Vector3d from,
-                                       double reach) {
+                                       double reach,
+                                       double least) {
   constexpr int kSteps = 30;
   constexpr double kSettled = 1e-14;
   const Eigen::Vector3d start = from;
@@ -37,7 +37,7 @@ std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& 
     const bool many = count > 3;
     const Eigen::MatrixXd angles =
         many ? normals.transpose() * normals : Eigen::MatrixXd(normals * normals.transpose());
-    if (!(std::sqrt(std::max(0.0, angles.determinant())) > kTangent)) return std::nullopt;
+    if (!(std::sqrt(std::max(0.0, angles.determinant())) > least)) return std::nullopt;
     const double far = off.norm();
     if (far <= kSettled || (far < 1e-11 && !(far < before / 2))) return from;
     before = far;
@@ -73,6 +73,11 @@ double FaceMeets::ReachOf(const FacePair& faces, const Eigen::Vector3d& near) co
     most = std::max(parted(near, here.along), parted(near, here.Across()));
   }
   return kReach * spacing() + std::min(kLargest, std::sqrt(same_ / most));
+}
+
+double FaceMeets::BesideOf(const FacePair& faces, const Eigen::Vector3d& place) const {
+  constexpr double kBeside = 1.5;  // spacings
+  return contacts_.contains(faces) ? ReachOf(faces, place) : kBeside * spacing();
 }
 
 double FaceMeets::BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& place) const {
@@ -117,12 +122,17 @@ bool FaceMeets::BothAt(const FacePair& faces, const Eigen::Vector3d& place) cons
          std::abs(Shape(faces.second).Distance(place)) <= near;
 }
 
-Eigen::Vector3d FaceMeets::TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const {
+Eigen::Vector3d FaceMeets::Across(const FacePair& faces, const Eigen::Vector3d& place) const {
   const auto shapes = Cutting(faces);
-  return shapes[0]
-      ->TouchingNear(place)
-      .normal.cross(shapes[1]->TouchingNear(place).normal)
-      .stableNormalized();
+  return shapes[0]->TouchingNear(place).normal.cross(shapes[1]->TouchingNear(place).normal);
+}
+
+double FaceMeets::SineAt(const FacePair& faces, const Eigen::Vector3d& place) const {
+  return Across(faces, place).norm();
+}
+
+Eigen::Vector3d FaceMeets::TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const {
+  return Across(faces, place).stableNormalized();
 }
 
 std::string FaceMeets::At(const Eigen::Vector3d& place) const {

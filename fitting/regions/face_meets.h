@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,11 +16,15 @@ namespace batten::internal {
 
 using FacePair = std::pair<int, int>;  // ascending
 
+inline constexpr double kTangent = 0.14;  // sine: faces that meet under less have no sure border
+
 // The place on all of two shapes or more nearest to `from`, by Gauss–Newton steps; none where they
-// do not settle on it within `reach`, or the shapes are near to tangent.
+// do not settle on it within `reach`, or the shapes are near to tangent: the sine of their angle,
+// of three the volume, is below `least`.
 std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
                                        Eigen::Vector3d from,
-                                       double reach);
+                                       double reach,
+                                       double least = kTangent);
 
 // The shapes of a part's faces, and which of them touch along a curve: `contacts` has its normals
 // (NormalsAlong). Places on shapes nearer to one another than `same`, which is noise, are one.
@@ -44,6 +49,9 @@ class FaceMeets {
   // other.
   double ReachOf(const FacePair& faces, const Eigen::Vector3d& near) const;
 
+  // How far from a place of the border the nearest points of its faces are.
+  double BesideOf(const FacePair& faces, const Eigen::Vector3d& place) const;
+
   // How far beyond a vertex points may be of its faces.
   double BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& place) const;
 
@@ -54,9 +62,17 @@ class FaceMeets {
                                         const Eigen::Vector3d& near,
                                         double at_most = 0) const;
 
+  // Whether the face's shape passes the place, as far as noise tells.
+  bool IsOn(int face, const Eigen::Vector3d& place) const {
+    return std::abs(Shape(face).Distance(place)) <= same_;
+  }
+
   // Whether both shapes pass a place between two of their points: those of two sides of a thin wall
   // do not.
   bool BothAt(const FacePair& faces, const Eigen::Vector3d& place) const;
+
+  // The sine of the angle under which the two faces meet.
+  double SineAt(const FacePair& faces, const Eigen::Vector3d& place) const;
 
   // The direction of the border.
   Eigen::Vector3d TangentAt(const FacePair& faces, const Eigen::Vector3d& place) const;
@@ -65,6 +81,9 @@ class FaceMeets {
   std::string At(const Eigen::Vector3d& place) const;
 
  private:
+  // The cross product of their normals.
+  Eigen::Vector3d Across(const FacePair& faces, const Eigen::Vector3d& place) const;
+
   const FittedSurface& Shape(int face) const { return labels_.regions[std::size_t(face)].shape; }
 
   const RegionPoints& data_;

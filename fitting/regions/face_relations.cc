@@ -371,6 +371,21 @@ std::vector<FaceRelation> FindRelations(const RegionPoints& data,
 
 namespace {
 
+double SigmaOf(const RegionPoints& data, const RegionFace& face) {
+  return std::max(face.numbers.scale / data.unit, data.rounding);
+}
+
+// A tangent relation of shapes that have moved to where they can't touch.
+std::vector<FaceRelation>::const_iterator LostContact(const std::vector<FaceRelation>& relations,
+                                                      const std::vector<FittedSurface>& shapes) {
+  return std::find_if(relations.begin(), relations.end(), [&](const FaceRelation& one) {
+    return one.kind == RelationKind::kTangent &&
+           !ContactGap(
+               one.contact, shapes[std::size_t(one.first)], shapes[std::size_t(one.second)]);
+  });
+}
+
+// Ends early where a contact is lost.
 std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
                                         const std::vector<RegionFace>& faces,
                                         const std::vector<FaceRelation>& relations,
@@ -383,11 +398,12 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
   for (const RegionFace& face : faces) {
     shapes.push_back(face.shape);
     cores.push_back(CoreOf(data, face));
-    const double sigma = std::max(face.numbers.scale / data.unit, data.rounding);
+    const double sigma = SigmaOf(data, face);
     variances.push_back(sigma * sigma);
   }
   if (relations.empty()) return shapes;
   for (int step = 0; step < kMostSteps; ++step) {
+    if (LostContact(relations, shapes) != relations.end()) break;
     std::vector<RelationGap> gaps;
     for (const FaceRelation& relation : relations) {
       gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)], relation.contact);
@@ -411,7 +427,7 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
 
 // Σ d²/σ² over the points of a face's core, each no farther off than what counts.
 double CostOf(const RegionPoints& data, const RegionFace& face, const FittedSurface& shape) {
-  const double sigma = std::max(face.numbers.scale / data.unit, data.rounding);
+  const double sigma = SigmaOf(data, face);
   double cost = 0;
   for (const int point : face.core) {
     const double off = std::min(kFarOff, std::abs(shape.Distance(data.points.col(point))) / sigma);
@@ -429,8 +445,11 @@ std::vector<FaceRelation>::iterator WorstOf(const RegionPoints& data,
   constexpr double kMostCost = 35.89;  // of five dimensions
   std::vector<double> allowed(faces.size());
   for (const FaceRelation& relation : relations) {
-    allowed[std::size_t(relation.first)] += kMostCost;
-    allowed[std::size_t(relation.second)] += kMostCost;
+    for (const int k : {relation.first, relation.second}) {
+      const RegionFace& face = faces[std::size_t(k)];
+      const double moves = relation.moves / SigmaOf(data, face);
+      allowed[std::size_t(k)] += kMostCost + double(face.core.size()) * moves * moves;
+    }
   }
   const auto left = [&](int face) {
     const auto k = std::size_t(face);
@@ -439,7 +458,7 @@ std::vector<FaceRelation>::iterator WorstOf(const RegionPoints& data,
   };
   auto worst = relations.end();
   for (auto one = relations.begin(); one != relations.end(); ++one) {
-    if (!left(one->first) && !left(one->second)) continue;
+    if (one->moves > 0 || (!left(one->first) && !left(one->second))) continue;
     if (worst == relations.end() ||
         one->deviation * worst->allowed > worst->deviation * one->allowed)
       worst = one;
@@ -455,6 +474,10 @@ std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
                                        ThreadPool& pool) {
   for (;;) {
     std::vector<FittedSurface> shapes = SettledUnder(data, faces, relations, pool);
+    if (const auto lost = LostContact(relations, shapes); lost != relations.end()) {
+      relations.erase(lost);
+      continue;
+    }
     const auto worst = WorstOf(data, faces, shapes, relations);
     if (worst == relations.end()) return shapes;
     relations.erase(worst);

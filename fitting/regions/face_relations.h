@@ -24,6 +24,7 @@ struct FaceRelation {
   double deviation = 0;        // radians, or a length in units of RegionPoints
   double allowed = 0;          // the greatest that one case in a thousand of chance explains
   SmoothContact contact = {};  // of tangent ones
+  double moves = 0;  // how far faces may leave their points for it, where they do not close without
 };
 
 // Two faces whose shapes have nearly the same normals where they are neighbours.
@@ -49,7 +50,8 @@ std::vector<FaceRelation> FindRelations(const RegionPoints& data,
 // The shapes of least Σ (d/σ)² over all faces' core points under the relations, exactly: Gauss–
 // Newton steps over all freedoms with multipliers. [Fletcher 1987, §10] O(relations³) a step. Where
 // faces leave their points by more than chance explains of all their relations, not all of these
-// hold together: the least likely are taken out, one after the other.
+// hold together: the least likely are taken out, one after the other, as are tangent ones of shapes
+// that come to where they can't touch.
 std::vector<FittedSurface> ShapesUnder(const RegionPoints& data,
                                        const std::vector<RegionFace>& faces,
                                        std::vector<FaceRelation>& relations,

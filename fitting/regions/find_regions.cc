@@ -98,16 +98,30 @@ bool GrowNarrow(RegionPoints& data,
   bool found = false;
   std::vector<Region> before = TakeNarrow(data, labels);
   const std::vector<int> left = LeftBeside(data, labels.label);
+  std::vector<int> taken = labels.label;  // those of narrow regions too
+  for (const Region& region : before) {
+    for (const int point : region.points) taken[std::size_t(point)] = 0;
+  }
   if (std::ssize(left) >= kFewestPoints) {
     const RegionPoints part = PartOf(data, left, pool);
     std::vector<Region> grown = GrowRegions(part, sigma, kFewestPoints, progress, pool).regions;
     for (Region& region : grown) {
       for (int& point : region.points) point = left[std::size_t(point)];
     }
-    for (Region& region : NarrowOf(data, labels.label, std::move(grown))) {
-      Append(std::move(region), labels);
-      found = true;
-    }
+    const auto take = [&](std::vector<Region> narrow) {
+      for (Region& region : narrow) Append(std::move(region), labels);
+      found = found || !narrow.empty();
+    };
+    take(NarrowOf(data, labels.label, grown));
+    // What nothing explained before may lie among the narrow ones.
+    std::erase_if(grown, [&](const Region& region) {
+      const auto old = std::count_if(region.points.begin(), region.points.end(), [&](int point) {
+        return taken[std::size_t(point)] != kNoRegion;
+      });
+      return labels.label[std::size_t(region.points[0])] != kNoRegion ||
+             2 * old >= std::ssize(region.points);
+    });
+    take(NarrowOf(data, taken, std::move(grown)));
     for (std::size_t k = 0; k < left.size(); ++k) {
       if (labels.label[std::size_t(left[k])] == kNoRegion) continue;
       data.normals.col(left[k]) = part.normals.col(Eigen::Index(k));

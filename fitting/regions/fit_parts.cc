@@ -25,6 +25,7 @@
 #include "fitting/regions/free_pieces.h"
 #include "fitting/regions/region_face.h"
 #include "fitting/regions/settle_regions.h"
+#include "fitting/regions/turned_joins.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -150,9 +151,12 @@ class PartFitter {
   void Relate() {
     std::vector<int> all(shapes_.size());
     std::iota(all.begin(), all.end(), 0);
-    relations_ = FindRelations(data_, shapes_, SmoothJoins(data_, LabelsOf(all)), pool_);
+    const std::vector<FaceJoin> joins = SmoothJoins(data_, LabelsOf(all));
+    relations_ = FindRelations(data_, shapes_, joins, pool_);
     if (!options_.regularise) return;
-    const std::vector<FittedSurface> related = ShapesUnder(data_, shapes_, relations_, pool_);
+    std::vector<FittedSurface> related = ShapesUnder(data_, shapes_, relations_, pool_);
+    if (TurnBeside(data_, joins, found_.sigma, related, shapes_, relations_))
+      related = ShapesUnder(data_, shapes_, relations_, pool_);
     for (std::size_t k = 0; k < shapes_.size(); ++k)
       TakeShape(data_, related[k], move_, shapes_[k]);
   }

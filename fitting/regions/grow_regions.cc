@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/regions/grow_regions.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -17,9 +17,33 @@ namespace {
 constexpr double kMostSamples = 20000;  // of a face; a thousandth of it is some twenty
 constexpr int kPieces = 32;             // of an edge: of a whole circle off by half a percent
 
-// The pieces of a face's loops, in their direction.
+// The natural normal of a carrier near a place.
+struct NaturalNormal {
+  Eigen::Vector3d place;
+
+  Eigen::Vector3d operator()(const PlaneShape& s) const { return s.normal; }
+  Eigen::Vector3d operator()(const SphereShape& s) const { return (place - s.center).normalized(); }
+  Eigen::Vector3d operator()(const CylinderShape& s) const { return Out(s.point, s.axis); }
+  Eigen::Vector3d operator()(const ConeShape& s) const {
+    return std::cos(s.half_angle) * Out(s.apex, s.axis) - std::sin(s.half_angle) * s.axis;
+  }
+  Eigen::Vector3d operator()(const TorusShape& s) const {
+    return (place - s.center - s.major_radius * Out(s.center, s.axis)).normalized();
+  }
+  template <typename Other>
+  Eigen::Vector3d operator()(const Other&) const {
+    return Eigen::Vector3d::Zero();  // of no face
+  }
+
+  Eigen::Vector3d Out(const Eigen::Vector3d& foot, const Eigen::Vector3d& axis) const {
+    const Eigen::Vector3d from = place - foot;
+    return (from - from.dot(axis) * axis).normalized();
+  }
+};
+
+// The pieces of a face's loops, in their direction, with what is left of them along the face.
 struct LoopPiece {
-  Eigen::Vector3d from, way;
+  Eigen::Vector3d from, way, left;
 };
 
 std::vector<LoopPiece> PiecesOf(const TrimmedSolid& solid, const TrimmedSolidFace& face) {
@@ -34,7 +58,9 @@ std::vector<LoopPiece> PiecesOf(const TrimmedSolid& solid, const TrimmedSolidFac
       for (int k = 1; k <= count; ++k) {
         const double along = double(coedge.reversed ? count - k : k) / count;
         const Eigen::Vector3d next = edge.curve.At(begin + along * (end - begin));
-        pieces.push_back({last, next - last});
+        const Eigen::Vector3d normal = std::visit(NaturalNormal{(last + next) / 2}, face.carrier);
+        pieces.push_back(
+            {last, next - last, (face.reversed ? -1 : 1) * normal.cross(next - last).normalized()});
         last = next;
       }
     }
@@ -43,9 +69,7 @@ std::vector<LoopPiece> PiecesOf(const TrimmedSolid& solid, const TrimmedSolidFac
 }
 
 // Of pieces that share the nearest corner the one that is seen most squarely decides.
-bool OnTheLeft(const std::vector<LoopPiece>& pieces,
-               const Eigen::Vector3d& place,
-               const Eigen::Vector3d& outward) {
+bool OnTheLeft(const std::vector<LoopPiece>& pieces, const Eigen::Vector3d& place) {
   double least = std::numeric_limits<double>::infinity(), side = 1;
   for (const LoopPiece& piece : pieces) {
     const double length = piece.way.squaredNorm();
@@ -53,7 +77,7 @@ bool OnTheLeft(const std::vector<LoopPiece>& pieces,
     const double along = std::clamp((place - piece.from).dot(piece.way) / length, 0.0, 1.0);
     const Eigen::Vector3d off = place - piece.from - along * piece.way;
     const double far = off.squaredNorm();
-    const double left = outward.cross(piece.way).dot(off) / std::sqrt(length);
+    const double left = piece.left.dot(off);
     constexpr double kSame = 1e-9;
     const bool tie = far <= (1 + kSame) * least && std::abs(left) > std::abs(side);
     if (!(far < (1 - kSame) * least) && !tie) continue;
@@ -185,7 +209,7 @@ class FaceSampler {
 
   void Add(const Eigen::Vector3d& place, const Eigen::Vector3d& natural, double area) {
     const Eigen::Vector3d outward = face_.reversed ? Eigen::Vector3d(-natural) : natural;
-    if (!pieces_.empty() && !OnTheLeft(pieces_, place, outward)) return;
+    if (!pieces_.empty() && !OnTheLeft(pieces_, place)) return;
     samples_.push_back({place, outward, area, number_});
   }
 

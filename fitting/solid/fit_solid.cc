@@ -259,6 +259,9 @@ class SolidFitter {
     report.geometry.degree = {3, 3};
     report.geometry.control_points = {static_cast<int>(surface.control_points.cols())};
     report.geometry.closed = {true, true};
+    const SolidAudit& audit = fit_.audit;
+    report.geometry.creases = {
+        audit.sharp_edges, audit.sharp_length, audit.least_sharp, audit.greatest_sharp};
     report.iterations = surface.rounds;
     report.threads = pool_.threads();
     const bool kept = report.error.out_of_tolerance == 0;

@@ -127,6 +127,13 @@ Json Shape(const GeometrySummary& geometry, const std::string& file) {
                {"trims", geometry.trims},
                {"file", file}};
   if (!geometry.poles.empty()) json["poles"] = geometry.poles;
+  if (geometry.creases) {
+    const CreaseSummary& creases = *geometry.creases;
+    json["creases"] = {{"edges", creases.edges},
+                       {"length", Number(creases.length)},
+                       {"least_angle", Number(creases.least_angle)},
+                       {"greatest_angle", Number(creases.greatest_angle)}};
+  }
   if (!geometry.base_why.empty()) {
     json["base_why"] = geometry.base_why;
     json["distortion"] = Number(geometry.distortion);

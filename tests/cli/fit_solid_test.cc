@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "batten/io/polygon_reader.h"
 #include "body_clouds.h"
 #include "test_clouds.h"
+#include "tolerances.h"
 
 namespace batten::internal::fit_solid_command_test {
 
@@ -81,7 +84,8 @@ TEST(FitSolidCommandTest, KeepsTheSharpEdgesOfAMesh) {
   std::vector<std::string> command = {
       "fit", "solid", folder.File("box.obj"), "-o", folder.File("box.step"), "--kind", "organic"};
   const ProgramRun made = Batten(command);
-  command.insert(command.end(), {"--quads", folder.File("layout.obj")});
+  command.insert(command.end(),
+                 {"--quads", folder.File("layout.obj"), "--report", folder.File("report.json")});
   const ProgramRun given = Batten(command);
   for (const ProgramRun& run : {made, given}) {
     EXPECT_EQ(run.code, 0) << run.err;
@@ -89,6 +93,11 @@ TEST(FitSolidCommandTest, KeepsTheSharpEdgesOfAMesh) {
     EXPECT_THAT(run.err, HasSubstr("volume 8, area 24"));
     EXPECT_THAT(run.err, HasSubstr("over 12 sharp edges of length 24 at 90° to 90°"));
   }
+  const Json creases = Json::parse(folder.Text("report.json"))["geometry"]["creases"];
+  EXPECT_EQ(creases["edges"], 12);
+  EXPECT_NEAR(creases["length"].get<double>(), 24, kHalfDigits);
+  for (const char* angle : {"least_angle", "greatest_angle"})
+    EXPECT_NEAR(creases[angle].get<double>(), std::numbers::pi / 2, kHalfDigits);
 }
 
 TEST(FitSolidCommandTest, WritesWatertightTriangles) {

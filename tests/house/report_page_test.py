@@ -17,6 +17,7 @@ RUNS = (
     "fit curve rows.csv -o d.json --parameterization given --columns u=1,x=2,y=3 --control-points 6",
     "compare two.json cloud.xyz --tolerance 1 --certify --align best --profile 1",
     "fit surface {data}/panel.ply -o e.stl --uncertainty --certify",
+    "fit solid box.obj -o g.step --faces 24",
 )
 
 
@@ -38,6 +39,19 @@ def rows(text):
     return {n for line in re.findall(r"^\| (`[^|]*) \|", text, re.M) for n in names(line)}
 
 
+def box(n):
+    """A cube of n × n squares a side."""
+    places, faces = {}, []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    square = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)][::1 if side else -1]
+                    corners = [((side, u, v) * 2)[3 - axis : 6 - axis] for u, v in square]
+                    faces.append([places.setdefault(corner, len(places) + 1) for corner in corners])
+    return "".join(f"v {x} {y} {z}\n" for x, y, z in places) + "".join(f"f {a} {b} {c} {d}\n" for a, b, c, d in faces)
+
+
 def reports(folder):
     def run(line):
         done = subprocess.run([batten, *line.format(data=os.path.join(root, "data")).split(), "--quiet"], cwd=folder,
@@ -55,6 +69,8 @@ def reports(folder):
             both["shape"]["data"] += json.load(f)["shape"]["data"]
     with open(os.path.join(folder, "two.json"), "w", encoding="utf-8") as f:
         json.dump(both, f)
+    with open(os.path.join(folder, "box.obj"), "w", encoding="utf-8") as f:
+        f.write(box(4))
     with open(os.path.join(folder, "rows.csv"), "w", encoding="utf-8") as f:
         f.writelines(f"{u / 50},{u},{(u - 25) ** 2 / 50}\n" for u in range(51))
     return [json.loads(run(line + " --json")) for line in RUNS]

@@ -116,6 +116,13 @@ struct PrimitiveSummary {
   std::string Words() const;
 };
 
+// The sharp edges of a solid of smooth faces.
+struct CreaseSummary {
+  int edges = 0;
+  double length = 0;                           // of all of them
+  double least_angle = 0, greatest_angle = 0;  // of normals across them in their middles, radians
+};
+
 struct GeometrySummary {
   std::string kind;  // "surface" or "curve"
   std::string base;  // "plane", "sheet", …; empty in comparisons
@@ -132,6 +139,7 @@ struct GeometrySummary {
   // A plane base's axes u and v and its normal, as columns
   std::optional<Eigen::Matrix3d> base_axes = std::nullopt;
   std::vector<bool> poles = {};  // whether the edges v = low and v = high are poles
+  std::optional<CreaseSummary> creases = std::nullopt;  // of a solid over a layout
 };
 
 // A parameterization that was considered for a surface.

@@ -276,6 +276,13 @@ function primitiveRows(primitive, data) {
   return rows;
 }
 
+function creasesText(creases, data) {
+  if (creases.edges === 0) return "none";
+  const degrees = (angle) => significant(angle * 180 / Math.PI, 3) + "\u00b0";
+  return count(creases.edges) + " of length " + plain(creases.length) + kNarrowSpace + data.unit + ", at " +
+    degrees(creases.least_angle) + " to " + degrees(creases.greatest_angle);
+}
+
 function geometryTable(data) {
   const g = data.report.geometry;
   if (!g) return null;
@@ -292,6 +299,7 @@ function geometryTable(data) {
     ["control points", netText(data)],
     ["closed", yesNo(g.closed)],
     g.kind === "surface" ? ["trim loops", count(g.trims || 0)] : null,
+    g.creases ? ["sharp edges", creasesText(g.creases, data)] : null,
     (g.poles || []).some(Boolean) ? ["ends are poles", yesNo(g.poles)] : null,
   ]);
 }

@@ -15,6 +15,7 @@
 #include "batten/fitting/refused_data.h"
 #include "part_clouds.h"
 #include "refusal.h"
+#include "sector_part.h"
 #include "tolerances.h"
 
 namespace batten::internal {
@@ -338,6 +339,35 @@ TEST(FitPartsTest, NarrowFacesBesideLargerOnesAreFoundAndClose) {
       EXPECT_EQ(fit.genus, 0);
     }
   }
+}
+
+// Ten planes, eight cylinders, five tori, a cone and a sphere. Where the edge below the step fades
+// out, three faces have one tangent plane; a wall is thinner than two spacings.
+TEST(FitPartsTest, ASectorWhoseEdgesFadeOutIsASolidOfItsTwentyFiveFaces) {
+  const TruthPart part = SectorPart::Part();
+  ASSERT_EQ(part.faces.size(), 25u);
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  const PartCloud cloud = SampledPart(part, 3 * kPoints, 0, 7);
+  const PartsFit fit = Fitted(cloud, options);
+  ASSERT_EQ(fit.faces.size(), part.faces.size());
+  const std::vector<int> truth = TruthOf(fit, cloud);
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    EXPECT_EQ(fit.summary.faces[k].kind, NameOf(part.faces[std::size_t(truth[k])].shape));
+  }
+  ASSERT_TRUE(fit.solid) << fit.no_solid;
+  EXPECT_EQ(std::ssize(fit.solid->edges), part.edges);
+  EXPECT_EQ(fit.solid->vertices.cols(), part.vertices);
+  EXPECT_EQ(fit.genus, 0);
+  EXPECT_LT(fit.report.error.max, kIterated * SectorPart::kEnd);
+}
+
+// At other places contacts are lost while relations are settled.
+TEST(FitPartsTest, ContactsThatAreLostAreSaidAndNotThrown) {
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  const PartsFit fit = Fitted(SampledPart(SectorPart::Part(), 2 * kPoints, 0, 7), options);
+  EXPECT_TRUE(fit.solid || fit.no_solid.find("meet smoothly") != std::string::npos) << fit.no_solid;
 }
 
 TEST(FitPartsTest, TheSolidOfSmoothlyJoinedFacesIsRefusedWithTheirPlace) {

@@ -43,6 +43,42 @@ TEST(SolidSamplesTest, TheirFluxIsTheVolumeOfTheSolid) {
   }
 }
 
+// A square of two straight and two round sides, of a ring a thousand times its area.
+TEST(SolidSamplesTest, TheFarSideOfALargeRoundFaceIsNotOfASmallPiece) {
+  constexpr double kMajor = 18, kMinor = 2.5, kTurn = 0.1, kTube = 0.8;
+  const TorusShape torus{{0, 0, 0}, {0, 0, 1}, kMajor, kMinor};
+  const auto place = [](double round, double tube) -> Eigen::Vector3d {
+    const double r = kMajor + kMinor * std::cos(tube);
+    return {r * std::cos(round), r * std::sin(round), kMinor * std::sin(tube)};
+  };
+  TrimmedSolid solid;
+  solid.vertices.resize(3, 4);
+  solid.vertices << place(0, 0), place(kTurn, 0), place(kTurn, kTube), place(0, kTube);
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const auto round = [&](double tube) {
+    return ExactArc{Frame({0, 0, kMinor * std::sin(tube)}, z, Eigen::Vector3d::UnitX()),
+                    kMajor + kMinor * std::cos(tube),
+                    {0, kTurn}};
+  };
+  const auto across = [&](double turn) {
+    const Eigen::Vector3d out(std::cos(turn), std::sin(turn), 0);
+    return ExactArc{Frame(kMajor * out, out.cross(z), out), kMinor, {0, kTube}};
+  };
+  const std::vector<ExactArc> arcs{round(0), across(kTurn), round(kTube), across(0)};
+  TrimmedSolidFace face{torus, false, {{{0, false}, {1, false}, {2, true}, {3, true}}}};
+  const int ends[4][2] = {{0, 1}, {1, 2}, {3, 2}, {0, 3}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    solid.edges.push_back(
+        {MakeArc(arcs[k].frame, arcs[k].radius, arcs[k].angles), arcs[k], ends[k][0], ends[k][1]});
+  }
+  solid.faces = {face};
+  double area = 0;
+  for (const SolidSample& sample : SampledSolid(solid, 0.05)) area += sample.area;
+  const double truth = kTurn * kMinor * (kMajor * kTube + kMinor * std::sin(kTube));
+  // Cells are as coarse as twenty thousand on the whole ring make them: some fifty are inside.
+  EXPECT_NEAR(area, truth, 0.2 * truth);
+}
+
 TEST(SolidSamplesTest, WhatNoPointShowsIsInvented) {
   const Eigen::Matrix3Xd ball = SpherePoints(kPoints, 0.001);
   for (const double height : {-1.5, -0.9, -0.5, 0.0, 0.5}) {
