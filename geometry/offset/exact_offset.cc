@@ -8,6 +8,7 @@
 
 #include "batten/geometry/classify_shape.h"
 #include "batten/geometry/exact_shape.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -31,6 +32,18 @@ NurbsSurface WithNet(const NurbsSurface& surface, Eigen::Matrix3Xd points) {
   return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(points), surface.weights());
 }
 
+// Whether a spindle's tube passes the axis, beyond which S_u × S_v looks to the tube's other side.
+bool PassesAxis(const ExactTorus& torus) {
+  if (!(torus.minor > torus.major)) return false;
+  constexpr double kRounding = 1e-12;  // radians
+  const double at_axis = std::acos(-torus.major / torus.minor), start = torus.tube.start;
+  const auto inside = [&](double angle) {
+    const double first = angle + kTurn * std::ceil((start + kRounding - angle) / kTurn);
+    return first < start + torus.tube.sweep - kRounding;
+  };
+  return inside(at_axis) || inside(-at_axis);
+}
+
 // The cone's radii grow by d cos α and its heights by −d sin α, tan α the slope of the radius: its
 // outward normal is (cos α, −sin α).
 std::optional<NurbsSurface> MadeAgain(ExactSurface shape,
@@ -51,9 +64,16 @@ std::optional<NurbsSurface> MadeAgain(ExactSurface shape,
     return ToNurbs(shape);
   }
   if (ExactTorus* torus = std::get_if<ExactTorus>(&shape)) {
+    if (PassesAxis(*torus)) return std::nullopt;
     const Eigen::Vector3d offset = place.point - torus->frame.origin();
     const Eigen::Vector3d flat = offset - offset.dot(torus->frame.axis()) * torus->frame.axis();
-    const Eigen::Vector3d spoke = offset - torus->major * flat.normalized();
+    const Eigen::Vector3d middle = torus->major * flat.normalized();
+    const auto off = [&](const Eigen::Vector3d& spoke) {
+      return std::abs(spoke.norm() - torus->minor);
+    };
+    // On the inner arc of a spindle the middle of the tube is across the axis.
+    Eigen::Vector3d spoke = offset - middle;
+    if (off(offset + middle) < off(spoke)) spoke = offset + middle;
     torus->minor += std::copysign(distance, distance * place.normal.dot(spoke));
     if (!(torus->minor > 0)) return std::nullopt;
     return ToNurbs(shape);

@@ -3,11 +3,13 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/offset_surface.h"
+#include "geometry/offset/exact_offset.h"
 #include "nasty_surfaces.h"
 #include "random_splines.h"
 #include "tolerances.h"
@@ -54,6 +56,25 @@ TEST(OffsetSurfaceTest, AnalyticShapesStayWhatTheyAre) {
       EXPECT_EQ(offset.surface.weights(), shape.weights());
       EXPECT_LE(FarthestFromExact(shape, offset.surface, d, 60), 10 * kRounding);
     }
+  }
+}
+
+// Each arc of a spindle by itself; together they have two normals where they meet, and no offset of
+// one radius.
+TEST(OffsetSurfaceTest, TheArcsOfASpindleMoveAlongTheirOwnNormals) {
+  constexpr double kPi = std::numbers::pi;
+  for (const double major : {0.2, 0.8}) {
+    const double axis = std::acos(major);
+    for (const AngleRange& tube : {AngleRange{kPi - 0.6 * axis, 1.2 * axis},
+                                   AngleRange{-0.8 * (kPi - axis), 1.6 * (kPi - axis)}}) {
+      const NurbsSurface shape = MakeTorus({}, major, 1, {}, tube);
+      for (const double d : {0.05, -0.05}) {
+        const SurfaceOffset offset = OffsetSurface(shape, d);
+        EXPECT_TRUE(offset.exact);
+        EXPECT_LE(FarthestFromExact(shape, offset.surface, d, 60), 10 * kRounding);
+      }
+    }
+    EXPECT_FALSE(ExactSurfaceOffset(MakeTorus({}, major, 1, {}, {kPi / 2, kPi}), 0.05));
   }
 }
 
