@@ -54,7 +54,8 @@ class ArcParameter {
   Eigen::Vector2d At(double parameter) const {
     const int piece = std::min(static_cast<int>(parameter * pieces_), pieces_ - 1);
     const double half = (2 * (parameter * pieces_ - piece) - 1) * widest_;  // tan(φ/2)
-    const double cosine = (1 - half * half) / (1 + half * half), sine = 2 * half / (1 + half * half);
+    const double cosine = (1 - half * half) / (1 + half * half),
+                 sine = 2 * half / (1 + half * half);
     const Direction& middle = middles_[static_cast<size_t>(piece)];
     return {middle.cosine * cosine - middle.sine * sine,
             middle.sine * cosine + middle.cosine * sine};

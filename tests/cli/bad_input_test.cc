@@ -184,7 +184,8 @@ TEST_F(BadInputTest, APointIsNoBody) {
   for (const size_t count : {1, 500}) {
     const std::string path =
         folder_.With("point.xyz", ToText(std::vector<Row>(count, Row{1, 2, 3})));
-    ExpectRefused({"fit", "solid", path, "-o", folder_.File("out.step")}, 1, {path, "at one place"});
+    ExpectRefused(
+        {"fit", "solid", path, "-o", folder_.File("out.step")}, 1, {path, "at one place"});
   }
 }
 

@@ -19,8 +19,7 @@ namespace batten::internal::surface_foot_points_test {
 
 Eigen::Vector3d At(const ExactTorus& torus, double round, double tube) {
   const double out = torus.major + torus.minor * std::cos(tube);
-  return torus.frame.At(
-      out * std::cos(round), out * std::sin(round), torus.minor * std::sin(tube));
+  return torus.frame.At(out * std::cos(round), out * std::sin(round), torus.minor * std::sin(tube));
 }
 
 // Places of the whole patch, edges too.
@@ -99,10 +98,13 @@ TEST(SurfaceFootPointsTest, OfAFittedSpindleAreOnTheArcOfThePoints) {
     torus.major = torus.minor * random.Real(0.3, 0.8);
     const double axis = std::acos(torus.major / torus.minor), pi = std::numbers::pi;
     torus.round = {0, kTurn};
-    torus.tube = trial % 2 == 0 ? AngleRange{pi - axis, 2 * axis} : AngleRange{axis - pi, 2 * (pi - axis)};
+    torus.tube =
+        trial % 2 == 0 ? AngleRange{pi - axis, 2 * axis} : AngleRange{axis - pi, 2 * (pi - axis)};
     Eigen::Matrix3Xd points(3, 800);
     for (auto p : points.colwise()) {
-      p = At(torus, random.Real(0, kTurn), torus.tube.start + random.Real(0.1, 0.9) * torus.tube.sweep) +
+      p = At(torus,
+             random.Real(0, kTurn),
+             torus.tube.start + random.Real(0.1, 0.9) * torus.tube.sweep) +
           random.Vector(1e-3);
     }
     const PrimitiveFit fit = FitPrimitive(Cloud(points, false), Options(PrimitiveKind::kTorus));
