@@ -134,9 +134,9 @@ void CheckDistinct(const std::vector<std::string>& outputs,
   for (const std::string& path : outputs) {
     if (path.empty()) continue;
     if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
-    std::error_code unknown;  // what can't be looked at is told when it is written
-    const auto whole = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
-    const std::string name = path == "-" || unknown ? path : whole.string();
+    const std::string name =
+        path == "-" ? path
+                    : std::filesystem::weakly_canonical(std::filesystem::absolute(path)).string();
     if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
     for (const std::string& input : inputs) {
       std::error_code other;  // what can't be looked at is another file

@@ -180,12 +180,6 @@ TEST_F(BadInputTest, AnOriginFromWhichNoDigitsAreLeftIsRefused) {
   EXPECT_EQ(near.code, 0) << near.err;
 }
 
-TEST_F(BadInputTest, ANameTooLongForTheSystemIsToldAsAnyOther) {
-  const std::string path = folder_.With("cloud.xyz", ToText(WavySheet(200)));
-  const std::string name = folder_.File(std::string(300, 'x') + ".json");
-  ExpectRefused({"fit", "surface", path, "-o", name}, 1, {"x.json: can't be written: File name"});
-}
-
 TEST_F(BadInputTest, APointIsNoBody) {
   for (const size_t count : {1, 500}) {
     const std::string path =
