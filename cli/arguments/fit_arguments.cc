@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -346,7 +347,24 @@ const PointCloud& FitFiles::Read(bool parameters) {
   file_ = ReadCloud(a_.clouds, read);
   read_seconds_ = Seconds();
   if (cleaning_.statistical) Clean(*cleaning_.statistical);
+  RefuseFarOrigin();
   return file_.cloud;
+}
+
+void FitFiles::RefuseFarOrigin() const {
+  if (!shift_ || shift_->isZero(0)) return;
+  constexpr double kShare = 1e-6;  // of the cloud's size: what rounding must not move points by
+  const auto& points = file_.cloud.points();
+  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const double far = (file_.cloud.World(0) - *shift_).cwiseAbs().maxCoeff();
+  const double apart = std::numeric_limits<double>::epsilon() * far;
+  if (!(size > 0) || apart <= kShare * size) return;
+  Refuse(fmt::format(
+      "--origin {} is so far from the points that their coordinates there are {:.1g} apart at "
+      "least, of a cloud {:.3g} in size: choose one nearer to them, or --origin local",
+      a_.origin,
+      apart,
+      size));
 }
 
 CloudFileSource FitFiles::Source() {

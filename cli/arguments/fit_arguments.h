@@ -197,6 +197,7 @@ class FitFiles {
  private:
   double Seconds() const;  // since construction
   void Clean(const StatisticalRemoval& how);
+  void RefuseFarOrigin() const;  // from which coordinates keep too few digits
 
   // The geometry or, where OUT is one, its mesh, of which it returns the words; what is proved of
   // the mesh goes to `certified`, where there is one.

@@ -160,6 +160,7 @@ void RefuseTinyBody(const FitFiles& files, const PointCloud& cloud) {
   const double size =
       (cloud.points().rowwise().maxCoeff() - cloud.points().rowwise().minCoeff()).norm();
   constexpr double kLeast = 1e-4;
+  if (!(size > 0)) files.Refuse("all points are at one place: a body has points all round it");
   if (size < kLeast) {
     files.Refuse(fmt::format(
         "the body measures {:g}, and readers of STEP take points within 1e-7 for one: use a "

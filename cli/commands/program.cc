@@ -123,17 +123,25 @@ std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
   return flag ? ExplainFlag(app, extra.substr(0, extra.find('='))) : ExplainWord(app, extra);
 }
 
+// The parser's words for a flag with too many or too few values.
+std::string ExplainCount(const std::string& words) {
+  const std::string flag = words.substr(0, words.find(':'));
+  if (words.find(": At Most 1 ") != std::string::npos) return flag + " is given more than once";
+  return words.ends_with(" missing") ? flag + " needs a value" : words;
+}
+
 // Why the command line can't be used, in one sentence.
 std::string Explain(const CLI::App& app, const CLI::ParseError& error) {
   // A word nobody knows is the better explanation where there is one.
-  const std::vector<std::string> extras = app.remaining(true);
+  std::vector<std::string> extras = app.remaining(true);
+  std::erase(extras, "--");  // files follow: no word of its own
   if (!extras.empty()) return ExplainExtra(app, extras.front());
   const std::vector<std::string> commands = CommandNames(*Deepest(app));
   if (!commands.empty()) {
     return "usage: " + TypedName(app) + " COMMAND ...; commands are " + Listed(commands) + " (" +
            TypedName(app) + " --help says more)";
   }
-  return std::string(error.what()) + " ('" + TypedName(app) + " --help' lists what there is)";
+  return ExplainCount(error.what()) + " ('" + TypedName(app) + " --help' lists what there is)";
 }
 
 int Parse(CLI::App& app, std::vector<std::string> words) {

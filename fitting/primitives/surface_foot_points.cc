@@ -50,6 +50,17 @@ class ArcParameter {
     return (piece + std::clamp(t, 0.0, 1.0)) / pieces_;
   }
 
+  // The direction at a parameter.
+  Eigen::Vector2d At(double parameter) const {
+    const int piece = std::min(static_cast<int>(parameter * pieces_), pieces_ - 1);
+    const double half = (2 * (parameter * pieces_ - piece) - 1) * widest_;  // tan(φ/2)
+    const double cosine = (1 - half * half) / (1 + half * half),
+                 sine = 2 * half / (1 + half * half);
+    const Direction& middle = middles_[static_cast<size_t>(piece)];
+    return {middle.cosine * cosine - middle.sine * sine,
+            middle.sine * cosine + middle.cosine * sine};
+  }
+
  private:
   struct Direction {
     double cosine = 1, sine = 0;
@@ -106,8 +117,18 @@ struct FootPointsOf {
   }
   Eigen::Matrix2Xd operator()(const ExactTorus& s) const {
     const ArcParameter round(s.round), tube(s.tube);
+    const auto off = [&](const Eigen::Vector3d& at, const Eigen::Vector2d& foot) {
+      const Eigen::Vector2d about = round.At(foot[0]), on_tube = s.minor * tube.At(foot[1]);
+      const double out = s.major + on_tube[0];
+      return (at - Eigen::Vector3d(out * about[0], out * about[1], on_tube[1])).squaredNorm();
+    };
     return InFrame(s.frame, [&](const Eigen::Vector3d& at) {
-      return Eigen::Vector2d(round(at[0], at[1]), tube(at.head<2>().norm() - s.major, at[2]));
+      const double out = at.head<2>().norm();
+      const Eigen::Vector2d here(round(at[0], at[1]), tube(out - s.major, at[2]));
+      if (!(s.minor > s.major)) return here;
+      // A spindle's tube goes on across the axis.
+      const Eigen::Vector2d across(round(-at[0], -at[1]), tube(-out - s.major, at[2]));
+      return off(at, across) < off(at, here) ? across : here;
     });
   }
 };

@@ -182,6 +182,18 @@ ExactSurface ConePatch(const FittedSurface& given,
   return ExactCone{placed, radius_at(first), radius_at(second), {0, height}, angles};
 }
 
+// The angles round the tube from the arc's middle. The arc of a spindle ends at the axis, where the
+// angle's cosine is `cosine_at_axis` (a ring torus has none).
+AngleRange TubeOf(const Eigen::Matrix2Xd& places,
+                  double cosine_at_axis,
+                  const FittedSurface& shape) {
+  if (!(std::abs(cosine_at_axis) < 1)) return AnglesOf(places, 1, shape);
+  const double end = std::acos(cosine_at_axis);
+  const Interval range = RangeOf(places, 1, shape);
+  const double start = std::max(range.lower, -end);
+  return {start, std::min(range.upper, end) - start};
+}
+
 ExactSurface TorusPatch(const FittedSurface& given,
                         const Eigen::Matrix3Xd& points,
                         const PointMask& outliers,
@@ -193,6 +205,7 @@ ExactSurface TorusPatch(const FittedSurface& given,
                                  profile * std::sin(shape.slope) * shape.Axis();
   const Frame frame(center, Upright(shape.Axis()));
   const bool lemon = over < 0;  // the inner arc of a spindle: across the axis from its circle
+  const double side = lemon ? -1 : 1;
   const Eigen::Matrix2Xd places =
       Supported(PlacesOf(points,
                          pool,
@@ -200,13 +213,13 @@ ExactSurface TorusPatch(const FittedSurface& given,
                            const Eigen::Vector2d at = AboutAxis(frame, p);
                            const Eigen::Vector3d from = p - center;
                            const double distance = (from - at[1] * frame.axis()).norm();
-                           const double tube =
-                               std::atan2(at[1], (lemon ? -distance : distance) - std::abs(over));
-                           return {lemon ? std::remainder(at[0] + kTurn / 2, kTurn) : at[0], tube};
+                           return {lemon ? std::remainder(at[0] + kTurn / 2, kTurn) : at[0],
+                                   std::atan2(side * at[1], distance - over)};
                          }),
                 outliers);
-  return ExactTorus{
-      frame, std::abs(over), minor, AnglesOf(places, 0, shape), AnglesOf(places, 1, shape)};
+  AngleRange tube = TubeOf(places, -over / minor, shape);
+  if (lemon) tube.start += kTurn / 2;
+  return ExactTorus{frame, std::abs(over), minor, AnglesOf(places, 0, shape), tube};
 }
 
 // Directions from the sphere's centre in a chart about the middle of the points, where isolated

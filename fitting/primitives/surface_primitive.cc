@@ -13,6 +13,7 @@
 #include "fitting/core/distributions.h"
 #include "fitting/primitives/shape_estimate.h"
 #include "fitting/primitives/surface_patch.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -33,10 +34,24 @@ struct PatchArea {
     return s.radius * s.radius * s.longitude.sweep *
            (std::sin(s.latitude.upper) - std::sin(s.latitude.lower));
   }
+  // Of a spindle, what lies across the axis counts as well.
   double operator()(const ExactTorus& s) const {
     const double from = s.tube.start, to = s.tube.start + s.tube.sweep;
-    return s.minor * s.round.sweep *
-           (s.major * s.tube.sweep + s.minor * (std::sin(to) - std::sin(from)));
+    const auto moment = [&](double angle) { return s.major * angle + s.minor * std::sin(angle); };
+    if (!(s.minor > s.major)) return s.minor * s.round.sweep * (moment(to) - moment(from));
+    const double at_axis = std::acos(-s.major / s.minor);
+    double sum = 0, before = from;
+    const auto add = [&](double angle) {
+      const double next = std::clamp(angle, before, to);
+      sum += std::abs(moment(next) - moment(before));
+      before = next;
+    };
+    for (double turn = std::floor(from / kTurn) * kTurn; turn < to + kTurn; turn += kTurn) {
+      add(turn - at_axis);
+      add(turn + at_axis);
+    }
+    add(to);
+    return s.minor * s.round.sweep * sum;
   }
 };
 
@@ -165,6 +180,10 @@ void MeasureOnPatch(const NurbsSurface& surface,
   }
 }
 
+bool AcrossTheAxis(const ExactTorus& torus) {
+  return torus.major + torus.minor * std::cos(torus.tube.start + torus.tube.sweep / 2) < 0;
+}
+
 std::vector<bool> ClosedWays(const ExactSurface& patch) {
   if (const auto* s = std::get_if<ExactCylinder>(&patch)) return {s->angles.full(), false};
   if (const auto* s = std::get_if<ExactCone>(&patch)) return {s->angles.full(), false};
@@ -190,8 +209,10 @@ bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch) {
     case SurfaceKind::kPlane:
       return shape.normal.dot(std::get<ExactPlane>(patch).frame.axis()) > 0;
     case SurfaceKind::kSphere:
-    case SurfaceKind::kTorus:
       return shape.curvature > 0;
+    case SurfaceKind::kTorus:
+      // Across a spindle's axis S_u is turned round.
+      return (shape.curvature > 0) != AcrossTheAxis(std::get<ExactTorus>(patch));
     case SurfaceKind::kCylinder:
       return shape.axis_curvature > 0;
     case SurfaceKind::kCone:

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -29,6 +30,30 @@ std::optional<NormalPlace> PlaceInside(const NurbsSurface& surface) {
 
 NurbsSurface WithNet(const NurbsSurface& surface, Eigen::Matrix3Xd points) {
   return NurbsSurface(surface.basis_u(), surface.basis_v(), std::move(points), surface.weights());
+}
+
+// Whether S_u × S_v looks out of the tube at some places and into it at others: on the two sides of
+// the place where a spindle meets its axis.
+bool TurnsRound(const NurbsSurface& surface, const TorusShape& torus) {
+  if (!(torus.minor_radius > torus.major_radius)) return false;
+  constexpr int kPlaces = 32;  // a direction: arcs of a thirtieth of the patch are seen
+  const SplineBasis &U = surface.basis_u(), &V = surface.basis_v();
+  bool outward = false, inward = false;
+  for (int k = 0; k < kPlaces * kPlaces; ++k) {
+    const double u = U.lower() + (k / kPlaces + 0.5) / kPlaces * (U.upper() - U.lower());
+    const double v = V.lower() + (k % kPlaces + 0.5) / kPlaces * (V.upper() - V.lower());
+    const auto normal = surface.NormalAt(u, v);
+    if (!normal) continue;
+    const Eigen::Vector3d from = surface.At(u, v) - torus.center;
+    const Eigen::Vector3d flat = from - from.dot(torus.axis) * torus.axis;
+    const Eigen::Vector3d middle = torus.major_radius * flat.normalized();
+    const double here = std::abs((from - middle).norm() - torus.minor_radius);
+    const double across = std::abs((from + middle).norm() - torus.minor_radius);
+    const double side = normal->dot(here < across ? Eigen::Vector3d(from - middle)
+                                                  : Eigen::Vector3d(from + middle));
+    (side > 0 ? outward : inward) = true;
+  }
+  return outward && inward;
 }
 
 // The cone's radii grow by d cos α and its heights by −d sin α, tan α the slope of the radius: its
@@ -87,6 +112,12 @@ std::optional<NurbsSurface> ExactSurfaceOffset(const NurbsSurface& surface, doub
         distance * std::copysign(1.0, place->normal.dot(flat * (place->point - cylinder->point)));
     points += out / cylinder->radius * (flat * (points.colwise() - cylinder->point));
     return WithNet(surface, std::move(points));
+  }
+  const TorusShape* torus = std::get_if<TorusShape>(&shape);
+  if (torus != nullptr && TurnsRound(surface, *torus)) {
+    throw std::invalid_argument(
+        "OffsetSurface: the torus passes its axis, where its normal turns round: offset its inner "
+        "and its outer arc each by itself");
   }
   const auto exact = ExactShapeOf(surface);
   return exact ? MadeAgain(*exact, *place, distance) : std::nullopt;

@@ -83,7 +83,7 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
   throw UsageError(
       subject + ": unknown format '" + word +
       "'; known are pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges and brep (say "
-      "which with --format)");
+      "which with --format, of an output with --output-format)");
 }
 
 }  // namespace
@@ -100,9 +100,12 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
     throw UsageError(
         "-: standard input needs --format, standard output --format or --output-format");
   const std::string extension = ExtensionOf(path);
+  if (path.empty()) throw UsageError("the name of a file is empty: it does not say the format");
   if (extension.empty()) {
-    throw UsageError(path + ": the name does not say the format; say it with --format" +
-                     " (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges, brep)");
+    throw UsageError(path +
+                     ": the name does not say the format; say it with --format, of an output with "
+                     "--output-format (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, "
+                     "iges, brep)");
   }
   return FormatOfWord(extension, path);
 }

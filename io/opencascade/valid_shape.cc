@@ -69,7 +69,9 @@ TopoDS_Shape ValidShape(const Geometry& given) {
   for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(shape).IsValid();) {
     tolerance *= 10;
     if (!(tolerance <= 1e-6 * size)) {
-      throw Standard_Failure("its B-rep is not valid (too small, or folded onto its own boundary)");
+      throw Standard_Failure(
+          "its B-rep is not valid (too small, too far from zero for its size, or folded onto its "
+          "own boundary)");
     }
     ShapeFix_ShapeTolerance().SetTolerance(shape, tolerance);
   }

@@ -167,6 +167,28 @@ TEST_F(BadInputTest, CoordinatesBeyondSinglePrecisionDoNotCrash) {
   }
 }
 
+// From 1e15 on, doubles are an eighth apart.
+TEST_F(BadInputTest, AnOriginFromWhichNoDigitsAreLeftIsRefused) {
+  const std::string path = folder_.With("cloud.xyz", ToText(WavySheet(200)));
+  for (const char* origin : {"1e15,0,0", "0,-1e300,0"}) {
+    ExpectRefused({"fit", "surface", path, "-o", folder_.File("out.json"), "--origin", origin},
+                  1,
+                  {path, "--origin", origin, "local"});
+  }
+  const ProgramRun near = Batten(
+      {"fit", "surface", path, "-o", folder_.File("out.json"), "--origin", "500000,5000000,0"});
+  EXPECT_EQ(near.code, 0) << near.err;
+}
+
+TEST_F(BadInputTest, APointIsNoBody) {
+  for (const size_t count : {1, 500}) {
+    const std::string path =
+        folder_.With("point.xyz", ToText(std::vector<Row>(count, Row{1, 2, 3})));
+    ExpectRefused(
+        {"fit", "solid", path, "-o", folder_.File("out.step")}, 1, {path, "at one place"});
+  }
+}
+
 TEST_F(BadInputTest, BinaryGarbageIsRefusedWhateverItsName) {
   ExpectBadCloud("noise.xyz", Noise(), "line 1");
   ExpectBadCloud("noise.csv", Noise(), "line 1");

@@ -181,15 +181,22 @@ TEST_F(UsageTest, EmptyAndMissingValuesAreRefused) {
     ExpectBadFlags({flag}, {flag});
   }
   ExpectUsageError({""}, {"unknown command"});
-  ExpectUsageError({"fit", "surface", cloud_, "-o", ""}, {"format"});
-  ExpectUsageError({"fit", "surface", "", "-o", folder_.File("out.json")}, {"format"});
+  ExpectBadFlags({"--tolerance"}, {"--tolerance needs a value"});
+  ExpectUsageError({"fit", "surface", cloud_, "-o", ""}, {"the name of a file is empty"});
+  ExpectUsageError({"fit", "surface", "", "-o", folder_.File("out.json")},
+                   {"the name of a file is empty"});
+  ExpectUsageError({"fit", "surface", cloud_, "-o", "/dev/full"}, {"--output-format"});
   ExpectUsageError({"fit", "surface", cloud_}, {"--output is required"});
   ExpectUsageError({"compare", "a.json"}, {"CLOUD is required"});
 }
 
 TEST_F(UsageTest, AFlagGivenTwiceIsRefused) {
-  ExpectBadFlags({"--tolerance", "1", "--tolerance", "2"}, {"--tolerance"});
-  ExpectBadFlags({"--degree", "3", "--degree", "4"}, {"--degree"});
+  ExpectBadFlags({"--tolerance", "1", "--tolerance", "2"}, {"--tolerance is given more than once"});
+  ExpectBadFlags({"--degree", "3", "--degree", "4"}, {"--degree is given more than once"});
+}
+
+TEST_F(UsageTest, TwoDashesAreNoFlag) {
+  ExpectUsageError({"fit", "surface", "--", cloud_}, {"--output is required"});
 }
 
 TEST_F(UsageTest, FormatsThatAreNotReadSayWhatToDo) {

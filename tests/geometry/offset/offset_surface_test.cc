@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -55,6 +56,38 @@ TEST(OffsetSurfaceTest, AnalyticShapesStayWhatTheyAre) {
       EXPECT_LE(FarthestFromExact(shape, offset.surface, d, 60), 10 * kRounding);
     }
   }
+}
+
+// Each arc of a spindle by itself; a tube through the axis has opposite normals on its two sides.
+TEST(OffsetSurfaceTest, TheArcsOfASpindleMoveAlongTheirOwnNormals) {
+  constexpr double kPi = std::numbers::pi, kTolerance = 1e-5;
+  for (const double major : {0.2, 0.8}) {
+    const double axis = std::acos(major);
+    for (const double d : {0.05, -0.05}) {
+      for (const AngleRange& tube : {AngleRange{kPi - 0.6 * axis, 1.2 * axis},
+                                     AngleRange{-0.8 * (kPi - axis), 1.6 * (kPi - axis)}}) {
+        const NurbsSurface shape = MakeTorus({}, major, 1, {}, tube);
+        const SurfaceOffset offset = OffsetSurface(shape, d, {.tolerance = kTolerance});
+        EXPECT_LE(FarthestFromExact(shape, offset.surface, d, 60), kTolerance);
+      }
+    }
+    EXPECT_THROW(OffsetSurface(MakeTorus({}, major, 1), -0.05), std::invalid_argument);
+    EXPECT_THROW(OffsetSurface(MakeTorus({}, major, 1, {}, {kPi / 2, kPi}), -0.05),
+                 std::invalid_argument);
+  }
+}
+
+// A patch so thin and so far from zero that its normals are rounding: more rows gain nothing.
+TEST(OffsetSurfaceTest, EndsWhereRoundingHidesTheTolerance) {
+  Eigen::Matrix3Xd points(3, 4);
+  points.col(0) << 499999.9999999984, 5e6, 100.00000000241451;
+  points.col(1) << 500000.00000000285, 5000000.000000002, 99.99999999996304;
+  points.col(2) << 500000.0000009951, 5000000.000001993, 100.00000299236248;
+  points.col(3) << 500000.00000099954, 5000000.000001995, 100.00000298991101;
+  const SplineBasis line(1, {0, 0, 1, 1});
+  const SurfaceOffset offset = OffsetSurface(NurbsSurface(line, line, points), 0.1);
+  EXPECT_LT(offset.surface.size_u(), 50);
+  EXPECT_FALSE(offset.tolerance_reached);
 }
 
 TEST(OffsetSurfaceTest, AnEllipsoidKeepsItsPoles) {
