@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/mask_indices.h"
 
 namespace batten::internal {
 namespace {
@@ -204,9 +205,7 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
 std::vector<int> SmallParts(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
                             ThreadPool& pool) {
-  std::vector<Eigen::Index> some;
-  for (Eigen::Index k = 0; k < mask.size(); ++k)
-    if (mask[k]) some.push_back(k);
+  const std::vector<Eigen::Index> some = IndicesOf(mask);
   if (some.empty()) return {};
   const Eigen::Matrix3Xd own = points(Eigen::all, some);
   const std::vector<Eigen::Index> roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);

@@ -11,13 +11,13 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 
 namespace batten {
 namespace {
 
 constexpr int kNearest = 16;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 struct Weighted {
   double value, weight;
@@ -31,12 +31,12 @@ double MiddleOf(std::span<Weighted> sample) {
   });
   double whole = 0;
   for (const Weighted& one : sample) whole += one.weight;
-  constexpr double kHalf = 0.5, kEven = 1e-12;
+  constexpr double kHalf = 0.5;
   double below = 0;
   for (std::size_t k = 0; k < sample.size(); ++k) {
     below += sample[k].weight;
-    if (below > (kHalf + kEven) * whole) return sample[k].value;
-    if (below >= (kHalf - kEven) * whole && k + 1 < sample.size()) {
+    if (below > (kHalf + internal::kRelativeRounding) * whole) return sample[k].value;
+    if (below >= (kHalf - internal::kRelativeRounding) * whole && k + 1 < sample.size()) {
       return sample[k].value / 2 + sample[k + 1].value / 2;
     }
   }
@@ -103,7 +103,7 @@ Eigen::VectorXd DeviationMap(const Eigen::Matrix3Xd& places,
   }
   if (!(reach > 0)) throw std::invalid_argument("DeviationMap: reach: must be positive");
   if (!places.allFinite()) throw std::invalid_argument("DeviationMap: places: must be finite");
-  Eigen::VectorXd map = Eigen::VectorXd::Constant(places.cols(), kNone);
+  Eigen::VectorXd map = Eigen::VectorXd::Constant(places.cols(), internal::kNone);
   const FootPointSet known = FiniteFootPoints(feet, signed_distances);
   if (known.distances.empty()) return map;
   const NeighbourIndex index(known.places, pool);

@@ -8,6 +8,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "fitting/cloud/connected_points.h"
+#include "fitting/core/mask_indices.h"
 
 namespace batten::internal {
 namespace {
@@ -76,9 +77,7 @@ Standing StandingOf(const Circles& circles, std::ptrdiff_t i) {
 
 // Strays are far from all others, or from all but a few strays like them.
 void LeaveOutGroups(const Eigen::Matrix3Xd& points, PointMask& mask, ThreadPool& pool) {
-  std::vector<Eigen::Index> some;
-  for (Eigen::Index k = 0; k < mask.size(); ++k)
-    if (mask[k]) some.push_back(k);
+  const std::vector<Eigen::Index> some = IndicesOf(mask);
   const Eigen::Matrix3Xd own = points(Eigen::all, some);
   const std::vector<Eigen::Index> roots = ConnectedPoints(own, NeighbourIndex(own, pool), pool);
   std::vector<Eigen::Index> sizes(roots.size());
@@ -97,10 +96,7 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
                             ThreadPool& pool,
                             bool many_strays) {
   PointMask company = mask;
-  std::vector<Eigen::Index> chosen;
-  for (Eigen::Index k = 0; k < mask.size(); ++k) {
-    if (mask[k]) chosen.push_back(k);
-  }
+  const std::vector<Eigen::Index> chosen = IndicesOf(mask);
   const auto count = std::ssize(chosen);
   if (count < kFewest) return company;
   const Eigen::Matrix3Xd some = points(Eigen::all, chosen);

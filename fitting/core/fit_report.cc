@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 
 namespace batten {
 namespace {
@@ -140,7 +141,6 @@ double PrimitiveAccuracy::Deviation(const std::string& name) const {
 
 std::string PrimitiveSummary::Words() const {
   std::string words = kind;
-  constexpr double kDegrees = 180 / std::numbers::pi;
   const auto add = [&](const char* name, const std::optional<double>& value, double unit) {
     if (!value) return;
     std::string key = name;
@@ -153,7 +153,7 @@ std::string PrimitiveSummary::Words() const {
   add("radius", radius, 1);
   add("major radius", major_radius, 1);
   add("minor radius", minor_radius, 1);
-  add("half angle", half_angle, kDegrees);
+  add("half angle", half_angle, 1 / internal::kOneDegree);
   return words;
 }
 

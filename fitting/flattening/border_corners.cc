@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kChordInWidths[] = {0.45, 0.65};
 constexpr double kApart = 1;  // of the shorter chord, between corners
 // Turning of a corner, radians. At less a border without corners seems to have some; corners that
 // turn by less stay unseen. [measured: true ones above 55°, others below 37°]
-constexpr double kLeastTurning = 40 * std::numbers::pi / 180;
+constexpr double kLeastTurning = 40 * kOneDegree;
 constexpr double kClear = 1.4;  // times the fifth largest
 
 // A closed polygon by its length.

@@ -13,6 +13,8 @@
 #include <span>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
@@ -27,7 +29,7 @@ constexpr double kNodesAnArea = 0.547 * 4 / std::numbers::pi;
 constexpr int kAround = 30;  // neighbours that show a border by an angle without any
 // Radians, on which side no neighbour lies: chance leaves it inside a sheet once in 200 000 places;
 // points up to 0.8 spacings from a straight border see as much. [derived: n (1 − a/2π)^(n − 1)]
-constexpr double kEdgeGap = 150 * std::numbers::pi / 180;
+constexpr double kEdgeGap = 150 * kOneDegree;
 constexpr double kReachAlongEdge = 0.65, kReachFromEdge = 0.8;  // of nodes on the border
 constexpr double kReachOfNeighbours = 1.5;  // of a node's tangent plane, in reaches
 constexpr int kQuadricNeighbours = 10;      // fewer determine a plane only

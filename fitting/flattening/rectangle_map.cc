@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
@@ -17,7 +19,6 @@ using Complex = std::complex<double>;
 
 // Of the usual weight. Zero would let nodes fall together.
 constexpr double kLeastCotangent = 1e-3;
-constexpr double kFlat = 1e-12;  // of the rectangle's area: rounding
 
 std::map<std::pair<int, int>, double> CotangentWeights(const Eigen::Matrix3Xd& nodes,
                                                        const SheetTriangulation& sheet) {
@@ -122,7 +123,8 @@ RectangleMap MapOntoRectangle(const Eigen::Matrix3Xd& nodes,
   for (const auto& t : sheet.triangles) {
     const Complex a = map.places[t[1]] - map.places[t[0]], b = map.places[t[2]] - map.places[t[0]];
     // Three nodes of one side have no area.
-    if (!((std::conj(a) * b).imag() > -kFlat * map.length_u * map.length_v)) ++map.flipped;
+    if (!((std::conj(a) * b).imag() > -kRelativeRounding * map.length_u * map.length_v))
+      ++map.flipped;
   }
   return map;
 }

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "fitting/flattening/voronoi_weights.h"
 
 namespace batten::internal {
@@ -23,7 +24,7 @@ namespace {
 constexpr double kLargestCircle = 1.7;
 // Radians between two edges of the border, outside of the sheet: narrower notches are filled. The
 // re-entrant corners of outlines are wider.
-constexpr double kNotch = 75 * std::numbers::pi / 180;
+constexpr double kNotch = 75 * kOneDegree;
 constexpr int kNotchRounds = 6;
 constexpr size_t kFilledEdges = 12;  // edges of a hole that is a slip; real ones have more
 

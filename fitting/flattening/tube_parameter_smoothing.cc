@@ -11,6 +11,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/flattening/tube_chart.h"
 #include "fitting/least_squares/fitting_bases.h"
@@ -31,19 +32,6 @@ SplineBasis PeriodicBasis(int cells, double period) {
   for (int i = -kSmoothingDegree; i <= cells + kSmoothingDegree; ++i)
     knots.push_back(period * i / cells);
   return SplineBasis::Periodic(kSmoothingDegree, std::move(knots));
-}
-
-// Some of the points under the mask, evenly by index.
-std::vector<Eigen::Index> SampleOf(const PointMask& mask) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < mask.size(); ++k) {
-    if (mask[k]) kept.push_back(k);
-  }
-  const auto count = static_cast<Eigen::Index>(kept.size());
-  if (count <= kSample) return kept;
-  std::vector<Eigen::Index> sample;
-  for (Eigen::Index k = 0; k < kSample; ++k) sample.push_back(kept[k * count / kSample]);
-  return sample;
 }
 
 struct Draft {
@@ -104,7 +92,7 @@ TubeParameters SmoothTubeParameters(TubeParameters tube,
                                     double most_distortion,
                                     ThreadPool& pool) {
   if (!mask.any()) return tube;
-  const std::vector<Eigen::Index> sample = SampleOf(mask);
+  const std::vector<Eigen::Index> sample = IndicesOf(mask, kSample);
   const Eigen::Matrix3Xd some = points(Eigen::all, sample);
   std::optional<Settling> settling;
   TubeParameters current = tube;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/joint_foot_points.h"
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/least_squares/residual_noise.h"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kCoarsestSpans = 3;
 constexpr int kStepsALevel = 8;
-constexpr double kFairness = 1e-4;  // keeps coarse shapes from folding where data are few
 
 TensorShape ShapeOf(const FittingProblem& problem, const Eigen::MatrixXd& control_points) {
   return {problem.basis_u(),
@@ -74,7 +74,7 @@ SmoothedParameters WithSmoothParameters(const FittingProblem& problem,
     JointOptions joint;
     joint.max_iterations = kStepsALevel;
     joint.least_gain = 1e-2;
-    joint.fairness = kFairness;
+    joint.fairness = kSurfaceSmoothing;
     joint.loss = loss;
     joint.loss_scale = loss_scale;
     joint.progress = progress;

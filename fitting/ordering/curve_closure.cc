@@ -10,11 +10,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
-constexpr double kCoincident = 1e-9;  // share of the size: nearer ends are the same point
-constexpr double kSigmas = 3;         // standard deviations of the difference of two ends
+constexpr double kSigmas = 3;  // standard deviations of the difference of two ends
 constexpr double kFacingAngle = std::numbers::pi / 6;
 constexpr double kGapInSteps = 3;
 constexpr double kGapInLength = 0.1;
@@ -184,7 +185,7 @@ EndGap JudgeEnds(const Eigen::Matrix3Xd& points, double noise) {
   const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).stableNorm();
   if (count < 3 || !(size > 0)) return result;
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
-  result.repeated = result.gap <= std::max(kCoincident * size, rounding);
+  result.repeated = result.gap <= std::max(kRelativelyEqual * size, rounding);
   const Eigen::Matrix3Xd local = Scaled(points, size);
   const End first = EndOf(local, false, noise / size), last = EndOf(local, true, noise / size);
   if (result.repeated) {

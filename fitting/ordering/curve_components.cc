@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/ordering/curve_closure.h"
 #include "fitting/ordering/curve_sequence.h"
 #include "fitting/ordering/sequence_outliers.h"
@@ -36,10 +37,7 @@ std::string ToldGap(double gap, double spacing) {
 // separates.
 PointMask WithLoneEnds(const Eigen::Matrix3Xd& points, PointMask sequence_outliers) {
   if (!sequence_outliers.any()) return sequence_outliers;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    if (!sequence_outliers[k]) kept.push_back(k);
-  }
+  const std::vector<Eigen::Index> kept = IndicesOf(!sequence_outliers);
   if (kept.size() < kFewestForLoneEnds) return sequence_outliers;
   const auto step = [&](size_t k) {
     return (points.col(kept[k + 1]) - points.col(kept[k])).norm();

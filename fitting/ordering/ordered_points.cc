@@ -8,17 +8,16 @@
 #include <string>
 #include <utility>
 
-#include "fitting/core/point_rank.h"
-#include "fitting/ordering/row_means.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/point_rank.h"
+#include "fitting/core/rounding.h"
+#include "fitting/ordering/row_means.h"
 
 namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for knots between them
-constexpr double kLeastRange = 1e-60;      // fairness takes its inverse to the third power
-constexpr double kLeastSize = 1e-100;      // squares of smaller numbers vanish
+constexpr double kLeastRange = 1e-60;  // fairness takes its inverse to the third power
 constexpr Eigen::Index kFewForNoise = 12;
 constexpr Eigen::Index kEnoughForNoise = 10000;  // for a median
 constexpr double kStepInNoise = 10;              // in noise: noise hardly changes longer steps
@@ -61,7 +60,7 @@ void RequireSize(const Eigen::Matrix3Xd& points, const std::vector<Eigen::Index>
 void RequireRange(const Eigen::Matrix2Xd& parameters) {
   const double low = parameters.row(0).minCoeff(), high = parameters.row(0).maxCoeff();
   if (!(high > low)) Refuse("the given parameters u are all equal: they say nothing of the order");
-  if (!(high - low > kNarrowestRange * std::max(std::abs(low), std::abs(high)))) {
+  if (!(high - low > kRelativeRounding * std::max(std::abs(low), std::abs(high)))) {
     Refuse("the given parameters u hardly differ against their size: subtract an origin from them");
   }
   if (high - low < kLeastRange) {

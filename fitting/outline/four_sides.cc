@@ -5,12 +5,14 @@
 #include <numbers>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
 constexpr int kSideDegree = 3;
-constexpr double kDegrees = std::numbers::pi / 180;
-constexpr double kLeastTurn = 50 * kDegrees, kMostTurn = 130 * kDegrees, kMostOff = 60 * kDegrees;
+constexpr double kLeastTurn = 50 * kOneDegree, kMostTurn = 130 * kOneDegree,
+                 kMostOff = 60 * kOneDegree;
 
 double AngleBetween(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));

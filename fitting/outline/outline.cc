@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "batten/geometry/trim_loops.h"
+#include "fitting/core/rounding.h"
 #include "fitting/neighbours/local_spacing.h"
 #include "fitting/outline/alpha_shape.h"
 #include "fitting/outline/outline_containment.h"
@@ -29,17 +30,16 @@ namespace {
 using Index = Eigen::Index;
 
 // Lengths are in spacings, areas in squared spacings.
-constexpr double kRadius = 2.5;      // of the alpha shape
-constexpr double kLeastArea = 36;    // smaller holes and parts are ignored; of local spacings
-constexpr double kSparser = 1.5;     // local spacing that is clearly more than one
-constexpr double kOutwards = 0.43;   // how far random points' ragged border lies inside, measured
-constexpr double kExact = 1e-5;      // sagitta of the polygons that decide which points lie outside
-constexpr double kRounding = 1e-12;  // of the rectangle
-constexpr double kFarthest = 1.5;    // points farther outside are not contained
-constexpr double kPinned = 4;        // radius about a crossing that is first put back on the border
-constexpr double kHidden = 3;        // points farther outside get a part of their own …
-constexpr double kDisc = 1;          // … of this radius about each
-constexpr double kWiden = 4;         // factor of the radius where that does not undo the crossing
+constexpr double kRadius = 2.5;     // of the alpha shape
+constexpr double kLeastArea = 36;   // smaller holes and parts are ignored; of local spacings
+constexpr double kSparser = 1.5;    // local spacing that is clearly more than one
+constexpr double kOutwards = 0.43;  // how far random points' ragged border lies inside, measured
+constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which points lie outside
+constexpr double kFarthest = 1.5;   // points farther outside are not contained
+constexpr double kPinned = 4;       // radius about a crossing that is first put back on the border
+constexpr double kHidden = 3;       // points farther outside get a part of their own …
+constexpr double kDisc = 1;         // … of this radius about each
+constexpr double kWiden = 4;        // factor of the radius where that does not undo the crossing
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {
@@ -278,7 +278,7 @@ class OutlineSearch {
       SmoothAnew(parts, pins, anew, splines);
     }
     splines = ByArea(std::move(splines));
-    outline.outside = Outside(splines, whole, kRounding * sides_.maxCoeff());
+    outline.outside = Outside(splines, whole, kRelativeRounding * sides_.maxCoeff());
     if (const auto outside = static_cast<Index>(outline.outside.size()); outside > 0)
       outline.warnings.push_back(Counted(outside, "outside the outline"));
     if (whole) outline.loops.push_back(Rectangle(options_.length_u, options_.length_v));

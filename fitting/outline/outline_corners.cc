@@ -7,12 +7,13 @@
 #include <numbers>
 #include <optional>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
 using Index = Eigen::Index;
 
-constexpr double kOneDegree = std::numbers::pi / 180;
 constexpr double kMostCornerTurn = 165 * kOneDegree;  // above: a hairpin, no corner
 constexpr double kGap = 1.5;             // left out on either side: rounded by the border's making
 constexpr double kBetter = 1.5;          // sum of squares of a circle over that of two lines

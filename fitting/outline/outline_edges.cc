@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
@@ -261,15 +263,15 @@ void ClampSpans(OutlineSpline& spline, int axis, double side, double trifle) {
 
 void KeepInRectangle(OutlineSpline& spline, const Eigen::Vector2d& sides) {
   constexpr int kRounds = 6;
-  constexpr double kRounding = 1e-9, kTrifle = 0.5;
+  constexpr double kTrifle = 0.5;
   for (int axis = 0; axis < 2; ++axis) {
     ClampSpans(spline, axis, sides[axis], kTrifle);
     for (int round = 0; round < kRounds; ++round) {
       const double low = -GreatestBeyond(spline, axis, -1, 0),
                    high = GreatestBeyond(spline, axis, 1, sides[axis]);
       if (low >= 0 && high <= sides[axis]) break;
-      const double from = low < 0 ? low - kRounding : 0;
-      const double to = high > sides[axis] ? high + kRounding : sides[axis];
+      const double from = low < 0 ? low - kRelativelyEqual : 0;
+      const double to = high > sides[axis] ? high + kRelativelyEqual : sides[axis];
       for (Eigen::Index i = 0; i < spline.points.cols(); ++i) {
         double& x = spline.points(axis, i);
         if (!spline.fixed[i][axis]) x = sides[axis] * ((x - from) / (to - from));

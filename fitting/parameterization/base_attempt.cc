@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "fitting/core/mask_indices.h"
+
 namespace batten::internal {
 
 BaseInput::BaseInput(const PointCloud& cloud,
@@ -11,9 +13,12 @@ BaseInput::BaseInput(const PointCloud& cloud,
                      const CloudStatistics& statistics,
                      const SurfaceFitOptions& options,
                      ThreadPool& pool)
-    : cloud(cloud), statistics(statistics), options(options), pool(pool), index_(index) {
-  for (Eigen::Index k = 0; k < cloud.size(); ++k)
-    if (!statistics.outliers[k]) places_.push_back(k);
+    : cloud(cloud),
+      statistics(statistics),
+      options(options),
+      pool(pool),
+      index_(index),
+      places_(IndicesOf(!statistics.outliers)) {
   if (std::ssize(places_) == cloud.size()) return;
   Eigen::Matrix3Xd points = cloud.points()(Eigen::all, places_);
   NeighbourIndex own(points);

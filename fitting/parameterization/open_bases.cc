@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "fitting/core/rules.h"
 #include "fitting/flattening/rectangle_base.h"
 #include "fitting/parameterization/empty_area_fraction.h"
@@ -14,7 +15,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kOverlapToRefuse = 0.15;
 constexpr double kGentle = std::numbers::pi / 4;  // lengths over the plane change by 41 % at most
 constexpr double kManyLengths = 0.03;             // relative change of lengths over a sheet
@@ -28,7 +28,7 @@ std::string InLayers(const PlaneBase& plane) {
 }
 
 std::string Steepness(const PlaneBase& plane) {
-  return std::to_string(std::lround(plane.steepness * kDegrees)) + " degrees";
+  return std::to_string(std::lround(plane.steepness / kOneDegree)) + " degrees";
 }
 
 BaseAttempt OverPlane(const BaseInput& input, const PlaneBase& plane) {

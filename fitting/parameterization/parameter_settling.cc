@@ -12,6 +12,7 @@
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/knots/knot_grid_selection.h"
@@ -141,21 +142,10 @@ class Settler {
   ThreadPool& pool_;
 };
 
-std::vector<Eigen::Index> IndicesUnder(const PointMask& mask) {
-  std::vector<Eigen::Index> indices;
-  for (Eigen::Index k = 0; k < mask.size(); ++k)
-    if (mask[k]) indices.push_back(k);
-  return indices;
-}
-
 // At most so many of the points under the mask, evenly by index.
 PointMask SomeUnder(const PointMask& mask, Eigen::Index most) {
-  const std::vector<Eigen::Index> indices = IndicesUnder(mask);
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  if (count <= most) return mask;
   PointMask some = PointMask::Constant(mask.size(), false);
-  for (Eigen::Index k = 0; k < most; ++k)
-    some[indices[static_cast<size_t>(k * count / most)]] = true;
+  some(IndicesOf(mask, most)).setConstant(true);
   return some;
 }
 
@@ -248,7 +238,7 @@ bool SettleParameters(Parameterization& base,
                       const PointMask& sample,
                       double margin,
                       ThreadPool& pool) {
-  const std::vector<Eigen::Index> all = IndicesUnder(mask);
+  const std::vector<Eigen::Index> all = IndicesOf(mask);
   const PointMask few = SomeUnder(mask && sample, kMostSettled), most = SomeUnder(mask, kMostLast);
   if (!few.any()) return false;
   const double room = kRoomInMargins * margin;

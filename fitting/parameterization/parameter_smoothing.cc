@@ -9,6 +9,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
@@ -18,7 +19,6 @@ namespace {
 constexpr std::pair<double, double> kShares[] = {
     {0.35, 0.35}, {0.5, 0.5}, {0.7, 0.7}, {1, 0.5}, {0.5, 1}, {1, 1}};
 constexpr int kSmoothedDegree = 3;
-constexpr double kSmoothedSmoothing = 1e-4;
 constexpr double kSmoothedClearlyBetter = 0.9995;
 constexpr double kSmoothedAsGood = 0.9999;     // if there are fewer control points …
 constexpr double kSmoothedClearlyFewer = 0.8;  // … by so much
@@ -62,7 +62,7 @@ Settled SmoothParameters(Parameterization& base,
   std::optional<NurbsSurface> chosen;
   for (const auto& [share_u, share_v] : kShares) {
     const FittingProblem one_cell =
-        current.ProblemOf(points, some, kSmoothedDegree, kSmoothedDegree, kSmoothedSmoothing);
+        current.ProblemOf(points, some, kSmoothedDegree, kSmoothedDegree, kSurfaceSmoothing);
     const FittingProblem problem =
         one_cell.WithBases(Cells(one_cell.basis_u(), share_u * before.cells_u),
                            Cells(one_cell.basis_v(), share_v * before.cells_v));

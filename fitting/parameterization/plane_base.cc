@@ -12,6 +12,7 @@
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 #include "fitting/neighbours/normals.h"
 #include "fitting/parameterization/lattice.h"
 #include "fitting/parameterization/normal_cone.h"
@@ -293,7 +294,6 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         ThreadPool& pool) {
   if (points.cols() < 3) throw RefusedData("a surface needs at least 3 different points");
   const Eigen::Vector3d mean = points.rowwise().mean();
-  constexpr double kLeastSize = 1e-100;  // squares of smaller numbers vanish
   const double size = (points.colwise() - mean).cwiseAbs().maxCoeff();
   if (size > 0 && size < kLeastSize) {
     throw RefusedData("the points differ by less than 1e-100: scale them up");

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/fitting_bases.h"
 #include "fitting/linear/coefficient_order.h"
 
@@ -12,7 +14,6 @@ namespace batten::internal {
 namespace {
 
 constexpr int kDegree = 3;
-constexpr double kPoleSmoothing = 1e-4;
 constexpr double kBeyondChance = 30;  // variances: three more unknowns take away three by chance
 constexpr double kSlopeOfApex = 0.15;
 
@@ -39,7 +40,7 @@ Poles PolesByData(const Parameterization& base,
                   ThreadPool& pool) {
   Poles poles = base.poles;
   if (!poles.any()) return poles;
-  const FittingProblem one_cell = base.ProblemOf(points, mask, kDegree, kDegree, kPoleSmoothing);
+  const FittingProblem one_cell = base.ProblemOf(points, mask, kDegree, kDegree, kSurfaceSmoothing);
   const FittingProblem problem =
       one_cell.WithBases(FittingBasisLike(one_cell.basis_u(), kDegree, grid.cells_u),
                          FittingBasisLike(one_cell.basis_v(), kDegree, grid.cells_v));
