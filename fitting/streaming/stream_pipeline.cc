@@ -211,6 +211,7 @@ void StreamPipeline::Trim(PlacesFit& fit) {
                     fit.prepared.statistics.spacing,
                     DirectionOfHeights(fit.fitted.report),
                     options.tolerance,
+                    options.progress,
                     pool_);
 }
 

@@ -145,6 +145,7 @@ class SurfacePipeline {
                         prepared.statistics.spacing,
                         DirectionOfHeights(report),
                         options.tolerance,
+                        options.progress,
                         pool_);
     }
     return fitted;

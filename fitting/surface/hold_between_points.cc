@@ -74,6 +74,7 @@ bool HoldBetweenPoints(SurfaceState& draft,
                        double spacing,
                        const std::optional<Eigen::Vector3d>& up,
                        std::optional<double> tolerance,
+                       const Progress& progress,
                        ThreadPool& pool) {
   if (!Acts(Rule::kHeldBetween) || draft.surface.rational() || !(spacing > 0)) return false;
   const Eigen::Matrix3Xd& points = draft.used.points();
@@ -118,6 +119,7 @@ bool HoldBetweenPoints(SurfaceState& draft,
     std::vector<Excursion> places;  // of all rounds: those of before stay where they are
     for (int round = 0; round < kMostRounds && !now.excursions.empty();
          ++round, weight *= kFirmer) {
+      if (progress && !progress("trim", static_cast<double>(round) / kMostRounds)) break;
       for (Excursion& one : places) one.back.setZero();
       for (Excursion& one : now.excursions) one.back *= 1 - kAim * one.spacing / one.back.norm();
       places.insert(places.end(), now.excursions.begin(), now.excursions.end());

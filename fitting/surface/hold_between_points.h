@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "batten/fitting/progress.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/surface/surface_measurement.h"
 
@@ -18,12 +19,13 @@ namespace batten::internal {
 // ones, hold a control point: beside cliffs, at holes and borders, around what was set aside. Kept
 // only where the greatest overshoot becomes less by a fifth and the rms distance of the points
 // grows by a twentieth at most, within a tolerance where all were. Rational surfaces and conditions
-// are left alone. `up`: as OvershootInput says. Returns whether the surface changed. O(m log m) for
-// each of few rounds.
+// are left alone. `up`: as OvershootInput says. Where progress asks to stop, the best so far is
+// judged. Returns whether the surface changed. O(m log m) for each of few rounds.
 bool HoldBetweenPoints(SurfaceState& draft,
                        double spacing,
                        const std::optional<Eigen::Vector3d>& up,
                        std::optional<double> tolerance,
+                       const Progress& progress,
                        ThreadPool& pool);
 
 }  // namespace batten::internal

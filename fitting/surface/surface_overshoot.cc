@@ -20,6 +20,7 @@ constexpr double kMostByCells = 4e5;   // places that the cells ask for, but one
 constexpr int kMostPerSpan = 4;        // of them along a span: an overshoot bends within one
 constexpr double kStepInSpacings = 2;  // spacings between places
 constexpr double kWithPoints = 3;      // spacings: a place so near to a point is with the points
+constexpr size_t kMostAsked = 10000;   // places without points whose heights are compared
 constexpr double kSeam = 0.1;          // share of a period repeated beyond a seam
 constexpr int kFirstNeighbours = 32;   // of a place without points …
 constexpr int kMostNeighbours = 512;   // … whose heights are compared
@@ -241,7 +242,8 @@ std::vector<Alone> HeightsOf(const OvershootInput& input,
                              const Places& places) {
   const FootMap feet(input, stretch);
   std::vector<Alone> all;
-  for (size_t i = 0; i < places.alone.size(); ++i) {
+  const size_t step = 1 + places.alone.size() / kMostAsked;
+  for (size_t i = 0; i < places.alone.size(); i += step) {
     const Eigen::Index k = places.alone[i];
     const double spacing = places.spacings[i];
     const FootMap::Neighbourhood around = feet.Around(places.uv.col(k), kWithPoints * spacing);

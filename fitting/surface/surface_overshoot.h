@@ -30,8 +30,9 @@ std::optional<Eigen::Vector3d> DirectionOfHeights(const FitReport& report);
 // place within three spacings of a point is with its
 // points. Elsewhere the gap g is the distance along the surface to the nearest foot point, and the
 // surface may have any height that points have within 2g + 3 spacings along it: what exceeds that
-// is overshoot. The area without points is that within three spacings of such places: the union of
-// balls that hold no point. O(m log m).
+// is overshoot; of more than some 10 000 such places every so many are asked. The area without
+// points is that within three spacings of such places: the union of balls that hold no point. O(m
+// log m).
 OvershootSummary MeasureOvershoot(const OvershootInput& input, ThreadPool& pool);
 
 // A place where the surface overshoots.

@@ -62,7 +62,7 @@ TEST(HoldBetweenPointsTest, BringsAHumpInAHoleBackAndLeavesThePoints) {
     SurfaceState state = InLocalCoordinates(SheetWithHump(0.2, hump));
     const NurbsSurface before = state.surface;
     ASSERT_GT(OvershootOf(state, pool).in_spacings, 3);
-    EXPECT_TRUE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, pool));
+    EXPECT_TRUE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, {}, pool));
     EXPECT_LE(OvershootOf(state, pool).in_spacings, 2);
     for (Eigen::Index k = 0; k < state.parameters.cols(); ++k) {
       const auto at = state.parameters.col(k);
@@ -74,13 +74,25 @@ TEST(HoldBetweenPointsTest, BringsAHumpInAHoleBackAndLeavesThePoints) {
   }
 }
 
+// As a time limit does; the rounds of a surface much larger than its cloud took a hundred seconds.
+TEST(HoldBetweenPointsTest, StopsWhereProgressAsksIt) {
+  ThreadPool pool(2);
+  SurfaceState state = InLocalCoordinates(SheetWithHump(0.2, 3.0));
+  const Eigen::Matrix3Xd net = state.surface.control_points();
+  int asked = 0;
+  const auto stop = [&](const char*, double) { return ++asked < 1; };
+  EXPECT_FALSE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, stop, pool));
+  EXPECT_EQ(state.surface.control_points(), net);
+  EXPECT_LE(asked, 2);  // of the two searches
+}
+
 TEST(HoldBetweenPointsTest, LeavesWhatDoesNotOvershootInsideTheTrims) {
   ThreadPool pool(2);
   for (SurfaceState state :
        {SheetWithHump(0.2, 0), SheetWithHump(0, 0), SheetWithHump(0.2, 1, true)}) {
     state = InLocalCoordinates(std::move(state));
     const Eigen::Matrix3Xd net = state.surface.control_points();
-    EXPECT_FALSE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, pool));
+    EXPECT_FALSE(HoldBetweenPoints(state, kSpacing, std::nullopt, std::nullopt, {}, pool));
     EXPECT_EQ(state.surface.control_points(), net);
   }
 }
