@@ -20,6 +20,8 @@ constexpr double kAllowed = 2;  // spacings beyond the heights around: the repor
 constexpr double kAim = 1;      // spacings beyond them, where places are moved to
 constexpr int kMostRounds = 6;
 constexpr double kFirmer = 4;  // ratio of the places' weights from round to round
+constexpr double kSofter = 8;  // where the first of them is too firm, down to …
+constexpr double kSoftest = 0.01;
 // Ratio of the greatest overshoot of two rounds above which firmer weights move it no more: it
 // stands between points that contradict each other, as at a jump of depth. On nine scans and six
 // scenes those brought back fell to 0.6-0.9 a round.
@@ -129,7 +131,15 @@ bool HoldBetweenPoints(SurfaceState& draft,
               .WithTrims(surface.trims());
       const double least = of_best.most;
       now = stand(surface, now.feet);
-      if (!allowed(now)) break;
+      if (!allowed(now)) {
+        // The first move may cost the points too much: softer ones bring back less.
+        if (weight > 1 || weight <= kSoftest) break;
+        surface = best;
+        now = of_best;
+        places.clear();
+        weight /= kFirmer * kSofter;
+        continue;
+      }
       if (now.most < of_best.most) {
         best = surface;
         of_best = now;
