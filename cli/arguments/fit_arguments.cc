@@ -381,6 +381,7 @@ void FitFiles::TakeSample(const CloudFileSource& source,
   file_.non_finite = source.non_finite();
   file_.filtered = source.filtered();
   file_.points_in_file = points + file_.non_finite + file_.filtered;
+  RefuseFarOrigin();
 }
 
 int FitFiles::ExitCode(const FitReport& report) {

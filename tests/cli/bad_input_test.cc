@@ -175,6 +175,14 @@ TEST_F(BadInputTest, AnOriginFromWhichNoDigitsAreLeftIsRefused) {
                   1,
                   {path, "--origin", origin, "local"});
   }
+  // Those that are passed over, not read, as well.
+  for (const std::vector<std::string>& passes :
+       {std::vector<std::string>{"--memory", "100MB"}, {"--tiles", "1x1"}}) {
+    std::vector<std::string> command{
+        "fit", "surface", path, "-o", folder_.File("out.json"), "--origin", "1e15,0,0"};
+    command.insert(command.end(), passes.begin(), passes.end());
+    ExpectRefused(command, 1, {path, "--origin", "1e15,0,0", "local"});
+  }
   const ProgramRun near = Batten(
       {"fit", "surface", path, "-o", folder_.File("out.json"), "--origin", "500000,5000000,0"});
   EXPECT_EQ(near.code, 0) << near.err;
