@@ -130,7 +130,13 @@ void PutOnEdges(OutlineLoop& loop,
   }
   for (OutlineSample& sample : result)
     if (sample.corner) sample.place = sample.place.cwiseMax(0.0).cwiseMin(sides);
-  loop = std::move(result);
+  // Both ends of a stretch may be the same corner of the rectangle now: it is none any more.
+  loop.clear();
+  for (size_t k = 0; k < result.size(); ++k) {
+    const OutlineSample& next = result[(k + 1) % result.size()];
+    if (result[k].along_cut && next.corner && result[k].place == next.place) continue;
+    loop.push_back(result[k]);
+  }
 }
 
 void FixOnEdges(OutlineSpline& spline) {

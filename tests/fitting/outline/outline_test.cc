@@ -41,6 +41,15 @@ int ControlPoints(const Outline& outline) {
   return count;
 }
 
+// Readers of CAD files refuse edges of no length.
+void ExpectEverySpanLong(const NurbsCurve<2>& loop) {
+  const int degree = loop.basis().degree();
+  for (const int span : loop.basis().Spans()) {
+    const auto hull = loop.control_points().middleCols(span - degree, degree + 1);
+    EXPECT_FALSE((hull.colwise() - hull.col(0)).isZero(0)) << "span " << span;
+  }
+}
+
 // What holds of every outline.
 void ExpectSound(const Outline& outline,
                  const OutlineOptions& options,
@@ -51,6 +60,7 @@ void ExpectSound(const Outline& outline,
     const NurbsCurve<2>& loop = outline.loops[k].loop;
     EXPECT_TRUE(loop.basis().clamped());
     EXPECT_EQ(loop.At(loop.basis().lower()), loop.At(loop.basis().upper()));
+    ExpectEverySpanLong(loop);
     EXPECT_TRUE(std::is_sorted(outline.loops[k].corners.begin(), outline.loops[k].corners.end()));
     for (const double corner : outline.loops[k].corners)
       EXPECT_GE(loop.basis().Multiplicity(corner), loop.basis().degree());
@@ -277,6 +287,44 @@ TEST(FindOutlineTest, DensityMayFallAHundredfold) {
       }
 }
 
+// Mean distance outside a disc whose density falls a hundredfold along x, over its sparse side and
+// in the spacings there.
+double OffsetWhereSparse(int count, unsigned seed) {
+  const OutlinedCloud cloud = CloudIn(DiscShape(), count, Scatter::kRandom, seed);
+  const Eigen::Matrix2Xd points = Thinning(cloud, seed);
+  ThreadPool pool(2);
+  const Outline outline = FindOutline(points, OptionsFor(cloud), pool);
+  const double radius = std::sqrt(count / std::numbers::pi);
+  const Eigen::Vector2d centre(cloud.length_u / 2, cloud.length_v / 2);
+  const auto part = [&](double x) { return std::pow(100, -x / cloud.length_u); };
+  double mean = 0;
+  constexpr int kSlices = 1000;
+  for (int k = 0; k < kSlices; ++k) {  // over the disc
+    const double x = (k + 0.5) / kSlices;
+    mean += part(x * cloud.length_u) * 8 / std::numbers::pi * std::sqrt(x - x * x) / kSlices;
+  }
+  const Places border = PolygonsOf(outline).at(0);
+  double sum = 0, all = 0;
+  for (const Eigen::Vector2d& p : border) {
+    if (p.x() < 0.7 * cloud.length_u) continue;
+    sum += ((p - centre).norm() - radius) / std::sqrt(mean / part(p.x()));
+    all += 1;
+  }
+  return sum / all;
+}
+
+// Random points end a little inside of their border by the spacing there, and outlines do not.
+TEST(FindOutlineTest, IsAsFarOutAsItsPointsAreSparse) {
+  double sum = 0;
+  constexpr int kSeeds = 6;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const double offset = OffsetWhereSparse(20000, seed);
+    EXPECT_NEAR(offset, 0, 0.35) << "seed " << seed;
+    sum += offset;
+  }
+  EXPECT_NEAR(sum / kSeeds, 0, 0.12);
+}
+
 TEST(FindOutlineTest, LinesMayBeFarApart) {
   for (const OutlinedShape& shape : {RectangleShape(), DiscShape(), LShape()})
     for (const double ratio : {6.0, 15.0, 40.0, 60.0})
@@ -347,6 +395,7 @@ void ExpectAllWithin(unsigned seed, double side) {
   EXPECT_NO_THROW(CheckTrims(trimmed));
   EXPECT_EQ(LoopsByRegion(trimmed).size(), outline.parts);
   EXPECT_FALSE(outline.loops.empty());
+  for (const OutlineCurve& curve : outline.loops) ExpectEverySpanLong(curve.loop);
   const std::vector<Places> polygons = PolygonsOf(outline);
   const std::set<Eigen::Index> outside(outline.outside.begin(), outline.outside.end());
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
