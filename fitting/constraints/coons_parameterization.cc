@@ -16,6 +16,7 @@
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/outline/four_sides.h"
 #include "fitting/outline/outline_in_box.h"
 #include "geometry/numeric/number_text.h"
@@ -176,9 +177,7 @@ Outline OutlineOf(const Parameterization& base,
                   double spacing,
                   double noise,
                   ThreadPool& pool) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < reached.size(); ++k)
-    if (reached[k]) kept.push_back(k);
+  const std::vector<Eigen::Index> kept = IndicesOf(reached);
   OutlineOptions options;
   options.spacing = spacing;
   options.noise = noise;

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include "fitting/core/mask_indices.h"
 
 namespace batten {
 namespace {
@@ -138,11 +139,7 @@ PointCloud PointCloud::Subset(const Eigen::Array<bool, Eigen::Dynamic, 1>& keep)
     throw std::invalid_argument("PointCloud::Subset: the mask has " + std::to_string(keep.size()) +
                                 " entries for " + std::to_string(size()) + " points");
   }
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < size(); ++k) {
-    if (keep[k]) kept.push_back(k);
-  }
-  return Picked(kept);
+  return Picked(internal::IndicesOf(keep));
 }
 
 PointCloud PointCloud::Picked(const std::vector<Eigen::Index>& kept) const {

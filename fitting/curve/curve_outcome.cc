@@ -8,13 +8,14 @@
 #include "batten/fitting/curve_parameterization.h"
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/foot_points/curve_distances.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kStructured = 0.5;  // correlation of neighbouring offsets
-constexpr double kExactFit = 1e-9;  // share of the cloud's size: below it rounding
+constexpr double kExactFit = 1e-9;   // share of the cloud's size: below it rounding
 
 // The points of this curve.
 PointMask Own(const OrderedPoints& ordered) {
@@ -70,9 +71,7 @@ double NeighbourCorrelation(const CurveFit<Dim>& fit,
                             const NurbsCurve<Dim>& curve,
                             const PointCloud& cloud,
                             const PointMask& used) {
-  std::vector<Eigen::Index> order;
-  for (Eigen::Index k = 0; k < used.size(); ++k)
-    if (used[k]) order.push_back(k);
+  std::vector<Eigen::Index> order = IndicesOf(used);
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
     return fit.parameters[a] < fit.parameters[b];
   });

@@ -422,7 +422,7 @@ OptimizeResult OptimizeByStages(const Run& run, OptimizeResult given) {
   const OptimizeOptions& options = run.options;
   const FreeVariables& free = options.free;
   State state = Start(run, std::move(given));
-  if (state.at_noise || !(free.any() || !options.terms.empty())) return state.result;
+  if (state.at_noise || !(free.any() || !options.terms.empty())) return std::move(state.result);
   state.result.ran = true;
   if (free.parameters) SpreadOverSteepParts(run, state);
   if (free.parameters) SmoothRoughParameters(run, state);
@@ -439,7 +439,8 @@ OptimizeResult OptimizeByStages(const Run& run, OptimizeResult given) {
     Joint(run, free, options.max_iterations, more ? kFinestGain : options.least_gain, state);
   }
   if (free.knots) Coalesce(run, state);
-  return narrow ? Narrow(run, *std::move(narrow), state).result : state.result;
+  if (narrow) state = Narrow(run, *std::move(narrow), state);
+  return std::move(state.result);
 }
 
 }  // namespace

@@ -103,22 +103,14 @@ class PathSet {
     owner_[added] = path;
   }
 
-  // Puts v between a and b, away from between p and n; -1 is behind an end.
+  // Puts v between a and b, away from between p and n; -1 is behind an end. With the pairs the
+  // other way round it goes back.
   void Move(int v, int p, int n, int a, int b) {
     Relink(p, v, n);
     Relink(n, v, p);
     Relink(a, b, v);
     Relink(b, a, v);
     links_[v] = {a, b};
-  }
-
-  // Takes that move back.
-  void MoveBack(int v, int p, int n, int a, int b) {
-    Relink(a, v, b);
-    Relink(b, v, a);
-    Relink(p, n, v);
-    Relink(n, p, v);
-    links_[v] = {p, n};
   }
 
   // Bend of a path at a node: 0 where it runs straight on, 2 where it turns back.
@@ -381,7 +373,7 @@ double ChangeOfMove(int v, int p, int n, int a, int b, double spacing, PathSet& 
   const double before = bend();
   paths.Move(v, p, n, a, b);
   const double after = bend();
-  paths.MoveBack(v, p, n, a, b);
+  paths.Move(v, a, b, p, n);
   return (after - before) * spacing + paths.Distance(a, v) + paths.Distance(v, b) -
          paths.Distance(a, b) + length(p, n) - length(p, v) - length(v, n);
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "fitting/core/mask_indices.h"
 #include "fitting/primitives/linear_chebyshev.h"
 
 namespace batten {
@@ -170,9 +171,7 @@ FormDeviation FormDeviationOf(const PrimitiveFit& fit,
         "has a deviation of form");
   if (fit.outliers.size() != cloud.size())
     throw std::invalid_argument("FormDeviationOf: cloud: is not the one that was fitted");
-  std::vector<Eigen::Index> used;
-  for (Eigen::Index k = 0; k < cloud.size(); ++k)
-    if (!fit.outliers[k]) used.push_back(k);
+  const std::vector<Eigen::Index> used = internal::IndicesOf(!fit.outliers);
   FormDeviation form;
   form.name = NameOf(shape->kind);
   form.points = std::ssize(used);

@@ -10,6 +10,7 @@
 
 #include "batten/fitting/refused_data.h"
 #include "fitting/cloud/connected_points.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/core/rules.h"
 #include "fitting/parameterization/projection_overlap.h"
 
@@ -23,9 +24,7 @@ PointMask NoStrays(const Eigen::Matrix3Xd& points,
   constexpr int kNeighbours = 6;
   constexpr double kFar = 5;  // spacings
   PointMask kept = !statistics.outliers;
-  std::vector<Eigen::Index> asked;
-  for (Eigen::Index k = 0; k < kept.size(); ++k)
-    if (!kept[k]) asked.push_back(k);
+  const std::vector<Eigen::Index> asked = IndicesOf(statistics.outliers);
   const int each = static_cast<int>(std::min<Eigen::Index>(kNeighbours + 1, points.cols()));
   const std::vector<int> near = index.Nearest(points(Eigen::all, asked), each);
   for (size_t i = 0; i < asked.size(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/base_borders.h"
 
+#include "fitting/core/mask_indices.h"
 #include "fitting/outline/outline_in_box.h"
 
 namespace batten::internal {
@@ -13,9 +14,7 @@ constexpr double kBeside = 1.5;  // spacings from the edge, which is one beyond 
 bool FillBase(const PreparedCloud& prepared, const PointMask& used, ThreadPool& pool) {
   const Parameterization& base = prepared.base;
   if (base.poles.any()) return false;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < used.size(); ++k)
-    if (used[k] && prepared.reached[k]) kept.push_back(k);
+  const std::vector<Eigen::Index> kept = IndicesOf(used && prepared.reached);
   OutlineOptions options;
   options.spacing = prepared.statistics.spacing;
   options.noise = prepared.statistics.noise;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "batten/fitting/distances.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/fitting_bases.h"
 
@@ -42,9 +43,7 @@ FittingProblem FitContext::WithCells(const FittingProblem& problem,
 
 void FitContext::PlaceTheRest(const NurbsSurface& surface) {
   if (!own_base_) return;
-  std::vector<Eigen::Index> rest;
-  for (Eigen::Index k = 0; k < prepared_.reached.size(); ++k)
-    if (!prepared_.reached[k]) rest.push_back(k);
+  const std::vector<Eigen::Index> rest = IndicesOf(!prepared_.reached);
   const Eigen::Matrix3Xd places = points().points()(Eigen::all, rest);
   own_base_->parameters(Eigen::all, rest) = DistancesTo(surface, places, pool_).parameters;
 }

@@ -15,6 +15,7 @@
 #include "batten/geometry/closure.h"
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/core/rules.h"
 #include "fitting/joint/moved_terms.h"
 #include "fitting/least_squares/residual_structure.h"
@@ -121,9 +122,7 @@ void WarnOfNoise(const SurfaceFitOptions& options, FitReport& report) {
 // Whether neighbours share the residuals of the used points.
 bool HasStructure(const SurfaceFit& fit, const SurfaceFitOptions& options, ThreadPool& pool) {
   constexpr Eigen::Index kPlaces = 400;  // enough for mean lengths of S_u and S_v
-  std::vector<Eigen::Index> used;
-  for (Eigen::Index k = 0; k < fit.outliers.size(); ++k)
-    if (!fit.outliers[k]) used.push_back(k);
+  const std::vector<Eigen::Index> used = IndicesOf(!fit.outliers);
   const auto count = static_cast<Eigen::Index>(used.size());
   const Eigen::Index step = std::max<Eigen::Index>(1, count / kPlaces);
   Eigen::Vector2d stretch = Eigen::Vector2d::Zero();
@@ -222,9 +221,7 @@ void EnterOvershoot(const NurbsSurface& surface,
                     const Eigen::Matrix2Xd& parameters,
                     ThreadPool& pool,
                     FitReport& report) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < used.size(); ++k)
-    if (used[k]) kept.push_back(k);
+  const std::vector<Eigen::Index> kept = IndicesOf(used);
   const Eigen::Matrix3Xd points = merged.cloud.points()(Eigen::all, kept);
   const Eigen::Matrix2Xd feet = parameters(Eigen::all, kept);
   report.overshoot = MeasureOvershoot(

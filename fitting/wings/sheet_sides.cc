@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/mask_indices.h"
 #include "fitting/wings/oriented_normals.h"
 #include "geometry/numeric/number_text.h"
 
@@ -51,7 +52,7 @@ class Grower {
   // Adds labels round by round until hardly any are added.
   void Grow(SheetSides& sides) const {
     for (int round = 0; round < kMostRounds; ++round) {
-      const std::vector<Eigen::Index> known = Under(sides.labelled);
+      const std::vector<Eigen::Index> known = IndicesOf(sides.labelled);
       const Eigen::Matrix3Xd places = points_(Eigen::all, known);
       const std::vector<Eigen::Index> asked = Askable(sides.labelled);
       if (asked.empty()) return;
@@ -73,17 +74,11 @@ class Grower {
     }
   }
 
-  static std::vector<Eigen::Index> Under(const PointMask& mask) {
-    std::vector<Eigen::Index> indices;
-    for (Eigen::Index k = 0; k < mask.size(); ++k)
-      if (mask[k]) indices.push_back(k);
-    return indices;
-  }
-
   // Points without a label that have labelled ones facing both ways around them.
   PointMask MoatOf(const SheetSides& sides) const {
     PointMask moat = PointMask::Constant(points_.cols(), false);
-    const std::vector<Eigen::Index> known = Under(sides.labelled), rest = Under(!sides.labelled);
+    const std::vector<Eigen::Index> known = IndicesOf(sides.labelled),
+                                    rest = IndicesOf(!sides.labelled);
     if (rest.empty() || known.empty()) return moat;
     const Eigen::Matrix3Xd places = points_(Eigen::all, known);
     const int k = static_cast<int>(std::min<Eigen::Index>(kAsked, places.cols()));

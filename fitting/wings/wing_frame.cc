@@ -9,6 +9,7 @@
 #include <complex>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/mask_indices.h"
 
 namespace batten::internal {
 namespace {
@@ -38,9 +39,7 @@ Eigen::Matrix3Xd OutwardOf(const Eigen::Matrix3Xd& points,
                            const SheetSides& sides,
                            const std::vector<Eigen::Index>& some) {
   constexpr int kAround = 60;
-  std::vector<Eigen::Index> known;
-  for (Eigen::Index k = 0; k < points.cols(); ++k)
-    if (sides.labelled[k]) known.push_back(k);
+  const std::vector<Eigen::Index> known = IndicesOf(sides.labelled);
   const Eigen::Matrix3Xd places = points(Eigen::all, known);
   const auto each = static_cast<size_t>(std::min<Eigen::Index>(kAround, places.cols()));
   const std::vector<int> near =
@@ -155,9 +154,7 @@ double WingFrame::Around(const WingPlace& place, int side) const {
 
 std::vector<std::vector<Eigen::Index>> EndsOfSections(const Eigen::Matrix3Xd& points,
                                                       const SheetSides& sides) {
-  std::vector<Eigen::Index> moat;
-  for (Eigen::Index k = 0; k < points.cols(); ++k)
-    if (sides.moat[k]) moat.push_back(k);
+  const std::vector<Eigen::Index> moat = IndicesOf(sides.moat);
   if (std::ssize(moat) < kFewest) return {};
   const Eigen::Matrix3Xd outward = OutwardOf(points, sides, moat);
   const Eigen::Vector3d axis = PrincipalAxis(outward);

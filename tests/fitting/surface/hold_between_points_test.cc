@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/geometry/knot_vectors.h"
 #include "fitting/surface/surface_overshoot.h"
@@ -71,6 +72,46 @@ TEST(HoldBetweenPointsTest, BringsAHumpInAHoleBackAndLeavesThePoints) {
     }
     // The change fades away from the hump.
     EXPECT_LT((state.surface.At(0.05, 0.05) - before.At(0.05, 0.05)).norm(), 1e-3 * std::abs(hump));
+  }
+}
+
+// The points about a hole lie on a hump that goes on inside it, of a net so coarse that what brings
+// it back moves them, by more than is allowed where they count as little as they do at first.
+TEST(HoldBetweenPointsTest, MovesSoftlyWhereTheFirstMoveCostsThePointsTooMuch) {
+  constexpr int kNet = 9;
+  const SplineBasis basis = SplineBasis::Uniform(3, kNet, 0, 1);
+  Eigen::Matrix3Xd net(3, kNet * kNet);
+  for (int i = 0; i < kNet; ++i)
+    for (int j = 0; j < kNet; ++j)
+      net.col(i * kNet + j) << basis.Greville(i), basis.Greville(j), i == 4 && j == 4 ? 0.6 : 0;
+  const NurbsSurface surface(basis, basis, net);
+  ThreadPool pool(2);
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 engine(seed);
+    std::uniform_real_distribution<double> uniform;
+    std::normal_distribution<double> noise(0, kSpacing / 4);
+    Eigen::Matrix2Xd places(2, 2500);
+    Eigen::Matrix3Xd points(3, 2500);
+    for (Eigen::Index k = 0; k < places.cols();) {
+      const Eigen::Vector2d place(uniform(engine), uniform(engine));
+      if ((place - Eigen::Vector2d(0.5, 0.5)).norm() < 0.15) continue;
+      points.col(k) = surface.At(place[0], place[1]) + noise(engine) * Eigen::Vector3d::UnitZ();
+      places.col(k++) = place;
+    }
+    SurfaceState state =
+        InLocalCoordinates({surface, PointCloud::FromWorld(points), std::move(places), {}, {}});
+    const auto rms = [&] {
+      return std::sqrt(DistancesTo(state.surface, state.used.points(), state.parameters, pool)
+                           .distances.squaredNorm() /
+                       2500);
+    };
+    const double before = OvershootOf(state, pool).max, rms_before = rms();
+    ASSERT_GT(before, 3 * kSpacing);
+    EXPECT_TRUE(
+        HoldBetweenPoints(state, kSpacing, Eigen::Vector3d::UnitZ(), std::nullopt, {}, pool));
+    EXPECT_LE(OvershootOf(state, pool).max, 0.8 * before);
+    EXPECT_LE(rms(), 1.06 * rms_before);
   }
 }
 
