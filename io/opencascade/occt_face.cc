@@ -16,12 +16,14 @@
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "batten/geometry/join.h"
 #include "io/exchange/file_loops.h"
 #include "io/exchange/parameter_map.h"
 #include "io/opencascade/face_loops.h"
@@ -130,15 +132,33 @@ Mapping OfBSpline(const Handle(Geom_BSplineSurface) & surface, const ParameterRe
   return {std::move(result), u, v};
 }
 
+// Of more than one turn, as the flanks of threads have it, equal shares of less than one each.
+std::optional<NurbsSurface> WoundSurface(const Handle(Geom_Surface) & surface,
+                                         const ParameterRectangle& box) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  if (!surface->IsUPeriodic() || box.u1 - box.u0 <= (1 + kMapping) * kTurn) return std::nullopt;
+  const double share = (box.u1 - box.u0) / (std::floor((box.u1 - box.u0) / kTurn) + 1);
+  std::optional<NurbsSurface> wound;
+  for (double u = box.u0; u < box.u1 - share / 2; u += share) {
+    const auto exact = FromAnalytic(surface, {u, u + share, box.v0, box.v1}, {});
+    if (!exact) return std::nullopt;
+    const NurbsSurface next = ToNurbs(*exact);
+    const double size = next.control_points().cwiseAbs().maxCoeff();
+    wound = wound ? Join(*wound, next, Direction::kU, kMapping * size) : next;
+  }
+  return wound;
+}
+
 Mapping OfOther(const Handle(Geom_Surface) & surface,
                 const ParameterRectangle& box,
                 const Seams& seams) {
-  const auto exact = FromAnalytic(surface, box, seams);
-  NurbsSurface result = exact ? ToNurbs(*exact) : Part(surface, box);
+  const auto wound = WoundSurface(surface, box);
+  const auto exact = wound ? std::nullopt : FromAnalytic(surface, box, seams);
+  NurbsSurface result = wound ? *wound : exact ? ToNurbs(*exact) : Part(surface, box);
   const Handle(Geom_Surface) basis = BasisOf(surface);
-  const bool both = exact && (!Handle(Geom_SphericalSurface)::DownCast(basis).IsNull() ||
-                              !Handle(Geom_ToroidalSurface)::DownCast(basis).IsNull());
-  const bool round = exact && Handle(Geom_Plane)::DownCast(basis).IsNull();
+  const bool both = (wound || exact) && (!Handle(Geom_SphericalSurface)::DownCast(basis).IsNull() ||
+                                         !Handle(Geom_ToroidalSurface)::DownCast(basis).IsNull());
+  const bool round = (wound || exact) && Handle(Geom_Plane)::DownCast(basis).IsNull();
   const ParameterMap u(box.u0, box.u1, result.basis_u(), round);
   const ParameterMap v(box.v0, box.v1, result.basis_v(), both);
   return {std::move(result), u, v};

@@ -2,23 +2,35 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRepLib.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
+#include <GCE2d_MakeSegment.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom_ConicalSurface.hxx>
+#include <Geom_CylindricalSurface.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Face.hxx>
 #include <gp_Ax2.hxx>
 
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "batten/geometry/surface_area.h"
 #include "batten/io/brep_reader.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -105,6 +117,44 @@ TEST(BrepTest, LeftHandedSurfacesAreRead) {
   const auto report =
       WriteGeometry({folder.File("b.step"), contents.geometry, contents.names, contents.bodies});
   EXPECT_TRUE(report && report->watertight());
+}
+
+// A band over a cylinder, or a cone, that winds round it `turns` times, rising by one each.
+TopoDS_Shape WoundBand(const Handle(Geom_Surface) & surface, double turns) {
+  const double far = 2 * std::numbers::pi * turns;
+  const std::vector<gp_Pnt2d> corners = {
+      {0.3, 1}, {0.3 + far, 1 + turns}, {0.3 + far, 1.5 + turns}, {0.3, 1.5}};
+  BRepBuilderAPI_MakeWire wire;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    wire.Add(BRepBuilderAPI_MakeEdge(GCE2d_MakeSegment(corners[k], corners[(k + 1) % 4]).Value(),
+                                     surface));
+  }
+  const TopoDS_Face face = BRepBuilderAPI_MakeFace(surface, wire);
+  BRepLib::BuildCurves3d(face);
+  return face;
+}
+
+TEST(BrepTest, FacesMayWindRoundMoreThanOnce) {
+  const TemporaryFolder folder;
+  const gp_Ax3 axes({1, 2, 3}, {1, 2, 2});
+  for (const double turns : {0.4, 1.5, 1.96, 3.2}) {
+    for (const Handle(Geom_Surface) & surface :
+         {Handle(Geom_Surface)(new Geom_CylindricalSurface(axes, 2)),
+          Handle(Geom_Surface)(new Geom_ConicalSurface(axes, 0.1, 2))}) {
+      SCOPED_TRACE(turns);
+      const TopoDS_Shape band = WoundBand(surface, turns);
+      GProp_GProps properties;
+      BRepGProp::SurfaceProperties(band, properties, 1e-9);
+      const std::vector<Geometry> read =
+          ReadBrepContents(
+              Saved(folder, "a.brep", Text(band, TopTools_FormatVersion_VERSION_3, false)))
+              .geometry;
+      ASSERT_EQ(read.size(), 1u);
+      EXPECT_NEAR(
+          Area(std::get<NurbsSurface>(read[0])), properties.Mass(), 1e-6 * properties.Mass());
+      EXPECT_NO_THROW(WriteGeometry({read[0]}, folder.File("b.step")));
+    }
+  }
 }
 
 TEST(BrepTest, WhatIsWrittenReadsBackAsItWas) {
