@@ -8,6 +8,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "fitting/regions/free_pieces.h"
+#include "fitting/regions/grow_coarsely.h"
 #include "fitting/regions/region_shape.h"
 #include "fitting/regions/settle_regions.h"
 
@@ -103,7 +104,7 @@ bool GrowNarrow(RegionPoints& data,
     for (const int point : region.points) taken[std::size_t(point)] = 0;
   }
   if (std::ssize(left) >= kFewestPoints) {
-    const RegionPoints part = PartOf(data, left, pool);
+    const RegionPoints part = PartOf(data, left, data.spacing, pool);
     std::vector<Region> grown = GrowRegions(part, sigma, kFewestPoints, progress, pool).regions;
     for (Region& region : grown) {
       for (int& point : region.points) point = left[std::size_t(point)];
@@ -141,7 +142,7 @@ RegionLabels RegionsAt(RegionPoints& data,
                        double sigma,
                        const Progress& progress,
                        ThreadPool& pool) {
-  RegionLabels labels = GrowRegions(data, sigma, kFewestPoints, progress, pool);
+  RegionLabels labels = GrowCoarsely(data, sigma, kFewestPoints, progress, pool);
   SettleRegions(data, sigma, kFewestPoints, labels, pool);
   if (GrowNarrow(data, sigma, labels, progress, pool))
     SettleRegions(data, sigma, kFewestPoints, labels, pool);

@@ -19,6 +19,7 @@ using Pair = std::pair<int, int>;
 struct Border {
   Pair regions;
   std::vector<Eigen::Vector3d> places;
+  bool smooth = true;  // a sharp one is not arbitrary
   bool arbitrary = false;
 };
 
@@ -59,8 +60,8 @@ std::vector<Border> BordersOf(const RegionPoints& data, const Pieces& pieces) {
     const auto a = double(pieces.SizeOf(pair.first)), b = double(pieces.SizeOf(pair.second));
     const bool faces = pair.second < pieces.shapes;
     if ((faces ? std::max(a, b) : a) > kComparable * std::min(a, b)) continue;
-    if (faces && !JoinSmoothly(data, pieces.labels, pair.first, pair.second)) continue;
-    borders.push_back({pair, std::move(found)});
+    const bool smooth = !faces || JoinSmoothly(data, pieces.labels, pair.first, pair.second);
+    borders.push_back({pair, std::move(found), smooth});
   }
   return borders;
 }
@@ -96,6 +97,7 @@ bool DissolveOnce(const RegionPoints& data, double sigma, RegionLabels& labels, 
     ThreadPool alone(1);
     for (auto k = begin; k < end; ++k) {
       Border& border = borders[std::size_t(k)];
+      if (!border.smooth) continue;
       // At the noise that both show: what misses shape by some hides as much in a third.
       double noise = sigma;
       for (const int side : {border.regions.first, border.regions.second}) {

@@ -87,10 +87,13 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   return data;
 }
 
-RegionPoints PartOf(const RegionPoints& data, const std::vector<int>& points, ThreadPool& pool) {
+RegionPoints PartOf(const RegionPoints& data,
+                    const std::vector<int>& points,
+                    double spacing,
+                    ThreadPool& pool) {
   RegionPoints part;
   part.points = data.points(Eigen::all, points);
-  part.spacing = data.spacing;
+  part.spacing = spacing;
   part.noise = data.noise;
   part.rounding = data.rounding;
   part.most_trend = data.most_trend;
@@ -98,7 +101,7 @@ RegionPoints PartOf(const RegionPoints& data, const std::vector<int>& points, Th
   part.middle = data.middle;
   part.normals_estimated = true;
   const NeighbourIndex index(part.points, pool);
-  LinkNeighbours(index, kFarNeighbour * data.spacing, part);
+  LinkNeighbours(index, kFarNeighbour * spacing, part);
   part.normals = EstimateNormals(index, part.points, part.points, kNormalNeighbours);
   TakeTurns(part);
   return part;

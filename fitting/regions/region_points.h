@@ -40,9 +40,13 @@ struct RegionPoints {
 // neighbours. Points are neighbours where either is among the nearest of the other. O(m log m).
 RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, ThreadPool& pool);
 
-// Some of them by themselves: neighbours, no farther than a few spacings, and normals among these
-// alone. Points of a narrow face are seen so once those of the faces beside it are gone.
-RegionPoints PartOf(const RegionPoints& data, const std::vector<int>& points, ThreadPool& pool);
+// Some of them by themselves, so far apart: neighbours, no farther than a few spacings, and normals
+// among these alone. Points of a narrow face are seen so once those of the faces beside it are
+// gone.
+RegionPoints PartOf(const RegionPoints& data,
+                    const std::vector<int>& points,
+                    double spacing,
+                    ThreadPool& pool);
 
 // At most so many of them, evenly along the list.
 std::vector<int> Thinned(const std::vector<int>& points, std::size_t most);

@@ -420,6 +420,44 @@ TEST(FitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
   }
 }
 
+// A cylinder is as near to a bevel and as much of the top, but the top has sharp edges, which no
+// free surface has.
+TEST(FitPartsTest, ABevelThatARoundFaceWouldExplainAsWellLeavesTheTopPlane) {
+  TruthPart part = BoxPart();
+  constexpr double kSlope = 0.3, kWide = 0.2;
+  part.faces[1] = FlatFace({0, 0, 0.4}, {1 - kWide, 0, 0}, {0, 0.7, 0});
+  part.faces.push_back(FlatFace({1 - kWide, 0, 0.4}, {kWide, 0, -kSlope * kWide}, {0, 0.7, 0}));
+  PartFitOptions options;
+  options.tolerance = 0.02;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const PartCloud cloud = SampledPart(part, kPoints, 3e-3, seed);
+    const PartsFit fit = Fitted(cloud, options);
+    const std::vector<int> truth = TruthOf(fit, cloud);
+    const auto top = std::find(truth.begin(), truth.end(), 1);
+    ASSERT_NE(top, truth.end());
+    EXPECT_EQ(fit.summary.faces[std::size_t(top - truth.begin())].kind, "plane");
+  }
+}
+
+// More than regions grow over: they have their faces, and all of their points.
+TEST(FitPartsTest, ManyPointsHaveTheFacesOfFew) {
+  const TruthPart part = FlangePart();
+  constexpr double kRight = 0.99;
+  for (const double sigma : {0.0, 1e-3}) {
+    SCOPED_TRACE(sigma);
+    const PartCloud cloud = SampledPart(part, 90000, sigma, 3);
+    const PartsFit fit = Fitted(cloud);
+    const std::vector<int> truth = TruthOf(fit, cloud);
+    EXPECT_EQ(std::set<int>(truth.begin(), truth.end()).size(), part.faces.size());
+    EXPECT_EQ(truth.size(), part.faces.size());
+    double right = 0;
+    for (std::size_t k = 0; k < cloud.face.size(); ++k)
+      right += fit.labels[k] >= 0 && truth[std::size_t(fit.labels[k])] == cloud.face[k];
+    EXPECT_GE(right, kRight * static_cast<double>(cloud.face.size()));
+  }
+}
+
 // Free faces beside exact ones, or alone, and strays: each is as far as the nearest face, trimmed,
 // as written.
 TEST(FitPartsTest, PointsOfNoFaceAreMeasuredFromTheNearest) {
