@@ -43,6 +43,7 @@ struct FitSolidArguments : FitArguments {
   int faces = 0;
   SolidDemands demands;
   bool keep_outliers = false, every_face = false;
+  bool open = false;  // the borders of the points stay
 };
 
 SolidFitOptions ToFitSolidOptions(const FitSolidArguments& a) {
@@ -66,15 +67,18 @@ std::string SharpWords(const SolidAudit& audit) {
 
 std::string SolidWords(const SolidFit& fit) {
   const int bodies = fit.layout.components;
+  const bool open = !fit.control_mesh.caps.empty();
   return fmt::format(
-      "{} of {} faces, {} edges and {} vertices, genus {}; volume {:.6g}, area {:.6g}; faces meet "
-      "within {:.2g} and {:.2g}°{}{}",
-      bodies == 1 ? "a watertight solid" : fmt::format("{} watertight solids", bodies),
+      "{} of {} faces, {} edges and {} vertices, {}, area {:.6g}; faces meet within {:.2g} and "
+      "{:.2g}°{}{}",
+      open          ? "an open shell"
+      : bodies == 1 ? "a watertight solid"
+                    : fmt::format("{} watertight solids", bodies),
       fit.solid.faces.size(),
       fit.solid.edges.size(),
       fit.solid.vertices.cols(),
-      fit.layout.genus,
-      fit.audit.volume,
+      open ? fmt::format("borders of length {:.6g}", fit.audit.open_length)
+           : fmt::format("genus {}; volume {:.6g}", fit.layout.genus, fit.audit.volume),
       fit.audit.area,
       fit.audit.gap,
       fit.audit.edge_angle * 180 / std::numbers::pi,
@@ -90,8 +94,9 @@ std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
   if (a.clouds.size() != 1 || !MayHoldFaces(path) || !a.cloud.format.empty()) return std::nullopt;
   const PolygonMesh mesh = ReadPolygons(path);
   if (mesh.faces.empty()) return std::nullopt;
-  ClosedSurface closed = CloseSurface(mesh.vertices, mesh.faces);
-  if (closed.filled > 0) {
+  ClosedSurface closed =
+      a.open ? CloseSurface(mesh.vertices, mesh.faces, 1) : CloseSurface(mesh.vertices, mesh.faces);
+  if (closed.filled > 0 && !a.open) {
     PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
                              path,
                              closed.filled,
@@ -136,13 +141,15 @@ ClosedSurface SurfaceAbout(const FitSolidArguments& a,
                            const PointCloud& cloud) {
   ReconstructedSurface made = files.Explained([&] {
     try {
-      return ReconstructSurface(cloud, a.demands.most_invented, a.work.threads);
+      return ReconstructSurface(cloud, a.open ? 1 : a.demands.most_invented, a.work.threads);
     } catch (const RefusedData& refusal) {
       if (refusal.remedy() != Remedy::kFitPart) throw;
       throw RefusedData(refusal.what() + std::string(" (--box, --where)"));  // there is no --part
     }
   });
-  if (made.invented_share > 0) {
+  if (a.open) {
+    made.closed.surface.caps = std::move(made.beyond);
+  } else if (made.invented_share > 0) {
     PrintWarning(fmt::format("{:.1f} % of the surface have no points within three spacings",
                              100 * made.invented_share));
   }
@@ -173,11 +180,12 @@ void RefuseTinyBody(const FitFiles& files, const PointCloud& cloud) {
 SolidKind KindOf(const FitSolidArguments& a) {
   const SolidKind kind = ToSolidKind(a.kind);
   const bool layout = !a.quads.empty() || a.faces > 0 || !a.mesh_out.empty() ||
-                      !a.layout_out.empty() || a.every_face || a.keep_outliers ||
+                      !a.layout_out.empty() || a.every_face || a.keep_outliers || a.open ||
                       a.smoothing != "auto" || a.clean == "none";
   if (layout && kind == SolidKind::kCad) {
     throw UsageError(
-        "--kind cad: --quads, --faces, --mesh-out, --layout-out, --every-face, --smoothing, "
+        "--kind cad: --quads, --faces, --mesh-out, --layout-out, --open, --every-face, "
+        "--smoothing, "
         "--keep-outliers and --clean none are of --kind organic");
   }
   const bool triangles = NamesMesh(a.out, a.out_format);
@@ -192,6 +200,8 @@ int RunFitSolid(const FitSolidArguments& a) {
   SolidFitOptions options = ToFitSolidOptions(a);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
+  if (a.open && a.demands.genus)
+    throw UsageError("--genus is of closed solids, --open leaves borders: give one of them");
   const bool mesh = NamesMesh(a.out, a.out_format);
   if (!mesh && FormatOf(a.out, a.out_format) != FileFormat::kStep)
     throw UsageError("-o " + a.out +
@@ -200,8 +210,9 @@ int RunFitSolid(const FitSolidArguments& a) {
   for (const std::string& path : {a.layout_out, a.mesh_out}) {
     if (!path.empty()) CheckWritable(path);
   }
-  if (!a.quads.empty() && (a.faces > 0 || !a.mesh_out.empty())) {
-    throw UsageError("--faces and --mesh-out are of a layout that is made, --quads gives one");
+  if (!a.quads.empty() && (a.faces > 0 || !a.mesh_out.empty() || a.open)) {
+    throw UsageError(
+        "--faces, --mesh-out and --open are of a layout that is made, --quads gives one");
   }
   QuadMesh layout;
   if (!a.quads.empty()) layout = ReadQuadMesh(a.quads);
@@ -216,7 +227,8 @@ int RunFitSolid(const FitSolidArguments& a) {
   } else {
     const std::optional<ClosedSurface> faces = files.Explained([&] { return FacesOf(a); });
     if (faces) TakeFaces(*faces, cloud, options);
-    const ClosedSurface closed = faces ? *faces : SurfaceAbout(a, files, cloud);
+    // Holes are closed smoothly beyond points, which triangles across them do not.
+    const ClosedSurface closed = faces && !a.open ? *faces : SurfaceAbout(a, files, cloud);
     RefuseGenus(a, files, closed.genus);
     if (!a.mesh_out.empty()) {
       TriangleMesh made;
@@ -317,13 +329,20 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                ->capture_default_str()
                ->type_name("L"),
           {"auto"});
+  command.add_flag(
+      "--open",
+      a->open,
+      "The borders of an open scan stay, with a shell between them that is not closed; "
+      "holes of less than a hundredth of its area are closed");
   command.add_flag("--keep-outliers", a->keep_outliers, "All points count");
   command.add_flag(
       "--every-face",
       a->every_face,
       "A face for each of the layout's; else as few as its extraordinary vertices allow");
   GroupFitFlags(command);
-  GroupFlags(command, "Which shape", {"--kind", "--quads", "--faces", "--genus", "--every-face"});
+  GroupFlags(command,
+             "Which shape",
+             {"--kind", "--quads", "--faces", "--genus", "--open", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"

@@ -41,14 +41,24 @@ Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
 constexpr double kFlat = 0;  // no angle is
 
 QuadMesh Improved(const QuadMesh& raw, const SurfaceProjector& projector) {
-  std::vector<Quad> quads;
-  for (const auto face : raw.faces.colwise()) quads.push_back({face[0], face[1], face[2], face[3]});
-  QuadImprover improver(raw.vertices, std::move(quads), projector);
+  QuadImprover improver(raw, projector);
   constexpr int kSmoothings = 4;
   improver.Smooth(kSmoothings);
   improver.Improve();
   if (improver.LeastSquareness() < kFlat) throw RefusedData("a face is too uneven");
   return improver.Mesh();
+}
+
+// The faces of a grid may collapse between vertices near one another.
+QuadMesh Repaired(const QuadMesh& raw, const SurfaceProjector& projector) {
+  try {
+    CheckQuadMesh(raw);
+    return raw;
+  } catch (const std::invalid_argument&) {
+    QuadImprover improver(raw, projector);
+    improver.Improve();
+    return improver.Mesh();
+  }
 }
 
 QuadMesh Creased(const QuadMesh& raw,
@@ -59,7 +69,7 @@ QuadMesh Creased(const QuadMesh& raw,
   // Where a crease passes from one line of the grid to the next it goes straight through the corner
   // of a face.
   constexpr double kStraight = -0.3;
-  QuadMesh layout = OntoCreases(raw, surface, creases, projector, kSmoothings);
+  QuadMesh layout = OntoCreases(Repaired(raw, projector), surface, creases, projector, kSmoothings);
   for (const auto face : layout.faces.colwise()) {
     if (Squareness(layout.vertices, {face[0], face[1], face[2], face[3]}) < kStraight) {
       throw RefusedData("a face is too uneven");

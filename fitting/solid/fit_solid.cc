@@ -4,11 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/distances.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/stage_clock.h"
@@ -86,13 +89,18 @@ class SolidFitter {
                           pool_);
       clock_.Enter(&StageSeconds::trim);
       solid = SplineSolid(mesh, surface.control_points, blocks);
-      fit_.audit = AuditSolid(solid);
+      left_out_ = LeftOut(mesh, blocks);
+      if (left_out_.empty()) {
+        fit_.audit = AuditSolid(solid);
+      } else {
+        fit_.audit = AuditSolid(solid.Without(left_out_));
+      }
       if (!creased || fit_.audit.turn <= kFold || stretch * kMore > kMost) break;
     }
     Judge(solid);
     clock_.Enter(&StageSeconds::project);
     Measure(solid, mesh, blocks, stencils, surface);
-    Finish(solid, surface);
+    Finish(left_out_.empty() ? std::move(solid) : solid.Without(left_out_), surface);
     return std::move(fit_);
   }
 
@@ -157,13 +165,23 @@ class SolidFitter {
     }
   }
 
+  // The blocks of caps; empty where there are none.
+  std::vector<char> LeftOut(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks) const {
+    if (layout_.caps.empty()) return {};
+    std::vector<char> left_out(blocks.size(), 0);
+    const std::vector<BlockPlace> places = PlacesInBlocks(mesh, blocks);
+    for (const int face : layout_.caps) left_out[std::size_t(places[std::size_t(face)].block)] = 1;
+    return left_out;
+  }
+
   // What no reader of the solid would notice.
   void Judge(const SolidModel& solid) const {
     const SolidAudit& audit = fit_.audit;
-    if (audit.open_edges > 0) {
+    const bool open = !left_out_.empty();
+    if (audit.open_edges > 0 && !open) {
       throw RefusedData(std::to_string(audit.open_edges) + " edges do not belong to two faces");
     }
-    if (!(audit.volume > 0)) throw RefusedData("the faces do not enclose a volume");
+    if (!(open || audit.volume > 0)) throw RefusedData("the faces do not enclose a volume");
     if (audit.turn > kFold) {
       throw RefusedData("a face folds over (normals turn by " + Degrees(audit.turn) +
                         " from one sample to the next): the layout is too coarse or uneven there");
@@ -204,6 +222,10 @@ class SolidFitter {
         parameters.col(k) = at;
       }
     });
+    std::vector<int> face_of(feet.size());
+    for (std::size_t k = 0; k < feet.size(); ++k)
+      face_of[k] = places[std::size_t(feet[k].place.patch >> 2)].block;
+    if (!left_out_.empty()) MeasureBeyond(solid, distances, parameters, face_of);
     fit_.residuals.resize(cloud_.size());
     fit_.outliers.resize(cloud_.size());
     fit_.parameters.resize(2, cloud_.size());
@@ -213,9 +235,44 @@ class SolidFitter {
       fit_.residuals[k] = distances[merged];
       fit_.outliers[k] = set_aside_[merged];
       fit_.parameters.col(k) = parameters.col(merged);
-      fit_.faces[std::size_t(k)] =
-          places[std::size_t(feet[std::size_t(merged)].place.patch >> 2)].block;
+      fit_.faces[std::size_t(k)] = face_of[std::size_t(merged)];
     }
+  }
+
+  // Points whose feet are on caps have them on the nearest face that stays; faces are numbered
+  // without caps.
+  void MeasureBeyond(const SolidModel& solid,
+                     Eigen::VectorXd& distances,
+                     Eigen::Matrix2Xd& parameters,
+                     std::vector<int>& face_of) {
+    std::vector<Eigen::Index> beyond;
+    for (std::size_t k = 0; k < face_of.size(); ++k) {
+      if (left_out_[std::size_t(face_of[k])]) beyond.push_back(Eigen::Index(k));
+    }
+    distances(beyond).setConstant(std::numeric_limits<double>::infinity());
+    int number = 0;
+    std::vector<int> numbers;
+    for (std::size_t f = 0; f < solid.faces.size(); ++f) {
+      numbers.push_back(number);
+      if (left_out_[f]) continue;
+      ++number;
+      const NurbsSurface& face = solid.faces[f].surface;
+      const Eigen::AlignedBox3d box(face.control_points().rowwise().minCoeff(),
+                                    face.control_points().rowwise().maxCoeff());
+      std::vector<Eigen::Index> near;
+      std::copy_if(beyond.begin(), beyond.end(), std::back_inserter(near), [&](Eigen::Index k) {
+        return box.exteriorDistance(data_.points.col(k)) < std::abs(distances[k]);
+      });
+      if (near.empty()) continue;
+      const PointDistances found = DistancesTo(face, data_.points(Eigen::all, near), pool_);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        if (!(std::abs(found.distances[Eigen::Index(i)]) < std::abs(distances[near[i]]))) continue;
+        distances[near[i]] = found.distances[Eigen::Index(i)];
+        parameters.col(near[i]) = found.parameters.col(Eigen::Index(i));
+        face_of[std::size_t(near[i])] = static_cast<int>(f);
+      }
+    }
+    for (int& face : face_of) face = numbers[std::size_t(face)];
   }
 
   // Signed along the normal, from the foot that Newton's method finds from parameters near it. Near
@@ -247,18 +304,18 @@ class SolidFitter {
     fit_.solid = shift.isZero() ? solid : solid.Translated(shift);
     fit_.audit.edge_angle_at += shift;
     fit_.held_out = surface.held_out;
-    fit_.control_mesh = {
-        surface.control_points.colwise() + shift, layout_.faces, layout_.creases, layout_.corners};
+    fit_.control_mesh = layout_;
+    fit_.control_mesh.vertices = surface.control_points.colwise() + shift;
     FitReport& report = fit_.report;
     report.input.outliers = fit_.outliers.count();
     report.input.used = cloud_.size() - report.input.outliers;
     const PointMask used = !fit_.outliers;
     report.error = Summarise(fit_.residuals, options_.tolerance, used);
     report.error_all = Summarise(fit_.residuals, options_.tolerance);
-    report.geometry.kind = "solid";
+    report.geometry.kind = left_out_.empty() ? "solid" : "shell";
     report.geometry.degree = {3, 3};
     report.geometry.control_points = {static_cast<int>(surface.control_points.cols())};
-    report.geometry.closed = {true, true};
+    report.geometry.closed = {left_out_.empty(), left_out_.empty()};
     const SolidAudit& audit = fit_.audit;
     report.geometry.creases = {
         audit.sharp_edges, audit.sharp_length, audit.least_sharp, audit.greatest_sharp};
@@ -297,6 +354,7 @@ class SolidFitter {
   SurfaceData data_;
   std::vector<Eigen::Index> place_;
   PointMask set_aside_;
+  std::vector<char> left_out_;  // by block: of caps
   SolidFit fit_;
 };
 

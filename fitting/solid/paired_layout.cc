@@ -20,7 +20,7 @@ constexpr double kEven = 0.15;
 
 // All triangles in pairs. The dual graph has three edges at every node and no bridge, so it has a
 // perfect matching. [Petersen 1891; weights: Edmonds 1965]
-std::vector<Quad> Paired(const TriangleSurface& surface) {
+QuadMesh Paired(const TriangleSurface& surface) {
   const auto count = int(surface.triangles.cols());
   std::unordered_map<std::int64_t, int> left;
   for (int t = 0; t < count; ++t) {
@@ -47,10 +47,12 @@ std::vector<Quad> Paired(const TriangleSurface& surface) {
       quads.push_back(quad);
     }
   }
-  std::vector<Quad> paired;
-  for (const int e : PerfectMatching(count, edges, weights))
-    paired.push_back(quads[std::size_t(e)]);
-  if (paired.empty()) throw RefusedData("the triangles can't be paired");
+  const std::vector<int> matched = PerfectMatching(count, edges, weights);
+  if (matched.empty()) throw RefusedData("the triangles can't be paired");
+  QuadMesh paired{surface.vertices, Eigen::Matrix4Xi(4, std::ssize(matched))};
+  for (std::size_t k = 0; k < matched.size(); ++k)
+    paired.faces.col(Eigen::Index(k)) =
+        Eigen::Map<const Eigen::Vector4i>(quads[std::size_t(matched[k])].data());
   return paired;
 }
 
@@ -64,7 +66,7 @@ QuadMesh EvenLayout(const TriangleSurface& surface,
   // Two triangles to a face; those of even size have edges of this length.
   const double length = std::sqrt(2 * AreaOf(surface) / (std::sqrt(3.0) * faces));
   const TriangleSurface even = EvenTriangles(surface, {}, projector, length, progress).surface;
-  QuadImprover improver(even.vertices, Paired(even), projector);
+  QuadImprover improver(Paired(even), projector);
   improver.Improve();
   if (improver.LeastSquareness() < least_squareness) throw RefusedData("a face is too uneven");
   QuadMesh layout = improver.Mesh();
@@ -80,11 +82,7 @@ QuadMesh Finer(const QuadMesh& layout, const SurfaceProjector& projector) {
       Subdivided(QuadTopology(layout.faces, static_cast<int>(layout.vertices.cols())));
   Eigen::Matrix3Xd points = Combined(finer.stencils, layout.vertices);
   for (Eigen::Index v = 0; v < points.cols(); ++v) points.col(v) = projector.Nearest(points.col(v));
-  std::vector<Quad> quads;
-  for (const auto face : finer.topology.corners().colwise()) {
-    quads.push_back({face[0], face[1], face[2], face[3]});
-  }
-  QuadImprover improver(points, std::move(quads), projector);
+  QuadImprover improver({std::move(points), finer.topology.corners()}, projector);
   constexpr int kSmoothings = 10;
   improver.Smooth(kSmoothings);
   if (improver.LeastSquareness() < kEven) throw RefusedData("a face is too uneven");

@@ -24,13 +24,15 @@ double Squareness(const Eigen::Matrix3Xd& points, const Quad& quad) {
   return 1 - worst / (std::numbers::pi / 2);
 }
 
-QuadImprover::QuadImprover(const Eigen::Matrix3Xd& points,
-                           std::vector<Quad> quads,
-                           const SurfaceProjector& projector)
+QuadImprover::QuadImprover(const QuadMesh& mesh, const SurfaceProjector& projector)
     : projector_(projector),
-      points_(points),
-      quads_(std::move(quads)),
-      around_(std::size_t(points.cols())) {
+      points_(mesh.vertices),
+      creases_(mesh.creases),
+      held_(std::size_t(mesh.vertices.cols()), 0),
+      around_(std::size_t(mesh.vertices.cols())) {
+  for (const int v : creases_.reshaped()) held_[std::size_t(v)] = 1;
+  for (const auto face : mesh.faces.colwise())
+    quads_.push_back({face[0], face[1], face[2], face[3]});
   for (int q = 0; q < int(quads_.size()); ++q) {
     for (const int v : quads_[std::size_t(q)]) around_[std::size_t(v)].push_back(q);
   }
@@ -85,6 +87,7 @@ QuadMesh QuadImprover::Mesh() const {
   for (std::size_t k = 0; k < faces.size(); ++k) {
     mesh.faces.col(Eigen::Index(k)) << faces[k][0], faces[k][1], faces[k][2], faces[k][3];
   }
+  mesh.creases = creases_.unaryExpr([&](int v) { return number[std::size_t(v)]; });
   return mesh;
 }
 
@@ -136,7 +139,7 @@ bool QuadImprover::Even(const Eigen::Matrix3Xd& points, const Quad& quad) {
 bool QuadImprover::RemoveDoublets() {
   bool changed = false;
   for (int v = 0; v < int(around_.size()); ++v) {
-    if (Valence(v) != 2) continue;
+    if (Valence(v) != 2 || Held(v)) continue;
     const int one = around_[std::size_t(v)][0], two = around_[std::size_t(v)][1];
     const auto corners = [&](int q) {
       Quad quad = quads_[std::size_t(q)];
@@ -171,6 +174,8 @@ bool QuadImprover::CollapseFaces() {
 }
 
 bool QuadImprover::Collapse(int q, int a, int b, int c, int d) {
+  if (Held(a) && Held(c)) return false;
+  if (Held(c)) return Collapse(q, c, d, a, b);
   const int joined = Valence(a) + Valence(c) - 2;
   const int before = Off(Valence(a)) + Off(Valence(b)) + Off(Valence(c)) + Off(Valence(d));
   const int after = Off(joined) + Off(Valence(b) - 1) + Off(Valence(d) - 1);
@@ -188,7 +193,7 @@ bool QuadImprover::Collapse(int q, int a, int b, int c, int d) {
     }
   }
   const Eigen::Vector3d old_a = points_.col(a), old_c = points_.col(c);
-  points_.col(a) = points_.col(c) = projector_.Nearest((old_a + old_c) / 2);
+  points_.col(a) = points_.col(c) = Held(a) ? old_a : projector_.Nearest((old_a + old_c) / 2);
   for (const int end : {a, c}) {
     for (const int f : around_[std::size_t(end)]) {
       if (f == q || Even(points_, quads_[std::size_t(f)])) continue;
@@ -220,6 +225,7 @@ bool QuadImprover::TurnEdges() {
 }
 
 bool QuadImprover::TurnEdge(int a, int b) {
+  if (Held(a) && Held(b)) return false;
   const auto [left, one] = LeftOf(a, b);
   const auto [right, two] = LeftOf(b, a);
   if (left < 0 || right < 0 || left == right) return false;
@@ -265,7 +271,7 @@ double QuadImprover::LeastSquarenessAbout(int v) const {
 void QuadImprover::Smooth() {
   constexpr double kShare = 0.6, kFair = 0.5;
   for (int v = 0; v < int(around_.size()); ++v) {
-    if (around_[std::size_t(v)].empty()) continue;
+    if (around_[std::size_t(v)].empty() || Held(v)) continue;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const int q : around_[std::size_t(v)]) {
       Eigen::Vector3d centre = Eigen::Vector3d::Zero();

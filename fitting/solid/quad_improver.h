@@ -20,12 +20,10 @@ using Quad = std::array<int, 4>;
 double Squareness(const Eigen::Matrix3Xd& points, const Quad& quad);
 
 // A mesh of quadrilaterals whose edges turn and whose faces collapse until fewer vertices have
-// other than four. [Docampo-Sánchez & Haimes 2019]
+// other than four. Creases and their vertices stay. [Docampo-Sánchez & Haimes 2019]
 class QuadImprover {
  public:
-  QuadImprover(const Eigen::Matrix3Xd& points,
-               std::vector<Quad> quads,
-               const SurfaceProjector& projector);
+  QuadImprover(const QuadMesh& mesh, const SurfaceProjector& projector);
 
   // Moves vertices to the middle of their faces', on the surface.
   void Smooth(int rounds);
@@ -58,8 +56,12 @@ class QuadImprover {
   void Smooth();
   double LeastSquarenessAbout(int v) const;
 
+  bool Held(int v) const { return held_[std::size_t(v)] != 0; }
+
   const SurfaceProjector& projector_;
   Eigen::Matrix3Xd points_;
+  Eigen::Matrix2Xi creases_;
+  std::vector<char> held_;  // vertices of creases
   std::vector<Quad> quads_;
   std::vector<std::vector<int>> around_;
 };

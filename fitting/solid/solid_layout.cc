@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/solid/cap_borders.h"
 #include "fitting/solid/crease_layout.h"
 #include "fitting/solid/field_layout.h"
 #include "fitting/solid/paired_layout.h"
@@ -37,33 +38,40 @@ QuadMesh WithCreases(const QuadMesh& layout, const TriangleSurface& surface) {
   return OntoCreases(creased, surface, creases, SurfaceProjector(surface), kRounds);
 }
 
-QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& progress) {
+QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progress) {
   if (faces < 6) throw RefusedData("a layout of fewer than six faces closes nothing");
+  const TriangleSurface surface = WithEvenCaps(given);
   const SurfaceProjector projector(surface);
-  const SurfaceCreases creases = CreasesOf(surface, ShortestCrease(surface, faces));
+  const SurfaceCreases sharp = CreasesOf(surface, ShortestCrease(surface, faces));
+  const bool open = !surface.caps.empty();
   // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
   // parts, smaller ones there may do, or another size that falls differently on the shape. Creases
   // nearer to one another than faces leave none: then they do not count.
   struct Attempt {
     double finer;
-    bool by_curvature, heed_creases;
+    bool by_curvature, heed_sharp;
   };
   std::vector<Attempt> attempts = {
       {1, false, false}, {1, true, false}, {1.2, false, false}, {1.5, true, false}};
-  if (!creases.none()) {
+  if (!sharp.none()) {
     attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}, {1.2, false, true}});
   }
-  for (const auto& [finer, by_curvature, heed_creases] : attempts) {
+  std::string why;
+  for (const auto& [finer, by_curvature, heed_sharp] : attempts) {
     try {
-      return FieldLayout(surface,
-                         heed_creases ? creases : SurfaceCreases(),
-                         projector,
-                         faces * finer,
-                         by_curvature,
-                         progress);
-    } catch (const std::invalid_argument&) {
+      QuadMesh layout = FieldLayout(surface,
+                                    WithCapBorders(heed_sharp ? sharp : SurfaceCreases(), surface),
+                                    projector,
+                                    faces * finer,
+                                    by_curvature,
+                                    progress);
+      if (open) layout.caps = CapFaces(layout, surface);
+      return layout;
+    } catch (const std::invalid_argument& fault) {
+      why = fault.what();
     }
   }
+  if (open) throw RefusedData("no layout comes out that ends at the border of the points: " + why);
   try {
     return PairedLayout(surface, projector, faces, progress);
   } catch (const std::invalid_argument& fault) {

@@ -64,7 +64,8 @@ SolidFit FitSolid(const PointCloud& cloud,
     counts.pop_back();
     try {
       const QuadMesh layout = LayoutOf(surface, count, options.progress);
-      if (layout.creases.cols() > 0 && !creased) {
+      // A border is no sharp edge: layouts are not too coarse here and there for it.
+      if (layout.creases.cols() > 0 && layout.caps.empty() && !creased) {
         creased = true;
         counts = CountsAbove(count, most);
       }

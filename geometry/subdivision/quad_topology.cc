@@ -173,6 +173,10 @@ QuadMeshSummary CheckQuadMesh(const QuadMesh& mesh) {
   using namespace internal;
   if (!mesh.vertices.allFinite()) Reject("quad mesh", "a coordinate is not finite");
   const QuadTopology topology(mesh);
+  for (const int face : mesh.caps) {
+    if (face < 0 || face >= topology.faces())
+      Reject("quad mesh", "a cap is a face that is not there");
+  }
   QuadMeshSummary summary;
   const std::vector<int> component = topology.Components();
   summary.components = *std::max_element(component.begin(), component.end()) + 1;

@@ -43,14 +43,24 @@ Eigen::Vector3d NormalOf(const NurbsSurface& surface, double u, double v) {
   return jet.du.cross(jet.dv).stableNormalized();
 }
 
+double LengthOf(const NurbsCurve<3>& curve, int samples) {
+  double length = 0;
+  std::optional<Eigen::Vector3d> before;
+  for (const double t : PlacesOf(curve.basis(), samples)) {
+    const Eigen::Vector3d here = curve.At(t);
+    if (before) length += (here - *before).norm();
+    before = here;
+  }
+  return length;
+}
+
 void AuditEdge(const SolidModel& solid,
                const SolidEdge& edge,
                const std::array<std::pair<int, const SolidCoedge*>, 2>& uses,
                int samples,
                SolidAudit& audit) {
   const SplineBasis& basis = edge.curve.basis();
-  double middle = 2, middle_angle = 0, length = 0;  // the share nearest to a half
-  std::optional<Eigen::Vector3d> before;
+  double middle = 2, middle_angle = 0;  // the share nearest to a half
   for (const double t : PlacesOf(basis, samples)) {
     const double share = (t - basis.lower()) / (basis.upper() - basis.lower());
     const Eigen::Vector3d on_curve = edge.curve.At(t);
@@ -63,8 +73,6 @@ void AuditEdge(const SolidModel& solid,
       audit.gap = std::max(audit.gap, (jet.point - on_curve).norm());
       normal[k] = jet.du.cross(jet.dv).stableNormalized();
     }
-    if (before) length += (on_curve - *before).norm();
-    before = on_curve;
     const double angle = AngleOf(normal[0], normal[1]);
     if (std::abs(share - 0.5) < std::abs(middle - 0.5)) {
       middle = share;
@@ -78,7 +86,7 @@ void AuditEdge(const SolidModel& solid,
   audit.least_sharp =
       audit.sharp_edges == 0 ? middle_angle : std::min(audit.least_sharp, middle_angle);
   audit.greatest_sharp = std::max(audit.greatest_sharp, middle_angle);
-  audit.sharp_length += length;
+  audit.sharp_length += LengthOf(edge.curve, samples);
   ++audit.sharp_edges;
 }
 
@@ -117,8 +125,39 @@ void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
 
 }  // namespace
 
+SolidModel SolidModel::Without(const std::vector<char>& faces_left_out) const {
+  SolidModel shell;
+  shell.open = true;
+  std::vector<int> edge_of(edges.size(), -1), vertex_of(std::size_t(vertices.cols()), -1);
+  std::vector<int> kept;
+  const auto vertex = [&](int v) {
+    int& number = vertex_of[std::size_t(v)];
+    if (number < 0) {
+      number = static_cast<int>(kept.size());
+      kept.push_back(v);
+    }
+    return number;
+  };
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (faces_left_out[f]) continue;
+    SolidFace& face = shell.faces.emplace_back(faces[f]);
+    for (SolidCoedge& coedge : face.loop) {
+      int& number = edge_of[std::size_t(coedge.edge)];
+      if (number < 0) {
+        number = static_cast<int>(shell.edges.size());
+        const SolidEdge& edge = edges[std::size_t(coedge.edge)];
+        shell.edges.push_back({edge.curve, vertex(edge.start), vertex(edge.end), edge.sharp});
+      }
+      coedge.edge = number;
+    }
+  }
+  shell.vertices = vertices(Eigen::all, kept);
+  return shell;
+}
+
 SolidModel SolidModel::Translated(const Eigen::Vector3d& shift) const {
   SolidModel moved;
+  moved.open = open;
   moved.vertices = vertices.colwise() + shift;
   for (const SolidEdge& edge : edges) {
     Eigen::Matrix3Xd points = edge.curve.control_points().colwise() + shift;
@@ -161,6 +200,7 @@ SolidAudit AuditSolid(const SolidModel& solid, int samples) {
     const auto& use = uses[e];
     if (use.size() != 2 || use[0].second->reversed == use[1].second->reversed) {
       ++audit.open_edges;
+      audit.open_length += LengthOf(solid.edges[e].curve, samples);
       continue;
     }
     AuditEdge(solid, solid.edges[e], {use[0], use[1]}, samples, audit);

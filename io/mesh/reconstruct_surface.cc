@@ -74,14 +74,31 @@ std::vector<std::vector<int>> LargestPart(const PoissonSurface& surface) {
   return kept;
 }
 
-// Of the area, what lies farther than `reach` from all points, or else has on it the normals of
-// none of the nearest: the other side of a sheet. Which side is the sheet's is for the greater part
-// to say, so that normals may all point inwards.
+// Whether the nearest points are all on one side of a place.
+bool IsBeyond(const Eigen::Vector3d& place,
+              const Eigen::Matrix3Xd& points,
+              const int* nearest,
+              int count) {
+  constexpr double kOneSided = 0.75;  // of their distance: at a straight border 0.64
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double far = 0;
+  for (int k = 0; k < count; ++k) {
+    mean += points.col(nearest[k]) - place;
+    far += (points.col(nearest[k]) - place).norm();
+  }
+  return mean.norm() > kOneSided * far;
+}
+
+// Of the area, what lies farther than three spacings from all points, or else has on it the normals
+// of none of the nearest: the other side of a sheet. Which side is the sheet's is for the greater
+// part to say, so that normals may all point inwards. Tells what is beyond the points.
 double InventedShare(const TriangleSurface& surface,
                      const NeighbourIndex& index,
                      const Eigen::Matrix3Xd& points,
                      const Eigen::Matrix3Xd& normals,
-                     double reach) {
+                     double spacing,
+                     std::vector<char>& beyond) {
+  constexpr double kReach = 3, kNear = 1.5;  // spacings
   const Eigen::Index count = surface.triangles.cols();
   Eigen::Matrix3Xd middles(3, count), areas(3, count);
   for (Eigen::Index t = 0; t < count; ++t) {
@@ -94,19 +111,27 @@ double InventedShare(const TriangleSurface& surface,
   constexpr int kNearest = 8;  // a thin body's other wall is among them
   const std::vector<int> nearest = index.Nearest(middles, kNearest);
   double far = 0, all = 0, against = 0, along = 0;
+  std::vector<int> outwards(std::size_t(count), 0);
+  beyond.assign(std::size_t(count), 0);
   for (Eigen::Index t = 0; t < count; ++t) {
     const double area = areas.col(t).norm();
     all += area;
     const int* const first = &nearest[std::size_t(t * kNearest)];
-    if ((points.col(*first) - middles.col(t)).norm() > reach) {
+    const double distance = (points.col(*first) - middles.col(t)).norm();
+    beyond[std::size_t(t)] =
+        distance > kNear * spacing || IsBeyond(middles.col(t), points, first, kNearest);
+    int& along_normals = outwards[std::size_t(t)];
+    for (int k = 0; k < kNearest; ++k) along_normals += normals.col(first[k]).dot(areas.col(t)) > 0;
+    if (distance > kReach * spacing) {
       far += area;
-      continue;
+    } else {
+      if (along_normals == 0) against += area;
+      if (along_normals == kNearest) along += area;
     }
-    int outwards = 0;
-    for (int k = 0; k < kNearest; ++k) outwards += normals.col(first[k]).dot(areas.col(t)) > 0;
-    if (outwards == 0) against += area;
-    if (outwards == kNearest) along += area;
   }
+  const int other_side = against < along ? 0 : kNearest;
+  for (std::size_t t = 0; t < outwards.size(); ++t)
+    beyond[t] = beyond[t] || outwards[t] == other_side;
   return (far + std::min(against, along)) / all;
 }
 
@@ -181,8 +206,8 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
   constexpr double kReach = 3;  // spacings
   const double cell = kCube * size / std::exp2(depth);
   RefuseBodiesApart(kept, result.closed.surface, kReach * std::max(cell, statistics.spacing), pool);
-  result.invented_share =
-      InventedShare(result.closed.surface, index, points, normals, kReach * statistics.spacing);
+  result.invented_share = InventedShare(
+      result.closed.surface, index, points, normals, statistics.spacing, result.beyond);
   if (result.invented_share > most_invented) {
     throw RefusedData(
         "the points do not go all round a body, or its walls are too near: " +

@@ -27,77 +27,83 @@ namespace {
 
 [[noreturn]] void Fail(const std::string& reason) { throw Standard_Failure(reason.c_str()); }
 
-SolidCensus CensusOf(const std::vector<TopoDS_Solid>& solids, const std::string& what) {
+// Of solids, or of shells, which have a volume of zero.
+SolidCensus CensusOf(const Bodies& bodies, const std::string& what) {
   SolidCensus census;
-  for (const TopoDS_Solid& solid : solids) {
-    if (!BRepCheck_Analyzer(solid).IsValid()) Fail(what + " is not valid to OpenCASCADE");
+  for (const TopoDS_Shape& body : bodies) {
+    const bool solid = body.ShapeType() == TopAbs_SOLID;
+    if (!BRepCheck_Analyzer(body).IsValid()) Fail(what + " is not valid to OpenCASCADE");
     TopTools_IndexedDataMapOfShapeListOfShape uses;
-    TopExp::MapShapesAndAncestors(solid, TopAbs_EDGE, TopAbs_FACE, uses);
+    TopExp::MapShapesAndAncestors(body, TopAbs_EDGE, TopAbs_FACE, uses);
     int edges = 0;
     for (int k = 1; k <= uses.Extent(); ++k) {
       if (BRep_Tool::Degenerated(TopoDS::Edge(uses.FindKey(k)))) continue;
-      if (uses(k).Extent() != 2) Fail("an edge of " + what + " does not belong to two faces");
+      if (uses(k).Extent() > 2 || (solid && uses(k).Extent() != 2))
+        Fail("an edge of " + what + " does not belong to two faces");
       ++edges;
     }
     TopTools_IndexedMapOfShape faces;
-    TopExp::MapShapes(solid, TopAbs_FACE, faces);
-    GProp_GProps properties;
-    BRepGProp::VolumeProperties(solid, properties);
-    if (!(properties.Mass() > 0)) Fail(what + " is inside out");
+    TopExp::MapShapes(body, TopAbs_FACE, faces);
     census.solids += 1;
     census.faces += faces.Extent();
     census.edges += edges;
-    census.volume += properties.Mass();
+    if (solid) {
+      GProp_GProps properties;
+      BRepGProp::VolumeProperties(body, properties);
+      if (!(properties.Mass() > 0)) Fail(what + " is inside out");
+      census.volume += properties.Mass();
+    }
     GProp_GProps skin;
-    BRepGProp::SurfaceProperties(solid, skin);
+    BRepGProp::SurfaceProperties(body, skin);
     census.area += skin.Mass();
   }
   return census;
 }
 
-SolidCensus Reread(const std::string& text) {
+SolidCensus Reread(const std::string& text, TopAbs_ShapeEnum kind) {
   std::istringstream stream(text);
   STEPControl_Reader reader;
   if (reader.ReadStream("batten", stream) != IFSelect_RetDone)
     Fail("what is written can't be read");
   reader.TransferRoots();
-  std::vector<TopoDS_Solid> solids;
+  Bodies bodies;
   for (int k = 1; k <= reader.NbShapes(); ++k) {
-    for (TopExp_Explorer one(reader.Shape(k), TopAbs_SOLID); one.More(); one.Next()) {
-      solids.push_back(TopoDS::Solid(one.Current()));
-    }
+    for (TopExp_Explorer one(reader.Shape(k), kind); one.More(); one.Next())
+      bodies.push_back(one.Current());
   }
-  return CensusOf(solids, "the solid read back");
+  return CensusOf(bodies, "what is read back");
+}
+
+bool Same(double one, double other) {
+  constexpr double kSame = 1e-6;
+  return std::abs(one - other) <= kSame * other;
 }
 
 }  // namespace
 
-ProvedSolid ProvedStep(const std::vector<TopoDS_Solid>& solids,
-                       double size,
-                       const char* unit,
-                       const char* schema) {
+ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, const char* schema) {
   // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
-  for (const TopoDS_Solid& one : solids) {
+  for (const TopoDS_Shape& one : bodies) {
     for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {
       tolerance *= 10;
       if (!(tolerance <= 1e-6 * size)) break;
       ShapeFix_ShapeTolerance().SetTolerance(one, tolerance);
     }
   }
-  const SolidCensus made = CensusOf(solids, "the solid");
+  const bool solids = bodies.at(0).ShapeType() == TopAbs_SOLID;
+  const SolidCensus made = CensusOf(bodies, solids ? "the solid" : "the shell");
   BeginStep(unit, schema);
   STEPControl_Writer writer;
-  for (const TopoDS_Solid& one : solids) {
-    if (writer.Transfer(one, STEPControl_ManifoldSolidBrep) != IFSelect_RetDone) {
-      Fail("OpenCASCADE does not translate the solid");
-    }
+  const auto form = solids ? STEPControl_ManifoldSolidBrep : STEPControl_ShellBasedSurfaceModel;
+  for (const TopoDS_Shape& one : bodies) {
+    if (writer.Transfer(one, form) != IFSelect_RetDone)
+      Fail(std::string("OpenCASCADE does not translate ") + (solids ? "the solid" : "the shell"));
   }
   NameProducts(writer, {});
   std::string text = StepTextOf(writer);
-  const SolidCensus read = Reread(text);
-  constexpr double kSameVolume = 1e-6;
+  const SolidCensus read = Reread(text, solids ? TopAbs_SOLID : TopAbs_SHELL);
   if (read.solids != made.solids || read.faces != made.faces || read.edges != made.edges ||
-      !(std::abs(read.volume - made.volume) <= kSameVolume * made.volume)) {
+      !Same(read.volume, made.volume) || !Same(read.area, made.area)) {
     Fail("what is read back is not what was written");
   }
   return {std::move(text), made};

@@ -3,7 +3,7 @@
 // OpenCASCADE.
 #pragma once
 
-#include <TopoDS_Solid.hxx>
+#include <TopoDS_Shape.hxx>
 #include <string>
 #include <vector>
 
@@ -16,12 +16,12 @@ struct ProvedSolid {
   SolidCensus census;
 };
 
+using Bodies = std::vector<TopoDS_Shape>;
+
 // The text, once the solids have been found valid, with every edge used twice, of positive volume,
-// and the same when read back. Tolerances are raised to at most 1e-6 of the size. Throws
-// Standard_Failure with the reason where it is not so.
-ProvedSolid ProvedStep(const std::vector<TopoDS_Solid>& solids,
-                       double size,
-                       const char* unit,
-                       const char* schema);
+// and the same when read back; or open shells, with no edge used by more than two faces.
+// Tolerances are raised to at most 1e-6 of the size. Throws Standard_Failure with the reason where
+// it is not so.
+ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, const char* schema);
 
 }  // namespace batten::internal

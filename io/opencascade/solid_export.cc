@@ -58,7 +58,8 @@ class SolidBuilder {
     for (const SolidEdge& edge : solid.edges) edges_.push_back(ToEdge(edge));
   }
 
-  std::vector<TopoDS_Solid> Build() {
+  // Solids, or an open model's shells.
+  Bodies Build() {
     const std::vector<int> shell_of = ShellsOf(solid_);
     std::vector<TopoDS_Shell> shells(solid_.faces.size());
     for (size_t face = 0; face < solid_.faces.size(); ++face) {
@@ -66,16 +67,21 @@ class SolidBuilder {
       if (shell.IsNull()) builder_.MakeShell(shell);
       builder_.Add(shell, ToFace(solid_.faces[face]));
     }
-    std::vector<TopoDS_Solid> solids;
+    const bool open = solid_.open;
+    Bodies bodies;
     for (TopoDS_Shell& shell : shells) {
       if (shell.IsNull()) continue;
-      shell.Closed(true);
+      shell.Closed(!open);
+      if (open) {
+        bodies.push_back(shell);
+        continue;
+      }
       TopoDS_Solid solid;
       builder_.MakeSolid(solid);
       builder_.Add(solid, shell);
-      solids.push_back(solid);
+      bodies.push_back(solid);
     }
-    return solids;
+    return bodies;
   }
 
  private:

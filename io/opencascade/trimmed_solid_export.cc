@@ -103,7 +103,7 @@ class TrimmedSolidBuilder {
     for (const TrimmedSolidEdge& edge : solid.edges) edges_.push_back(ToEdge(edge));
   }
 
-  std::vector<TopoDS_Solid> Build() {
+  Bodies Build() {
     const std::vector<int> shell_of = ShellsOf(solid_);
     std::vector<TopoDS_Shell> shells(solid_.faces.size());
     for (size_t face = 0; face < solid_.faces.size(); ++face) {
@@ -111,7 +111,7 @@ class TrimmedSolidBuilder {
       if (shell.IsNull()) builder_.MakeShell(shell);
       builder_.Add(shell, ToFace(solid_.faces[face]));
     }
-    std::vector<TopoDS_Solid> solids;
+    Bodies solids;
     for (const TopoDS_Shell& shell : shells) {
       if (shell.IsNull()) continue;
       TopoDS_Solid solid;

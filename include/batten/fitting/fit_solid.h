@@ -20,6 +20,9 @@ namespace batten {
 // faces. Where one point in twenty is farther from them than points are from one another, and that
 // is not noise, the end is structured_residuals, with a warning.
 //
+// Where the layout has caps, what comes out is an open shell without these, and points beyond its
+// borders are measured from them.
+//
 // The layout is in the cloud's world coordinates. Throws RefusedData, with a sentence for the user,
 // where the layout is no closed mesh of quadrilaterals (CheckQuadMesh) or lies apart from the
 // points, where there are fewer points than its vertices ask for, and where the faces that come out

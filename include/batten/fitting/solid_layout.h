@@ -15,10 +15,11 @@ namespace batten {
 // vertices are few: those about which the crosses have to turn, 1 to 5 % of all. No angle is flat,
 // and the Euler number is the surface's. Where none such comes out, triangles of even size are
 // paired, which leaves many extraordinary vertices. Sharp edges of the surface, longer than three
-// faces, become creases of the layout, though not of one of paired triangles. Throws RefusedData
-// where that fails as well; Cancelled when progress stops it. O(n^1.5), a second or two on 12 000
-// triangles. [crosses: Knöppel, Crane, Pinkall & Schröder 2013; map: Bommes, Zimmer & Kobbelt 2009;
-// pairing: Remacle et al. 2012]
+// faces, become creases of the layout, though not of one of paired triangles; so do the borders of
+// the surface's caps, those and what lies between them larger than a hundredth of it, smoothed;
+// then triangles are not paired. Throws RefusedData where that fails as well; Cancelled when
+// progress stops it. O(n^1.5), a second or two on 12 000 triangles. [crosses: Knöppel, Crane,
+// Pinkall & Schröder 2013; map: Bommes, Zimmer & Kobbelt 2009; pairing: Remacle et al. 2012]
 QuadMesh LayoutOf(const TriangleSurface& surface, int faces, const Progress& progress = {});
 
 // A layout of the user's with the sharp edges of the surface near it as its creases: those edges

@@ -32,7 +32,8 @@ struct SolidFitOptions {
 void Check(const SolidFitOptions& options);
 
 struct SolidFit {
-  SolidModel solid;            // in world coordinates less options.shift
+  // In world coordinates less options.shift; where the layout has caps an open shell without them.
+  SolidModel solid;
   SolidAudit audit;            // of it
   QuadMesh control_mesh;       // of the surface, with the layout's faces, in the same coordinates
   QuadMeshSummary layout;      // of the layout

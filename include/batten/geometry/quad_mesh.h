@@ -16,6 +16,7 @@ struct QuadMesh {
   Eigen::Matrix4Xi faces;
   Eigen::Matrix2Xi creases = Eigen::Matrix2Xi(2, 0);
   std::vector<int> corners = {};  // vertices
+  std::vector<int> caps = {};     // faces that only close it, beyond creases: nothing is there
 };
 
 // What a closed mesh of quadrilaterals is like, as a surface.
@@ -30,8 +31,8 @@ struct QuadMeshSummary {
 // Throws std::invalid_argument, with a sentence for the user that names the vertex, edge or face,
 // unless every face has four different vertices that exist and are finite, every edge belongs to
 // two faces that run along it in opposite directions, the faces at every vertex form one fan, every
-// vertex has at least three edges, every component's volume is positive, creases are edges and
-// corners vertices. O(n).
+// vertex has at least three edges, every component's volume is positive, creases are edges,
+// corners vertices and caps faces. O(n).
 QuadMeshSummary CheckQuadMesh(const QuadMesh& mesh);
 
 }  // namespace batten

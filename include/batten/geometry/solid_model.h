@@ -33,11 +33,16 @@ struct SolidFace {
 };
 
 // Faces of closed shells: every edge belongs to two of them, which run along it in opposite
-// directions.
+// directions. Of open ones, which are no solids, borders belong to one.
 struct SolidModel {
   Eigen::Matrix3Xd vertices;
   std::vector<SolidEdge> edges;
   std::vector<SolidFace> faces;
+  bool open = false;  // a shell with borders is meant
+
+  // The shell that is left without some faces, marked by face, and without the edges and vertices
+  // that only they have.
+  SolidModel Without(const std::vector<char>& faces_left_out) const;
 
   // The solid moved by `shift`.
   SolidModel Translated(const Eigen::Vector3d& shift) const;
@@ -57,7 +62,8 @@ struct SolidAudit {
   double turn = 0;    // greatest angle of neighbouring samples' normals inside a face
   double volume = 0;  // enclosed, by quadrature over the faces
   double area = 0;
-  int open_edges = 0;  // that do not belong to two faces in opposite directions
+  int open_edges = 0;      // that do not belong to two faces in opposite directions
+  double open_length = 0;  // of them, along their curves
 };
 
 // Samples every edge at `samples` even places of each knot span, 2^-1 … 2^-12 of the first and last

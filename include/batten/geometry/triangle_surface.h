@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace batten {
 
@@ -11,6 +12,8 @@ namespace batten {
 struct TriangleSurface {
   Eigen::Matrix3Xd vertices;
   Eigen::Matrix3Xi triangles;
+  // By triangle: whether it only closes the surface, where nothing was measured; empty: none does.
+  std::vector<char> caps = {};
 };
 
 }  // namespace batten

@@ -10,7 +10,10 @@
 namespace batten {
 
 struct ReconstructedSurface {
-  ClosedSurface closed;       // in the cloud's world coordinates
+  ClosedSurface closed;  // in the cloud's world coordinates
+  // By triangle: beyond the points, as it is farther than a spacing and a half from all, has the
+  // nearest on one side, or is the other side of a sheet. As caps of the surface they stay open.
+  std::vector<char> beyond;
   // Of its area: farther than three spacings from all points, or on the other side of a sheet.
   double invented_share = 0;
 };

@@ -13,9 +13,10 @@ namespace batten {
 // Writes the solid's closed shells as a MANIFOLD_SOLID_BREP each, faces sharing their edges and
 // vertices. Before the file gets its name OpenCASCADE has to find every solid valid with every edge
 // used by two faces and a positive volume, and to read the same number of solids, faces and edges,
-// valid and of the same volume, back from the text. Throws WriteError with the reason where any of
-// that fails, and where the file can't be written; UsageError for an unknown unit or schema, and
-// for a format other than STEP; then nothing is written. The path "-" is standard output.
+// valid and of the same volume, back from the text. Open shells are OPEN_SHELLs, their area counts.
+// Throws WriteError with the reason where any of that fails, and where the file can't be written;
+// UsageError for an unknown unit or schema, and for a format other than STEP; then nothing is
+// written. The path "-" is standard output.
 void WriteSolid(const SolidModel& solid,
                 const std::string& path,
                 const GeometryWriteOptions& options = {});

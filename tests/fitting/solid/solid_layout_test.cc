@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 #include "batten/fitting/closed_surface.h"
+#include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
 #include "body_clouds.h"
 #include "refusal.h"
@@ -105,6 +110,29 @@ TEST(LayoutOfTest, IsAllQuadrilateralsOfTheSurfacesGenus) {
       EXPECT_LE(layout.faces.cols(), 2 * faces);
     }
   }
+}
+
+// A ball of which the points are below a height: what is above only closes it.
+TEST(FitSolidTest, AnOpenShellEndsAtTheBorderOfThePoints) {
+  constexpr double kHeight = 0.5;
+  TriangleSurface ball = Closed(CubeSphere(4)).surface;
+  for (auto p : ball.vertices.colwise()) p.normalize();
+  std::vector<Eigen::Vector3d> below;
+  for (const auto p : ball.vertices.colwise()) {
+    if (p.z() < kHeight) below.emplace_back(p);
+  }
+  Eigen::Matrix3Xd points(3, std::ssize(below));
+  for (std::size_t k = 0; k < below.size(); ++k) points.col(Eigen::Index(k)) = below[k];
+  for (const auto t : ball.triangles.colwise())
+    ball.caps.push_back(ball.vertices(2, t).mean() > kHeight);
+  const SolidFit fit = FitSolid(PointCloud::FromWorld(points), ball, 150);
+  EXPECT_EQ(fit.report.geometry.kind, "shell");
+  const double radius = std::sqrt(1 - kHeight * kHeight), tau = 2 * std::numbers::pi;
+  EXPECT_NEAR(fit.audit.open_length, tau * radius, 0.05 * tau * radius);
+  EXPECT_NEAR(fit.audit.area, tau * (1 + kHeight), 0.05 * tau);
+  EXPECT_LT(fit.audit.edge_angle, 1e-6);
+  EXPECT_LT(fit.report.error.rms, 0.01);
+  for (const int face : fit.faces) EXPECT_LT(face, std::ssize(fit.solid.faces));
 }
 
 TEST(LayoutFacesTest, GrowWithThePointsWithinBounds) {
