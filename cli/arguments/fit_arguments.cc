@@ -408,6 +408,8 @@ std::string FlagsThatHelp(Remedy remedy) {
              "cloud)";
     case Remedy::kClosingByData:
       return " (--closed auto)";
+    case Remedy::kLeaveOpen:
+      return " (--open leaves the borders of a scan)";
   }
   return "";
 }

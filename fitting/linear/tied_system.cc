@@ -90,15 +90,15 @@ bool TiedSystem::Factor(ThreadPool* pool) {
     inner_->Forward(border_);
     corner_.noalias() -= border_.transpose() * border_;
   }
-  corner_factor_.compute(corner_);
-  return corner_factor_.info() == Eigen::Success;
+  corner_factor_.emplace(corner_);
+  return corner_factor_->info() == Eigen::Success;
 }
 
 double TiedSystem::SmallestPivot() const {
   double least = std::numeric_limits<double>::infinity();
   if (inner_) least = inner_->SmallestPivot();
   if (ties_.any())
-    least = std::min(least, corner_factor_.matrixLLT().diagonal().cwiseAbs2().minCoeff());
+    least = std::min(least, corner_factor_->matrixLLT().diagonal().cwiseAbs2().minCoeff());
   return least;
 }
 
@@ -113,7 +113,7 @@ void TiedSystem::Solve(Eigen::MatrixXd& rhs) const {
     inner_->Forward(free);
     unknowns.noalias() -= border_.transpose() * free;
   }
-  corner_factor_.solveInPlace(unknowns);
+  corner_factor_->solveInPlace(unknowns);
   rhs(ties_.tied, Eigen::all) = ties_.forms * unknowns;
   if (!inner_) return;
   free.noalias() -= border_ * unknowns;

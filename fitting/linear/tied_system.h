@@ -53,7 +53,7 @@ class TiedSystem {
   std::optional<BlockBandedMatrix> inner_;  // of the free rows; none where all are tied
   Eigen::MatrixXd border_;                  // free rows × t, after Factor() times L⁻¹
   Eigen::MatrixXd corner_;                  // t × t
-  Eigen::LLT<Eigen::MatrixXd> corner_factor_;
+  std::optional<Eigen::LLT<Eigen::MatrixXd>> corner_factor_;  // after Factor(), with ties
 };
 
 }  // namespace batten::internal

@@ -4,19 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <string>
 #include <utility>
 
-#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/stage_clock.h"
+#include "fitting/foot_points/nearest_surface.h"
 #include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_primitive.h"
 #include "fitting/regions/close_solid.h"
@@ -311,25 +309,14 @@ class PartFitter {
       if (label[k] == kNoRegion) others.push_back(static_cast<int>(k));
     }
     if (others.empty()) return;
-    const Eigen::Matrix3Xd& points = merged_.cloud.points();
-    residuals(others).setConstant(std::numeric_limits<double>::infinity());
-    for (std::size_t k = 0; k < result_.faces.size(); ++k) {
-      const NurbsSurface face = result_.faces[k].surface.Translated(-move_);
-      const Eigen::AlignedBox3d box(face.control_points().rowwise().minCoeff(),
-                                    face.control_points().rowwise().maxCoeff());
-      std::vector<int> near;  // that may have it as their nearest
-      std::copy_if(others.begin(), others.end(), std::back_inserter(near), [&](int point) {
-        return box.exteriorDistance(points.col(point)) < std::abs(residuals[point]);
-      });
-      const PointDistances found = DistancesTo(face, points(Eigen::all, near), pool_);
-      for (std::size_t i = 0; i < near.size(); ++i) {
-        const double far = found.distances[Eigen::Index(i)];
-        if (!(std::abs(far) < std::abs(residuals[near[i]]))) continue;
-        residuals[near[i]] = far;
-        parameters.col(near[i]) = found.parameters.col(Eigen::Index(i));
-        owners[std::size_t(near[i])] = static_cast<int>(k);
-      }
-    }
+    std::vector<NurbsSurface> faces;
+    for (const PartFace& face : result_.faces) faces.push_back(face.surface.Translated(-move_));
+    const NearestSurfaces nearest =
+        NearestOf(faces, merged_.cloud.points()(Eigen::all, others), pool_);
+    residuals(others) = nearest.distances;
+    parameters(Eigen::all, others) = nearest.parameters;
+    for (std::size_t i = 0; i < others.size(); ++i)
+      owners[std::size_t(others[i])] = nearest.surface[i];
   }
 
   // From the merged points to all.

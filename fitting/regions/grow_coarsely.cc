@@ -9,14 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/neighbours.h"
-#include "fitting/regions/region_shape.h"
-
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kMost = 40000;  // points that regions grow over
-constexpr int kNear = 4;               // of them, whose regions a point may be of
 
 // Of each cube of a grid that has points the one nearest to its middle.
 std::vector<int> OnePerCube(const Eigen::Matrix3Xd& points, double side) {
@@ -58,31 +54,12 @@ RegionLabels GrowCoarsely(const RegionPoints& data,
   double side = data.spacing * std::sqrt(double(data.size()) / double(kMost));
   std::vector<int> some = OnePerCube(data.points, side);
   while (std::ssize(some) > kMost) some = OnePerCube(data.points, side *= kWider);
-  RegionPoints part = PartOf(data, some, side, pool);
-  RegionLabels coarse = GrowRegions(part, sigma, fewest, progress, pool);
-  RegionLabels labels;
+  RegionLabels labels = GrowRegions(PartOf(data, some, side, pool), sigma, fewest, progress, pool);
+  const std::vector<int> of_some = std::move(labels.label);
   labels.label.assign(static_cast<std::size_t>(data.size()), kNoRegion);
-  const NeighbourIndex index(part.points, pool);
-  const std::vector<int> nearest = index.Nearest(data.points, kNear);
-  pool.For(data.size(), 1024, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (auto k = begin; k < end; ++k) {
-      double least = kFarFromShape * sigma;
-      for (int j = 0; j < kNear; ++j) {
-        const int region = coarse.label[std::size_t(nearest[std::size_t(k * kNear + j)])];
-        if (region == kNoRegion) continue;
-        const double off =
-            std::abs(coarse.regions[std::size_t(region)].shape.Distance(data.points.col(k)));
-        if (!(off <= least)) continue;
-        least = off;
-        labels.label[std::size_t(k)] = region;
-      }
-    }
-  });
-  for (Region& region : coarse.regions) region.points.clear();
-  labels.regions = std::move(coarse.regions);
-  for (std::size_t k = 0; k < labels.label.size(); ++k) {
-    if (labels.label[k] != kNoRegion)
-      labels.regions[std::size_t(labels.label[k])].points.push_back(static_cast<int>(k));
+  for (std::size_t k = 0; k < some.size(); ++k) labels.label[std::size_t(some[k])] = of_some[k];
+  for (Region& region : labels.regions) {
+    for (int& point : region.points) point = some[std::size_t(point)];
   }
   return labels;
 }

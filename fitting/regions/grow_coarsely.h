@@ -9,9 +9,9 @@
 namespace batten::internal {
 
 // Grows regions over an evenly spread part of the points, with neighbours and normals among these
-// alone; the others get the region of those near them whose shape they are nearest to, if they are
-// on it. All points where they are few. Noise that neighbours share, as depth cameras make it, is
-// little alike among points farther apart.
+// alone; the others are of none: SettleRegions gives them theirs. All points where they are few.
+// Noise that neighbours share, as depth cameras make it, is little alike among points farther
+// apart.
 RegionLabels GrowCoarsely(
     const RegionPoints& data, double sigma, int fewest, const Progress& progress, ThreadPool& pool);
 

@@ -236,8 +236,10 @@ void AssignParameters(const CylindricalChart& chart,
       chart.period > 0
           ? std::nullopt
           : PoleAt(std::move(at_high), chart.high_pole, 1, swept, spacing, cloud.noise);
-  base.pole_start = low_pole.has_value();
-  base.pole_end = high_pole.has_value();
+  // Among few points both may be sought, and found, in one place: then there is none.
+  const double first = low_pole.value_or(low), last = high_pole.value_or(high);
+  base.pole_start = first < last && low_pole.has_value();
+  base.pole_end = first < last && high_pole.has_value();
   const double widened = chart.way.closed ? 0 : margin / chart.mean_radius;
   base.turn = std::min(swept + 2 * widened, kTurn);
   base.length_u = base.turn * chart.mean_radius;
@@ -246,8 +248,8 @@ void AssignParameters(const CylindricalChart& chart,
   if (base.periodic_v) {
     base.length_v = chart.period;
   } else {
-    from_v = low_pole.value_or(low - margin);
-    base.length_v = high_pole.value_or(high + margin) - from_v;
+    from_v = base.pole_start ? first : low - margin;
+    base.length_v = (base.pole_end ? last : high + margin) - from_v;
   }
   base.parameters.resize(2, m);
   for (Eigen::Index k = 0; k < m; ++k) {

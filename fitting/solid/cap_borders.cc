@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
@@ -15,23 +15,23 @@
 namespace batten::internal {
 namespace {
 
-// The part of every face: those joined by half-edges that pass.
-template <typename Passes>
-std::vector<int> PartsBy(int faces, int sides, const auto& topology, const Passes& passes) {
-  std::vector<int> part(std::size_t(faces), -1);
+// The part of every triangle: those beside one another that are alike.
+std::vector<int> PartsOf(const TriangleTopology& topology, const std::vector<char>& caps) {
+  std::vector<int> part(caps.size(), -1);
   int count = 0;
-  for (int first = 0; first < faces; ++first) {
+  for (int first = 0; first < topology.triangles(); ++first) {
     if (part[std::size_t(first)] >= 0) continue;
     std::vector<int> open = {first};
     part[std::size_t(first)] = count;
     while (!open.empty()) {
-      const int face = open.back();
+      const int t = open.back();
       open.pop_back();
-      for (int h = sides * face; h < sides * (face + 1); ++h) {
-        int& beside = part[std::size_t(topology.Twin(h) / sides)];
-        if (beside >= 0 || !passes(h)) continue;
-        beside = count;
-        open.push_back(topology.Twin(h) / sides);
+      for (int h = 3 * t; h < 3 * t + 3; ++h) {
+        const int beside = topology.Twin(h) / 3;
+        if (part[std::size_t(beside)] >= 0 || caps[std::size_t(t)] != caps[std::size_t(beside)])
+          continue;
+        part[std::size_t(beside)] = count;
+        open.push_back(beside);
       }
     }
     ++count;
@@ -58,26 +58,27 @@ void TakeMajority(const TriangleTopology& topology, std::vector<char>& caps) {
   }
 }
 
-// Small parts become what is about them, the smallest first.
+// Small parts become what is about them, those first that have none smaller beside them.
 void DropSmall(const TriangleSurface& surface,
                const TriangleTopology& topology,
                std::vector<char>& caps) {
   constexpr double kLeast = 0.01;
-  const double all = AreaOf(surface);
+  const double least = kLeast * AreaOf(surface);
   for (bool more = true; more;) {
-    more = false;
-    const std::vector<int> part = PartsBy(topology.triangles(), 3, topology, [&](int h) {
-      return caps[std::size_t(h / 3)] == caps[std::size_t(topology.Twin(h) / 3)];
-    });
-    std::vector<double> areas(std::size_t(*std::max_element(part.begin(), part.end())) + 1, 0.0);
+    const std::vector<int> part = PartsOf(topology, caps);
+    std::vector<double> areas(std::size_t(std::ranges::max(part)) + 1, 0.0);
     for (int t = 0; t < topology.triangles(); ++t)
       areas[std::size_t(part[std::size_t(t)])] += AreaOfTriangle(surface, t);
-    const auto least = std::min_element(areas.begin(), areas.end());
-    if (areas.size() < 2 || *least >= kLeast * all) return;
-    for (std::size_t t = 0; t < part.size(); ++t) {
-      if (part[t] == least - areas.begin()) caps[t] ^= 1;
+    if (areas.size() == 1) return;
+    std::vector<char> drops(areas.size());
+    for (std::size_t k = 0; k < areas.size(); ++k) drops[k] = areas[k] < least;
+    for (int h = 0; h < topology.half_edges(); ++h) {
+      const int one = part[std::size_t(h / 3)], other = part[std::size_t(topology.Twin(h) / 3)];
+      if (std::pair(areas[std::size_t(other)], other) < std::pair(areas[std::size_t(one)], one))
+        drops[std::size_t(one)] = 0;
     }
-    more = true;
+    more = std::ranges::count(drops, 1) > 0;
+    for (std::size_t t = 0; t < part.size(); ++t) caps[t] ^= drops[std::size_t(part[t])];
   }
 }
 
@@ -94,6 +95,8 @@ std::vector<int> BordersOf(const TriangleTopology& topology, const std::vector<c
 TriangleSurface WithEvenCaps(TriangleSurface surface) {
   constexpr int kRounds = 20;
   if (surface.caps.empty()) return surface;
+  if (std::ssize(surface.caps) != surface.triangles.cols())
+    throw std::invalid_argument("the surface's caps are not one mark a triangle");
   const TriangleTopology topology(surface);
   TakeMajority(topology, surface.caps);
   DropSmall(surface, topology, surface.caps);
@@ -151,8 +154,7 @@ std::vector<int> CapFaces(const QuadMesh& layout, const TriangleSurface& surface
   constexpr double kSure = 0.8;
   const QuadTopology mesh(layout);
   const SurfaceProjector projector(surface);
-  const std::vector<int> part =
-      PartsBy(mesh.faces(), 4, mesh, [&](int h) { return !mesh.IsCrease(h); });
+  const std::vector<int> part = mesh.SmoothParts();
   std::map<int, std::pair<int, int>> votes;  // of each part: for a cap, and all
   for (int f = 0; f < mesh.faces(); ++f) {
     const auto corner = layout.faces.col(f);

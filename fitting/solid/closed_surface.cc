@@ -71,10 +71,12 @@ class Closer {
     Fill();
     closed_.filled_share = 1 - area / Area();
     if (closed_.filled_share > most_filled) {
-      throw RefusedData("the surface is open: its " +
-                        (closed_.filled == 1 ? "hole" : std::to_string(closed_.filled) + " holes") +
-                        " would be " + NumberText(std::round(closed_.filled_share * 1000) / 10) +
-                        " % of its area");
+      throw RefusedData(
+          "the surface is open: its " +
+              (closed_.filled == 1 ? "hole" : std::to_string(closed_.filled) + " holes") +
+              " would be " + NumberText(std::round(closed_.filled_share * 1000) / 10) +
+              " % of its area",
+          Remedy::kLeaveOpen);
     }
     TurnOutwards();
     RefuseBodiesInOneAnother();

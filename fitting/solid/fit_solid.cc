@@ -4,18 +4,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
-#include "batten/fitting/distances.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/neighbours/normals.h"
+#include "fitting/solid/solid_measurement.h"
 #include "fitting/solid/surface_fit.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/subdivision/spline_faces.h"
@@ -74,6 +72,8 @@ class SolidFitter {
     const std::vector<QuadBlock> blocks =
         options_.merge_faces ? MotorcycleBlocks(mesh) : SingleBlocks(mesh);
     const bool creased = layout_.creases.cols() > 0;
+    const std::vector<BlockPlace> places = PlacesInBlocks(mesh, blocks);
+    left_out_ = CapBlocks(layout_.caps, places, blocks.size());
     LimitSurfaceFit surface;
     SolidModel solid;
     // Beside creases faces that fold are kept more even, until they do not.
@@ -89,17 +89,12 @@ class SolidFitter {
                           pool_);
       clock_.Enter(&StageSeconds::trim);
       solid = SplineSolid(mesh, surface.control_points, blocks);
-      left_out_ = LeftOut(mesh, blocks);
-      if (left_out_.empty()) {
-        fit_.audit = AuditSolid(solid);
-      } else {
-        fit_.audit = AuditSolid(solid.Without(left_out_));
-      }
+      fit_.audit = AuditSolid(left_out_.empty() ? solid : solid.Without(left_out_));
       if (!creased || fit_.audit.turn <= kFold || stretch * kMore > kMost) break;
     }
     Judge(solid);
     clock_.Enter(&StageSeconds::project);
-    Measure(solid, mesh, blocks, stencils, surface);
+    Measure(solid, places, stencils, surface);
     Finish(left_out_.empty() ? std::move(solid) : solid.Without(left_out_), surface);
     return std::move(fit_);
   }
@@ -165,15 +160,6 @@ class SolidFitter {
     }
   }
 
-  // The blocks of caps; empty where there are none.
-  std::vector<char> LeftOut(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks) const {
-    if (layout_.caps.empty()) return {};
-    std::vector<char> left_out(blocks.size(), 0);
-    const std::vector<BlockPlace> places = PlacesInBlocks(mesh, blocks);
-    for (const int face : layout_.caps) left_out[std::size_t(places[std::size_t(face)].block)] = 1;
-    return left_out;
-  }
-
   // What no reader of the solid would notice.
   void Judge(const SolidModel& solid) const {
     const SolidAudit& audit = fit_.audit;
@@ -197,106 +183,16 @@ class SolidFitter {
   }
 
   void Measure(const SolidModel& solid,
-               const QuadTopology& mesh,
-               const std::vector<QuadBlock>& blocks,
+               const std::vector<BlockPlace>& places,
                const LimitStencils& stencils,
                const LimitSurfaceFit& surface) {
-    // Feet anew, without regard to normals: what is reported is the distance from the solid.
-    const std::vector<LimitFoot> feet = FeetOn(LimitSurface(stencils, surface.control_points),
-                                               stencils.patches(),
-                                               data_.points,
-                                               Eigen::Matrix3Xd(3, 0),
-                                               false,
-                                               {},
-                                               pool_);
-    const std::vector<BlockPlace> places = PlacesInBlocks(mesh, blocks);
-    Eigen::VectorXd distances(data_.points.cols());
-    Eigen::Matrix2Xd parameters(2, distances.size());
-    pool_.For(distances.size(), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-      for (std::ptrdiff_t k = begin; k < end; ++k) {
-        const LimitPlace& place = feet[std::size_t(k)].place;
-        const BlockPlace& face = places[std::size_t(place.patch >> 2)];
-        Eigen::Vector2d at = ParametersInBlock(face, place);
-        distances[k] =
-            DistanceFrom(solid.faces[std::size_t(face.block)].surface, data_.points.col(k), at);
-        parameters.col(k) = at;
-      }
-    });
-    std::vector<int> face_of(feet.size());
-    for (std::size_t k = 0; k < feet.size(); ++k)
-      face_of[k] = places[std::size_t(feet[k].place.patch >> 2)].block;
-    if (!left_out_.empty()) MeasureBeyond(solid, distances, parameters, face_of);
-    fit_.residuals.resize(cloud_.size());
-    fit_.outliers.resize(cloud_.size());
-    fit_.parameters.resize(2, cloud_.size());
-    fit_.faces.resize(std::size_t(cloud_.size()));
-    for (Eigen::Index k = 0; k < cloud_.size(); ++k) {
-      const Eigen::Index merged = place_[std::size_t(k)];
-      fit_.residuals[k] = distances[merged];
-      fit_.outliers[k] = set_aside_[merged];
-      fit_.parameters.col(k) = parameters.col(merged);
-      fit_.faces[std::size_t(k)] = face_of[std::size_t(merged)];
-    }
-  }
-
-  // Points whose feet are on caps have them on the nearest face that stays; faces are numbered
-  // without caps.
-  void MeasureBeyond(const SolidModel& solid,
-                     Eigen::VectorXd& distances,
-                     Eigen::Matrix2Xd& parameters,
-                     std::vector<int>& face_of) {
-    std::vector<Eigen::Index> beyond;
-    for (std::size_t k = 0; k < face_of.size(); ++k) {
-      if (left_out_[std::size_t(face_of[k])]) beyond.push_back(Eigen::Index(k));
-    }
-    distances(beyond).setConstant(std::numeric_limits<double>::infinity());
-    int number = 0;
-    std::vector<int> numbers;
-    for (std::size_t f = 0; f < solid.faces.size(); ++f) {
-      numbers.push_back(number);
-      if (left_out_[f]) continue;
-      ++number;
-      const NurbsSurface& face = solid.faces[f].surface;
-      const Eigen::AlignedBox3d box(face.control_points().rowwise().minCoeff(),
-                                    face.control_points().rowwise().maxCoeff());
-      std::vector<Eigen::Index> near;
-      std::copy_if(beyond.begin(), beyond.end(), std::back_inserter(near), [&](Eigen::Index k) {
-        return box.exteriorDistance(data_.points.col(k)) < std::abs(distances[k]);
-      });
-      if (near.empty()) continue;
-      const PointDistances found = DistancesTo(face, data_.points(Eigen::all, near), pool_);
-      for (std::size_t i = 0; i < near.size(); ++i) {
-        if (!(std::abs(found.distances[Eigen::Index(i)]) < std::abs(distances[near[i]]))) continue;
-        distances[near[i]] = found.distances[Eigen::Index(i)];
-        parameters.col(near[i]) = found.parameters.col(Eigen::Index(i));
-        face_of[std::size_t(near[i])] = static_cast<int>(f);
-      }
-    }
-    for (int& face : face_of) face = numbers[std::size_t(face)];
-  }
-
-  // Signed along the normal, from the foot that Newton's method finds from parameters near it. Near
-  // extraordinary vertices faces run through space a little differently than the limit surface.
-  static double DistanceFrom(const NurbsSurface& surface,
-                             const Eigen::Vector3d& q,
-                             Eigen::Vector2d& at) {
-    const Eigen::Vector2d low(surface.basis_u().lower(), surface.basis_v().lower());
-    const Eigen::Vector2d high(surface.basis_u().upper(), surface.basis_v().upper());
-    SurfaceJet jet = surface.JetAt(at[0], at[1]);
-    for (int step = 0; step < 5; ++step) {
-      const Eigen::Vector3d d = q - jet.point;
-      Eigen::Matrix2d metric;
-      metric << jet.du.squaredNorm(), jet.du.dot(jet.dv), jet.du.dot(jet.dv), jet.dv.squaredNorm();
-      const Eigen::Vector2d move = metric.inverse() * Eigen::Vector2d(jet.du.dot(d), jet.dv.dot(d));
-      if (!move.allFinite()) break;
-      const Eigen::Vector2d next = (at + move).cwiseMax(low).cwiseMin(high);
-      const SurfaceJet there = surface.JetAt(next[0], next[1]);
-      if (!((there.point - q).norm() < d.norm())) break;
-      at = next;
-      jet = there;
-    }
-    const Eigen::Vector3d d = q - jet.point;
-    return std::copysign(d.norm(), d.dot(jet.du.cross(jet.dv)));
+    const NearestSurfaces found = MeasureSolid(
+        solid, left_out_, places, stencils, surface.control_points, data_.points, pool_);
+    fit_.residuals = found.distances(place_);
+    fit_.parameters = found.parameters(Eigen::all, place_);
+    fit_.outliers = set_aside_(place_);
+    for (const Eigen::Index merged : place_)
+      fit_.faces.push_back(found.surface[std::size_t(merged)]);
   }
 
   void Finish(const SolidModel& solid, const LimitSurfaceFit& surface) {

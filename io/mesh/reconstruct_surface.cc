@@ -213,7 +213,8 @@ ReconstructedSurface ReconstructSurface(const PointCloud& cloud,
         "the points do not go all round a body, or its walls are too near: " +
         std::to_string(int(std::lround(100 * result.invented_share))) +
         " % of a closed surface about them would have no points on it; batten fit surface "
-        "fits sheets");
+        "fits sheets",
+        Remedy::kLeaveOpen);
   }
   result.closed.surface.vertices.colwise() += cloud.origin();
   return result;

@@ -135,9 +135,10 @@ Mapping OfBSpline(const Handle(Geom_BSplineSurface) & surface, const ParameterRe
 // Of more than one turn, as the flanks of threads have it, equal shares of less than one each.
 std::optional<NurbsSurface> WoundSurface(const Handle(Geom_Surface) & surface,
                                          const ParameterRectangle& box) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  if (!surface->IsUPeriodic() || box.u1 - box.u0 <= (1 + kMapping) * kTurn) return std::nullopt;
-  const double share = (box.u1 - box.u0) / (std::floor((box.u1 - box.u0) / kTurn) + 1);
+  constexpr double kMost = 500;  // more are no thread's
+  const double turns = (box.u1 - box.u0) / (2 * std::numbers::pi);
+  if (!surface->IsUPeriodic() || !(turns > 1 + kMapping && turns < kMost)) return std::nullopt;
+  const double share = (box.u1 - box.u0) / (std::floor(turns) + 1);
   std::optional<NurbsSurface> wound;
   for (double u = box.u0; u < box.u1 - share / 2; u += share) {
     const auto exact = FromAnalytic(surface, {u, u + share, box.v0, box.v1}, {});

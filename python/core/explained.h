@@ -12,6 +12,7 @@ namespace batten::python {
 inline const char* KeywordThatHelps(Remedy remedy) {
   switch (remedy) {
     case Remedy::kNone:
+    case Remedy::kLeaveOpen:  // for want of a keyword
       return "";
     case Remedy::kFitPart:
       return "cloud_parts(points)";

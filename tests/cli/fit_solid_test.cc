@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "batten/io/polygon_reader.h"
@@ -22,6 +24,12 @@ std::string SphereText(int count, double least_z = -2) {
     text += std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
   }
   return text;
+}
+
+double NumberAfter(const std::string& text, const std::string& word) {
+  const auto at = text.find(word);
+  return at == std::string::npos ? std::nan("")
+                                 : std::strtod(text.c_str() + at + word.size(), nullptr);
 }
 
 TEST(FitSolidCommandTest, NeedsNothingButThePoints) {
@@ -47,6 +55,27 @@ TEST(FitSolidCommandTest, NeedsNothingButThePoints) {
   EXPECT_THAT(run.err, HasSubstr("a watertight solid of"));
   EXPECT_GT(ReadPolygons(folder.File("mesh.ply")).faces.size(), 100u);
   EXPECT_EQ(CheckQuadMesh(ReadQuadMesh(folder.File("q.obj"))).genus, 0);
+}
+
+TEST(FitSolidCommandTest, OpenScansAreShellsThatEndWhereTheirPointsDo) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.With("bowl.xyz", SphereText(3000, -0.3));
+  const std::string out = folder.File("bowl.step");
+  const ProgramRun refused = Batten({"fit", "solid", cloud, "-o", out});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("(--open leaves the borders of a scan)"));
+  const ProgramRun run = Batten({"fit", "solid", cloud, "-o", out, "--open", "--json"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("an open shell of"));
+  const Json report = Json::parse(run.out);
+  EXPECT_EQ(report["geometry"]["kind"], "shell");
+  EXPECT_LE(report["error"]["rms"].get<double>(), 0.006);
+  // The sphere above −0.3, to about a spacing.
+  const double area = 2 * std::numbers::pi * 1.3, border = 2 * std::numbers::pi;
+  EXPECT_NEAR(NumberAfter(run.err, "area "), area, 0.08 * border);
+  EXPECT_NEAR(NumberAfter(run.err, "length "), border * std::sqrt(1 - 0.09), 0.08 * border);
+  EXPECT_EQ(Batten({"fit", "solid", cloud, "-o", out, "--open", "--genus", "0"}).code, 2);
+  EXPECT_EQ(Batten({"fit", "solid", cloud, "-o", out, "--open", "--kind", "cad"}).code, 2);
 }
 
 TEST(FitSolidCommandTest, TakesTheFacesOfAMeshAndALayout) {

@@ -13,6 +13,7 @@ enum class Remedy {
   kFitPart,        // fit a part of the points
   kFlatten,        // SurfaceFitOptions::base = BaseShape::kSheet
   kClosingByData,  // SurfaceFitOptions::closed = Closing::kAuto
+  kLeaveOpen,      // an open shell: TriangleSurface::caps
 };
 
 // Data that a fit refuses: what() is one sentence for a user with the reason and its numbers; the

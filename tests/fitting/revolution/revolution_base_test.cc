@@ -361,6 +361,29 @@ TEST(RevolutionParameterizationTest, GivesTheSameBitsForEveryNumberOfThreads) {
   }
 }
 
+// Both poles may be sought among the same points.
+TEST(RevolutionParameterizationTest, FewRoughPointsHaveTheirEndsInOrder) {
+  for (const Eigen::Index count : {40, 60, 90, 120}) {
+    for (const double sigma : {0.03, 0.1, 0.2}) {
+      for (const double part : {0.5, 0.7, 1.0}) {
+        for (unsigned seed = 1; seed <= 12; ++seed) {
+          SCOPED_TRACE(testing::Message() << count << " points, sigma " << sigma << ", part "
+                                          << part << ", seed " << seed);
+          const auto inside = [&](double, double t) { return t <= part; };
+          const RoundPoints cloud =
+              PointsOn(Ball(), {.count = count, .sigma = sigma, .seed = seed, .inside = inside});
+          for (BaseOf* base_of : {RevolutionBaseOf, SphereBaseOf}) {
+            const RevolutionParameterization base = Find(base_of, cloud.points);
+            EXPECT_GT(base.length_u, 0);
+            EXPECT_GT(base.length_v, 0);
+            ExpectInside(base);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(RevolutionParameterizationTest, SurvivesAnyCloud) {
   std::mt19937_64 engine(7);
   std::uniform_real_distribution<double> uniform(-1, 1);

@@ -157,6 +157,14 @@ TEST(BrepTest, FacesMayWindRoundMoreThanOnce) {
   }
 }
 
+TEST(BrepTest, FacesThatWindRoundWithoutEndAreRefused) {
+  const TemporaryFolder folder;
+  const TopoDS_Shape band = WoundBand(new Geom_CylindricalSurface(gp_Ax3(), 2), 1e7);
+  EXPECT_THROW(ReadBrepContents(
+                   Saved(folder, "a.brep", Text(band, TopTools_FormatVersion_VERSION_3, false))),
+               std::runtime_error);
+}
+
 TEST(BrepTest, WhatIsWrittenReadsBackAsItWas) {
   const TemporaryFolder folder;
   RandomGeometry random(kSeed);

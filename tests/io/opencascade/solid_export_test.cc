@@ -21,6 +21,7 @@
 namespace batten::internal::solid_export_test {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 SolidModel SolidOf(const QuadMesh& mesh) {
   const QuadTopology topology(mesh.faces, static_cast<int>(mesh.vertices.cols()));
@@ -63,6 +64,29 @@ TEST(SolidExportTest, SeveralBodiesAreSeveralSolids) {
   for (std::size_t at = 0; (at = text.find("MANIFOLD_SOLID_BREP(", at)) != text.npos; ++at)
     ++solids;
   EXPECT_EQ(solids, 2u);
+}
+
+TEST(SolidExportTest, AnOpenModelIsAShellWithItsBorders) {
+  const TemporaryFolder folder;
+  const SolidModel solid = SolidOf(CubeSphere(2));
+  std::vector<char> left_out(solid.faces.size(), 0);
+  left_out[0] = 1;
+  const SolidModel shell = solid.Without(left_out);
+  const SolidAudit audit = AuditSolid(shell);
+  EXPECT_EQ(shell.faces.size() + 1, solid.faces.size());
+  EXPECT_EQ(shell.edges.size(), solid.edges.size());
+  EXPECT_EQ(audit.open_edges, std::ssize(solid.faces[0].loop));
+  EXPECT_GT(audit.open_length, 0);
+  WriteSolid(shell, folder.File("a.step"));
+  EXPECT_THAT(folder.Text("a.step"), HasSubstr("OPEN_SHELL"));
+  EXPECT_THAT(folder.Text("a.step"), Not(HasSubstr("MANIFOLD_SOLID_BREP")));
+  const GeometryContents read = ReadStepContents(folder.File("a.step"));
+  ASSERT_EQ(read.bodies.size(), 1u);
+  EXPECT_FALSE(read.bodies[0].solid);
+  EXPECT_EQ(std::ssize(read.bodies[0].free_edges), audit.open_edges);
+  SolidModel doubled = shell;  // its edges belong to four faces
+  for (const SolidFace& face : shell.faces) doubled.faces.push_back(face);
+  EXPECT_THROW(WriteSolid(doubled, folder.File("b.step")), WriteError);
 }
 
 TEST(SolidExportTest, LeavesNoFileOfWhatIsNoSolid) {
