@@ -576,9 +576,10 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
     WriteUncertainty(a_.uncertainty_map, *map_, geometry.front(), MetresIn(a_.output.unit))
         ->Commit();
   report.seconds.read = read_seconds_;
-  const double fitted = report.seconds.total, now = Seconds();
-  report.seconds.write = std::max(0.0, now - read_seconds_ - fitted);
-  report.seconds.total = read_seconds_ + fitted + report.seconds.write;
+  report.seconds.prepare += prepared_seconds_;
+  const double before = read_seconds_ + prepared_seconds_ + report.seconds.total;
+  report.seconds.total = std::max(before, Seconds());
+  report.seconds.write = report.seconds.total - before;
   if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
   WriteReports(report, target);
   if (!mesh.empty() && !a_.flags.quiet) PrintNote(a_.out + ": " + mesh);

@@ -175,6 +175,9 @@ class FitFiles {
     census_ = &census;
   }
 
+  // What has been done since Read is of the stage before the fit.
+  void NotePrepared() { prepared_seconds_ = Seconds() - read_seconds_; }
+
   // The faces of which the reports tell; they outlive Write.
   void KeepPart(const PartSummary& part) { part_ = &part; }
 
@@ -211,7 +214,7 @@ class FitFiles {
   std::string out_format_;
   bool word_is_geometry_;
   CloudFile file_;
-  double read_seconds_ = 0;
+  double read_seconds_ = 0, prepared_seconds_ = 0;
   Cleaning cleaning_;
   Eigen::Index cleaned_ = 0;
   const SolidModel* solid_ = nullptr;

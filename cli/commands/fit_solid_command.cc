@@ -240,6 +240,7 @@ int RunFitSolid(const FitSolidArguments& a) {
     }
     over = closed.surface;
   }
+  files.NotePrepared();
   SolidFit fit = files.Explained([&] {
     return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
   });

@@ -68,6 +68,7 @@ class SolidFitter {
     clock_.Enter(&StageSeconds::parameterize);
     const QuadTopology mesh(layout_);
     const LimitStencils stencils(mesh);
+    no_feet_ = PatchesOf(layout_.caps, stencils.patches());
     CheckNear(stencils);
     const std::vector<QuadBlock> blocks =
         options_.merge_faces ? MotorcycleBlocks(mesh) : SingleBlocks(mesh);
@@ -81,12 +82,12 @@ class SolidFitter {
     double stretch = creased ? kStretchBesideCreases : kStretch;
     for (;; stretch *= kMore) {
       clock_.Enter(&StageSeconds::optimize);
-      surface =
-          FitLimitSurface(stencils,
-                          ControlPointsThrough(mesh, layout_.vertices),
-                          data_,
-                          {options_.smoothing, options_.max_iterations, options_.progress, stretch},
-                          pool_);
+      surface = FitLimitSurface(
+          stencils,
+          ControlPointsThrough(mesh, layout_.vertices),
+          data_,
+          {options_.smoothing, options_.max_iterations, options_.progress, stretch, no_feet_},
+          pool_);
       clock_.Enter(&StageSeconds::trim);
       solid = SplineSolid(mesh, surface.control_points, blocks);
       fit_.audit = AuditSolid(left_out_.empty() ? solid : solid.Without(left_out_));
@@ -140,8 +141,12 @@ class SolidFitter {
   // Refuses a layout of another body, or in other coordinates; turns normals that point inwards.
   void CheckNear(const LimitStencils& stencils) {
     const LimitSurface surface(stencils, layout_.vertices);
-    const std::vector<LimitFoot> feet =
-        FeetOn(surface, stencils.patches(), data_.points, Eigen::Matrix3Xd(3, 0), false, {}, pool_);
+    const std::vector<LimitFoot> feet = FeetOn({surface, stencils.patches(), no_feet_},
+                                               data_.points,
+                                               Eigen::Matrix3Xd(3, 0),
+                                               false,
+                                               {},
+                                               pool_);
     std::vector<double> distances;
     double outwards = 0;
     for (std::size_t k = 0; k < feet.size(); ++k) {
@@ -186,8 +191,9 @@ class SolidFitter {
                const std::vector<BlockPlace>& places,
                const LimitStencils& stencils,
                const LimitSurfaceFit& surface) {
+    const LimitSurface fitted(stencils, surface.control_points);
     const NearestSurfaces found = MeasureSolid(
-        solid, left_out_, places, stencils, surface.control_points, data_.points, pool_);
+        solid, places, {fitted, stencils.patches(), no_feet_}, left_out_, data_.points, pool_);
     fit_.residuals = found.distances(place_);
     fit_.parameters = found.parameters(Eigen::all, place_);
     fit_.outliers = set_aside_(place_);
@@ -250,7 +256,7 @@ class SolidFitter {
   SurfaceData data_;
   std::vector<Eigen::Index> place_;
   PointMask set_aside_;
-  std::vector<char> left_out_;  // by block: of caps
+  std::vector<char> no_feet_, left_out_;  // by patch, by block: of caps
   SolidFit fit_;
 };
 

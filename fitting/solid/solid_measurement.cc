@@ -2,6 +2,7 @@
 #include "fitting/solid/solid_measurement.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "fitting/solid/surface_feet.h"
@@ -33,6 +34,13 @@ double DistanceFrom(const NurbsSurface& surface, const Eigen::Vector3d& q, Eigen
 
 }  // namespace
 
+std::vector<char> PatchesOf(const std::vector<int>& faces, int patches) {
+  if (faces.empty()) return {};
+  std::vector<char> marks(std::size_t(patches), 0);
+  for (const int face : faces) std::fill_n(marks.begin() + 4 * face, 4, 1);
+  return marks;
+}
+
 std::vector<char> CapBlocks(const std::vector<int>& caps,
                             const std::vector<BlockPlace>& places,
                             std::size_t blocks) {
@@ -43,20 +51,20 @@ std::vector<char> CapBlocks(const std::vector<int>& caps,
 }
 
 NearestSurfaces MeasureSolid(const SolidModel& solid,
-                             const std::vector<char>& left_out,
                              const std::vector<BlockPlace>& places,
-                             const LimitStencils& stencils,
-                             const Eigen::Matrix3Xd& control_points,
+                             const FootGround& ground,
+                             const std::vector<char>& left_out,
                              const Eigen::Matrix3Xd& points,
                              ThreadPool& pool) {
+  std::vector<int> number;  // of each face among those kept
+  int kept = 0;
+  for (std::size_t f = 0; f < solid.faces.size(); ++f) {
+    number.push_back(kept);
+    kept += left_out.empty() || !left_out[f];
+  }
   // Without regard to normals: what is reported is the distance from the solid.
-  const std::vector<LimitFoot> feet = FeetOn(LimitSurface(stencils, control_points),
-                                             stencils.patches(),
-                                             points,
-                                             Eigen::Matrix3Xd(3, 0),
-                                             false,
-                                             {},
-                                             pool);
+  const std::vector<LimitFoot> feet =
+      FeetOn(ground, points, Eigen::Matrix3Xd(3, 0), false, {}, pool);
   NearestSurfaces nearest{std::vector<int>(feet.size()),
                           Eigen::VectorXd(points.cols()),
                           Eigen::Matrix2Xd(2, points.cols())};
@@ -65,30 +73,12 @@ NearestSurfaces MeasureSolid(const SolidModel& solid,
       const LimitPlace& place = feet[std::size_t(k)].place;
       const BlockPlace& face = places[std::size_t(place.patch >> 2)];
       Eigen::Vector2d at = ParametersInBlock(face, place);
-      nearest.surface[std::size_t(k)] = face.block;
+      nearest.surface[std::size_t(k)] = number[std::size_t(face.block)];
       nearest.distances[k] =
           DistanceFrom(solid.faces[std::size_t(face.block)].surface, points.col(k), at);
       nearest.parameters.col(k) = at;
     }
   });
-  if (left_out.empty()) return nearest;
-  std::vector<NurbsSurface> kept;
-  std::vector<int> number;  // of each face among those kept
-  for (std::size_t f = 0; f < left_out.size(); ++f) {
-    number.push_back(static_cast<int>(kept.size()));
-    if (!left_out[f]) kept.push_back(solid.faces[f].surface);
-  }
-  std::vector<Eigen::Index> beyond;  // a border
-  for (std::size_t k = 0; k < feet.size(); ++k) {
-    int& face = nearest.surface[k];
-    if (left_out[std::size_t(face)]) beyond.push_back(Eigen::Index(k));
-    face = number[std::size_t(face)];
-  }
-  const NearestSurfaces of_those = NearestOf(kept, points(Eigen::all, beyond), pool);
-  nearest.distances(beyond) = of_those.distances;
-  nearest.parameters(Eigen::all, beyond) = of_those.parameters;
-  for (std::size_t i = 0; i < beyond.size(); ++i)
-    nearest.surface[std::size_t(beyond[i])] = of_those.surface[i];
   return nearest;
 }
 

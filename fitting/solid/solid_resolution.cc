@@ -9,6 +9,7 @@
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/solid_layout.h"
+#include "fitting/core/stage_clock.h"
 
 namespace batten {
 namespace {
@@ -40,6 +41,14 @@ std::vector<int> CountsAbove(int count, int most) {
   return counts;
 }
 
+// The stages of a fit, and beside them its layouts' and those of the fits that were not as good.
+StageSeconds WithOthers(StageSeconds own, const StageSeconds& all) {
+  own.parameterize += all.parameterize;
+  own.refine += all.refine - own.total;
+  own.total = all.total;
+  return own;
+}
+
 }  // namespace
 
 SolidFit FitSolid(const PointCloud& cloud,
@@ -47,7 +56,18 @@ SolidFit FitSolid(const PointCloud& cloud,
                   int faces,
                   const SolidFitOptions& options) {
   Check(options);
-  if (faces > 0) return FitSolid(cloud, LayoutOf(surface, faces, options.progress), options);
+  internal::StageClock clock(&StageSeconds::parameterize);
+  const auto fitted = [&](const QuadMesh& layout) {
+    clock.Enter(&StageSeconds::refine);
+    SolidFit fit = FitSolid(cloud, layout, options);
+    clock.Enter(&StageSeconds::parameterize);
+    return fit;
+  };
+  if (faces > 0) {
+    SolidFit fit = fitted(LayoutOf(surface, faces, options.progress));
+    fit.report.seconds = WithOthers(fit.report.seconds, clock.Seconds());
+    return fit;
+  }
   const int most = LayoutFaces(cloud.size() - MergeDuplicates(cloud).duplicates);
   constexpr int kFewest = 60;  // coarser layouts seldom follow a shape
   std::vector<int> counts;     // from the last on
@@ -71,7 +91,7 @@ SolidFit FitSolid(const PointCloud& cloud,
       }
       // Edges that were sharp stay so.
       if (best && best->audit.sharp_edges > 0 && layout.creases.cols() == 0) continue;
-      SolidFit fit = FitSolid(cloud, layout, options);
+      SolidFit fit = fitted(layout);
       if (best && !MeetsBetter(fit, *best)) break;
       best = std::move(fit);
       if (count == most) break;
@@ -87,6 +107,7 @@ SolidFit FitSolid(const PointCloud& cloud,
     }
   }
   if (!best) throw RefusedData(why);
+  best->report.seconds = WithOthers(best->report.seconds, clock.Seconds());
   return std::move(*best);
 }
 

@@ -76,29 +76,31 @@ void Descend(const LimitSurface& surface, const Eigen::Vector3d& q, LimitFoot& f
 }
 
 // Whether the normal of a foot agrees; on a crease that is the mean of both sides'.
-bool IsFound(const LimitSurface& surface,
+bool IsFound(const FootGround& ground,
              const LimitFoot& foot,
              const Eigen::Vector3d& given,
              bool oriented) {
   Eigen::Vector3d normal = foot.normal;
-  for (const LimitPlace& beyond : surface.Beyond(foot.place)) {
-    const SurfaceJet jet = surface.JetAt(beyond);
+  for (const LimitPlace& beyond : ground.surface.Beyond(foot.place)) {
+    if (!ground.Has(beyond.patch)) continue;
+    const SurfaceJet jet = ground.surface.JetAt(beyond);
     normal += jet.du.cross(jet.dv).stableNormalized();
   }
   return Agrees(normal.stableNormalized(), given, oriented);
 }
 
 // The same, and on from creases over them for as long as that comes nearer.
-void DescendOverCreases(const LimitSurface& surface, const Eigen::Vector3d& q, LimitFoot& foot) {
-  Descend(surface, q, foot);
+void DescendOverCreases(const FootGround& ground, const Eigen::Vector3d& q, LimitFoot& foot) {
+  Descend(ground.surface, q, foot);
   constexpr int kMost = 4;
   for (int round = 0; round < kMost; ++round) {
     const double square = (foot.point - q).squaredNorm();
     LimitFoot best = foot;
-    for (const LimitPlace& beyond : surface.Beyond(foot.place)) {
+    for (const LimitPlace& beyond : ground.surface.Beyond(foot.place)) {
+      if (!ground.Has(beyond.patch)) continue;
       LimitFoot other;
       other.place = beyond;
-      Descend(surface, q, other);
+      Descend(ground.surface, q, other);
       constexpr double kNearer = 1 - 1e-9;
       if ((other.point - q).squaredNorm() < kNearer * (best.point - q).squaredNorm()) best = other;
     }
@@ -107,13 +109,14 @@ void DescendOverCreases(const LimitSurface& surface, const Eigen::Vector3d& q, L
   }
 }
 
-// Places spread over all patches.
+// Places spread over the ground.
 struct Samples {
   std::vector<LimitPlace> places;
   Eigen::Matrix3Xd points, normals;
 
-  Samples(const LimitSurface& surface, int patches, ThreadPool& pool) {
-    for (int patch = 0; patch < patches; ++patch) {
+  Samples(const FootGround& ground, ThreadPool& pool) {
+    for (int patch = 0; patch < ground.patches; ++patch) {
+      if (!ground.Has(patch)) continue;
       for (int i = 0; i < kGrid; ++i) {
         for (int j = 0; j < kGrid; ++j) {
           places.push_back({patch, (i + 0.5) / kGrid, (j + 0.5) / kGrid});
@@ -125,7 +128,7 @@ struct Samples {
     normals.resize(3, count);
     pool.For(count, kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t k = begin; k < end; ++k) {
-        const SurfaceJet jet = surface.JetAt(places[std::size_t(k)]);
+        const SurfaceJet jet = ground.surface.JetAt(places[std::size_t(k)]);
         points.col(k) = jet.point;
         normals.col(k) = jet.du.cross(jet.dv).stableNormalized();
       }
@@ -135,8 +138,7 @@ struct Samples {
 
 }  // namespace
 
-std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
-                              int patches,
+std::vector<LimitFoot> FeetOn(const FootGround& ground,
                               const Eigen::Matrix3Xd& points,
                               const Eigen::Matrix3Xd& normals,
                               bool oriented,
@@ -148,7 +150,7 @@ std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
   int candidates = 0;
   if (from.empty()) {
     feet.resize(std::size_t(points.cols()));
-    samples = std::make_unique<Samples>(surface, patches, pool);
+    samples = std::make_unique<Samples>(ground, pool);
     candidates = std::min<int>(kCandidates, static_cast<int>(samples->places.size()));
     nearest = NeighbourIndex(samples->points, pool).Nearest(points, candidates);
   }
@@ -164,8 +166,8 @@ std::vector<LimitFoot> FeetOn(const LimitSurface& surface,
         });
         foot.place = samples->places[std::size_t(chosen < first + candidates ? *chosen : *first)];
       }
-      DescendOverCreases(surface, points.col(k), foot);
-      foot.found = IsFound(surface, foot, given, oriented);
+      DescendOverCreases(ground, points.col(k), foot);
+      foot.found = IsFound(ground, foot, given, oriented);
     }
   });
   return feet;

@@ -130,13 +130,13 @@ class Fitter {
   // Gives normals without a sign that of the surface the fit begins from; where they contradict it,
   // as estimates at thin ridges do, its own normal.
   void Orient() {
-    const std::vector<LimitFoot> feet = FeetOn(LimitSurface(stencils_, fit_.control_points),
-                                               stencils_.patches(),
-                                               data_.points,
-                                               Eigen::Matrix3Xd(3, 0),
-                                               false,
-                                               {},
-                                               pool_);
+    const std::vector<LimitFoot> feet = FeetOn(
+        {LimitSurface(stencils_, fit_.control_points), stencils_.patches(), settings_.left_out},
+        data_.points,
+        Eigen::Matrix3Xd(3, 0),
+        false,
+        {},
+        pool_);
     for (std::size_t k = 0; k < feet.size(); ++k) {
       auto normal = data_.normals.col(Eigen::Index(k));
       const double cosine = normal.dot(feet[k].normal);
@@ -195,8 +195,7 @@ class Fitter {
 
   std::vector<LimitFoot> Feet(const Eigen::Matrix3Xd& points,
                               const std::vector<LimitFoot>& from) const {
-    return FeetOn(LimitSurface(stencils_, points),
-                  stencils_.patches(),
+    return FeetOn({LimitSurface(stencils_, points), stencils_.patches(), settings_.left_out},
                   data_.points,
                   data_.normals,
                   data_.oriented,

@@ -32,6 +32,8 @@ struct SurfaceFitSettings {
   // Against uneven faces, relative to the data: it moves places along the surface, which hardly
   // changes its shape, and keeps faces from folding.
   double stretch = kStretch;
+  // By patch of the stencils: has no points, what is beyond a border; empty: none.
+  std::vector<char> left_out = {};
 };
 
 struct LimitSurfaceFit {

@@ -476,6 +476,7 @@ def fit_solid(
     layout: Any = None,
     faces: Optional[int] = None,
     genus: Optional[int] = None,
+    open: bool = False,
     most_invented: float = 0.15,
     tolerance: Optional[float] = None,
     smoothing: Union[float, str, None] = None,
@@ -490,7 +491,7 @@ def fit_solid(
     threads: int = 0,
     progress: Progress = None,
 ) -> SolidFit:
-    """Fits one watertight solid of smooth faces to the points of a whole body.
+    """Fits one watertight solid of smooth faces to the points of a whole body, or a shell to an open scan.
 
     One subdivision surface over a layout of quadrilaterals is fitted to all points and turned into bicubic faces with
     continuous tangent planes that share their edges.
@@ -507,6 +508,9 @@ def fit_solid(
         one for 5 points, and 2500.
     genus : int, optional
         How many handles the solid has, of all bodies together: 0 of a ball, 1 of a ring; another one is refused.
+    open : bool
+        The borders of an open scan stay, and what comes out is a shell that ends at them; not beside `layout` or
+        `genus`.
     most_invented : float
         Points alone are refused where more than this share of the area, in [0, 1], has none within three spacings.
     tolerance : float, optional
@@ -556,6 +560,8 @@ def fit_solid(
         raise ValueError(f"faces: {faces} is not in [6, 20000]")
     if genus is not None:
         whole("genus", genus, 0)
+    if open and (layout is not None or genus is not None):
+        raise ValueError("open: not beside layout or genus, which are of closed solids")
     if not 0 <= number("most_invented", most_invented) <= 1:
         raise ValueError(f"most_invented: {most_invented} is not in [0, 1]")
     mesh = _mesh_of("points", points)
@@ -581,6 +587,7 @@ def fit_solid(
     options = {
         "faces": faces,
         "genus": genus,
+        "open": bool(open),
         "most_invented": float(most_invented),
         "tolerance": tolerance,
         "smoothing": smoothing,

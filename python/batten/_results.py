@@ -372,13 +372,13 @@ class Solid(NamedTuple):
     faces : list of Surface
         Bicubic, with continuous tangent planes over every edge.
     edges : list of Curve
-        Each of two faces.
+        Each of two faces; of one at the border of a shell.
     vertices : ndarray of shape (V, 3)
         Where edges end.
     genus : int
         How many handles: 0 of a ball, 1 of a torus.
-    volume : float
-        Enclosed, in the data's units to the third.
+    volume : float or None
+        Enclosed, in the data's units to the third; None of an open shell.
     area : float
         Of all faces, in the data's units squared.
     """
@@ -387,12 +387,12 @@ class Solid(NamedTuple):
     edges: List[Curve]
     vertices: Floats
     genus: int
-    volume: float
+    volume: Optional[float]
     area: float
 
 
 class SolidFit(Fit):
-    """The result of fitting a watertight solid."""
+    """The result of fitting a watertight solid, or an open shell."""
 
     __slots__ = ()
     _fit: _core.Solid
@@ -402,8 +402,9 @@ class SolidFit(Fit):
 
     def __repr__(self) -> str:
         s = self.summary
-        words = f"{s['faces']} faces, {s['edges']} edges, {s['vertices']} vertices, genus {s['genus']}"
-        return f"<SolidFit: watertight, {words}; {self._fit.line}>"
+        words = f"{s['faces']} faces, {s['edges']} edges, {s['vertices']} vertices"
+        words = f"watertight, {words}, genus {s['genus']}" if s["watertight"] else f"open, {words}"
+        return f"<SolidFit: {words}; {self._fit.line}>"
 
     @property
     def solid(self) -> Solid:
@@ -436,8 +437,8 @@ class SolidFit(Fit):
         return self._fit.summary()
 
     def to_step(self, path: Path, *, unit: Optional[str] = None, schema: str = "ap214") -> None:  # type: ignore[override]
-        """Writes a MANIFOLD_SOLID_BREP, whole or not at all: first it is found closed, valid and the same when read
-        back.
+        """Writes a MANIFOLD_SOLID_BREP, of an open shell a SHELL_BASED_SURFACE_MODEL, whole or not at all: first it is
+        found closed but for these borders, valid and the same when read back.
 
         Parameters
         ----------

@@ -12,8 +12,9 @@ namespace batten::python {
 inline const char* KeywordThatHelps(Remedy remedy) {
   switch (remedy) {
     case Remedy::kNone:
-    case Remedy::kLeaveOpen:  // for want of a keyword
       return "";
+    case Remedy::kLeaveOpen:
+      return "open=True";
     case Remedy::kFitPart:
       return "cloud_parts(points)";
     case Remedy::kFlatten:

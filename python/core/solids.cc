@@ -112,6 +112,7 @@ struct SolidTask {
   bool chooses_outliers = false;
   double most_invented = 0.15;  // of the area
   std::optional<int> genus = {};
+  bool open = false;  // the borders of the points stay
   SolidFitOptions options;
 };
 
@@ -138,8 +139,9 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
   PointCloud cloud = task.points->cloud;
   ClosedSurface closed;
   if (task.mesh) {
-    closed = CloseSurface(task.mesh->vertices, task.mesh->faces);
-    if (closed.filled > 0) {
+    closed = task.open ? CloseSurface(task.mesh->vertices, task.mesh->faces, 1)
+                       : CloseSurface(task.mesh->vertices, task.mesh->faces);
+    if (closed.filled > 0 && !task.open) {
       warnings.push_back(std::to_string(closed.filled) +
                          (closed.filled == 1 ? " hole is closed, " : " holes are closed, ") +
                          Percent(closed.filled_share) + " of the area");
@@ -149,10 +151,14 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     cloud.set_normals(NormalsNear(local, cloud.points()));
     // A vertex on a sharp edge is no outlier.
     if (task.chooses_outliers) task.options.keep_outliers = true;
-  } else {
+  }
+  // Holes are closed smoothly beyond points, which triangles across them do not.
+  if (!task.mesh || task.open) {
     ReconstructedSurface made =
-        ReconstructSurface(cloud, task.most_invented, task.options.threads);
-    if (made.invented_share > 0) {
+        ReconstructSurface(cloud, task.open ? 1 : task.most_invented, task.options.threads);
+    if (task.open) {
+      made.closed.surface.caps = std::move(made.beyond);
+    } else if (made.invented_share > 0) {
       warnings.push_back(Percent(made.invented_share) +
                          " of the surface have no points within three spacings");
     }
@@ -173,6 +179,7 @@ SolidPtr FitOneSolid(const PointsPtr& points,
   keywords.Take("faces", task.faces);
   keywords.Take("most_invented", task.most_invented);
   keywords.Take("genus", task.genus);
+  keywords.Take("open", task.open);
   task.chooses_outliers = !keywords.Has("keep_outliers");
   if (points->cloud.dimension() == 2) throw py::value_error("points: a solid needs x, y and z");
   if (layout) task.layout = QuadsOf(*layout);
@@ -207,8 +214,9 @@ py::dict Summary(const Solid& fit) {
   summary["genus"] = fit.layout.genus;
   summary["bodies"] = fit.layout.components;
   summary["extraordinary"] = fit.layout.extraordinary;
-  summary["watertight"] = fit.audit.open_edges == 0;
-  summary["volume"] = fit.audit.volume;
+  const bool open = fit.solid.open;
+  summary["watertight"] = !open && fit.audit.open_edges == 0;
+  summary["volume"] = open ? py::object(py::none()) : py::float_(fit.audit.volume);
   summary["area"] = fit.audit.area;
   summary["gap"] = fit.audit.gap;
   summary["angle"] = fit.audit.edge_angle;

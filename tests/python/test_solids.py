@@ -363,3 +363,20 @@ def test_progress_tells_and_stops():
 
     with pytest.raises(KeyError):
         batten.fit_solid(sphere(500), layout=cube_sphere(2), progress=tell)
+
+
+def test_an_open_scan_is_a_shell_that_ends_where_its_points_do(tmp_path):
+    points = sphere(3000, least_z=-0.3)
+    with pytest.raises(batten.FitRefused) as refused:
+        batten.fit_solid(points)
+    assert refused.value.remedy == "open=True"
+    shell = batten.fit_solid(points, open=True, faces=200)
+    s = shell.summary
+    assert not s["watertight"] and s["volume"] is None and shell.solid.volume is None and "open" in repr(shell)
+    # The sphere above -0.3, to about a spacing.
+    assert abs(s["area"] - 2 * np.pi * 1.3) < 0.08 * 2 * np.pi and s["max"] < 0.02
+    path = tmp_path / "shell.step"
+    shell.to_step(path)
+    assert b"SHELL_BASED_SURFACE_MODEL" in path.read_bytes() and b"MANIFOLD_SOLID_BREP" not in path.read_bytes()
+    with pytest.raises(ValueError, match="open: not beside"):
+        batten.fit_solid(points, open=True, genus=0)
