@@ -10,12 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "batten/fitting/refused_data.h"
 #include "fitting/solid/quad_improver.h"
 #include "fitting/solid/triangle_topology.h"
 #include "geometry/subdivision/quad_topology.h"
 
 namespace batten::internal {
 namespace {
+
+int PartsOf(const QuadTopology& mesh) { return std::ranges::max(mesh.SmoothParts()); }
 
 class CreaseLayer {
  public:
@@ -93,7 +96,7 @@ class CreaseLayer {
   }
 
   // Gives faces along the line from a vertex to the other side of the crease, while that moves the
-  // passage on to where it meets one that leads back.
+  // passage on to where it meets one that leads back. What creases part stays parted.
   void Straighten(int v) {
     constexpr int kFar = 30;  // faces
     const QuadTopology before = topology_;
@@ -113,7 +116,10 @@ class CreaseLayer {
         creases[std::size_t(topology_.Twin(h))] ^= 1;
       }
       topology_ = QuadTopology(layout_.faces, creases, topology_.corner_marks());
-      if (LoneFaces() < count) return TakeCreases();
+      if (LoneFaces() < count) {
+        if (PartsOf(topology_) < PartsOf(before)) break;
+        return TakeCreases();
+      }
       // On along the line: the corner of the face that is the passage now, on the same side.
       int next = -1;
       for (const int c : corners) {
@@ -234,6 +240,20 @@ QuadMesh OntoCreases(QuadMesh layout,
                      const SurfaceProjector& projector,
                      int rounds) {
   return CreaseLayer(std::move(layout), surface, creases, projector).Lay(rounds);
+}
+
+void RefuseUneven(const QuadMesh& layout) {
+  // Where a crease passes from one line of the grid to the next it goes straight through the corner
+  // of a face.
+  constexpr double kStraight = -0.3;
+  std::vector<char> cap(std::size_t(layout.faces.cols()), 0);
+  for (const int f : layout.caps) cap[std::size_t(f)] = 1;
+  for (int f = 0; f < layout.faces.cols(); ++f) {
+    const auto face = layout.faces.col(f);
+    if (!cap[std::size_t(f)] &&
+        Squareness(layout.vertices, {face[0], face[1], face[2], face[3]}) < kStraight)
+      throw RefusedData("a face is too uneven");
+  }
 }
 
 Eigen::Matrix2Xi CreasesBetweenFaces(const QuadMesh& layout,

@@ -18,6 +18,11 @@ QuadMesh OntoCreases(QuadMesh layout,
                      const SurfaceProjector& projector,
                      int rounds);
 
+inline constexpr int kEvenRounds = 12;  // that make one even
+
+// Refuses a layout with a face that is not even, but for its caps.
+void RefuseUneven(const QuadMesh& layout);
+
 // The creases of a layout near a surface: edges whose faces' middles the surface's creases part, as
 // far as about the faces.
 Eigen::Matrix2Xi CreasesBetweenFaces(const QuadMesh& layout,

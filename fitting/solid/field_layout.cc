@@ -65,17 +65,7 @@ QuadMesh Creased(const QuadMesh& raw,
                  const TriangleSurface& surface,
                  const SurfaceCreases& creases,
                  const SurfaceProjector& projector) {
-  constexpr int kSmoothings = 12;
-  // Where a crease passes from one line of the grid to the next it goes straight through the corner
-  // of a face.
-  constexpr double kStraight = -0.3;
-  QuadMesh layout = OntoCreases(Repaired(raw, projector), surface, creases, projector, kSmoothings);
-  for (const auto face : layout.faces.colwise()) {
-    if (Squareness(layout.vertices, {face[0], face[1], face[2], face[3]}) < kStraight) {
-      throw RefusedData("a face is too uneven");
-    }
-  }
-  return layout;
+  return OntoCreases(Repaired(raw, projector), surface, creases, projector, kEvenRounds);
 }
 
 }  // namespace

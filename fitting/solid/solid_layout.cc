@@ -59,13 +59,11 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
   std::string why;
   for (const auto& [finer, by_curvature, heed_sharp] : attempts) {
     try {
-      QuadMesh layout = FieldLayout(surface,
-                                    WithCapBorders(heed_sharp ? sharp : SurfaceCreases(), surface),
-                                    projector,
-                                    faces * finer,
-                                    by_curvature,
-                                    progress);
+      const SurfaceCreases creases = WithCapBorders(heed_sharp ? sharp : SurfaceCreases(), surface);
+      QuadMesh layout =
+          FieldLayout(surface, creases, projector, faces * finer, by_curvature, progress);
       if (open) layout.caps = CapFaces(layout, surface);
+      if (!creases.none()) RefuseUneven(layout);
       return layout;
     } catch (const std::invalid_argument& fault) {
       why = fault.what();

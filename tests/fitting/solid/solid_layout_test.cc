@@ -140,6 +140,31 @@ TEST(FitSolidTest, AnOpenShellEndsAtTheBorderOfThePoints) {
   }
 }
 
+// Caps of few faces have corners, which stay: no other layout needs to be tried.
+TEST(LayoutOfTest, FollowsTheBordersOfSmallCaps) {
+  TriangleSurface ball = Closed(CubeSphere(5)).surface;
+  for (auto p : ball.vertices.colwise()) p.normalize();
+  const Eigen::Vector3d up = Eigen::Vector3d(1, 2, 3).normalized();
+  for (const double height : {0.8, 0.87, 0.93}) {
+    ball.caps.clear();
+    for (const auto t : ball.triangles.colwise())
+      ball.caps.push_back(up.dot(ball.vertices(Eigen::all, t).rowwise().mean()) > height);
+    for (const int faces : {100, 200, 400}) {
+      const QuadMesh layout = LayoutOf(ball, faces);
+      double area = 0;
+      for (const int f : layout.caps) {
+        const auto c = layout.faces.col(f);
+        const Eigen::Vector3d one = layout.vertices.col(c[2]) - layout.vertices.col(c[0]);
+        const Eigen::Vector3d two = layout.vertices.col(c[3]) - layout.vertices.col(c[1]);
+        area += one.cross(two).norm() / 2;
+      }
+      const double whole = 2 * std::numbers::pi * (1 - height);
+      EXPECT_NEAR(area, whole, 0.25 * whole) << height << ' ' << faces;
+      EXPECT_LE(layout.faces.cols(), 1.15 * faces) << height << ' ' << faces;
+    }
+  }
+}
+
 TEST(LayoutFacesTest, GrowWithThePointsWithinBounds) {
   EXPECT_EQ(LayoutFaces(0), LayoutFaces(100));
   EXPECT_EQ(LayoutFaces(100000), LayoutFaces(Eigen::Index(1) << 40));
