@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Fails unless the comparator programs, which link libraries under other licences (ALGLIB, SISL), and
+# Fails unless the comparator programs, which link libraries under other licences (ALGLIB, CGAL, SISL), and
 # batten stay apart: their sources include nothing of it, no source of batten includes theirs, and
 # no target links both.
 cmake_policy(VERSION 3.25)
@@ -23,7 +23,7 @@ foreach(source IN LISTS comparators)
   endforeach()
 endforeach()
 foreach(source IN LISTS house)
-  file(STRINGS ${source} includes REGEX "^ *# *include.*(sisl|alglib|comparator\\.h|peers/)")
+  file(STRINGS ${source} includes REGEX "^ *# *include.*(sisl|alglib|CGAL|comparator\\.h|peers/)")
   foreach(line IN LISTS includes)
     list(APPEND failures "${source}: ${line}")
   endforeach()
@@ -39,13 +39,13 @@ foreach(name IN LISTS lists)
   file(RELATIVE_PATH place ${ROOT} ${name})
   foreach(command IN LISTS commands)
     string(TOLOWER "${command}" command)
-    if(NOT command MATCHES "(sisl|alglib)")
+    if(NOT command MATCHES "(sisl|alglib|cgal)")
       continue()
     elseif(NOT place STREQUAL benchmarks/CMakeLists.txt OR command MATCHES "batten")
       list(APPEND failures "${place}: ${command}")
     elseif(command MATCHES "add_executable" AND NOT command MATCHES "exclude_from_all peers/[a-z_]+\\.cc? *\\)")
       list(APPEND failures "${place}: ${command} is not on request only, or has sources elsewhere")
-    elseif(command MATCHES "link" AND NOT command MATCHES "target_link_libraries *\\( *(sisl|alglib)_[a-z_]+ ")
+    elseif(command MATCHES "link" AND NOT command MATCHES "target_link_libraries *\\( *(sisl|alglib|cgal)_[a-z_]+ ")
       list(APPEND failures "${place}: ${command} is no comparator's by its name")
     endif()
   endforeach()
