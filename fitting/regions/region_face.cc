@@ -75,6 +75,20 @@ std::optional<RegionFace> FittedFace(const RegionPoints& data,
   }
 }
 
+bool Determined(const RegionFace& face) {
+  constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
+  const PrimitiveSummary& p = face.numbers;
+  const auto told = [&](const char* name, const std::optional<double>& value) {
+    return !value || p.accuracy->Deviation(name) <= kVague * *value;
+  };
+  const auto turned = [&](const char* name, const std::optional<Eigen::Vector3d>& value) {
+    return !value || p.accuracy->Deviation(name) <= kVagueAngle;
+  };
+  return turned("normal", p.normal) && turned("axis", p.axis) && told("radius", p.radius) &&
+         told("major_radius", p.major_radius) && told("minor_radius", p.minor_radius) &&
+         told("half_angle", p.half_angle);
+}
+
 void TakeShape(const RegionPoints& data,
                const FittedSurface& shape,
                const Eigen::Vector3d& move,

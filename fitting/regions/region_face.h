@@ -31,6 +31,10 @@ std::optional<RegionFace> FittedFace(const RegionPoints& data,
                                      std::uint64_t seed,
                                      ThreadPool& pool);
 
+// Whether the points tell radii and angles to a third, directions to 11°: else any other shape
+// would do as well.
+bool Determined(const RegionFace& face);
+
 // The numbers of the face with another shape of its kind; its standard deviations stay.
 void TakeShape(const RegionPoints& data,
                const FittedSurface& shape,
