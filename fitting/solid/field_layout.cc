@@ -81,7 +81,7 @@ QuadMesh FieldLayout(const TriangleSurface& surface,
   constexpr double kFine = 0.42;        // of the length of faces
   constexpr double kTriangles = 12000;  // at least, so that they follow the shape
   const double edge = std::min(kFine * length, std::sqrt(4 / std::sqrt(3.0) * area / kTriangles));
-  const EvenSurface made = EvenTriangles(surface, creases, projector, edge, progress);
+  const CreasedSurface made = EvenTriangles(surface, creases, projector, edge, progress);
   const TriangleSurface& even = made.surface;
   const TriangleTopology topology(even);
   const std::vector<char> sharp = CreasesByHalfEdge(topology, made.creases);
