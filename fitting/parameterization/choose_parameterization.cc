@@ -14,12 +14,10 @@
 #include "fitting/cloud/connected_points.h"
 #include "fitting/core/rules.h"
 #include "fitting/parameterization/base_attempt.h"
-#include "fitting/parameterization/base_score.h"
+#include "fitting/parameterization/base_comparison.h"
 #include "fitting/parameterization/closed_bases.h"
 #include "fitting/parameterization/connected_components.h"
 #include "fitting/parameterization/open_bases.h"
-#include "fitting/parameterization/parameter_settling.h"
-#include "fitting/parameterization/parameter_smoothing.h"
 #include "fitting/parameterization/pole_kinds.h"
 #include "fitting/parameterization/wing_candidate.h"
 #include "geometry/numeric/number_text.h"
@@ -27,20 +25,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kAtNoise = 1.5;          // times the noise
-constexpr double kApartToRefuse = 0.1;    // share of the points …
-constexpr double kFarApart = 4;           // … in parts whose sizes the cloud's exceeds so often
-constexpr double kHopeless = 1.13;        // ratio of scores by a few grids
-constexpr double kManyMore = 3;           // ratio of control points
-constexpr double kAsGood = 1.01;          // score ratio, with clearly fewer control points
-constexpr double kClearlyBetter = 0.995;  // elsewhere
-constexpr double kClearlyFewer = 0.8;     // ratio of control points
-// Parameters that settled with a net have cost some of the freedom of the noise, too: errors
-// are 1.35 times those of given ones, as if control points were 1.8 times as many. [measured:
-// kind_fitting]
-constexpr double kFarFewer = 0.6;
-constexpr double kFirm = 25;                // points to a control point
-constexpr double kFewLetGo = 0.005;         // share of the points without a place
+constexpr double kApartToRefuse = 0.1;      // share of the points …
+constexpr double kFarApart = 4;             // … in parts whose sizes the cloud's exceeds so often
 constexpr Eigen::Index kManyPerSample = 3;  // inliers for each of the sample: a first look pays
 
 bool AsksToClose(const SurfaceFitOptions& options) {
@@ -83,15 +69,35 @@ std::vector<BaseMethod> CandidatesFor(const BaseInput& input, const PlaneBase& p
   return all;
 }
 
+// Why no base serves, from what is said of each that was considered; `one_sided`: so the sheet is.
+RefusedData NoBase(BaseShape asked, bool one_sided, const std::vector<BaseCandidate>& rows) {
+  std::string why;
+  for (const BaseCandidate& row : rows) {
+    if (row.refused.empty() || (row.name == "plane" && rows.size() > 1)) continue;
+    if (asked == BaseShape::kAuto && row.name != "sheet") continue;
+    why += (why.empty() ? "" : "; ") + row.refused;
+  }
+  if (asked == BaseShape::kAuto && !one_sided) {
+    why += std::string(why.empty() ? "" : "; ") +
+           "nor are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
+           "surface, a rectangle with edges that may be joined or drawn together, cannot cover "
+           "them; fit them in parts";
+  }
+  return RefusedData(why,
+                     asked == BaseShape::kPlane                ? Remedy::kFlatten
+                     : asked == BaseShape::kAuto && !one_sided ? Remedy::kFitPart
+                                                               : Remedy::kNone);
+}
+
 // Tries candidates one after the other and keeps the one that predicts left-out points best.
 class BaseContest {
  public:
-  explicit BaseContest(const BaseInput& input) : input_(input) {}
+  explicit BaseContest(const BaseInput& input) : input_(input), comparison_(input) {}
 
   void Try(const BaseMethod& candidate) {
     const bool straightens = candidate.straightens && best_ && best_->attempt.ragged;
     if (!straightens && (decided_ || (candidate.last_resort && !IsNeeded(candidate)))) return;
-    if (candidate.of_two_sheets && best_ && IsAtNoise(ScoreOf(*best_))) return;
+    if (candidate.of_two_sheets && best_ && BestIsAtNoise()) return;
     BaseCandidate& row = Row(candidate.name);
     BaseAttempt made = MakeFor(candidate);
     if (candidate.name == "sheet") one_sided_ = made.one_sided;
@@ -101,7 +107,7 @@ class BaseContest {
     }
     served_.push_back(candidate.name);
     decided_ = decided_ || made.certain || input_.options.base != BaseShape::kAuto;
-    if (best_ && Acts(Rule::kHopelessBases) && IsHopeless(made)) {
+    if (best_ && Acts(Rule::kHopelessBases) && comparison_.IsHopeless(made, ValueOf(*best_))) {
       row.refused = "predicts left-out points worse, by a few grids";
       return;
     }
@@ -110,39 +116,44 @@ class BaseContest {
       row.refused = made.failure_reason;
       return;
     }
-    Scored scored{std::move(made), candidate.name, std::nullopt};
+    ScoredBase scored{std::move(made), candidate.name};
     if (candidate.name == "rectangle") {
       // A map is good to a share of the sheet's width: what does not settle is no base.
-      if (!Settle(scored)) {
+      scored.as_laid = ValueOf(scored);
+      if (!comparison_.Settle(scored)) {
         row.refused = "its parameters settle on no surface of few control points";
         return;
       }
     } else if (candidate.smooth && Acts(Rule::kSmoothedParameters)) {
-      Smooth(scored);
+      scored.as_laid = ValueOf(scored);
+      comparison_.Smooth(scored);
     }
-    if (best_ && !BeatsBest(scored)) {
-      row.refused = ScoreOf(scored).score < ScoreOf(*best_).score
-                        ? "predicts left-out points not clearly better, for its control points"
-                        : "predicts left-out points no better";
-      return;
+    if (best_) {
+      const double own = ValueOf(scored).score, its = ValueOf(*best_).score;
+      if (!comparison_.Beats(scored, *best_)) {
+        row.refused = own < its
+                          ? "predicts left-out points not clearly better, for its control points"
+                          : "predicts left-out points no better";
+        return;
+      }
+      Row(best_->name).refused = "predicts left-out points worse, or needs more for it";
     }
-    if (best_) Row(best_->name).refused = "predicts left-out points worse, or needs more for it";
     row.refused.clear();
     best_ = std::move(scored);
   }
 
-  // Throws std::invalid_argument if no candidate served.
+  // Throws RefusedData if no candidate served.
   ParameterizationChoice Result() {
     // A one-sided surface is no height field either; steep ground only looks one-sided.
-    if (!best_ || (one_sided_ && !IsAtNoise(ScoreOf(*best_))))
-      throw RefusedData(WhyNone(), WhatHelps());
+    if (!best_ || (one_sided_ && !BestIsAtNoise()))
+      throw NoBase(input_.options.base, one_sided_, rows_);
     BaseAttempt& taken = best_->attempt;
     if (taken.base.poles.any()) {
-      const BaseScore::Value& value = ScoreOf(*best_);
-      taken.base.poles = PolesByData(
-          taken.base, input_.cloud, score().sample() && taken.reached, value, input_.pool);
+      const BaseScore::Value& value = ValueOf(*best_);
+      const PointMask some = comparison_.score().sample() && taken.reached;
+      taken.base.poles = PolesByData(taken.base, input_.cloud, some, value, input_.pool);
     }
-    const bool fits_noise = taken.certain || IsAtNoise(ScoreOf(*best_));
+    const bool fits_noise = taken.certain || BestIsAtNoise();
     return {std::move(taken.base),
             std::move(taken.reached),
             std::move(taken.warnings),
@@ -151,150 +162,53 @@ class BaseContest {
   }
 
  private:
-  struct Scored {
-    BaseAttempt attempt;
-    std::string name;
-    std::optional<BaseScore::Value> value;                   // computed when first needed
-    std::optional<BaseScore::Value> as_laid = std::nullopt;  // before parameters were smoothed
-  };
-
   BaseCandidate& Row(const std::string& name) {
     for (BaseCandidate& row : rows_)
       if (row.name == name) return row;
     return rows_.emplace_back(BaseCandidate{name});
   }
 
+  // Notes it in the report besides.
+  const BaseScore::Value& ValueOf(ScoredBase& scored) {
+    const BaseScore::Value& value = comparison_.ValueOf(scored);
+    BaseCandidate& row = Row(scored.name);
+    row.score = std::sqrt(value.score);
+    row.control_points = value.control_points;
+    return value;
+  }
+
+  bool BestIsAtNoise() { return comparison_.IsAtNoise(ValueOf(*best_)); }
+
   // A last resort is made where no candidate of its name served before it, and none to the noise.
   bool IsNeeded(const BaseMethod& candidate) {
     if (std::find(served_.begin(), served_.end(), candidate.name) != served_.end()) return false;
-    return !best_ || best_->attempt.distorted || !IsAtNoise(ScoreOf(*best_));
+    return !best_ || best_->attempt.distorted || !BestIsAtNoise();
   }
 
   // Beside another, a candidate is made for a sample first where that is much cheaper.
   BaseAttempt MakeFor(const BaseMethod& candidate) {
     const auto inliers = std::ssize(input_.places());
-    InlierSubset sample;
-    if (best_ && kManyPerSample * score().sample().count() <= inliers) {
-      sample.emplace();
+    InlierSubset some;
+    if (best_ && kManyPerSample * comparison_.score().sample().count() <= inliers) {
+      const PointMask& sample = comparison_.score().sample();
+      some.emplace();
       for (Eigen::Index k = 0; k < inliers; ++k)
-        if (score().sample()[input_.places()[static_cast<size_t>(k)]]) sample->push_back(k);
+        if (sample[input_.places()[static_cast<size_t>(k)]]) some->push_back(k);
     }
-    return Made(candidate, sample);
+    return Made(candidate, some);
   }
 
-  static BaseAttempt Made(const BaseMethod& candidate, const InlierSubset& sample) {
+  static BaseAttempt Made(const BaseMethod& candidate, const InlierSubset& some) {
     try {
-      return candidate.make(sample);
+      return candidate.make(some);
     } catch (const std::invalid_argument& refusal) {
       return Failure(refusal.what());
     }
   }
 
-  const BaseScore& score() {
-    if (!score_) score_.emplace(input_.cloud, input_.places(), input_.options, input_.pool);
-    return *score_;
-  }
-
-  bool IsAtNoise(const BaseScore::Value& value) const {
-    return value.score <= std::pow(kAtNoise * input_.statistics.noise, 2);
-  }
-
-  // Whether base a predicts left-out points clearly better, or as well with clearly fewer control
-  // points.
-  static bool IsBetter(const BaseScore::Value& a, const BaseScore::Value& b) {
-    return a.score < kClearlyBetter * b.score ||
-           (a.score <= kAsGood * b.score && a.control_points < kClearlyFewer * b.control_points);
-  }
-
-  // The points that count: all, where the base leaves more than outliers without a place.
-  PointMask CountedOf(const BaseAttempt& made) {
-    const auto all =
-        static_cast<double>(made.complete ? std::ssize(input_.places()) : score().sample().count());
-    const bool lets_go = all - static_cast<double>(made.reached.count()) > kFewLetGo * all;
-    return lets_go ? PointMask::Constant(input_.cloud.size(), true).eval() : made.reached;
-  }
-
-  const BaseScore::Value& ScoreOf(Scored& scored) {
-    if (!scored.value) {
-      scored.value = score().Of(scored.attempt.base, CountedOf(scored.attempt));
-    }
-    BaseCandidate& row = Row(scored.name);
-    row.score = std::sqrt(scored.value->score);
-    row.control_points = scored.value->control_points;
-    return *scored.value;
-  }
-
-  // Whether the best base fits to the noise, and a few grids show that another cannot compete: none
-  // with many more control points can, and grids are limited to that.
-  bool IsHopeless(const BaseAttempt& made) {
-    const BaseScore::Value best = ScoreOf(*best_);
-    return IsAtNoise(best) &&
-           score().AtMost(made.base, CountedOf(made), best, kManyMore * best.control_points).score >
-               kHopeless * best.score;
-  }
-
-  // Smoothed parameters can follow two layers in turn: beside a base that needs no smoothing, a
-  // sheet is judged as it was laid out, and has to be clearly better.
-  bool BeatsBest(Scored& scored) {
-    const BaseScore::Value value = ScoreOf(scored), best = ScoreOf(*best_);
-    if (best_->as_laid && !scored.as_laid && !scored.attempt.distorted)
-      return !IsBetter(*best_->as_laid, value);
-    // So few control points follow neither layers in turn nor noise that neighbours share.
-    const bool simpler = value.control_points < kFarFewer * best.control_points &&
-                         kFirm * value.control_points < double(score().sample().count());
-    if (best_->attempt.certain) return simpler && value.score <= kAsGood * best.score;
-    if (scored.as_laid && !simpler && !best_->attempt.distorted && !IsBetter(*scored.as_laid, best))
-      return false;
-    return IsBetter(value, best);
-  }
-
-  bool Settle(Scored& scored) {
-    BaseAttempt& made = scored.attempt;
-    scored.as_laid = ScoreOf(scored);
-    if (!SettleParameters(
-            made.base, input_.cloud, made.reached, score().sample(), input_.margin(), input_.pool))
-      return false;
-    made.base.why += "; parameters settled on a surface of few control points";
-    scored.value.reset();
-    return true;
-  }
-
-  void Smooth(Scored& scored) {
-    BaseAttempt& made = scored.attempt;
-    const bool all_reached = (CountedOf(made) == made.reached).all();
-    scored.as_laid = ScoreOf(scored);
-    const BaseScore::Value before =
-        all_reached ? *scored.as_laid : score().Of(made.base, made.reached);
-    const Settled settled =
-        SmoothParameters(made.base, input_.cloud, made.reached, score(), before, input_.pool);
-    if (settled.any) made.base.why += "; parameters settled on a coarse surface";
-    scored.value.reset();
-    if (all_reached) scored.value = settled.value;
-  }
-
-  std::string WhyNone() {
-    std::string why;
-    for (const BaseCandidate& row : rows_) {
-      if (row.refused.empty() || (row.name == "plane" && rows_.size() > 1)) continue;
-      if (input_.options.base == BaseShape::kAuto && row.name != "sheet") continue;
-      why += (why.empty() ? "" : "; ") + row.refused;
-    }
-    if (input_.options.base != BaseShape::kAuto || one_sided_) return why;
-    return (why.empty() ? "" : why + "; ") +
-           "nor are the points a sphere, a torus, a surface of revolution or a tube: one NURBS "
-           "surface, a rectangle with edges that may be joined or drawn together, cannot cover "
-           "them; fit them in parts";
-  }
-
-  Remedy WhatHelps() const {
-    return input_.options.base == BaseShape::kPlane                 ? Remedy::kFlatten
-           : input_.options.base == BaseShape::kAuto && !one_sided_ ? Remedy::kFitPart
-                                                                    : Remedy::kNone;
-  }
-
   const BaseInput& input_;
-  std::optional<BaseScore> score_;
-  std::optional<Scored> best_;
+  BaseComparison comparison_;
+  std::optional<ScoredBase> best_;
   std::vector<BaseCandidate> rows_;  // for the report
   std::vector<std::string> served_;  // candidates that are none of the failures
   bool decided_ = false;             // no further candidate can be better
