@@ -80,107 +80,84 @@ class Ladder {
   std::map<int, double> scores_;
 };
 
-// How many different parameters lie in [low, high), the data being sorted.
-Eigen::Index Different(const std::vector<double>& parameters, double low, double high) {
-  return std::lower_bound(parameters.begin(), parameters.end(), high) -
-         std::lower_bound(parameters.begin(), parameters.end(), low);
+// Increasing.
+std::vector<double> DifferentParameters(const FittingProblem& problem) {
+  const Eigen::Matrix2Xd& given = problem.data().parameters;
+  std::vector<double> parameters(given.row(0).begin(), given.row(0).end());
+  std::sort(parameters.begin(), parameters.end());
+  parameters.erase(std::unique(parameters.begin(), parameters.end()), parameters.end());
+  return parameters;
 }
 
-class Refinement {
- public:
-  Refinement(const FittingProblem& problem, const SpanRefineOptions& options, ThreadPool& pool)
-      : problem_(problem), options_(options), pool_(pool) {
-    const Eigen::Matrix2Xd& given = problem.data().parameters;
-    parameters_.assign(given.row(0).begin(), given.row(0).end());
-    std::sort(parameters_.begin(), parameters_.end());
-    parameters_.erase(std::unique(parameters_.begin(), parameters_.end()), parameters_.end());
-    const bool exact = options.noise <= kExactAgainstSpans * options.tolerance;
-    const double carried = static_cast<double>(parameters_.size());
-    limit_ = std::min(options.max_control_points,
-                      static_cast<int>(exact ? carried : carried / kNoisyPerControlPoint));
-  }
+// How many control points the data carry.
+int MostControlPoints(Eigen::Index parameters, const SpanRefineOptions& options) {
+  const bool exact = options.noise <= kExactAgainstSpans * options.tolerance;
+  const auto carried = static_cast<double>(parameters);
+  return std::min(options.max_control_points,
+                  static_cast<int>(exact ? carried : carried / kNoisyPerControlPoint));
+}
 
-  // Solves, measures, remembers the best. Returns how many data are out of tolerance.
-  Eigen::Index Solve() {
-    const auto start = Clock::now();
-    LinearSolution solution = SolveLinear(problem_, pool_);
-    distances_ = CurveDistances(problem_, solution.coefficients, options_.distance, pool_);
-    const Eigen::VectorXd& weights = problem_.data().weights;
-    if (weights.size() > 0) distances_ = (weights.array() > 0).select(distances_, 0);
-    const ErrorSummary error = Summarise(distances_, options_.tolerance);
-    rounds_.push_back(Round("refine", problem_.unknowns(), start));
-    rounds_.back().rms = error.rms;
-    rounds_.back().max = error.max;
-    rounds_.back().score = static_cast<double>(error.out_of_tolerance);
-    const std::pair score(error.out_of_tolerance, error.rms);
-    if (!best_ || score < best_score_) {
-      best_score_ = score;
-      best_ = {problem_, std::move(solution)};
-    }
-    return error.out_of_tolerance;
+// Where a span can be cut so that both parts hold data, of increasing parameters: in its middle,
+// else between the middle two of its data.
+std::optional<double> CutOf(double low, double high, const std::vector<double>& parameters) {
+  const auto from = [&](double u) {
+    return std::lower_bound(parameters.begin(), parameters.end(), u);
+  };
+  const Eigen::Index count = from(high) - from(low);
+  if (count < 2) return std::nullopt;
+  double knot = low + (high - low) / 2;
+  const Eigen::Index left = from(knot) - from(low);
+  if (left == 0 || left == count) {
+    const double a = from(low)[count / 2 - 1], b = from(low)[count / 2];
+    knot = a + (b - a) / 2;
   }
+  if (!(low < knot && knot < high)) return std::nullopt;
+  return knot;
+}
 
-  // Halves spans that hold data out of tolerance. Returns whether there was one to halve.
-  bool Halve() {
-    std::vector<std::pair<double, double>> cuts;  // (−error, knot): worst first
-    for (const auto& [span, error] : SpanErrors()) {
-      if (const auto knot = Middle(span)) cuts.emplace_back(-error, *knot);
-    }
-    std::sort(cuts.begin(), cuts.end());
-    const int room = limit_ - problem_.unknowns();
-    if (cuts.empty() || room <= 0) return false;
-    cuts.resize(std::min(cuts.size(), static_cast<size_t>(room)));
-    std::vector<double> knots = problem_.basis_u().knots();
-    for (const auto& [error, knot] : cuts) knots.push_back(knot);
-    std::sort(knots.begin(), knots.end());
-    problem_ = problem_.WithBasis(SplineBasis(problem_.basis_u().degree(), std::move(knots)));
-    return true;
+// The squared errors of the spans with data out of tolerance.
+std::map<int, double> SpanErrors(const FittingProblem& problem,
+                                 const Eigen::VectorXd& distances,
+                                 double tolerance) {
+  std::map<int, double> errors;
+  for (Eigen::Index k = 0; k < distances.size(); ++k) {
+    if (!(distances[k] > tolerance)) continue;
+    errors[problem.basis_u().Span(problem.data().parameters(0, k))] += distances[k] * distances[k];
   }
+  return errors;
+}
 
-  SpanRefinement Finish(Termination termination) && {
-    return {std::move(best_->first), std::move(best_->second), termination, std::move(rounds_)};
+// The problem with spans that hold data out of tolerance halved, at most `room` of them; none where
+// there is none to halve.
+std::optional<FittingProblem> Halved(const FittingProblem& problem,
+                                     const Eigen::VectorXd& distances,
+                                     double tolerance,
+                                     const std::vector<double>& parameters,
+                                     int room) {
+  std::vector<double> knots = problem.basis_u().knots();
+  std::vector<std::pair<double, double>> cuts;  // (−error, knot): worst first
+  for (const auto& [span, error] : SpanErrors(problem, distances, tolerance)) {
+    if (const auto knot = CutOf(knots[span], knots[span + 1], parameters))
+      cuts.emplace_back(-error, *knot);
   }
+  std::sort(cuts.begin(), cuts.end());
+  if (cuts.empty() || room <= 0) return std::nullopt;
+  cuts.resize(std::min(cuts.size(), static_cast<size_t>(room)));
+  for (const auto& [error, knot] : cuts) knots.push_back(knot);
+  std::sort(knots.begin(), knots.end());
+  return problem.WithBasis(SplineBasis(problem.basis_u().degree(), std::move(knots)));
+}
 
- private:
-  // The squared errors of the spans with data out of tolerance.
-  std::map<int, double> SpanErrors() const {
-    std::map<int, double> errors;
-    for (Eigen::Index k = 0; k < distances_.size(); ++k) {
-      if (!(distances_[k] > options_.tolerance)) continue;
-      errors[problem_.basis_u().Span(problem_.data().parameters(0, k))] +=
-          distances_[k] * distances_[k];
-    }
-    return errors;
-  }
-
-  // Where a span can be cut so that both parts hold data: in its middle, else between the middle
-  // two of its data.
-  std::optional<double> Middle(int span) const {
-    const double low = problem_.basis_u().knots()[span],
-                 high = problem_.basis_u().knots()[span + 1];
-    const Eigen::Index count = Different(parameters_, low, high);
-    if (count < 2) return std::nullopt;
-    double knot = low + (high - low) / 2;
-    const Eigen::Index left = Different(parameters_, low, knot);
-    if (left == 0 || left == count) {
-      const auto first = std::lower_bound(parameters_.begin(), parameters_.end(), low);
-      const double a = first[count / 2 - 1], b = first[count / 2];
-      knot = a + (b - a) / 2;
-    }
-    if (!(low < knot && knot < high)) return std::nullopt;
-    return knot;
-  }
-
-  FittingProblem problem_;
-  const SpanRefineOptions& options_;
-  ThreadPool& pool_;
-  std::vector<double> parameters_;  // the different ones, increasing
-  int limit_;
-  Eigen::VectorXd distances_;
-  std::optional<std::pair<FittingProblem, LinearSolution>> best_;
-  std::pair<Eigen::Index, double> best_score_{};
-  std::vector<RoundSummary> rounds_;
-};
+// Of data that count; zero of the others.
+Eigen::VectorXd CountedDistances(const FittingProblem& problem,
+                                 const Eigen::MatrixXd& coefficients,
+                                 CurveDistance distance,
+                                 ThreadPool& pool) {
+  Eigen::VectorXd distances = CurveDistances(problem, coefficients, distance, pool);
+  const Eigen::VectorXd& weights = problem.data().weights;
+  if (weights.size() > 0) distances = (weights.array() > 0).select(distances, 0);
+  return distances;
+}
 
 // Points in space; plane ones at z = 0.
 Eigen::Matrix3Xd InSpace(const Eigen::MatrixXd& values) {
@@ -235,16 +212,44 @@ SpanRefinement RefineSpans(const FittingProblem& problem,
                            const SpanRefineOptions& options,
                            ThreadPool& pool,
                            const Progress& progress) {
-  Refinement refinement(problem, options, pool);
+  const std::vector<double> parameters = DifferentParameters(problem);
+  const int most = MostControlPoints(std::ssize(parameters), options);
+  FittingProblem current = problem;
+  std::optional<SpanRefinement> best;
+  std::pair<Eigen::Index, double> best_score;
+  std::vector<RoundSummary> rounds;
+  Termination end = Termination::kMaxControlPoints;
   for (int round = 0; round < kMostSpanRounds; ++round) {
-    if (refinement.Solve() == 0)
-      return std::move(refinement).Finish(Termination::kToleranceReached);
-    if (progress && !progress("refine", 0.05 * std::min(round, 19))) {
-      return std::move(refinement).Finish(Termination::kCancelled);
+    const auto start = Clock::now();
+    LinearSolution solution = SolveLinear(current, pool);
+    const Eigen::VectorXd distances =
+        CountedDistances(current, solution.coefficients, options.distance, pool);
+    const ErrorSummary error = Summarise(distances, options.tolerance);
+    rounds.push_back(Round("refine", current.unknowns(), start));
+    rounds.back().rms = error.rms;
+    rounds.back().max = error.max;
+    rounds.back().score = static_cast<double>(error.out_of_tolerance);
+    const std::pair score(error.out_of_tolerance, error.rms);
+    if (!best || score < best_score) {
+      best_score = score;
+      best = {current, std::move(solution), end, {}};
     }
-    if (!refinement.Halve()) break;
+    if (error.out_of_tolerance == 0) {
+      end = Termination::kToleranceReached;
+      break;
+    }
+    if (progress && !progress("refine", 0.05 * std::min(round, 19))) {
+      end = Termination::kCancelled;
+      break;
+    }
+    auto halved =
+        Halved(current, distances, options.tolerance, parameters, most - current.unknowns());
+    if (!halved) break;
+    current = std::move(*halved);
   }
-  return std::move(refinement).Finish(Termination::kMaxControlPoints);
+  best->termination = end;
+  best->rounds = std::move(rounds);
+  return std::move(*best);
 }
 
 }  // namespace batten
