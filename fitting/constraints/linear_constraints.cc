@@ -122,8 +122,8 @@ Eigen::MatrixXd LinearConstraints::Rows(const std::vector<Eigen::Index>& columns
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count(), 3 * width + unknowns.cols());
   for (Eigen::Index k = 0; k < count(); ++k) {
     const int f = functional[static_cast<size_t>(k)];
-    for (Eigen::SparseMatrix<double>::InnerIterator it(functionals, std::max(f, 0)); f >= 0 && it;
-         ++it) {
+    if (f < 0) continue;  // of unknowns alone; there may be no functional at all
+    for (Eigen::SparseMatrix<double>::InnerIterator it(functionals, f); it; ++it) {
       for (int d = 0; d < 3; ++d) {
         rows(k, d * width + place.at(it.row())) += directions(d, k) * it.value();
       }

@@ -228,6 +228,7 @@ std::vector<Eigen::Matrix2Xd> AlphaShape(const Eigen::Matrix2Xd& points,
                                          double radius,
                                          const IsGap& is_gap,
                                          ThreadPool& pool) {
+  if (points.cols() < 3) return {};
   return Chains(points, BorderEdges(points, radius, is_gap, pool)).Loops();
 }
 

@@ -156,10 +156,19 @@ void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
     near[k] = pin.Holds(loop[k]);
   }
   OutlineLoop result;
+  // Corners at one place, where a sample lies on a vertex of the border, are one: the later.
+  const auto same = [](const OutlineSample& one, const OutlineSample& other) {
+    constexpr double kSame = 1e-5;  // spacings
+    return one.corner && other.corner && (one.place - other.place).norm() <= kSame;
+  };
+  const auto add = [&](const OutlineSample& sample) {
+    if (!result.empty() && same(result.back(), sample)) result.pop_back();
+    result.push_back(sample);
+  };
   for (size_t k = 0; k < n; ++k) {
     const OutlineSample& sample = loop[k];
     if (!near[k]) {
-      result.push_back(sample);
+      add(sample);
       continue;
     }
     OutlineSample pinned;
@@ -167,16 +176,17 @@ void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
     pinned.corner = true;
     pinned.pinned = sample.pinned || near[(k + 1) % n] != 0;
     const bool within = pinned.pinned && near[(k + n - 1) % n] != 0;
-    if (!within || sample.pinned) result.push_back(pinned);
+    if (!within || sample.pinned) add(pinned);
     if (!pinned.pinned) {
       result.back().vertices = sample.vertices;
       continue;
     }
     for (const Eigen::Vector2d& vertex : sample.vertices) {
       pinned.place = pinned.measured = pinned.border = vertex;
-      result.push_back(pinned);
+      add(pinned);
     }
   }
+  if (result.size() > 1 && same(result.back(), result.front())) result.pop_back();
   loop = std::move(result);
 }
 

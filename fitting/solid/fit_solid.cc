@@ -53,6 +53,26 @@ void TakeNormals(const PointCloud& cloud, const NeighbourIndex& index, SurfaceDa
   data.normals = EstimateNormals(index, data.points, data.points, kNormalNeighbours);
 }
 
+// Refuses what no reader of the solid would notice.
+void RefuseUnsound(const SolidModel& solid, const SolidAudit& audit, bool open) {
+  if (audit.open_edges > 0 && !open) {
+    throw RefusedData(std::to_string(audit.open_edges) + " edges do not belong to two faces");
+  }
+  if (!(open || audit.volume > 0)) throw RefusedData("the faces do not enclose a volume");
+  if (audit.turn > kFold) {
+    throw RefusedData("a face folds over (normals turn by " + Degrees(audit.turn) +
+                      " from one sample to the next): the layout is too coarse or uneven there");
+  }
+  constexpr double kSmooth = 1e-3;  // radians; construction leaves rounding
+  if (audit.edge_angle > kSmooth) {
+    throw RefusedData("faces meet at an angle of " + Degrees(audit.edge_angle) + " at an edge");
+  }
+  constexpr double kGap = 1e-9;  // of the size; construction leaves rounding
+  const double size =
+      (solid.vertices.rowwise().maxCoeff() - solid.vertices.rowwise().minCoeff()).norm();
+  if (audit.gap > kGap * size) throw RefusedData("faces gape by " + NumberText(audit.gap));
+}
+
 class SolidFitter {
  public:
   SolidFitter(const PointCloud& cloud, const QuadMesh& layout, const SolidFitOptions& options)
@@ -93,7 +113,7 @@ class SolidFitter {
       fit_.audit = AuditSolid(left_out_.empty() ? solid : solid.Without(left_out_));
       if (!creased || fit_.audit.turn <= kFold || stretch * kMore > kMost) break;
     }
-    Judge(solid);
+    RefuseUnsound(solid, fit_.audit, !left_out_.empty());
     clock_.Enter(&StageSeconds::project);
     Measure(solid, places, stencils, surface);
     Finish(left_out_.empty() ? std::move(solid) : solid.Without(left_out_), surface);
@@ -163,28 +183,6 @@ class SolidFitter {
                         " from it; it has to be in the same coordinates, and fine enough for the "
                         "shape");
     }
-  }
-
-  // What no reader of the solid would notice.
-  void Judge(const SolidModel& solid) const {
-    const SolidAudit& audit = fit_.audit;
-    const bool open = !left_out_.empty();
-    if (audit.open_edges > 0 && !open) {
-      throw RefusedData(std::to_string(audit.open_edges) + " edges do not belong to two faces");
-    }
-    if (!(open || audit.volume > 0)) throw RefusedData("the faces do not enclose a volume");
-    if (audit.turn > kFold) {
-      throw RefusedData("a face folds over (normals turn by " + Degrees(audit.turn) +
-                        " from one sample to the next): the layout is too coarse or uneven there");
-    }
-    constexpr double kSmooth = 1e-3;  // radians; construction leaves rounding
-    if (audit.edge_angle > kSmooth) {
-      throw RefusedData("faces meet at an angle of " + Degrees(audit.edge_angle) + " at an edge");
-    }
-    constexpr double kGap = 1e-9;  // of the size; construction leaves rounding
-    const double size =
-        (solid.vertices.rowwise().maxCoeff() - solid.vertices.rowwise().minCoeff()).norm();
-    if (audit.gap > kGap * size) throw RefusedData("faces gape by " + NumberText(audit.gap));
   }
 
   void Measure(const SolidModel& solid,

@@ -132,7 +132,8 @@ TEST_F(FitBoundedCommandTest, AnEdgeIsTheCurveOfAFile) {
                                      folder_.File("edge.json"),
                                      folder_.With("on.xyz", ToText(SouthPoints())),
                                      "--json"});
-  for (const Json& one : Json::parse(project.out)["results"]) EXPECT_LT(one["distance"], 1e-9);
+  const Json said = Json::parse(project.out);
+  for (const Json& one : said["results"]) EXPECT_LT(one["distance"], 1e-9);
 }
 
 TEST_F(FitBoundedCommandTest, GridsAreInterpolatedAndHolesInThemBridged) {

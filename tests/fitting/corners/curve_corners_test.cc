@@ -94,13 +94,14 @@ Outline Sampled(const std::function<Vector3d(double)>& curve,
   std::vector<Vector3d> dense;
   for (int k = 0; k <= 20000; ++k) dense.push_back(curve(k / 20000.0));
   const Polyline line(dense);
-  std::normal_distribution<double> normal(0, noise * line.length() / count);
+  std::normal_distribution<double> normal;
+  const double sigma = noise * line.length() / count;
   Outline outline{Matrix3Xd(3, count), VectorXd(count), line.length()};
   for (Index k = 0; k < count; ++k) {
     outline.parameters[k] = line.length() * static_cast<double>(k) / (closed ? count : count - 1);
     outline.points.col(k) =
         line.At(outline.parameters[k]) +
-        Vector3d(normal(generator), normal(generator), plane ? 0 : normal(generator));
+        sigma * Vector3d(normal(generator), normal(generator), plane ? 0 : normal(generator));
   }
   return outline;
 }
@@ -209,9 +210,9 @@ TEST(CurveCornersTest, UnitsPlaceRotationOrderAndStartDoNotMatter) {
   std::mt19937 generator(11);
   for (const double noise : {0.0, 0.5}) {
     std::vector<Vector3d> points = Rectangle().Around(600, 0.3);
-    std::normal_distribution<double> normal(0, noise * 0.02);
+    std::normal_distribution<double> normal;
     for (Vector3d& point : points)
-      point += Vector3d(noise > 0 ? normal(generator) : 0, noise > 0 ? normal(generator) : 0, 0);
+      point += noise * 0.02 * Vector3d(normal(generator), normal(generator), 0);
     Outline outline{Of(points).points, VectorXd(600), 12};
     for (Index k = 0; k < 600; ++k) outline.parameters[k] = 0.02 * static_cast<double>(k);
     const double sigma = noise * 0.02;

@@ -27,9 +27,9 @@ using ::testing::HasSubstr;
 
 Eigen::Matrix3Xd Noisy(Eigen::Matrix3Xd points, double sigma, unsigned seed, int dimension) {
   std::mt19937_64 engine(seed);
-  std::normal_distribution<double> noise(0, sigma);
+  std::normal_distribution<double> noise;
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    for (int i = 0; i < dimension; ++i) points(i, k) += noise(engine);
+    for (int i = 0; i < dimension; ++i) points(i, k) += sigma * noise(engine);
   }
   return points;
 }

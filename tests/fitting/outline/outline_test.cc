@@ -242,6 +242,8 @@ void ExpectAllWithin(unsigned seed, double side) {
 
 TEST(FindOutlineTest, RaggedPartsNeverCrossAndHideNoPoint) {
   for (int seed = 1; seed <= Cases(12); ++seed) ExpectAllWithin(static_cast<unsigned>(seed), 60);
+  for (const unsigned seed : {3u, 88u})
+    ExpectAllWithin(seed, 80);  // samples on vertices of the border
 }
 
 TEST(LongFindOutlineTest, ManyRaggedPartsNeverCrossAndHideNoPoint) {

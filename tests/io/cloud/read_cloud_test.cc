@@ -19,6 +19,7 @@
 #include "cases.h"
 #include "cloud_bytes.h"
 #include "las_bytes.h"
+#include "sanitized.h"
 
 namespace batten::internal::read_cloud_test {
 
@@ -26,13 +27,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr unsigned kSeed = 7;
-
-// The address sanitizer keeps freed memory.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kMemoryIsTheProgramsOwn = false;
-#else
-constexpr bool kMemoryIsTheProgramsOwn = true;
-#endif
 
 // The bytes of a few points in every format there is.
 // A binary STL file whose facets share no corner.
