@@ -18,7 +18,7 @@
 namespace batten::internal {
 namespace {
 
-int PartsOf(const QuadTopology& mesh) { return std::ranges::max(mesh.SmoothParts()); }
+int PartsOf(const QuadTopology& mesh) { return 1 + std::ranges::max(mesh.SmoothParts()); }
 
 class CreaseLayer {
  public:

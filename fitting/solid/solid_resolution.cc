@@ -43,6 +43,7 @@ std::vector<int> CountsAbove(int count, int most) {
 
 // The stages of a fit, and beside them its layouts' and those of the fits that were not as good.
 StageSeconds WithOthers(StageSeconds own, const StageSeconds& all) {
+  own.prepare += all.prepare;
   own.parameterize += all.parameterize;
   own.refine += all.refine - own.total;
   own.total = all.total;
@@ -56,15 +57,17 @@ SolidFit FitSolid(const PointCloud& cloud,
                   int faces,
                   const SolidFitOptions& options) {
   Check(options);
-  internal::StageClock clock(&StageSeconds::parameterize);
+  internal::StageClock clock;
+  const auto layout_of = [&](int count) {
+    clock.Enter(&StageSeconds::parameterize);
+    return LayoutOf(surface, count, options.progress);
+  };
   const auto fitted = [&](const QuadMesh& layout) {
     clock.Enter(&StageSeconds::refine);
-    SolidFit fit = FitSolid(cloud, layout, options);
-    clock.Enter(&StageSeconds::parameterize);
-    return fit;
+    return FitSolid(cloud, layout, options);
   };
   if (faces > 0) {
-    SolidFit fit = fitted(LayoutOf(surface, faces, options.progress));
+    SolidFit fit = fitted(layout_of(faces));
     fit.report.seconds = WithOthers(fit.report.seconds, clock.Seconds());
     return fit;
   }
@@ -83,7 +86,7 @@ SolidFit FitSolid(const PointCloud& cloud,
     const int count = counts.back();
     counts.pop_back();
     try {
-      const QuadMesh layout = LayoutOf(surface, count, options.progress);
+      const QuadMesh layout = layout_of(count);
       // A border is no sharp edge: layouts are not too coarse here and there for it.
       if (layout.creases.cols() > 0 && layout.caps.empty() && !creased) {
         creased = true;

@@ -12,6 +12,7 @@
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
 #include "body_clouds.h"
+#include "fitting/core/stopwatch.h"
 #include "refusal.h"
 #include "tolerances.h"
 
@@ -137,6 +138,24 @@ TEST(FitSolidTest, AnOpenShellEndsAtTheBorderOfThePoints) {
     EXPECT_LT(fit.report.error.rms, 0.002);
     EXPECT_LT(fit.report.error.max, 0.02);  // a fifth of how far points are apart
     for (const int face : fit.faces) EXPECT_LT(face, std::ssize(fit.solid.faces));
+  }
+}
+
+// Layouts, the fits that were refused or not as good, and the one that was: all is in a stage.
+TEST(FitSolidTest, SecondsTellOfLayoutsAndOtherFits) {
+  TriangleSurface ball = Closed(CubeSphere(4)).surface;
+  for (auto p : ball.vertices.colwise()) p.normalize();
+  const PointCloud cloud = PointCloud::FromWorld(ball.vertices);
+  for (const int faces : {0, 150}) {
+    Stopwatch watch;
+    const StageSeconds of = FitSolid(cloud, ball, faces).report.seconds;
+    const double wall = watch.Lap();
+    EXPECT_NEAR(of.total, wall, 0.05 * wall);
+    const double sum = of.read + of.prepare + of.parameterize + of.solve + of.project + of.refine +
+                       of.optimize + of.trim + of.write;
+    EXPECT_NEAR(sum, of.total, kRounding * wall);
+    EXPECT_GT(of.parameterize, 0.2 * wall);  // layouts
+    EXPECT_LT(of.refine, faces > 0 ? 0.01 * wall : wall);
   }
 }
 
