@@ -65,8 +65,10 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
       if (open) layout.caps = CapFaces(layout, surface);
       if (!creases.none()) RefuseUneven(layout);
       return layout;
-    } catch (const std::invalid_argument& fault) {
-      why = fault.what();
+    } catch (const RefusedData& refusal) {
+      why = refusal.what();
+    } catch (const std::invalid_argument&) {
+      why = "faces come out that touch themselves or one another";
     }
   }
   if (open) throw RefusedData("no layout comes out that ends at the border of the points: " + why);
