@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -77,10 +78,15 @@ std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
   return sorted;
 }
 
-// The least area of a part or hole with this border.
+// The least area of a part or hole with this border. A hole is as sparse as its sparsest side, a
+// part as most of its border: a point far from the others must not take the whole part with it.
 double LeastArea(const Eigen::Matrix2Xd& polygon, const LocalSpacing& spacing) {
-  double local = 1;
-  for (const auto& place : polygon.colwise()) local = std::max(local, spacing.At(place));
+  std::vector<double> around;
+  for (const auto& place : polygon.colwise()) around.push_back(spacing.At(place));
+  const auto at = SignedArea(polygon) > 0 ? around.begin() + std::ssize(around) / 2
+                                          : std::prev(around.end());
+  std::nth_element(around.begin(), at, around.end());
+  const double local = std::max(1.0, *at);
   return local > kSparser ? kLeastArea * local * local : kLeastArea;
 }
 

@@ -242,8 +242,8 @@ void ExpectAllWithin(unsigned seed, double side) {
 
 TEST(FindOutlineTest, RaggedPartsNeverCrossAndHideNoPoint) {
   for (int seed = 1; seed <= Cases(12); ++seed) ExpectAllWithin(static_cast<unsigned>(seed), 60);
-  for (const unsigned seed : {3u, 88u})
-    ExpectAllWithin(seed, 80);  // samples on vertices of the border
+  // Samples on vertices of the border; a part that a lone point joins.
+  for (const unsigned seed : {3u, 88u, 179u}) ExpectAllWithin(seed, 80);
 }
 
 TEST(LongFindOutlineTest, ManyRaggedPartsNeverCrossAndHideNoPoint) {
