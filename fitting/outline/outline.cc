@@ -83,8 +83,8 @@ std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
 double LeastArea(const Eigen::Matrix2Xd& polygon, const LocalSpacing& spacing) {
   std::vector<double> around;
   for (const auto& place : polygon.colwise()) around.push_back(spacing.At(place));
-  const auto at = SignedArea(polygon) > 0 ? around.begin() + std::ssize(around) / 2
-                                          : std::prev(around.end());
+  const auto at =
+      SignedArea(polygon) > 0 ? around.begin() + std::ssize(around) / 2 : std::prev(around.end());
   std::nth_element(around.begin(), at, around.end());
   const double local = std::max(1.0, *at);
   return local > kSparser ? kLeastArea * local * local : kLeastArea;
