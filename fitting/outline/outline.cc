@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "batten/fitting/statistics.h"
 #include "batten/geometry/trim_loops.h"
 #include "fitting/core/rounding.h"
 #include "fitting/neighbours/local_spacing.h"
@@ -83,10 +83,8 @@ std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
 double LeastArea(const Eigen::Matrix2Xd& polygon, const LocalSpacing& spacing) {
   std::vector<double> around;
   for (const auto& place : polygon.colwise()) around.push_back(spacing.At(place));
-  const auto at =
-      SignedArea(polygon) > 0 ? around.begin() + std::ssize(around) / 2 : std::prev(around.end());
-  std::nth_element(around.begin(), at, around.end());
-  const double local = std::max(1.0, *at);
+  const double local =
+      SignedArea(polygon) > 0 ? Median(std::move(around)) : std::ranges::max(around);
   return local > kSparser ? kLeastArea * local * local : kLeastArea;
 }
 
