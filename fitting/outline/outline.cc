@@ -78,13 +78,12 @@ std::vector<OutlineSpline> ByArea(std::vector<OutlineSpline> splines) {
   return sorted;
 }
 
-// The least area of a part or hole with this border. A hole is as sparse as its sparsest side, a
-// part as most of its border: a point far from the others must not take the whole part with it.
+// The least area of a part or hole with this border, which is as sparse as most of it: a point far
+// from the others must not take the whole part with it.
 double LeastArea(const Eigen::Matrix2Xd& polygon, const LocalSpacing& spacing) {
   std::vector<double> around;
   for (const auto& place : polygon.colwise()) around.push_back(spacing.At(place));
-  const double local =
-      SignedArea(polygon) > 0 ? Median(std::move(around)) : std::ranges::max(around);
+  const double local = Median(std::move(around));
   return local > kSparser ? kLeastArea * local * local : kLeastArea;
 }
 
