@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -80,24 +81,22 @@ Eigen::AlignedBox2d BoxOf(const NurbsCurve<2>& loop) {
 CompatibleLoops LoopsThatGoTogether(const NurbsSurface& trimmed) {
   std::vector<NurbsCurve<2>> all = trimmed.trims();
   if (all.empty() || HasValidTrims(trimmed)) return {std::move(all), 0};
-  std::vector<std::pair<double, size_t>> order;  // outer loops first, by falling area
-  for (size_t k = 0; k < all.size(); ++k) order.emplace_back(SignedArea(all[k]), k);
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return (a.first > 0) != (b.first > 0) ? a.first > 0 : std::abs(a.first) > std::abs(b.first);
-  });
-  CompatibleLoops result;
+  std::vector<std::pair<double, size_t>>
+      order;  // by falling area: what is within a loop follows it
+  for (size_t k = 0; k < all.size(); ++k) order.emplace_back(std::abs(SignedArea(all[k])), k);
+  std::ranges::stable_sort(order, std::greater<>(), &std::pair<double, size_t>::first);
+  std::vector<size_t> taken;
   for (const auto& [area, k] : order) {
     const Eigen::AlignedBox2d box = BoxOf(all[k]);
     std::vector<NurbsCurve<2>> near;
-    for (const NurbsCurve<2>& taken : result.loops)
-      if (BoxOf(taken).intersects(box)) near.push_back(taken);
+    for (const size_t other : taken)
+      if (BoxOf(all[other]).intersects(box)) near.push_back(all[other]);
     near.push_back(all[k]);
-    if (HasValidTrims(trimmed.WithTrims(std::move(near)))) {
-      result.loops.push_back(all[k]);
-    } else {
-      ++result.left_out;
-    }
+    if (HasValidTrims(trimmed.WithTrims(std::move(near)))) taken.push_back(k);
   }
+  std::ranges::sort(taken);
+  CompatibleLoops result{{}, static_cast<int>(all.size() - taken.size())};
+  for (const size_t k : taken) result.loops.push_back(std::move(all[k]));
   return result;
 }
 

@@ -30,9 +30,9 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
                        double noise,
                        ThreadPool& pool);
 
-// The compatible trim loops of a surface: the outer loops, then the holes, from the largest on,
-// that cross neither themselves nor loops taken before them, nor lie where those forbid. `left_out`
-// counts the others. [CheckTrims]
+// The compatible trim loops of a surface, in their order: from the largest on, so that holes follow
+// what they are in and islands their holes, those that cross neither themselves nor loops taken
+// before them, nor lie where those forbid. `left_out` counts the others. [CheckTrims]
 struct CompatibleLoops {
   std::vector<NurbsCurve<2>> loops;
   int left_out = 0;

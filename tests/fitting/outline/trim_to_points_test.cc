@@ -64,6 +64,21 @@ TEST(LoopsThatGoTogetherTest, LeaveOutWhatCrossesItselfOrALargerOne) {
             WithLoops({Square(0.5, 0.5, 9), Square(1, 1, 2)}).trims()[1].control_points());
 }
 
+TEST(LoopsThatGoTogetherTest, KeepIslandsWithinHolesWhereALoopIsLeftOut) {
+  const NurbsSurface trimmed =
+      Plane().WithTrims({Polygon({{0.5, 0.5}, {9.5, 0.5}, {9.5, 9.5}, {0.5, 9.5}}),
+                         Square(2, 2, 4),
+                         Polygon({{3, 3}, {5, 3}, {5, 5}, {3, 5}}),  // an island in it …
+                         Square(3.5, 3.5, 1),                        // … and its lake
+                         Square(8.9, 4, 0.9)});                      // beyond the outer one
+  const CompatibleLoops found = LoopsThatGoTogether(trimmed);
+  EXPECT_EQ(found.left_out, 1);
+  ASSERT_EQ(found.loops.size(), 4u);
+  for (size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(found.loops[k].control_points(), trimmed.trims()[k].control_points());
+  EXPECT_NO_THROW(CheckTrims(Plane().WithTrims(found.loops)));
+}
+
 TEST(LoopsThatGoTogetherTest, AreNoneWhereTheOuterOneCrossesItself) {
   const NurbsSurface trimmed =
       WithLoops({Polygon({{1, 1}, {9, 9}, {9, 1}, {1, 9.5}}), Square(2, 4, 0.5)});
