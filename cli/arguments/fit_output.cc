@@ -16,6 +16,7 @@
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/deviation_limit.h"
+#include "batten/io/file_format.h"
 #include "batten/io/read_error.h"
 #include "batten/io/report_html.h"
 #include "batten/io/report_json.h"
@@ -27,6 +28,7 @@
 #include "cli/terminal/terminal.h"
 #include "cli/terminal/this_run.h"
 #include "io/base/whole_file.h"
+#include "io/exchange/opencascade_functions.h"
 
 namespace batten::internal {
 namespace {
@@ -124,7 +126,11 @@ void CheckOutputArguments(const OutputArguments& arguments, bool unit_known) {
 }
 
 void CheckWritable(const std::string& path) {
-  if (!path.empty()) AtomicFile{path};
+  if (path.empty()) return;
+  AtomicFile{path};
+  const auto format = FormatOfName(path);
+  if (format == FileFormat::kStep || format == FileFormat::kIges || format == FileFormat::kBrep)
+    OpenCascade();
 }
 
 void CheckDistinct(const std::vector<std::string>& outputs,
@@ -134,9 +140,10 @@ void CheckDistinct(const std::vector<std::string>& outputs,
   for (const std::string& path : outputs) {
     if (path.empty()) continue;
     if (path == "-" && json) throw UsageError("-o - and --json both want standard output");
-    const std::string name =
-        path == "-" ? path
-                    : std::filesystem::weakly_canonical(std::filesystem::absolute(path)).string();
+    std::error_code unknown;  // what can't be looked at can't be written either
+    const std::filesystem::path whole =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+    const std::string name = path == "-" || unknown ? path : whole.string();
     if (!seen.insert(name).second) throw UsageError(path + " is named for two outputs");
     for (const std::string& input : inputs) {
       std::error_code other;  // what can't be looked at is another file

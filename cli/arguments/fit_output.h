@@ -41,8 +41,8 @@ void CheckOutputArguments(const OutputArguments& arguments, bool unit_known = tr
 // Whether one of the reports is a page, which needs a scene.
 bool WantsPage(const OutputArguments& arguments);
 
-// Refuses a file that could not be written in the end: a missing folder, no permission. Throws
-// WriteError.
+// Refuses a file that could not be written in the end: a missing folder, no permission, a name too
+// long (WriteError), the module of its format missing (std::runtime_error).
 void CheckWritable(const std::string& path);
 
 // Refuses a file name given for two outputs, or standard output wanted by two, and an output that

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -39,8 +41,10 @@ constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which
 constexpr double kFarthest = 1.5;   // points farther outside are not contained
 constexpr double kPinned = 4;       // radius about a crossing that is first put back on the border
 constexpr double kHidden = 3;       // points farther outside get a part of their own …
+constexpr double kBeyond = 6;       // places of an outline farther beyond the points are cut off
 constexpr double kDisc = 1;         // … of this radius about each
 constexpr double kWiden = 4;        // factor of the radius where that does not undo the crossing
+constexpr int kMostPinRounds = 16;
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {
@@ -185,7 +189,8 @@ class OutlineSearch {
       outline.fills = true;
       return outline;
     }
-    if (const Eigen::Matrix2Xd lone = LonePoints(parts); lone.cols() > 0)
+    if (const Eigen::Matrix2Xd lone = points_(Eigen::all, Outside(Ragged(parts), false, kHidden));
+        lone.cols() > 0)
       parts = SizedParts(Borders(lone), lone, spacing_, options_, outline);
     if (outline.parts > 1)
       outline.warnings.push_back("the points fall into " + std::to_string(outline.parts) +
@@ -199,6 +204,8 @@ class OutlineSearch {
   }
 
  private:
+  using LoopPins = std::vector<std::vector<OutlinePin>>;  // of each loop
+
   // The covered region, cut at the seams; with discs about lone points, however small.
   std::vector<OutlineLoop> Borders(const Eigen::Matrix2Xd& lone) const {
     Eigen::Matrix2Xd covered(2, points_.cols() + kOnDisc * lone.cols());
@@ -235,49 +242,41 @@ class OutlineSearch {
     return loops;
   }
 
-  // The points far outside the ragged borders.
-  Eigen::Matrix2Xd LonePoints(const std::vector<OutlineLoop>& parts) const {
+  // The borders themselves, vertex by vertex.
+  std::vector<OutlineSpline> Ragged(const std::vector<OutlineLoop>& parts) const {
     std::vector<OutlineSpline> ragged;
     for (OutlineLoop loop : parts) {
       PinToBorder(loop, {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
       ragged.push_back(SmoothedOutline(loop, 0));
     }
-    std::vector<Index> lone;
-    for (const OutlineFootPoint& foot :
-         OutlinePolygon(ragged, kHidden).FootPointSet(points_, pool_))
-      if (foot.outside > kHidden) lone.push_back(foot.point);
-    return points_(Eigen::all, lone);
+    return ragged;
   }
 
-  // Smooths the borders; where smoothed ones cross themselves or each other, or leave points far
-  // outside, they are put back on the points' own border, farther and farther about the place.
+  // Smooths the borders; where smoothed ones cross themselves or each other, leave points far
+  // outside or reach far beyond them, they are put back on the points' own border, about each place
+  // farther and farther.
   void Smooth(const std::vector<OutlineLoop>& parts, bool whole, Outline& outline) const {
-    std::vector<std::vector<OutlinePin>> pins(parts.size());
+    LoopPins pins(parts.size());
     std::vector<OutlineSpline> splines(parts.size(), RectangleSpline(sides_));  // all smoothed anew
     std::vector<char> anew(parts.size(), 1);
     SmoothAnew(parts, pins, anew, splines);
-    for (double radius = kPinned; radius < kWiden * sides_.maxCoeff(); radius *= kWiden) {
+    const std::vector<OutlineSpline> ragged = Ragged(parts);
+    std::optional<std::vector<Index>> lone;  // that no border holds
+    for (int round = 0; round < kMostPinRounds; ++round) {
       const std::vector<TrimFault> faults = TrimFaults(Trimmed(splines, whole));
-      const std::vector<Index> hidden = Outside(splines, whole, kHidden);
-      if (faults.empty() && hidden.empty()) break;
-      anew.assign(parts.size(),
-                  options_.periodic_u || options_.periodic_v);  // seams match in pairs
-      const auto pin = [&](size_t loop, const OutlinePin& at) {
-        pins[loop].push_back(at);
-        anew[loop] = 1;
-      };
-      const int before = whole ? 1 : 0;  // the rectangle
-      for (const TrimFault& fault : faults)
-        for (const int loop : {fault.loop - before, fault.other - before})
-          if (loop >= 0) pin(loop, {fault.at, radius});
-      for (const Index point : hidden) {
-        const OutlinePin at{points_.col(point), radius};
-        for (size_t loop = 0; loop < parts.size(); ++loop)
-          if (std::any_of(parts[loop].begin(), parts[loop].end(), [&](const auto& sample) {
-                return at.Holds(sample);
-              }))
-            pin(loop, at);
+      std::vector<Index> hidden = Outside(splines, whole, kHidden);
+      if (!hidden.empty() && !lone) lone = Outside(ragged, whole, kHidden);
+      std::erase_if(hidden, [&](Index point) { return std::ranges::binary_search(*lone, point); });
+      std::vector<Eigen::Vector2d> places = FarBeyond(splines, ragged, whole);
+      for (const Index point : hidden) places.emplace_back(points_.col(point));
+      const LoopPins more = MorePins(parts, pins, faults, places, whole);
+      anew.assign(parts.size(), 0);
+      for (size_t loop = 0; loop < parts.size(); ++loop) {
+        anew[loop] = more[loop].empty() ? 0 : 1;
+        pins[loop].insert(pins[loop].end(), more[loop].begin(), more[loop].end());
       }
+      if (std::ranges::count(anew, 1) == 0) break;
+      if (options_.periodic_u || options_.periodic_v) anew.assign(parts.size(), 1);  // seams match
       SmoothAnew(parts, pins, anew, splines);
     }
     splines = ByArea(std::move(splines));
@@ -292,9 +291,68 @@ class OutlineSearch {
     }
   }
 
+  // Places of outlines that lie farther from the ragged borders, in space, than a corner may.
+  std::vector<Eigen::Vector2d> FarBeyond(const std::vector<OutlineSpline>& splines,
+                                         std::vector<OutlineSpline> ragged,
+                                         bool whole) const {
+    constexpr double kSagitta = 0.1;
+    std::vector<Eigen::Vector2d> vertices;
+    const OutlinePolygon outline(splines, kBeyond, kSagitta);
+    for (const auto& loop : outline.vertices())
+      for (const auto& vertex : loop) vertices.push_back(vertex.place);
+    const Eigen::Map<const Eigen::Matrix2Xd> places(
+        vertices.front().data(), 2, std::ssize(vertices));
+    if (whole) ragged.push_back(RectangleSpline(sides_));
+    std::vector<Eigen::Vector2d> far;
+    for (const OutlineFootPoint& foot :
+         OutlinePolygon(ragged, kBeyond).FootPointSet(places, pool_)) {
+      const Eigen::Vector2d& at = vertices[static_cast<size_t>(foot.point)];
+      if (!(foot.outside > 1)) continue;
+      double away = foot.outside;
+      if (place_ && foot.loop >= 0)
+        away = std::max(away, (place_(at) - place_(ragged[foot.loop].At(foot.t))).norm());
+      if (away > kBeyond * std::max(1.0, spacing_.At(at))) far.push_back(at);
+    }
+    return far;
+  }
+
+  // Pins about faults and other places, each wider than those of its loop that hold the place
+  // already, until they hold the whole rectangle.
+  LoopPins MorePins(const std::vector<OutlineLoop>& parts,
+                    const LoopPins& pins,
+                    const std::vector<TrimFault>& faults,
+                    const std::vector<Eigen::Vector2d>& places,
+                    bool whole) const {
+    LoopPins more(parts.size());
+    const auto radius = [&](size_t loop, const Eigen::Vector2d& at) {
+      double radius = kPinned;
+      for (const OutlinePin& pin : pins[loop])
+        if ((pin.place - at).norm() < pin.radius) radius = std::max(radius, kWiden * pin.radius);
+      return radius;
+    };
+    const double widest = kWiden * sides_.norm();
+    const int before = whole ? 1 : 0;  // the rectangle
+    for (const TrimFault& fault : faults) {
+      for (const int loop : std::set{fault.loop - before, fault.other - before}) {
+        if (loop < 0) continue;
+        const OutlinePin pin{fault.at, radius(loop, fault.at)};
+        if (pin.radius < widest) more[loop].push_back(pin);
+      }
+    }
+    for (const Eigen::Vector2d& place : places) {
+      for (size_t loop = 0; loop < parts.size(); ++loop) {
+        const OutlinePin pin{place, radius(loop, place)};
+        const auto held = [&](const OutlineSample& sample) { return pin.Holds(sample); };
+        if (pin.radius < widest && std::ranges::any_of(parts[loop], held))
+          more[loop].push_back(pin);
+      }
+    }
+    return more;
+  }
+
   // The splines of the loops marked, under their pins; the others stay.
   void SmoothAnew(const std::vector<OutlineLoop>& parts,
-                  const std::vector<std::vector<OutlinePin>>& pins,
+                  const LoopPins& pins,
                   const std::vector<char>& anew,
                   std::vector<OutlineSpline>& splines) const {
     for (size_t k = 0; k < parts.size(); ++k) {

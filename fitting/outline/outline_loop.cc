@@ -176,7 +176,9 @@ void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
     pinned.corner = true;
     pinned.pinned = sample.pinned || near[(k + 1) % n] != 0;
     const bool within = pinned.pinned && near[(k + n - 1) % n] != 0;
-    if (!within || sample.pinned) add(pinned);
+    // An end of an earlier pin may stand for a vertex.
+    const bool on_border = sample.corner && sample.place == sample.border;
+    if (!within || on_border) add(pinned);
     if (!pinned.pinned) {
       result.back().vertices = sample.vertices;
       continue;

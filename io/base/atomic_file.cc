@@ -81,8 +81,10 @@ void WriteAll(int descriptor, std::string_view text, const std::string& target) 
 
 AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   if (target_ == "-") return;
-  std::error_code ignored;
-  const auto status = std::filesystem::status(target_, ignored);
+  std::error_code ignored, unknown;
+  const auto status = std::filesystem::status(target_, unknown);
+  // The temporary name is short: only the rename would find it out.
+  if (unknown == std::errc::filename_too_long) throw Failed(target_, ENAMETOOLONG);
   if (std::filesystem::is_directory(status))
     throw WriteError(target_, "is a directory, not a file to write");
   if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "io/opencascade/proved_solid.h"
 
+#include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <Precision.hxx>
 #include <STEPControl_Reader.hxx>
@@ -19,6 +21,7 @@
 #include <sstream>
 #include <utility>
 
+#include "geometry/numeric/number_text.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/step_output.h"
 
@@ -26,6 +29,18 @@ namespace batten::internal {
 namespace {
 
 [[noreturn]] void Fail(const std::string& reason) { throw Standard_Failure(reason.c_str()); }
+
+// OpenCASCADE's reader orients a solid by lines through its faces, and tries for ever where it
+// takes all places for one.
+void CheckSize(const TopoDS_Shape& body) {
+  constexpr double kLeast = 3000;  // of its confusion; 2000 hang, 4000 do not
+  Bnd_Box box;
+  BRepBndLib::Add(body, box);
+  const double size = std::sqrt(box.SquareExtent());
+  if (size > kLeast * Precision::Confusion()) return;
+  Fail("it measures " + NumberText(size) +
+       ", and readers of STEP take places within 1e-7 for one: use a smaller unit, or JSON");
+}
 
 // Of solids, or of shells, which have a volume of zero.
 SolidCensus CensusOf(const Bodies& bodies, const std::string& what) {
@@ -82,6 +97,7 @@ bool Same(double one, double other) {
 }  // namespace
 
 ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, const char* schema) {
+  for (const TopoDS_Shape& one : bodies) CheckSize(one);
   // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
   for (const TopoDS_Shape& one : bodies) {
     for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {

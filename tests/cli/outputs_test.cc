@@ -45,6 +45,22 @@ TEST_F(OutputsTest, ALimitOnTheSizeOfFilesIsAnErrorThatNamesTheFile) {
   }
 }
 
+TEST_F(OutputsTest, AFileNameTooLongIsSaidBeforeTheFit) {
+  const std::string name = std::string(300, 'a') + ".json";
+  EXPECT_EQ(Shell("\"$B\" fit surface c.xyz -o " + name), 1);
+  EXPECT_EQ(said(), "batten: " + name + ": can't be written: File name too long\n");
+  EXPECT_EQ(folder_.Entries(), 2);
+}
+
+TEST_F(OutputsTest, AMissingModuleIsSaidBeforeTheInputIsRead) {
+  if (std::filesystem::exists("/usr/local/lib/batten")) GTEST_SKIP() << "a module is installed";
+  // Far from its build the program finds no module.
+  EXPECT_EQ(Shell("cp \"$B\" b; BATTEN_MODULES= ./b fit surface none.xyz -o a.step"), 1);
+  EXPECT_THAT(said(), HasSubstr("need the module libbatten_opencascade.so"));
+  EXPECT_EQ(Shell("BATTEN_MODULES= ./b fit surface none.xyz -o a.json"), 1);
+  EXPECT_THAT(said(), HasSubstr("none.xyz"));
+}
+
 TEST_F(OutputsTest, NothingIsLeftWhereOneOfTheOutputsFails) {
   folder_.With("g.json", kRationalPatch);
   std::filesystem::create_symlink("/dev/full", folder_.File("r.json"));

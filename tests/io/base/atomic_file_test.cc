@@ -89,6 +89,17 @@ TEST(AtomicFileTest, RefusesAFolderThatCanNotBeWritten) {
   EXPECT_THROW(AtomicFile(folder.File("a.txt")), WriteError);
 }
 
+TEST(AtomicFileTest, RefusesANameTooLongForTheFileSystem) {
+  const TemporaryFolder folder;
+  try {
+    AtomicFile file(folder.File(std::string(300, 'a') + ".txt"));
+    FAIL() << "nothing was thrown";
+  } catch (const WriteError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("can't be written: File name too long"));
+  }
+  EXPECT_EQ(folder.Entries(), 0);
+}
+
 TEST(OutputBatchTest, FilesAppearTogether) {
   const TemporaryFolder folder;
   {

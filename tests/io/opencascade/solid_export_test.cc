@@ -51,6 +51,21 @@ TEST(SolidExportTest, IsOneValidSolidOfTheSameVolume) {
   }
 }
 
+// The reader that proves a solid would try for ever.
+TEST(SolidExportTest, ABodyTooSmallForStepIsRefused) {
+  const TemporaryFolder folder;
+  QuadMesh ball = CubeSphere(2);
+  ball.vertices *= 6e-5;
+  try {
+    WriteSolid(SolidOf(ball), folder.File("a.step"));
+    FAIL() << "not refused";
+  } catch (const WriteError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("use a smaller unit"));
+  }
+  ball.vertices *= 10;
+  WriteSolid(SolidOf(ball), folder.File("a.step"));
+}
+
 TEST(SolidExportTest, SeveralBodiesAreSeveralSolids) {
   QuadMesh two;
   two.vertices.resize(3, 16);

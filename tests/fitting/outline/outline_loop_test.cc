@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "fitting/outline/outline_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace batten::internal {
+namespace {
+
+// A polygon about zero whose vertices are as far apart as samples, more or less.
+Eigen::Matrix2Xd RaggedPolygon(std::mt19937& random) {
+  const int n = 12 + static_cast<int>(random() % 60);
+  std::uniform_real_distribution<double> radius(2, 0.4 * n);
+  Eigen::Matrix2Xd polygon(2, n);
+  for (int k = 0; k < n; ++k) {
+    const double angle = 2 * M_PI * k / n;
+    polygon.col(k) = radius(random) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+  return polygon;
+}
+
+// After any pins, one about everything puts the loop on every vertex, in their order.
+TEST(PinToBorderTest, WhateverPinsCameBeforeNoVertexIsLost) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const Eigen::Matrix2Xd polygon = RaggedPolygon(random);
+    OutlineLoop loop = SampledOutline(polygon, [](const Eigen::Vector2d&) { return 0.43; });
+    std::uniform_real_distribution<double> radius(1, 6);
+    for (int pin = 0; pin < 3; ++pin)
+      PinToBorder(loop, {polygon.col(random() % polygon.cols()), radius(random)});
+    PinToBorder(loop, {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
+    const auto at = [&](Eigen::Index vertex) {
+      return std::ranges::find_if(loop,
+                                  [&](const OutlineSample& sample) {
+                                    return (sample.place - polygon.col(vertex)).norm() < 1e-4;
+                                  }) -
+             loop.begin();
+    };
+    int descents = 0;
+    for (Eigen::Index k = 0; k < polygon.cols(); ++k) {
+      ASSERT_LT(at(k), std::ssize(loop)) << "vertex " << k;
+      descents += at((k + 1) % polygon.cols()) <= at(k) ? 1 : 0;
+    }
+    EXPECT_EQ(descents, 1);
+    for (const OutlineSample& sample : loop) EXPECT_TRUE(sample.corner && sample.pinned);
+  }
+}
+
+}  // namespace
+}  // namespace batten::internal
