@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "batten/fitting/statistics.h"
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/settle_regions.h"
@@ -116,14 +117,25 @@ ShapeData CoreOf(const RegionPoints& data, const RegionFace& face) {
   return core;
 }
 
+double SigmaOf(const RegionPoints& data, const RegionFace& face) {
+  return std::max(face.numbers.scale / data.unit, data.rounding);
+}
+
 // Finds relations one kind after the other.
 class RelationFinder {
  public:
   RelationFinder(const RegionPoints& data, const std::vector<RegionFace>& faces, ThreadPool& pool)
       : faces_(faces) {
+    std::vector<std::pair<double, double>> weighted;
     for (const RegionFace& face : faces) {
       covariances_.push_back(
           CovarianceOf(face.shape, CoreOf(data, face), {}, data.rounding, pool).covariance);
+      weighted.emplace_back(SigmaOf(data, face), static_cast<double>(face.core.size()));
+    }
+    const double usual = weighted.empty() ? 0 : WeightedMedian(weighted);
+    for (const RegionFace& face : faces) {
+      const double sigma = SigmaOf(data, face);
+      bias_.push_back(sigma > kNoisier * usual ? sigma : 0);
     }
     order_.resize(faces.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -214,14 +226,28 @@ class RelationFinder {
     const Eigen::VectorXd off = gap(a, b);
     const Eigen::MatrixXd by_a = DerivativesOf(gap, a, b, true),
                           by_b = DerivativesOf(gap, a, b, false);
-    const Eigen::MatrixXd variance = by_a * covariances_[std::size_t(first)] * by_a.transpose() +
-                                     by_b * covariances_[std::size_t(second)] * by_b.transpose();
-    if (!variance.allFinite() || !(variance.diagonal().minCoeff() > 0)) return false;
     const bool joins = kind == RelationKind::kTangent;
     const double far = (joins ? kFarJoin : kFar)[off.size() - 1];
-    if (!(off.dot(variance.ldlt().solve(off)) <= far)) return false;
+    Eigen::MatrixXd variance;
+    const auto rejected = [&](bool biased) {
+      const auto covariance = [&](int face) {
+        const auto k = std::size_t(face);
+        const bool alike = biased && bias_[k] > 0;  // what is off is off the same way everywhere
+        return Eigen::MatrixXd(covariances_[k] * (alike ? double(faces_[k].core.size()) : 1.0));
+      };
+      variance = by_a * covariance(first) * by_a.transpose() +
+                 by_b * covariance(second) * by_b.transpose();
+      return !variance.allFinite() || !(variance.diagonal().minCoeff() > 0) ||
+             !(off.dot(variance.ldlt().solve(off)) <= far);
+    };
+    const double bias = std::max(bias_[std::size_t(first)], bias_[std::size_t(second)]);
+    double moves = 0;
+    if (rejected(false)) {
+      if (!joins || !(bias > 0) || rejected(true)) return false;
+      moves = kFarOff * bias;
+    }
     FaceRelation relation{
-        kind, first, second, off.norm(), std::sqrt(far * variance.trace()), contact};
+        kind, first, second, off.norm(), std::sqrt(far * variance.trace()), contact, moves};
     if (!(relation.allowed <= Telling(kind, a))) return false;
     relations_.push_back(relation);
     return true;
@@ -237,7 +263,8 @@ class RelationFinder {
 
   const std::vector<RegionFace>& faces_;
   std::vector<Eigen::MatrixXd> covariances_;
-  std::vector<int> order_;  // best known directions first
+  std::vector<double> bias_;  // of faces noisier than others, that may not be noise; else zero
+  std::vector<int> order_;    // best known directions first
   std::vector<FaceRelation> relations_;
 };
 
@@ -370,10 +397,6 @@ std::vector<FaceRelation> FindRelations(const RegionPoints& data,
 }
 
 namespace {
-
-double SigmaOf(const RegionPoints& data, const RegionFace& face) {
-  return std::max(face.numbers.scale / data.unit, data.rounding);
-}
 
 // A tangent relation of shapes that have moved to where they can't touch.
 std::vector<FaceRelation>::const_iterator LostContact(const std::vector<FaceRelation>& relations,

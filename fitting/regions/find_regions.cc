@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/regions/free_pieces.h"
 #include "fitting/regions/grow_coarsely.h"
@@ -14,6 +15,15 @@
 
 namespace batten::internal {
 namespace {
+
+// The scale of the distances of points from a shape, by their median.
+double RobustScaleOf(const RegionPoints& data,
+                     const std::vector<int>& points,
+                     const FittedSurface& shape) {
+  std::vector<double> off;
+  for (const int point : points) off.push_back(std::abs(shape.Distance(data.points.col(point))));
+  return kMadToSigma * Median(std::move(off));
+}
 
 // The rms distance of points from their regions' shapes, as most regions' points have it.
 double SigmaOf(const RegionPoints& data, const RegionLabels& labels, double assumed) {
@@ -154,6 +164,66 @@ Eigen::Index Explained(const RegionLabels& labels) {
       labels.label.begin(), labels.label.end(), [](int label) { return label != kNoRegion; });
 }
 
+// Free points that hang together.
+std::vector<std::vector<int>> FreePatches(const RegionPoints& data, const std::vector<int>& label) {
+  std::vector<std::vector<int>> patches;
+  std::vector<char> seen(label.size(), 0);
+  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
+    if (label[std::size_t(k)] != kNoRegion || seen[std::size_t(k)] != 0) continue;
+    std::vector<int> patch{k};
+    seen[std::size_t(k)] = 1;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      for (const int other : data.Around(patch[i])) {
+        if (label[std::size_t(other)] != kNoRegion || seen[std::size_t(other)] != 0) continue;
+        seen[std::size_t(other)] = 1;
+        patch.push_back(other);
+      }
+    }
+    std::sort(patch.begin(), patch.end());
+    patches.push_back(std::move(patch));
+  }
+  return patches;
+}
+
+// Regions of a patch whose shapes their points do not reject at the noise that they show
+// themselves, in the patch's numbers.
+std::vector<Region> RegionsAtOwn(const RegionPoints& patch,
+                                 double sigma,
+                                 const Progress& progress,
+                                 ThreadPool& pool) {
+  RegionPoints data = patch;  // narrow faces get normals
+  std::vector<Region> regions = RegionsAt(data, sigma, progress, pool).regions;
+  std::erase_if(regions, [&](Region& region) {
+    const double own = std::max(patch.rounding, RobustScaleOf(patch, region.points, region.shape));
+    if (!TestShape(patch, region.points, region.shape, own).passed) return true;
+    std::erase_if(region.points, [&](int point) {
+      return std::abs(region.shape.Distance(patch.points.col(point))) > kFarFromShape * own;
+    });
+    return std::ssize(region.points) < kFewestPoints;
+  });
+  return regions;
+}
+
+// Regions of patches that are left, each at its own noise: faces with more of it than others, as
+// those of facets where planes have none.
+void TakeNoisier(const RegionPoints& data,
+                 double sigma,
+                 RegionLabels& labels,
+                 const Progress& progress,
+                 ThreadPool& pool) {
+  for (const std::vector<int>& patch : FreePatches(data, labels.label)) {
+    if (std::ssize(patch) < kFewestPoints) continue;
+    const RegionPoints part = PartOf(data, patch, data.spacing, pool);
+    const NeighbourIndex index(part.points, pool);
+    const double noise = MeasureCloud(part.points, index, {.find_outliers = false}, pool).noise;
+    if (!(noise > kNoisier * sigma)) continue;
+    for (Region& region : RegionsAtOwn(part, noise, progress, pool)) {
+      for (int& point : region.points) point = patch[std::size_t(point)];
+      Append(std::move(region), labels);
+    }
+  }
+}
+
 FoundRegions AtTheirNoise(RegionPoints& data,
                           double tolerance,
                           const Progress& progress,
@@ -178,6 +248,7 @@ FoundRegions FindRegions(RegionPoints& data,
                          const Progress& progress,
                          ThreadPool& pool) {
   FoundRegions found = AtTheirNoise(data, tolerance, progress, pool);
+  if (!(tolerance > 0)) TakeNoisier(data, found.sigma, found.labels, progress, pool);
   DissolvePieces(data, found.sigma, found.labels, pool);
   return found;
 }

@@ -30,6 +30,9 @@ struct RegionLabels {
 // larger.
 inline constexpr double kFarFromShape = 3.5;
 
+// Faces with more than so many times the noise of others have noise of their own.
+inline constexpr double kNoisier = 2;
+
 // Grows regions one after the other, from the free points whose neighbours' normals agree best.
 // About each a shape of every kind is fitted to some thirty neighbours, and to what lies within
 // noise of it and hangs together, until that grows no more; of the shapes that their points, away

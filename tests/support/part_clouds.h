@@ -156,6 +156,26 @@ inline PartCloud SampledPart(const TruthPart& part, int count, double sigma, uns
   return cloud;
 }
 
+// Round faces as facets whose corners are on them, so many radians wide.
+inline TruthPart Tessellated(TruthPart part, double width) {
+  for (TruthFace& face : part.faces) {
+    if (std::holds_alternative<PlaneShape>(face.shape)) continue;
+    const Eigen::Array2d low = face.low, range = face.high - face.low;
+    const Eigen::Array2d count = (range / width).ceil();
+    face.place = [=, exact = face.place](double u, double v) -> Eigen::Vector3d {
+      const Eigen::Array2d at = (Eigen::Array2d(u, v) - low) / range * count;
+      const Eigen::Array2d corner = at.floor().min(count - 1), share = at - corner;
+      const auto of = [&](double i, double j) -> Eigen::Vector3d {
+        const Eigen::Array2d uv = low + (corner + Eigen::Array2d(i, j)) / count * range;
+        return exact(uv[0], uv[1]);
+      };
+      return (1 - share[1]) * ((1 - share[0]) * of(0, 0) + share[0] * of(1, 0)) +
+             share[1] * ((1 - share[0]) * of(0, 1) + share[0] * of(1, 1));
+    };
+  }
+  return part;
+}
+
 inline constexpr double kTurn = 2 * std::numbers::pi;
 
 inline void AddBox(TruthPart& part, const Eigen::Vector3d& low, const Eigen::Vector3d& size) {

@@ -311,6 +311,26 @@ TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   }
 }
 
+// Points of facets, as of an exact body's mesh: planes have no noise, round faces have that of
+// their facets, which is the same way everywhere.
+void IsASolidOfItsFacesInFacets(const TruthPart& part, double width) {
+  SCOPED_TRACE(part.name + " in facets of " + std::to_string(width));
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  const PartsFit fit = Fitted(SampledPart(Tessellated(part, width), kPoints, 0, 7), options);
+  EXPECT_EQ(fit.faces.size(), part.faces.size());
+  ASSERT_TRUE(fit.solid) << fit.no_solid;
+  EXPECT_EQ(std::ssize(fit.solid->edges), part.edges);
+}
+
+TEST(FitPartsTest, TessellatedPartsAreSolidsOfTheShapesTheyStandFor) {
+  for (const double width : {0.003, 0.01}) IsASolidOfItsFacesInFacets(BracketPart(), width);
+}
+
+TEST(LongFitPartsTest, AllTessellatedPartsAreSolidsOfTheShapesTheyStandFor) {
+  for (const TruthPart& part : MachinedParts()) IsASolidOfItsFacesInFacets(part, 0.003);
+}
+
 // A box with a pocket in its top that is as deep as points are apart two and a half times: its
 // walls have two rows of points, whose neighbours are mostly of other faces.
 TEST(FitPartsTest, NarrowFacesBesideLargerOnesAreFoundAndClose) {
