@@ -30,8 +30,9 @@ struct RegionLabels {
 // larger.
 inline constexpr double kFarFromShape = 3.5;
 
-// Faces with more than so many times the noise of others have noise of their own.
-inline constexpr double kNoisier = 2;
+// Faces with more than so many times the noise of others have noise of their own: a scanner's
+// differs less from place to place.
+inline constexpr double kNoisier = 10;
 
 // Grows regions one after the other, from the free points whose neighbours' normals agree best.
 // About each a shape of every kind is fitted to some thirty neighbours, and to what lies within

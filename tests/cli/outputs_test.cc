@@ -55,9 +55,11 @@ TEST_F(OutputsTest, AFileNameTooLongIsSaidBeforeTheFit) {
 TEST_F(OutputsTest, AMissingModuleIsSaidBeforeTheInputIsRead) {
   if (std::filesystem::exists("/usr/local/lib/batten")) GTEST_SKIP() << "a module is installed";
   // Far from its build the program finds no module.
-  EXPECT_EQ(Shell("cp \"$B\" b; BATTEN_MODULES= ./b fit surface none.xyz -o a.step"), 1);
+  EXPECT_EQ(
+      Shell("mkdir bin; cp \"$B\" bin; BATTEN_MODULES= bin/batten fit surface none.xyz -o a.step"),
+      1);
   EXPECT_THAT(said(), HasSubstr("need the module libbatten_opencascade.so"));
-  EXPECT_EQ(Shell("BATTEN_MODULES= ./b fit surface none.xyz -o a.json"), 1);
+  EXPECT_EQ(Shell("BATTEN_MODULES= bin/batten fit surface none.xyz -o a.json"), 1);
   EXPECT_THAT(said(), HasSubstr("none.xyz"));
 }
 
