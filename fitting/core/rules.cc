@@ -27,7 +27,6 @@ std::vector<NamedRule> AllRules() {
           {Rule::kJointStage, "joint-stage"},
           {Rule::kStructuredGate, "structured-gate"},
           {Rule::kCorners, "corners"},
-          {Rule::kSmoothForCorners, "smooth-for-corners"},
           {Rule::kRelocatedKnots, "relocated-knots"},
           {Rule::kLeastAbsolute, "least-absolute"},
           {Rule::kOvershoot, "overshoot"}};

@@ -29,7 +29,6 @@ enum class Rule {
   kStructuredGate,  // which runs only where residuals have a shape
   // curves
   kCorners,
-  kSmoothForCorners,  // a smooth curve is tried beside one with corners
   kRelocatedKnots,
   kLeastAbsolute,  // robust curves start near least absolute distances
   kOvershoot,      // fairness is raised where a curve overshoots between its points

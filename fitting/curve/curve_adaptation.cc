@@ -18,7 +18,6 @@ constexpr double kExactAgainstNoise = 0.2;
 constexpr int kStartForTolerance = 5;
 constexpr Eigen::Index kPointsOfStartSpan = 8;
 constexpr Eigen::Index kManyUnderLoss = 10000;
-constexpr double kVariancesPerControlPoint = 3;
 
 SpanAdaptation AdaptedBetween(const CurveTask& task,
                               const FittingProblem& problem,
@@ -40,18 +39,6 @@ SpanAdaptation AdaptedBetween(const CurveTask& task,
   if (adapted.layout.spans() > kMostSpansToRelocate || !Acts(Rule::kRelocatedKnots)) return adapted;
   return options.tolerance ? RelocatedWithinTolerance(std::move(adapted), adapt, task.pool)
                            : RelocatedSpans(std::move(adapted), adapt, task.pool);
-}
-
-// What is missed of the tolerance, then the squares in variances with so many for a control point.
-std::pair<double, double> ScoreOf(const CurveTask& task,
-                                  const SpanAdaptation& adapted,
-                                  double variance) {
-  const Eigen::VectorXd distances =
-      task.DistancesOf(adapted.problem, adapted.solution.coefficients);
-  const double numbers = kVariancesPerControlPoint * adapted.layout.control_points();
-  if (task.options.tolerance)
-    return {std::max(0.0, distances.maxCoeff() - *task.options.tolerance), numbers};
-  return {0.0, distances.squaredNorm() / variance + numbers};
 }
 
 RobustCurve Losses(const CurveTask& task, Loss loss, bool all) {
@@ -120,22 +107,13 @@ SpanAdaptOptions AdaptOptions(const CurveTask& task) {
 
 SpanAdaptation AdaptedSpans(CurveTask& task, const FittingProblem& problem) {
   SpanAdaptation sharp = AdaptedBetween(task, problem, task.corners);
-  if (task.corners.empty() || task.near_exact || !Acts(Rule::kSmoothForCorners)) return sharp;
+  if (task.corners.empty() || task.near_exact || !task.sought_as_exact) return sharp;
   const Eigen::VectorXd off = task.DistancesOf(sharp.problem, sharp.solution.coefficients);
   const double left = std::sqrt(off.squaredNorm() / static_cast<double>(problem.size()));
-  if (task.sought_as_exact && left < kExactAgainstNoise * task.ordered.noise) return sharp;
-  std::vector<Eigen::Index> anchored;
-  std::swap(anchored, task.anchored);
-  SpanAdaptation smooth = AdaptedBetween(task, problem, {});
-  const double variance = std::max({std::pow(std::min(sharp.noise, smooth.noise), 2),
-                                    std::pow(kCurvesAlike * task.size, 2),
-                                    kTiniestScale});
-  if (task.sought_as_exact || ScoreOf(task, smooth, variance) < ScoreOf(task, sharp, variance)) {
-    task.corners.clear();
-    return smooth;
-  }
-  std::swap(anchored, task.anchored);
-  return sharp;
+  if (left < kExactAgainstNoise * task.ordered.noise) return sharp;
+  task.corners.clear();
+  task.anchored.clear();
+  return AdaptedBetween(task, problem, {});
 }
 
 SpanAdaptation AdaptedToPoints(CurveTask& task,

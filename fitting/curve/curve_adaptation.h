@@ -16,9 +16,8 @@ inline constexpr int kStartSpans = 15;
 SpanAdaptOptions AdaptOptions(const CurveTask& task);
 
 // Adapts from a few equal spans to as many as the data distinguish or the tolerance needs, with the
-// corners that were found, unless with noise a smooth curve explains the data as well with fewer
-// control points: an apparent corner may be a bend of the whole curve. Then the task's corners are
-// cleared.
+// corners that were found. Those of few points were sought as if these had no noise: where the
+// curve shows that they have, the task's corners are cleared and the curve is smooth.
 SpanAdaptation AdaptedSpans(CurveTask& task, const FittingProblem& problem);
 
 // Adapts to all points of the task or, where they are many, to means of them, under the loss if

@@ -19,6 +19,8 @@ using Index = Eigen::Index;
 constexpr double kWidth = 8;
 constexpr double kSure = 0.85;   // borders of a part that is evenly dense look this much sparser
 constexpr double kSparse = 1.2;  // area a point, from which on the points nearest to some are asked
+constexpr double kSparsest =
+    16;  // where a map tears, points are as far apart as they like in space
 constexpr double kClearly = 1.25;  // spacings below are chance, or gaps among the points
 constexpr size_t kAskedInCell = 8;
 constexpr size_t kNearest = 12;        // of which the disc tells the spacing
@@ -86,7 +88,8 @@ double SpacingInSpace(const Eigen::Matrix2Xd& points,
   std::vector<double> distances;
   for (const auto& [squared, near] : nearest)
     if (near != point) distances.push_back((place(points.col(near)) - centre).norm());
-  return Median(std::move(distances)) * std::sqrt(2 * std::numbers::pi / kNearest);
+  const double spacing = Median(std::move(distances)) * std::sqrt(2 * std::numbers::pi / kNearest);
+  return std::min(spacing, kSparsest);
 }
 
 // Spacing about some points of a cell, by the areas of the discs that hold those nearest to them.

@@ -41,10 +41,10 @@ constexpr double kExact = 1e-5;     // sagitta of the polygons that decide which
 constexpr double kFarthest = 1.5;   // points farther outside are not contained
 constexpr double kPinned = 4;       // radius about a crossing that is first put back on the border
 constexpr double kHidden = 3;       // points farther outside get a part of their own …
-constexpr double kBeyond = 6;       // places of an outline farther beyond the points are cut off
 constexpr double kDisc = 1;         // … of this radius about each
+constexpr double kBeyond = 6;       // no corner of points lies farther beyond their border
 constexpr double kWiden = 4;        // factor of the radius where that does not undo the crossing
-constexpr int kMostPinRounds = 16;
+constexpr int kMostPinRounds = 16;  // radii of one place, and places that come up on the way
 
 void Check(const Eigen::Matrix2Xd& parameters, const OutlineOptions& options) {
   const auto positive = [](const char* name, double value) {

@@ -24,7 +24,9 @@ struct FaceRelation {
   double deviation = 0;        // radians, or a length in units of RegionPoints
   double allowed = 0;          // the greatest that one case in a thousand of chance explains
   SmoothContact contact = {};  // of tangent ones
-  double moves = 0;  // how far faces may leave their points for it, where they do not close without
+  // How far faces may leave their points for it: where they do not close without, or are off the
+  // contact by noise of their own.
+  double moves = 0;
 };
 
 // Two faces whose shapes have nearly the same normals where they are neighbours.
@@ -41,7 +43,8 @@ std::vector<FaceJoin> SmoothJoins(const RegionPoints& data, const RegionLabels& 
 // parallel, coaxial, coplanar or of one radius each has its relation to the best known of them;
 // perpendicular are those best known. Coaxial and coplanar faces are parallel besides. Tangent are
 // faces of the joins that touch along a curve as far as one case in a million tells, for of those
-// nothing else is expected.
+// nothing else is expected; what a face has more noise than most of (kNoisier) may be off the same
+// way at all of its points, as facets are.
 std::vector<FaceRelation> FindRelations(const RegionPoints& data,
                                         const std::vector<RegionFace>& faces,
                                         const std::vector<FaceJoin>& joins,

@@ -164,35 +164,13 @@ Eigen::Index Explained(const RegionLabels& labels) {
       labels.label.begin(), labels.label.end(), [](int label) { return label != kNoRegion; });
 }
 
-// Free points that hang together.
-std::vector<std::vector<int>> FreePatches(const RegionPoints& data, const std::vector<int>& label) {
-  std::vector<std::vector<int>> patches;
-  std::vector<char> seen(label.size(), 0);
-  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
-    if (label[std::size_t(k)] != kNoRegion || seen[std::size_t(k)] != 0) continue;
-    std::vector<int> patch{k};
-    seen[std::size_t(k)] = 1;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      for (const int other : data.Around(patch[i])) {
-        if (label[std::size_t(other)] != kNoRegion || seen[std::size_t(other)] != 0) continue;
-        seen[std::size_t(other)] = 1;
-        patch.push_back(other);
-      }
-    }
-    std::sort(patch.begin(), patch.end());
-    patches.push_back(std::move(patch));
-  }
-  return patches;
-}
-
 // Regions of a patch whose shapes their points do not reject at the noise that they show
 // themselves, in the patch's numbers.
-std::vector<Region> RegionsAtOwn(const RegionPoints& patch,
+std::vector<Region> RegionsAtOwn(RegionPoints& patch,
                                  double sigma,
                                  const Progress& progress,
                                  ThreadPool& pool) {
-  RegionPoints data = patch;  // narrow faces get normals
-  std::vector<Region> regions = RegionsAt(data, sigma, progress, pool).regions;
+  std::vector<Region> regions = RegionsAt(patch, sigma, progress, pool).regions;
   std::erase_if(regions, [&](Region& region) {
     const double own = std::max(patch.rounding, RobustScaleOf(patch, region.points, region.shape));
     if (!TestShape(patch, region.points, region.shape, own).passed) return true;
@@ -211,9 +189,13 @@ void TakeNoisier(const RegionPoints& data,
                  RegionLabels& labels,
                  const Progress& progress,
                  ThreadPool& pool) {
-  for (const std::vector<int>& patch : FreePatches(data, labels.label)) {
+  std::vector<int> free(labels.label.size(), kNoRegion);
+  for (std::size_t k = 0; k < free.size(); ++k)
+    if (labels.label[k] == kNoRegion) free[k] = 0;
+  for (std::vector<int>& patch : ComponentsOf(data, free)) {
     if (std::ssize(patch) < kFewestPoints) continue;
-    const RegionPoints part = PartOf(data, patch, data.spacing, pool);
+    std::sort(patch.begin(), patch.end());
+    RegionPoints part = PartOf(data, patch, data.spacing, pool);
     const NeighbourIndex index(part.points, pool);
     const double noise = MeasureCloud(part.points, index, {.find_outliers = false}, pool).noise;
     if (!(noise > kNoisier * sigma)) continue;

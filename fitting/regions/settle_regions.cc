@@ -73,27 +73,6 @@ void Compete(const RegionPoints& data, double sigma, RegionLabels& labels) {
   }
 }
 
-using Component = std::vector<int>;  // points of one label that hang together
-
-std::vector<Component> ComponentsOf(const RegionPoints& data, const std::vector<int>& label) {
-  std::vector<Component> components;
-  std::vector<bool> seen(label.size());
-  for (std::size_t k = 0; k < label.size(); ++k) {
-    if (label[k] == kNoRegion || seen[k]) continue;
-    Component part{static_cast<int>(k)};
-    seen[k] = true;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      for (const int other : data.Around(part[i])) {
-        if (seen[std::size_t(other)] || label[std::size_t(other)] != label[k]) continue;
-        seen[std::size_t(other)] = true;
-        part.push_back(other);
-      }
-    }
-    components.push_back(std::move(part));
-  }
-  return components;
-}
-
 bool Near(const RegionPoints& data, const Component& a, const Component& b) {
   const double far = kFarNeighbour * data.spacing;
   return std::any_of(a.begin(), a.end(), [&](int p) {
@@ -213,6 +192,25 @@ void JoinNeighbours(const RegionPoints& data,
 }
 
 }  // namespace
+
+std::vector<Component> ComponentsOf(const RegionPoints& data, const std::vector<int>& label) {
+  std::vector<Component> components;
+  std::vector<bool> seen(label.size());
+  for (std::size_t k = 0; k < label.size(); ++k) {
+    if (label[k] == kNoRegion || seen[k]) continue;
+    Component part{static_cast<int>(k)};
+    seen[k] = true;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      for (const int other : data.Around(part[i])) {
+        if (seen[std::size_t(other)] || label[std::size_t(other)] != label[k]) continue;
+        seen[std::size_t(other)] = true;
+        part.push_back(other);
+      }
+    }
+    components.push_back(std::move(part));
+  }
+  return components;
+}
 
 bool IsNarrow(const RegionPoints& data,
               const std::vector<int>& label,

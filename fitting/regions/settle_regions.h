@@ -26,6 +26,11 @@ std::vector<int> CorePoints(const RegionPoints& data,
                             int region,
                             double sigma);
 
+using Component = std::vector<int>;  // points of one label that hang together
+
+// All of them; points of no region are of none. O(m).
+std::vector<Component> ComponentsOf(const RegionPoints& data, const std::vector<int>& label);
+
 // Whether most of the points, of one label, have neighbours of another: those of a face a few
 // spacings wide, whose neighbourhoods are not its own.
 bool IsNarrow(const RegionPoints& data,

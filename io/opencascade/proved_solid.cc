@@ -21,9 +21,9 @@
 #include <sstream>
 #include <utility>
 
-#include "geometry/numeric/number_text.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/step_output.h"
+#include "io/opencascade/valid_shape.h"
 
 namespace batten::internal {
 namespace {
@@ -37,9 +37,7 @@ void CheckSize(const TopoDS_Shape& body) {
   Bnd_Box box;
   BRepBndLib::Add(body, box);
   const double size = std::sqrt(box.SquareExtent());
-  if (size > kLeast * Precision::Confusion()) return;
-  Fail("it measures " + NumberText(size) +
-       ", and readers of STEP take places within 1e-7 for one: use a smaller unit, or JSON");
+  if (!(size > kLeast * Precision::Confusion())) FailAsTooSmall(size);
 }
 
 // Of solids, or of shells, which have a volume of zero.
@@ -97,7 +95,9 @@ bool Same(double one, double other) {
 }  // namespace
 
 ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, const char* schema) {
-  for (const TopoDS_Shape& one : bodies) CheckSize(one);
+  const bool solids = bodies.at(0).ShapeType() == TopAbs_SOLID;
+  for (const TopoDS_Shape& one : bodies)
+    if (solids) CheckSize(one);
   // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
   for (const TopoDS_Shape& one : bodies) {
     for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {
@@ -106,7 +106,6 @@ ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, cons
       ShapeFix_ShapeTolerance().SetTolerance(one, tolerance);
     }
   }
-  const bool solids = bodies.at(0).ShapeType() == TopAbs_SOLID;
   const SolidCensus made = CensusOf(bodies, solids ? "the solid" : "the shell");
   BeginStep(unit, schema);
   STEPControl_Writer writer;

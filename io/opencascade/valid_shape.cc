@@ -56,15 +56,17 @@ TopoDS_Shape ToShape(const NurbsCurve<Dim>& curve) {
 
 }  // namespace
 
+void FailAsTooSmall(double size) {
+  throw Standard_Failure(
+      ("it measures " + NumberText(size) +
+       ", and readers of STEP take points within 1e-7 for one: use a smaller unit, or JSON")
+          .c_str());
+}
+
 TopoDS_Shape ValidShape(const Geometry& given) {
   const Geometry geometry = ClosedForm(given);
   const double size = std::visit([](const auto& one) { return SizeOf(one); }, geometry);
-  if (!(size > 10 * Precision::Confusion())) {
-    throw Standard_Failure(
-        ("it measures " + NumberText(size) +
-         ", and readers of STEP take points within 1e-7 for one: use a smaller unit, or JSON")
-            .c_str());
-  }
+  if (!(size > 10 * Precision::Confusion())) FailAsTooSmall(size);
   const TopoDS_Shape shape = std::visit([](const auto& one) { return ToShape(one); }, geometry);
   for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(shape).IsValid();) {
     tolerance *= 10;

@@ -14,4 +14,7 @@ namespace batten::internal {
 // coordinates or high degrees rounding exceeds 1e-7. Throws Standard_Failure where there is none.
 TopoDS_Shape ValidShape(const Geometry& geometry);
 
+// Throws Standard_Failure that says so, and what to do.
+[[noreturn]] void FailAsTooSmall(double size);
+
 }  // namespace batten::internal

@@ -149,6 +149,24 @@ TEST(FitCurveShapesTest, KeepsCorners) {
   }
 }
 
+// Arcs that meet at corners, of many points with noise: a smooth curve that turns within the noise
+// needs more control points and is farther off.
+TEST(FitCurveShapesTest, KeepsCornersOfManyPointsWithNoise) {
+  constexpr double kSigma = 0.01;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 engine(seed);
+    const double phase = std::uniform_real_distribution<double>(0, std::numbers::pi)(engine);
+    const auto arcs = [&](double x) {
+      return Eigen::Vector3d(x, std::abs(std::sin(x * std::numbers::pi / 2 + phase)), 0);
+    };
+    const CurveFit<2> fit =
+        FitCurve<2>(Plane(Noisy(AlongCurve(3000, 0, 4, arcs), kSigma, seed, 2)));
+    EXPECT_LE(fit.report.geometry.control_points[0], 32);
+    EXPECT_LT(TruthRms(fit.curve, AlongCurve(40000, 0, 4, arcs), false), 0.14 * kSigma);
+  }
+}
+
 TEST(FitCurveShapesTest, ListsSeparateCurves) {
   Eigen::Matrix3Xd points(3, 900);
   points << Ellipse(600, 3, 2), Ellipse(300, 1, 0.5).colwise() + Eigen::Vector3d(8, 1, 0);

@@ -252,6 +252,62 @@ TEST(LongFindOutlineTest, ManyRaggedPartsNeverCrossAndHideNoPoint) {
 
 // --- Laws of scaling, turning and order.
 
+// A map that runs off beyond the tip of a wedge of points: the outline's corner is not where it
+// takes it far from all of them.
+TEST(FindOutlineTest, ReachesNoFartherBeyondThePointsInSpaceThanACornerMay) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> along(0, 60), across(-1, 1);
+    Eigen::Matrix2Xd points(2, 2000);
+    double tip = 0;
+    for (auto p : points.colwise()) {
+      const double u = 60 - std::sqrt(60 * along(random));
+      p = Eigen::Vector2d(2 + u, 40 + across(random) * (60 - u) / 2);
+      tip = std::max(tip, p[0]);
+    }
+    OutlineOptions options{.spacing = 1, .length_u = 80, .length_v = 80};
+    options.place = [&](const Eigen::Vector2d& at) {
+      const double off = std::max(0.0, at[0] - tip);
+      return Eigen::Vector3d(at[0], at[1], 10 * off * off);
+    };
+    ThreadPool pool(2);
+    const Outline outline = FindOutline(points, options, pool);
+    double highest = 0;
+    for (const Places& polygon : PolygonsOf(outline))
+      for (const Eigen::Vector2d& place : polygon)
+        highest = std::max(highest, options.place(place)[2]);
+    EXPECT_LT(highest, 8);
+  }
+}
+
+// A map that runs off beside a part, towards a point far from it: spacings in space are as large as
+// they like there, and the part's outline is what it is without that point.
+TEST(FindOutlineTest, AMapThatRunsOffBesideAPartLeavesItsOutlineAsItIs) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> at(-1, 1);
+    Eigen::Matrix2Xd points(2, 1600);
+    for (Eigen::Index k = 0; k < points.cols();) {
+      const Eigen::Vector2d p(at(random), at(random));
+      if (p.norm() < 1) points.col(k++) = Eigen::Vector2d(40, 40) + 23 * p;
+    }
+    OutlineOptions options{.spacing = 1, .length_u = 100, .length_v = 80};
+    options.place = [](const Eigen::Vector2d& p) {
+      return Eigen::Vector3d(p[0], p[1], 1e3 * std::max(0.0, p[0] - 70));
+    };
+    ThreadPool pool(2);
+    const Outline alone = FindOutline(points, options, pool);
+    Eigen::Matrix2Xd more(2, points.cols() + 1);
+    more << points, Eigen::Vector2d(90, 40);
+    const Outline beside = FindOutline(more, options, pool);
+    EXPECT_EQ(beside.outside, alone.outside);
+    ASSERT_EQ(beside.loops.size(), 2U);
+    EXPECT_EQ(beside.loops[0].loop.control_points(), alone.loops[0].loop.control_points());
+  }
+}
+
 TEST(FindOutlineTest, ScalesWithTheUnit) {
   const OutlinedCloud cloud = CloudIn(PlateShape(), 5000, Scatter::kRandom, 3);
   ThreadPool pool(1);
