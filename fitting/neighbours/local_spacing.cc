@@ -19,8 +19,7 @@ using Index = Eigen::Index;
 constexpr double kWidth = 8;
 constexpr double kSure = 0.85;   // borders of a part that is evenly dense look this much sparser
 constexpr double kSparse = 1.2;  // area a point, from which on the points nearest to some are asked
-constexpr double kSparsest =
-    16;  // where a map tears, points are as far apart as they like in space
+constexpr double kSparsest = 16;   // where a map tears, points may be any distance apart in space
 constexpr double kClearly = 1.25;  // spacings below are chance, or gaps among the points
 constexpr size_t kAskedInCell = 8;
 constexpr size_t kNearest = 12;        // of which the disc tells the spacing

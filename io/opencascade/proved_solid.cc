@@ -96,8 +96,8 @@ bool Same(double one, double other) {
 
 ProvedSolid ProvedStep(const Bodies& bodies, double size, const char* unit, const char* schema) {
   const bool solids = bodies.at(0).ShapeType() == TopAbs_SOLID;
-  for (const TopoDS_Shape& one : bodies)
-    if (solids) CheckSize(one);
+  if (solids)
+    for (const TopoDS_Shape& one : bodies) CheckSize(one);
   // Far from zero rounding exceeds OpenCASCADE's own 1e-7.
   for (const TopoDS_Shape& one : bodies) {
     for (double tolerance = Precision::Confusion(); !BRepCheck_Analyzer(one).IsValid();) {
