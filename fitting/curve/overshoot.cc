@@ -14,12 +14,23 @@ constexpr int kSamples = 16;  // samples of a span
 constexpr Eigen::Index kEnoughToCount = 20000;
 constexpr double kNoise = 10, kOfSize = 0.01;
 constexpr double kOutside = 0.25;  // of the data's size: no place is so far outside their box
+constexpr double kBack = 0.01;     // of a chord
+constexpr double kBackNoise = 3;   // standard deviations: a step back of the data themselves
 
+// A sample of the curve with the data before and after it, the same one twice beyond the ends of an
+// open curve.
 template <int Dim>
-bool Stays(const FittingProblem& problem,
-           const Eigen::MatrixXd& control_points,
-           const Eigen::VectorXd& weights,
-           double noise) {
+struct SampleBetween {
+  using Place = Eigen::Matrix<double, Dim, 1>;
+  Place place, before, after;
+  bool at_corner;  // the first beyond a knot where the curve may have a corner
+};
+
+// Visits samples along the curve for as long as `visit` returns true; whether it always did.
+template <int Dim, typename Visit>
+bool EverySampleBetween(const FittingProblem& problem,
+                        const NurbsCurve<Dim>& curve,
+                        const Visit& visit) {
   const FittingData& data = problem.data();
   const SplineBasis& basis = problem.basis_u();
   std::vector<std::pair<double, Eigen::Index>> order;
@@ -29,42 +40,68 @@ bool Stays(const FittingProblem& problem,
   }
   if (order.size() < 2) return true;
   std::sort(order.begin(), order.end());
-  const Eigen::Matrix<double, Dim, 1> first = data.values.rowwise().minCoeff(),
-                                      last = data.values.rowwise().maxCoeff();
-  const double size = (last - first).norm();
-  const double slack = kNoise * noise + kOfSize * size;
-  const NurbsCurve<Dim> curve = weights.size() > 0 ? NurbsCurve<Dim>(basis, control_points, weights)
-                                                   : NurbsCurve<Dim>(basis, control_points);
   const CurveEvaluator<Dim> evaluator(curve);
   for (const int span : basis.Spans()) {
     const double low = basis.knots()[static_cast<size_t>(span)],
                  high = basis.knots()[static_cast<size_t>(span) + 1];
+    const bool corner = basis.Multiplicity(low) >= basis.degree();
     for (int s = 0; s < kSamples; ++s) {
       const double u = low + (s + 0.5) / kSamples * (high - low);
-      const auto above =
-          std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
-      const bool outside = above == order.begin() || above == order.end();
+      auto above = std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
       // Around a closed curve the last datum is followed by the first.
-      const auto& next = above == order.end() ? order.front() : *above;
-      const auto& before = above == order.begin() ? order.back() : *(above - 1);
-      const Eigen::Matrix<double, Dim, 1> place = evaluator.At(u),
-                                          a = data.values.col(before.second),
-                                          b = data.values.col(next.second);
-      double off = 0, chord = (b - a).norm();
-      if (outside && !basis.periodic()) {
-        off = above == order.begin() ? (place - b).norm() : (place - a).norm();
-        chord = 0;
-      } else {
-        const double along =
-            chord > 0 ? std::clamp((place - a).dot(b - a) / (chord * chord), 0.0, 1.0) : 0.0;
-        off = (place - a - along * (b - a)).norm();
-      }
-      if (!(off <= chord + slack)) return false;
-      const double outside_box = (first - place).cwiseMax(place - last).maxCoeff();
-      if (outside_box > kOutside * size) return false;
+      const auto around = [&](const auto& closed, const auto& open) {
+        return basis.periodic() ? closed.second : open.second;
+      };
+      const Eigen::Index next =
+          above == order.end() ? around(order.front(), order.back()) : above->second;
+      const Eigen::Index last =
+          above == order.begin() ? around(order.back(), order.front()) : (above - 1)->second;
+      if (!visit(SampleBetween<Dim>{
+              evaluator.At(u), data.values.col(last), data.values.col(next), corner && s == 0}))
+        return false;
     }
   }
   return true;
+}
+
+template <int Dim>
+NurbsCurve<Dim> CurveOf(const FittingProblem& problem,
+                        const Eigen::MatrixXd& control_points,
+                        const Eigen::VectorXd& weights) {
+  return weights.size() > 0 ? NurbsCurve<Dim>(problem.basis_u(), control_points, weights)
+                            : NurbsCurve<Dim>(problem.basis_u(), control_points);
+}
+
+template <int Dim>
+bool Stays(const FittingProblem& problem, const NurbsCurve<Dim>& curve, double noise) {
+  const auto& values = problem.data().values;
+  const Eigen::Matrix<double, Dim, 1> first = values.rowwise().minCoeff(),
+                                      last = values.rowwise().maxCoeff();
+  const double size = (last - first).norm();
+  const double slack = kNoise * noise + kOfSize * size;
+  return EverySampleBetween<Dim>(problem, curve, [&](const SampleBetween<Dim>& sample) {
+    const Eigen::Matrix<double, Dim, 1> side = sample.after - sample.before,
+                                        from = sample.place - sample.before;
+    const double chord = side.norm();
+    const double along = chord > 0 ? std::clamp(from.dot(side) / (chord * chord), 0.0, 1.0) : 0.0;
+    if (!((from - along * side).norm() <= chord + slack)) return false;
+    const double outside = (first - sample.place).cwiseMax(sample.place - last).maxCoeff();
+    return outside <= kOutside * size;
+  });
+}
+
+template <int Dim>
+bool RunsOn(const FittingProblem& problem, const NurbsCurve<Dim>& curve, double noise) {
+  Eigen::Matrix<double, Dim, 1> last = curve.At(curve.basis().lower());
+  double back = 0;
+  return EverySampleBetween<Dim>(problem, curve, [&](const SampleBetween<Dim>& sample) {
+    const Eigen::Matrix<double, Dim, 1> side = sample.after - sample.before,
+                                        move = sample.place - last;
+    last = sample.place;
+    const double chord = side.norm(), step = chord > 0 ? move.dot(side) / chord : 0.0;
+    back = step >= 0 || sample.at_corner ? 0 : back - step;
+    return back <= kBack * chord + kBackNoise * noise;
+  });
 }
 
 // Whether every span has data at enough different places to determine a polynomial curve: of so
@@ -99,8 +136,15 @@ bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::VectorXd& weights,
                   double noise) {
   if (weights.size() == 0 && WellHeld(problem)) return false;
-  return control_points.rows() == 2 ? !Stays<2>(problem, control_points, weights, noise)
-                                    : !Stays<3>(problem, control_points, weights, noise);
+  return control_points.rows() == 2
+             ? !Stays<2>(problem, CurveOf<2>(problem, control_points, weights), noise)
+             : !Stays<3>(problem, CurveOf<3>(problem, control_points, weights), noise);
+}
+
+bool TurnsBack(const FittingProblem& problem, const Eigen::MatrixXd& control_points, double noise) {
+  return control_points.rows() == 2
+             ? !RunsOn<2>(problem, CurveOf<2>(problem, control_points, {}), noise)
+             : !RunsOn<3>(problem, CurveOf<3>(problem, control_points, {}), noise);
 }
 
 namespace {

@@ -18,6 +18,13 @@ bool HasOvershoot(const FittingProblem& problem,
                   const Eigen::VectorXd& weights,
                   double noise);
 
+// Whether a polynomial curve runs back between its data, as in a cusp or a loop: against the chord
+// of the data beside it by more than a hundredth of that and three standard deviations of the
+// noise, a corner (a knot of multiplicity p) apart. Curves may well do so, which parameters of the
+// data can show; one whose parameters are its foot points must not begin to. 16 samples a span, O(m
+// + samples).
+bool TurnsBack(const FittingProblem& problem, const Eigen::MatrixXd& control_points, double noise);
+
 // The diagonal of the bounding box of a curve, from 16 samples a span.
 double SampledSize(const SplineBasis& basis,
                    const Eigen::MatrixXd& control_points,

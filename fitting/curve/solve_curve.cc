@@ -27,6 +27,7 @@ constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
 constexpr int kFootPointSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
 constexpr int kRoundsOfDistance = 20;
+constexpr double kMostFairnessOfDistance = 1e-4;
 
 void TellOnce(const std::string& warning, SolvedCurve& solved) {
   std::vector<std::string>& told = solved.warnings;
@@ -99,6 +100,30 @@ std::vector<SpanLayout> SpreadLayouts(const CurveTask& task, const SpanLayout& e
   return layouts;
 }
 
+// A net of least distances to its data may fold back between them, where no datum is farther for
+// it: then with as little fairness as ends that, or as it was.
+CorrectedFit AtMinimumDistanceBetweenData(const CurveTask& task, const CorrectedFit& fit) {
+  DistanceMinimisationOptions minimise;
+  minimise.model = task.model.value_or(DistanceModel::kTangent);
+  if (!task.model) minimise.max_rounds = kRoundsOfDistance;
+  minimise.progress = task.options.progress;
+  const auto overshoots = [&](const CorrectedFit& at) {
+    return HasOvershoot(at.problem, at.solution.coefficients, {}, task.noise) ||
+           TurnsBack(at.problem, at.solution.coefficients, task.noise);
+  };
+  CorrectedFit found = AtMinimumDistance(fit, minimise, task.pool);
+  if (!Acts(Rule::kOvershoot) || !overshoots(found) || overshoots(fit)) return found;
+  for (double smoothing = kFirstRegularization; smoothing <= kMostFairnessOfDistance;
+       smoothing *= kRegularizationStep) {
+    if (smoothing <= fit.problem.smoothing()) continue;
+    CorrectedFit fair = fit;
+    fair.problem = fair.problem.WithSmoothing(smoothing);
+    found = AtMinimumDistance(fair, minimise, task.pool);
+    if (!overshoots(found)) return found;
+  }
+  return fit;
+}
+
 // Makes the last fits on all data.
 void Settle(const CurveTask& task,
             FittingProblem problem,
@@ -111,11 +136,7 @@ void Settle(const CurveTask& task,
   const bool few =
       static_cast<double>(problem.size()) < kFewForControlPoint * layout.control_points();
   if (steps > 0 && (task.model || (task.anchored.empty() && (few || task.options.tolerance)))) {
-    DistanceMinimisationOptions minimise;
-    minimise.model = task.model.value_or(DistanceModel::kTangent);
-    if (!task.model) minimise.max_rounds = kRoundsOfDistance;
-    minimise.progress = task.options.progress;
-    fit = AtMinimumDistance(fit, minimise, task.pool);
+    fit = AtMinimumDistanceBetweenData(task, fit);
     RoundSummary round;
     round.stage = task.model == DistanceModel::kSquared ? "squared distance" : "tangent distance";
     round.control_points_u = problem.unknowns();

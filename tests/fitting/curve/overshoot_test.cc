@@ -70,6 +70,57 @@ TEST(HasOvershootTest, TellsAnEndBeyondTheData) {
       On(curve, Eigen::VectorXd::LinSpaced(15, 0.3, 1)), curve.control_points(), {}, 0));
 }
 
+// A line whose short last spans run on, or back between the last two data.
+TEST(TurnsBackTest, TellsAFoldBetweenData) {
+  const SplineBasis basis(3, {0, 0, 0, 0, 0.25, 0.5, 0.75, 0.9, 0.96, 1, 1, 1, 1});
+  Eigen::Matrix2Xd net = Eigen::Matrix2Xd::Zero(2, basis.size());
+  for (int i = 0; i < basis.size(); ++i) net(0, i) = basis.Greville(i);
+  const FittingProblem data = On(NurbsCurve<2>(basis, net), Eigen::VectorXd::LinSpaced(11, 0, 1));
+  EXPECT_FALSE(TurnsBack(data, net, 0));
+  net(0, basis.size() - 2) -= 0.02;
+  EXPECT_FALSE(TurnsBack(data, net, 0));
+  net(0, basis.size() - 2) -= 0.08;
+  EXPECT_TRUE(TurnsBack(data, net, 0));
+  EXPECT_FALSE(HasOvershoot(data, net, {}, 0));  // it is nowhere far from its data
+  EXPECT_FALSE(TurnsBack(data, net, 0.1));       // data of such noise do so themselves
+}
+
+// The last leg beyond a corner may run back.
+TEST(TurnsBackTest, LeavesCornersAlone) {
+  const SplineBasis basis(1, {0, 0, 0.5, 1, 1});
+  Eigen::Matrix2Xd net(2, 3);
+  net << 0, 1, 0.2, 0, 0, 0.01;
+  EXPECT_FALSE(
+      TurnsBack(On(NurbsCurve<2>(basis, net), Eigen::VectorXd::LinSpaced(20, 0, 1)), net, 0));
+}
+
+// Nothing holds a curve of few points between them, nor its end between the last two.
+TEST(FitCurveTest, RunsOnBetweenFewExactPoints) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSplines random(seed);
+    const int count = seed == 0 ? 51 : random.Integer(40, 99);
+    const double turns = seed == 0 ? 10 : random.Integer(60, 140) / 10.0,
+                 height = seed == 0 ? 0.2 : random.Integer(5, 40) / 100.0,
+                 from = seed == 0 ? 0 : random.Integer(0, 60) / 10.0;
+    Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, count);
+    for (int k = 0; k < count; ++k) {
+      const double x = k / (count - 1.0);
+      points.col(k) << float(x), float(height * std::sin(turns * x + from)), 0;
+    }
+    const CurveFit<3> fit = FitCurve<3>(PointCloud::FromWorld(points));
+    const SplineBasis& basis = fit.curve.basis();
+    double back = 0, last = fit.curve.At(basis.lower())[0];
+    for (int k = 1; k <= 4000; ++k) {
+      const double x = fit.curve.At(
+          basis.Clamp(basis.lower() + (basis.upper() - basis.lower()) * k / 4000.0))[0];
+      back += std::max(0.0, last - x);
+      last = x;
+    }
+    EXPECT_LE(back * (count - 1), 0.05);  // spacings
+  }
+}
+
 TEST(SampledSizeTest, IsThatOfTheBox) {
   EXPECT_NEAR(SampledSize(Bulge(0).basis(), Bulge(0).control_points(), Eigen::VectorXd::Ones(10)),
               9,
