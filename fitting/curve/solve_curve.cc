@@ -49,7 +49,9 @@ SplineBasis Uniform(const CurveTask& task, int control_points) {
 void Reweight(const CurveTask& task, const FittingProblem& problem, SolvedCurve& solved) {
   solved.problem = Reweighted(
       problem,
-      {*task.options.loss, task.options.loss_scale, task.options.progress},
+      {.loss = *task.options.loss,
+       .loss_scale = task.options.loss_scale,
+       .progress = task.options.progress},
       [&](const FittingProblem& current, const LinearSolution& solution) {
         return CurveDistances(current, solution.coefficients, task.distance, task.pool);
       },

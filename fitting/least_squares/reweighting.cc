@@ -31,7 +31,8 @@ FittingProblem Reweighted(const FittingProblem& problem,
     const bool start = round < kStartRounds && ForgetsFarPoints(options.loss);
     const Loss loss = start ? Loss::kHuber : options.loss;
     const Eigen::VectorXd residuals = residuals_of(current, SolveLinear(current, pool));
-    const double scale = options.loss_scale.value_or(RobustScale(residuals));
+    const double scale =
+        options.loss_scale.value_or(std::max(RobustScale(residuals), options.least_scale));
     current = current.WithWeights(original.cwiseProduct(LossWeights(loss, residuals, scale)));
     RoundSummary summary;
     summary.stage = "robust";

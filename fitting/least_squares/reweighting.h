@@ -18,6 +18,7 @@ namespace batten::internal {
 struct ReweightingOptions {
   Loss loss = Loss::kTukey;                         // redescending: Huber's loss is used first
   std::optional<double> loss_scale = std::nullopt;  // estimated in every round when absent
+  double least_scale = 0;                           // no smaller one is estimated
   Progress progress = nullptr;
 };
 

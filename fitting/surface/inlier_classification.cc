@@ -160,9 +160,15 @@ class InlierPasses {
 
   void Reweight() {
     if (!options_.loss && !Acts(Rule::kReweighting)) return;
+    ReweightingOptions reweighting{.loss = options_.loss.value_or(Loss::kTukey),
+                                   .loss_scale = options_.loss_scale,
+                                   .progress = options_.progress};
+    // What exact points miss by so little, the surface misses.
+    if (!options_.loss)
+      reweighting.least_scale = kLeastScale * context_.spacing() / kTukeyTuning;
     Take(Reweighted(
         found_.problem,
-        {options_.loss.value_or(Loss::kTukey), options_.loss_scale, options_.progress},
+        reweighting,
         [&](const FittingProblem& problem, const LinearSolution& solution) {
           return context_.base().Residuals(problem, solution.coefficients, context_.pool());
         },

@@ -167,7 +167,7 @@ TEST(LongCoverageTest, TruthLiesWithinDeviationsAsOftenAsNormalLawSays) {
 }
 
 TEST(LongCoverageTest, RobustFitsCoverWithinFivePoints) {
-  for (const KnownShape& shape : {Shapes()[0], Shapes()[1]}) {
+  for (const KnownShape& shape : Shapes()) {
     const Coverage coverage = CoverageOf(shape, 500, 0.1);
     std::printf("%-10s %5.1f %5.1f %5.1f %%  with outliers\n",
                 shape.name,
@@ -179,7 +179,7 @@ TEST(LongCoverageTest, RobustFitsCoverWithinFivePoints) {
 }
 
 TEST(LongCoverageTest, JointFitsCoverWithinFivePoints) {
-  for (KnownShape shape : {Shapes()[0], Shapes()[1]}) {
+  for (KnownShape shape : Shapes()) {
     shape.options.optimize = FreeVariables{.parameters = true};
     const Coverage coverage = CoverageOf(shape, 500);
     std::printf("%-10s %5.1f %5.1f %5.1f %%  joint\n",
