@@ -66,8 +66,9 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   data.middle = (points.rowwise().minCoeff() + points.rowwise().maxCoeff()) / 2;
   data.points = (points.colwise() - data.middle) / data.unit;
   const double farthest = (cloud.origin().cwiseAbs() + data.middle.cwiseAbs()).maxCoeff();
-  // Coordinates are rounded where they are read; fits of curved patches settle to 1e-11 of them.
-  constexpr double kFitted = 1e-11;
+  // Coordinates are rounded where they are read. Faces that CAD systems take for one, 1e-7 mm apart
+  // over some 100 mm, are one.
+  constexpr double kFitted = 1e-9;
   constexpr double kStored = 4 * std::numeric_limits<double>::epsilon();
   data.rounding = std::max(kFitted, kStored * farthest / data.unit);
   const NeighbourIndex index(data.points, pool);

@@ -331,6 +331,21 @@ TEST(LongFitPartsTest, AllTessellatedPartsAreSolidsOfTheShapesTheyStandFor) {
   for (const TruthPart& part : MachinedParts()) IsASolidOfItsFacesInFacets(part, 0.003);
 }
 
+// Exact bodies have faces that are one to a CAD system and apart by its rounding.
+TEST(FitPartsTest, FacesApartByWhatCadTakesForNothingAreOne) {
+  TruthPart part = BoxPart();
+  part.faces[1] = FlatFace({0, 0, 0.4}, {0.5, 0, 0}, {0, 0.7, 0});
+  part.faces.push_back(FlatFace({0.5, 0, 0.4 + 3e-10}, {0.5, 0, 0}, {0, 0.7, 0}));
+  PartFitOptions options;
+  options.regularise = options.solid = true;
+  for (const unsigned seed : {3u, 4u}) {
+    const PartsFit fit = Fitted(SampledPart(part, kPoints, 0, seed), options);
+    EXPECT_EQ(fit.faces.size(), 6u);
+    ASSERT_TRUE(fit.solid) << fit.no_solid;
+    EXPECT_EQ(fit.solid->edges.size(), 12u);
+  }
+}
+
 // A box with a pocket in its top that is as deep as points are apart two and a half times: its
 // walls have two rows of points, whose neighbours are mostly of other faces.
 TEST(FitPartsTest, NarrowFacesBesideLargerOnesAreFoundAndClose) {
