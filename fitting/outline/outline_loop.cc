@@ -148,6 +148,31 @@ OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, const Outwards& outw
   return loop;
 }
 
+namespace {
+
+// Leaves out vertices at which a pinned border turns back on itself, as it may among points on one
+// line, such as those that were moved onto a side of the rectangle.
+void DropSpikes(OutlineLoop& loop) {
+  constexpr double kOnLine = 1e-9;  // square spacings
+  constexpr size_t kFewest = 3;
+  for (size_t k = 0, kept = 0; kept < loop.size() && loop.size() > kFewest;) {
+    const size_t n = loop.size(), before = (k + n - 1) % n;
+    const Eigen::Vector2d to = loop[k].place - loop[before].place,
+                          on = loop[(k + 1) % n].place - loop[k].place;
+    if (loop[before].pinned && loop[k].pinned && to.dot(on) <= 0 &&
+        std::abs(to.x() * on.y() - to.y() * on.x()) <= kOnLine) {
+      loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(k));
+      k = (k + n - 2) % (n - 1);  // the one before may turn back now
+      kept = 0;
+    } else {
+      k = (k + 1) % n;
+      ++kept;
+    }
+  }
+}
+
+}  // namespace
+
 void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
   const size_t n = loop.size();
   std::vector<char> near(n, 0);
@@ -189,6 +214,7 @@ void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
     }
   }
   if (result.size() > 1 && same(result.back(), result.front())) result.pop_back();
+  DropSpikes(result);
   loop = std::move(result);
 }
 

@@ -45,6 +45,20 @@ std::vector<Group> Groups(const GeometryFile& file, const std::optional<double>&
   return groups;
 }
 
+// A failure tells which of several it is.
+TopoDS_Shape ShapeOf(const GeometryFile& file, size_t index) {
+  try {
+    return ValidShape(file.geometry[index]);
+  } catch (const Standard_Failure& failure) {
+    if (file.geometry.size() == 1) throw;
+    const std::string name = NameOf(file, index);
+    throw Standard_Failure(
+        ("number " + std::to_string(index + 1) + " of " + std::to_string(file.geometry.size()) +
+         (name.empty() ? "" : ", '" + name + "'") + ": " + failure.GetMessageString())
+            .c_str());
+  }
+}
+
 // The name that all surfaces bear.
 std::string SharedName(const GeometryFile& file, const std::vector<size_t>& surfaces) {
   const std::string name = NameOf(file, surfaces[0]);
@@ -74,7 +88,7 @@ void AddSewn(const GeometryFile& file,
   std::vector<TopoDS_Face> faces;
   std::vector<size_t> surfaces;  // of each face
   for (const size_t k : group.surfaces) {
-    const TopoDS_Shape shape = ValidShape(file.geometry[k]);
+    const TopoDS_Shape shape = ShapeOf(file, k);
     for (TopExp_Explorer each(shape, TopAbs_FACE); each.More(); each.Next()) {
       faces.push_back(TopoDS::Face(each.Current()));
       surfaces.push_back(k);
@@ -109,7 +123,7 @@ std::vector<ExportPart> ExportParts(const GeometryFile& file,
   for (size_t k = 0; k < file.geometry.size(); ++k) {
     const Group* const group = group_of[k];
     if (group == nullptr) {
-      parts.push_back({ValidShape(file.geometry[k]), NameOf(file, k)});
+      parts.push_back({ShapeOf(file, k), NameOf(file, k)});
     } else if (*std::min_element(group->surfaces.begin(), group->surfaces.end()) == k) {
       AddSewn(file, *group, parts, *report);
     }

@@ -51,5 +51,25 @@ TEST(PinToBorderTest, WhateverPinsCameBeforeNoVertexIsLost) {
   }
 }
 
+// Points that were moved onto one line have a border that runs along it and back.
+TEST(PinToBorderTest, LeavesSpikesOut) {
+  Eigen::Matrix2Xd polygon(2, 8);
+  polygon << 0, 10, 10, 9.2, 10, 5, 6, 0, 0, 0, 8, 8, 8, 8, 8, 8;
+  for (int first = 0; first < 8; ++first) {
+    SCOPED_TRACE(first);
+    Eigen::Matrix2Xd turned(2, 8);
+    for (int k = 0; k < 8; ++k) turned.col(k) = polygon.col((first + k) % 8);
+    OutlineLoop loop = SampledOutline(turned, [](const Eigen::Vector2d&) { return 0.0; });
+    PinToBorder(loop, {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
+    EXPECT_NEAR(SignedArea(PolygonOf(loop)), 80, 1e-9);
+    for (size_t k = 0; k < loop.size(); ++k) {
+      const Eigen::Vector2d &a = loop[k].place, &b = loop[(k + 1) % loop.size()].place,
+                            &c = loop[(k + 2) % loop.size()].place;
+      const double turn = (b - a).x() * (c - b).y() - (b - a).y() * (c - b).x();
+      EXPECT_TRUE(std::abs(turn) > 1e-9 || (b - a).dot(c - b) > 0) << "at " << b.transpose();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace batten::internal

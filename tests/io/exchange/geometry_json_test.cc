@@ -432,6 +432,13 @@ TEST(GeometryFileTest, WritesSeveralFilesAllOrNone) {
     EXPECT_THAT(error.what(),
                 ::testing::StartsWith(other.File("c-2.step") + ": can't become STEP"));
   }
+  files[1].geometry.insert(files[1].geometry.begin(), files[0].geometry.front());
+  try {
+    WriteGeometryFiles(files);
+    FAIL() << "nothing was thrown";
+  } catch (const WriteError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("number 2 of 2"));
+  }
   EXPECT_EQ(other.Entries(), 2);
 }
 
