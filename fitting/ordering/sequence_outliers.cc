@@ -211,6 +211,20 @@ double StepBeside(const Line& line, const std::vector<Eigen::Index>& way, size_t
   return steps[static_cast<size_t>(count / 2)];
 }
 
+// Whether the way through points between `from` and `to` turns sharply once at most, as a curve
+// does that was sampled coarsely; outliers turn it where it leaves, at them and where it comes
+// back.
+bool TurnsAsACurve(const Line& line, Eigen::Index from, Eigen::Index to) {
+  constexpr double kGentle = 0.5;  // cosine
+  int sharp = 0;
+  for (Eigen::Index k = from; k <= to; ++k) {
+    if (!line.Has(k - 1) || !line.Has(k + 1)) continue;
+    const Eigen::Vector3d in = line.at(k) - line.at(k - 1), on = line.at(k + 1) - line.at(k);
+    sharp += in.dot(on) < kGentle * in.norm() * on.norm();
+  }
+  return sharp <= 1;
+}
+
 // Whether points between `from` and `to` may be outliers: they are left and joined by longer steps
 // than those beside; not many in a row are near each other (a part of the curve at the end of long
 // steps), and many have long steps throughout (else they are a spike).
@@ -266,7 +280,8 @@ std::vector<char> LeftOut(const Line& line) {
   const Eigen::Index count = line.size();
   const Eigen::Index places = line.closed ? count + std::min(count, 4 * kMostSkipped) : count;
   const std::vector<double> steps = AroundBlocks(StepsOf(line), kStepQuantile);
-  const std::vector<Eigen::Index> way = CheapestWay(line, steps, NoiseAround(line), places);
+  const std::vector<double> noise = NoiseAround(line);
+  const std::vector<Eigen::Index> way = CheapestWay(line, steps, noise, places);
   std::vector<char> marked(static_cast<size_t>(count), 0);
   for (size_t w = 1; w < way.size(); ++w) {
     const Eigen::Index from = way[w - 1], to = way[w];
@@ -274,8 +289,10 @@ std::vector<char> LeftOut(const Line& line) {
     if (to == from + 1) continue;
     const double length = (line.at(to) - line.at(from)).norm();
     const double share = to - from <= kFewSkipped ? 2 / static_cast<double>(to - from) : 1;
+    // Where noise turns the way about, its turns tell nothing.
     const bool may_be =
-        MayBeOutliers(line, from, to, StepBeside(line, way, w), OfBlock(steps, from % count));
+        MayBeOutliers(line, from, to, StepBeside(line, way, w), OfBlock(steps, from % count)) &&
+        (OfBlock(noise, from % count, kTurnBlock) == 1 || !TurnsAsACurve(line, from, to));
     for (Eigen::Index k = from + 1; k < to; ++k) {
       marked[static_cast<size_t>(k % count)] =
           may_be && Distance(line.at(k), line.at(from), line.at(to)) > share * length &&

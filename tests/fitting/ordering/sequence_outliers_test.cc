@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -137,6 +138,29 @@ TEST(FindSequenceOutliersTest, KeepsNoisyPoints) {
     }
     EXPECT_LT(1000 * marked, all);
   }
+}
+
+// A crest between points far apart turns sharply once, where outliers turn the way twice or more.
+TEST(FindSequenceOutliersTest, MarksNoCrestsOfWavesAtUnevenSteps) {
+  Eigen::Index marked = 0, all = 0;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> even(0, 1);
+    std::vector<double> x(20 + random() % 80);
+    for (double& one : x) one = even(random);
+    std::sort(x.begin(), x.end());
+    const double fast = 3 + 11 * even(random), height = 0.05 + 0.35 * even(random),
+                 from = 6 * even(random), other = 0.6 * even(random) - 0.3;
+    Eigen::Matrix3Xd points(3, std::ssize(x));
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      const double at = fast * x[std::size_t(k)];
+      points.col(k) << x[std::size_t(k)],
+          height * (std::sin(at + from) + other * std::cos(1.7 * at)), 0;
+    }
+    marked += FindSequenceOutliers(points, false).count();
+    all += points.cols();
+  }
+  EXPECT_LT(1000 * marked, all);
 }
 
 // Several near each other in a row must lie farther off than one: in wide noise 14 σ, not 8.
