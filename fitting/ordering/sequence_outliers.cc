@@ -216,10 +216,12 @@ double StepBeside(const Line& line, const std::vector<Eigen::Index>& way, size_t
 // back.
 bool TurnsAsACurve(const Line& line, Eigen::Index from, Eigen::Index to) {
   constexpr double kGentle = 0.5;  // cosine
+  // Places of a ring are counted around it more than once.
+  const auto at = [&](Eigen::Index k) { return line.at(line.closed ? k % line.size() : k); };
   int sharp = 0;
   for (Eigen::Index k = from; k <= to; ++k) {
     if (!line.Has(k - 1) || !line.Has(k + 1)) continue;
-    const Eigen::Vector3d in = line.at(k) - line.at(k - 1), on = line.at(k + 1) - line.at(k);
+    const Eigen::Vector3d in = at(k) - at(k - 1), on = at(k + 1) - at(k);
     sharp += in.dot(on) < kGentle * in.norm() * on.norm();
   }
   return sharp <= 1;
