@@ -15,6 +15,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "ablation.h"
 #include "batten/fitting/distances.h"

@@ -23,7 +23,7 @@ template <int Dim>
 struct SampleBetween {
   using Place = Eigen::Matrix<double, Dim, 1>;
   Place place, before, after;
-  bool at_corner;  // the first beyond a knot where the curve may have a corner
+  bool corner;  // between those data the curve may have one
 };
 
 // Visits samples along the curve for as long as `visit` returns true; whether it always did.
@@ -40,14 +40,19 @@ bool EverySampleBetween(const FittingProblem& problem,
   }
   if (order.size() < 2) return true;
   std::sort(order.begin(), order.end());
+  std::vector<double> corners;
+  for (const int span : basis.Spans()) {
+    const double knot = basis.knots()[static_cast<size_t>(span)];
+    if (basis.Multiplicity(knot) >= basis.degree()) corners.push_back(knot);
+  }
   const CurveEvaluator<Dim> evaluator(curve);
   for (const int span : basis.Spans()) {
     const double low = basis.knots()[static_cast<size_t>(span)],
                  high = basis.knots()[static_cast<size_t>(span) + 1];
-    const bool corner = basis.Multiplicity(low) >= basis.degree();
     for (int s = 0; s < kSamples; ++s) {
       const double u = low + (s + 0.5) / kSamples * (high - low);
-      auto above = std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
+      const auto above =
+          std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
       // Around a closed curve the last datum is followed by the first.
       const auto around = [&](const auto& closed, const auto& open) {
         return basis.periodic() ? closed.second : open.second;
@@ -56,8 +61,13 @@ bool EverySampleBetween(const FittingProblem& problem,
           above == order.end() ? around(order.front(), order.back()) : above->second;
       const Eigen::Index last =
           above == order.begin() ? around(order.back(), order.front()) : (above - 1)->second;
-      if (!visit(SampleBetween<Dim>{
-              evaluator.At(u), data.values.col(last), data.values.col(next), corner && s == 0}))
+      const double begin = above == order.begin() ? basis.lower() : (above - 1)->first,
+                   end = above == order.end() ? basis.upper() : above->first;
+      const auto corner = std::upper_bound(corners.begin(), corners.end(), begin);
+      if (!visit(SampleBetween<Dim>{evaluator.At(u),
+                                    data.values.col(last),
+                                    data.values.col(next),
+                                    corner != corners.end() && *corner < end}))
         return false;
     }
   }
@@ -99,7 +109,7 @@ bool RunsOn(const FittingProblem& problem, const NurbsCurve<Dim>& curve, double 
                                         move = sample.place - last;
     last = sample.place;
     const double chord = side.norm(), step = chord > 0 ? move.dot(side) / chord : 0.0;
-    back = step >= 0 || sample.at_corner ? 0 : back - step;
+    back = step >= 0 || sample.corner ? 0 : back - step;
     return back <= kBack * chord + kBackNoise * noise;
   });
 }

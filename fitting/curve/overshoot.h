@@ -20,8 +20,9 @@ bool HasOvershoot(const FittingProblem& problem,
 
 // Whether a polynomial curve runs back between its data, as in a cusp or a loop: against the chord
 // of the data beside it by more than a hundredth of that and three standard deviations of the
-// noise, a corner (a knot of multiplicity p) apart. Curves may well do so, which parameters of the
-// data can show; one whose parameters are its foot points must not begin to. 16 samples a span, O(m
+// noise, but where a corner (a knot of multiplicity p) lies between them. Curves may well do so,
+// which parameters of the data can show; one whose parameters are its foot points must not begin
+// to. 16 samples a span, O(m
 // + samples).
 bool TurnsBack(const FittingProblem& problem, const Eigen::MatrixXd& control_points, double noise);
 

@@ -37,7 +37,8 @@ struct OutlinePin {
 };
 
 // Puts the stretches in the disc back on the ragged border, vertex by vertex: it never crosses
-// itself, what is smoothed may. Stretches along cuts stay.
+// itself, what is smoothed may; where it runs back along its own line, as far as that is left out.
+// Stretches along cuts stay.
 void PinToBorder(OutlineLoop& loop, const OutlinePin& pin);
 
 double SignedArea(const Eigen::Matrix2Xd& polygon);   // positive: counter-clockwise

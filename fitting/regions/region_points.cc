@@ -68,9 +68,9 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   const double farthest = (cloud.origin().cwiseAbs() + data.middle.cwiseAbs()).maxCoeff();
   // Coordinates are rounded where they are read. Faces that CAD systems take for one, 1e-7 mm apart
   // over some 100 mm, are one.
-  constexpr double kFitted = 1e-9;
+  constexpr double kOneFace = 1e-9;
   constexpr double kStored = 4 * std::numeric_limits<double>::epsilon();
-  data.rounding = std::max(kFitted, kStored * farthest / data.unit);
+  data.rounding = std::max(kOneFace, kStored * farthest / data.unit);
   const NeighbourIndex index(data.points, pool);
   LinkNeighbours(index, std::numeric_limits<double>::infinity(), data);
   const CloudStatistics statistics =

@@ -163,7 +163,7 @@ class InlierPasses {
     ReweightingOptions reweighting{.loss = options_.loss.value_or(Loss::kTukey),
                                    .loss_scale = options_.loss_scale,
                                    .progress = options_.progress};
-    // What exact points miss by so little, the surface misses.
+    // Exact points that are off by so little are good: it is the surface that misses them.
     if (!options_.loss)
       reweighting.least_scale = kLeastScale * context_.spacing() / kTukeyTuning;
     Take(Reweighted(

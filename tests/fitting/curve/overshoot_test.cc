@@ -85,13 +85,20 @@ TEST(TurnsBackTest, TellsAFoldBetweenData) {
   EXPECT_FALSE(TurnsBack(data, net, 0.1));       // data of such noise do so themselves
 }
 
-// The last leg beyond a corner may run back.
+// Between data on either side of a corner a curve may run against their chord, for as long as it
+// likes.
 TEST(TurnsBackTest, LeavesCornersAlone) {
-  const SplineBasis basis(1, {0, 0, 0.5, 1, 1});
+  const SplineBasis corner(1, {0, 0, 0.5, 1, 1});
   Eigen::Matrix2Xd net(2, 3);
   net << 0, 1, 0.2, 0, 0, 0.01;
-  EXPECT_FALSE(
-      TurnsBack(On(NurbsCurve<2>(basis, net), Eigen::VectorXd::LinSpaced(20, 0, 1)), net, 0));
+  Eigen::VectorXd u(5);
+  u << 0, 0.2, 0.45, 0.8, 1;
+  EXPECT_FALSE(TurnsBack(On(NurbsCurve<2>(corner, net), u), net, 0));
+  // The same way without one.
+  const SplineBasis smooth(2, {0, 0, 0, 0.5, 1, 1, 1});
+  Eigen::Matrix2Xd round(2, 4);
+  round << 0, 1, 1, 0.2, 0, 0, 0.01, 0.01;
+  EXPECT_TRUE(TurnsBack(On(NurbsCurve<2>(smooth, round), u), round, 0));
 }
 
 // Nothing holds a curve of few points between them, nor its end between the last two.
