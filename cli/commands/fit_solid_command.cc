@@ -268,7 +268,9 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   command.get_option("--output")
       ->description("Where to write: .step, or the triangles of .stl .obj .ply .glb");
   command.get_option("--tolerance")
-      ->description("Distance every point must keep, in the data's unit: it is only judged [none]");
+      ->description(
+          "Distance every point should keep, in the data's unit: where points are farther, "
+          "faces get finer control points [none: where they miss them by more than noise]");
   Suggest(*command.get_option("--output-format")
                ->description("Format of OUT where its name does not tell"),
           {"step", "stl", "obj", "ply", "glb"});

@@ -9,36 +9,38 @@
 namespace batten::internal {
 
 std::vector<int> FoldedPatches(const LimitStencils& stencils,
+                               const std::vector<int>& patches,
                                const Eigen::Matrix3Xd& control_points,
                                ThreadPool& pool) {
   constexpr std::array kPlaces = {0.02, 0.3, 0.65, 0.98};
   constexpr auto kCount = int(kPlaces.size());
   constexpr double kLeast = 0.1;  // cosine: sound patches turn by less from sample to sample
   const LimitSurface surface(stencils, control_points);
-  std::vector<char> folded(std::size_t(stencils.patches()), 0);
-  pool.For(stencils.patches(), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (std::ptrdiff_t patch = begin; patch < end; ++patch) {
-      std::array<Eigen::Vector3d, kCount * kCount> normals;
+  std::vector<char> folded(patches.size(), 0);
+  pool.For(std::ptrdiff_t(patches.size()), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const Eigen::Matrix3Xd normals = surface.NormalsOn(patches[std::size_t(k)], kPlaces);
+      const auto apart = [&](int one, int other) {
+        return normals.col(one).dot(normals.col(other)) < kLeast;
+      };
       for (int i = 0; i < kCount; ++i) {
         for (int j = 0; j < kCount; ++j) {
-          const SurfaceJet jet = surface.JetAt({static_cast<int>(patch), kPlaces[i], kPlaces[j]});
-          normals[i * kCount + j] = jet.du.cross(jet.dv).stableNormalized();
-          const bool bad =
-              (i > 0 && normals[i * kCount + j].dot(normals[(i - 1) * kCount + j]) < kLeast) ||
-              (j > 0 && normals[i * kCount + j].dot(normals[i * kCount + j - 1]) < kLeast);
-          if (bad) folded[std::size_t(patch)] = 1;
+          const int at = i * kCount + j;
+          if ((i > 0 && apart(at, at - kCount)) || (j > 0 && apart(at, at - 1)))
+            folded[std::size_t(k)] = 1;
         }
       }
     }
   });
   std::vector<int> found;
-  for (int patch = 0; patch < stencils.patches(); ++patch) {
-    if (folded[std::size_t(patch)]) found.push_back(patch);
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    if (folded[k]) found.push_back(patches[k]);
   }
   return found;
 }
 
 std::optional<std::vector<int>> Unfold(const LimitStencils& stencils,
+                                       const std::vector<int>& patches,
                                        const Eigen::Matrix3Xd& control_points,
                                        const std::vector<int>& before,
                                        Eigen::Matrix3Xd& step,
@@ -46,7 +48,7 @@ std::optional<std::vector<int>> Unfold(const LimitStencils& stencils,
   constexpr int kTries = 5;
   constexpr double kShorter = 0.4;
   for (int round = 0; round < kTries; ++round) {
-    std::vector<int> after = FoldedPatches(stencils, control_points + step, pool);
+    std::vector<int> after = FoldedPatches(stencils, patches, control_points + step, pool);
     std::vector<int> fresh;
     std::set_difference(
         after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(fresh));

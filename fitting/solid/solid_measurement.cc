@@ -52,6 +52,7 @@ std::vector<char> CapBlocks(const std::vector<int>& caps,
 
 NearestSurfaces MeasureSolid(const SolidModel& solid,
                              const std::vector<BlockPlace>& places,
+                             int refinements,
                              const FootGround& ground,
                              const std::vector<char>& left_out,
                              const Eigen::Matrix3Xd& points,
@@ -72,7 +73,7 @@ NearestSurfaces MeasureSolid(const SolidModel& solid,
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const LimitPlace& place = feet[std::size_t(k)].place;
       const BlockPlace& face = places[std::size_t(place.patch >> 2)];
-      Eigen::Vector2d at = ParametersInBlock(face, place);
+      Eigen::Vector2d at = ParametersInBlock(face, place, refinements);
       nearest.surface[std::size_t(k)] = number[std::size_t(face.block)];
       nearest.distances[k] =
           DistanceFrom(solid.faces[std::size_t(face.block)].surface, points.col(k), at);

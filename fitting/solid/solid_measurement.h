@@ -21,10 +21,12 @@ std::vector<char> CapBlocks(const std::vector<int>& caps,
                             const std::vector<BlockPlace>& places,
                             std::size_t blocks);
 
-// From the faces that SplineSolid made of the blocks, which `places` tells; the blocks of what is
+// From the faces that SplineSolid made of the blocks, which `places` tells, of a mesh refined so
+// often; the blocks of what is
 // no ground are marked as left out, and faces are numbered without these.
 NearestSurfaces MeasureSolid(const SolidModel& solid,
                              const std::vector<BlockPlace>& places,
+                             int refinements,
                              const FootGround& ground,
                              const std::vector<char>& left_out,
                              const Eigen::Matrix3Xd& points,

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
-#include <limits>
-#include <optional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,20 +8,20 @@
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/solid_layout.h"
 #include "fitting/core/stage_clock.h"
+#include "fitting/solid/solid_fitter.h"
+#include "fitting/solid/surface_fit.h"
 
 namespace batten {
+using namespace internal;
+
 namespace {
 
-// Whether points left out are met better than by another fit, by more than a standard error of the
-// differences point by point.
+// Whether points left out are met better than by another fit, but for chance.
 bool MeetsBetter(const SolidFit& fit, const SolidFit& other) {
   if (fit.held_out.size() != other.held_out.size()) {
     return fit.report.error.rms < other.report.error.rms;
   }
-  const Eigen::ArrayXd gain = (other.held_out - fit.held_out).array();
-  const double mean = gain.mean();
-  const double variance = (gain - mean).square().mean() / double(gain.size());
-  return mean > std::sqrt(std::max(variance, std::numeric_limits<double>::min()));
+  return Worse(other.held_out, fit.held_out) > 1;
 }
 
 // Whether one with three times as many faces may do: that takes most of what is not noise.
@@ -57,20 +55,24 @@ SolidFit FitSolid(const PointCloud& cloud,
                   int faces,
                   const SolidFitOptions& options) {
   Check(options);
-  internal::StageClock clock;
+  StageClock clock;
   const auto layout_of = [&](int count) {
     clock.Enter(&StageSeconds::parameterize);
     return LayoutOf(surface, count, options.progress);
   };
   const auto fitted = [&](const QuadMesh& layout) {
     clock.Enter(&StageSeconds::refine);
-    return FitSolid(cloud, layout, options);
+    return std::make_unique<SolidFitter>(cloud, layout, options);
   };
-  if (faces > 0) {
-    SolidFit fit = fitted(layout_of(faces));
+  bool cancelled = false;
+  const auto finished = [&](SolidFitter& fitter) {
+    clock.Enter(&StageSeconds::refine);
+    SolidFit fit = cancelled ? std::move(fitter).Coarse() : std::move(fitter).Refined();
+    if (cancelled) fit.report.termination = Termination::kCancelled;
     fit.report.seconds = WithOthers(fit.report.seconds, clock.Seconds());
     return fit;
-  }
+  };
+  if (faces > 0) return finished(*fitted(layout_of(faces)));
   const int most = LayoutFaces(cloud.size() - MergeDuplicates(cloud).duplicates);
   constexpr int kFewest = 60;  // coarser layouts seldom follow a shape
   std::vector<int> counts;     // from the last on
@@ -79,7 +81,7 @@ SolidFit FitSolid(const PointCloud& cloud,
       counts.push_back(most / coarse);
     }
   }
-  std::optional<SolidFit> best;
+  std::unique_ptr<SolidFitter> best;
   std::string why;
   bool creased = false;
   while (!counts.empty()) {
@@ -93,25 +95,24 @@ SolidFit FitSolid(const PointCloud& cloud,
         counts = CountsAbove(count, most);
       }
       // Edges that were sharp stay so.
-      if (best && best->audit.sharp_edges > 0 && layout.creases.cols() == 0) continue;
-      SolidFit fit = fitted(layout);
-      if (best && !MeetsBetter(fit, *best)) break;
+      if (best && best->coarse().audit.sharp_edges > 0 && layout.creases.cols() == 0) continue;
+      auto fit = fitted(layout);
+      if (best && !MeetsBetter(fit->coarse(), best->coarse())) break;
       best = std::move(fit);
       if (count == most) break;
       // The finest next; the one between only if that is refused.
-      if (counts.size() > 1 && !creased && !IsNearNoise(*best))
+      if (counts.size() > 1 && !creased && !IsNearNoise(best->coarse()))
         std::swap(counts.front(), counts.back());
     } catch (const Cancelled&) {
       if (!best) throw;
-      best->report.termination = Termination::kCancelled;
+      cancelled = true;
       break;
     } catch (const RefusedData& refusal) {
       why = refusal.what();  // too coarse for the shape, or too fine for the points
     }
   }
   if (!best) throw RefusedData(why);
-  best->report.seconds = WithOthers(best->report.seconds, clock.Seconds());
-  return std::move(*best);
+  return finished(*best);
 }
 
 }  // namespace batten

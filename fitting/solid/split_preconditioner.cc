@@ -12,14 +12,18 @@ Eigen::Matrix3Xd Across(const Eigen::Matrix3Xd& normals, const Eigen::Matrix3Xd&
 }  // namespace
 
 bool SplitPreconditioner::Factor(const Eigen::SparseMatrix<double>& along,
-                                 const Eigen::SparseMatrix<double>& across) {
+                                 const Eigen::SparseMatrix<double>& across,
+                                 ThreadPool& pool) {
   if (!analysed_) {
     along_.analyzePattern(along);
     across_.analyzePattern(across);
     analysed_ = true;
   }
-  along_.factorize(along);
-  across_.factorize(across);
+  pool.For(2, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      k == 0 ? along_.factorize(along) : across_.factorize(across);
+    }
+  });
   return along_.info() == Eigen::Success && across_.info() == Eigen::Success;
 }
 

@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+
 #include <Eigen/SparseCore>
+#include "batten/geometry/thread_pool.h"
 
 namespace batten::internal {
 
@@ -14,7 +16,9 @@ namespace batten::internal {
 class SplitPreconditioner {
  public:
   // Of matrices with one pattern, lower triangles; false where one is not positive definite.
-  bool Factor(const Eigen::SparseMatrix<double>& along, const Eigen::SparseMatrix<double>& across);
+  bool Factor(const Eigen::SparseMatrix<double>& along,
+              const Eigen::SparseMatrix<double>& across,
+              ThreadPool& pool);
 
   // Symmetric and positive definite in the pulls. Normals are unit, or zero.
   Eigen::Matrix3Xd Apply(const Eigen::Matrix3Xd& normals, const Eigen::Matrix3Xd& pulls) const;

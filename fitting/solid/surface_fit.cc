@@ -21,6 +21,7 @@ namespace {
 // on a known surface of 520 control points: ends of 1e-4 and 1e-2 give the same truth error.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 0.01, kMostDamping = 10;
 constexpr double kStillFalls = 1e-3;  // relative fall of the sum of squares in two rounds
+constexpr double kChance = 1;         // standard errors
 
 // Of the control mesh, from the faces around.
 Eigen::Matrix3Xd VertexNormals(const QuadTopology& mesh, const Eigen::Matrix3Xd& points) {
@@ -35,15 +36,9 @@ Eigen::Matrix3Xd VertexNormals(const QuadTopology& mesh, const Eigen::Matrix3Xd&
   return normals;
 }
 
-// Every tenth point is left out while smoothing is chosen.
-bool LeftOut(std::size_t k) {
-  constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
-  return ((k + 1) * kSpread >> 32) % 10 == 0;
-}
-
 // `some`: without those left out.
 bool Counts(const SurfaceData& data, std::size_t k, bool some) {
-  return data.weights[Eigen::Index(k)] > 0 && !(some && LeftOut(k));
+  return data.weights[Eigen::Index(k)] > 0 && !(some && data.left_out[Eigen::Index(k)]);
 }
 
 double SquareOf(const SurfaceData& data, std::size_t k, const LimitFoot& foot) {
@@ -80,7 +75,8 @@ double Misfit(const SurfaceData& data, const std::vector<LimitFoot>& feet, bool 
 Eigen::VectorXd SquaresLeftOut(const SurfaceData& data, const std::vector<LimitFoot>& feet) {
   std::vector<double> squares;
   for (std::size_t k = 0; k < feet.size(); ++k) {
-    if (Counts(data, k, false) && LeftOut(k)) squares.push_back(SquareOf(data, k, feet[k]));
+    if (Counts(data, k, false) && data.left_out[Eigen::Index(k)])
+      squares.push_back(SquareOf(data, k, feet[k]));
   }
   if (squares.empty()) squares.push_back(0);
   return Eigen::Map<const Eigen::VectorXd>(squares.data(), Eigen::Index(squares.size()));
@@ -127,13 +123,24 @@ class Descent {
           const SurfaceData& data,
           const SurfaceFitSettings& settings,
           ThreadPool& pool)
-      : stencils_(stencils), data_(data), settings_(settings), pool_(pool), system_(stencils) {}
+      : stencils_(stencils),
+        data_(data),
+        settings_(settings),
+        pool_(pool),
+        system_(stencils, settings.moves, pool) {
+    for (int patch = 0; patch < stencils.patches(); ++patch) {
+      const auto support = stencils.Support(patch);
+      if (std::any_of(support.begin(), support.end(), [&](int v) { return settings.Moves(v); })) {
+        patches_.push_back(patch);
+      }
+    }
+  }
 
   // Steps from the fit's control points at its smoothing; `some`: without the points left out.
   void Run(int count, bool some, LimitSurfaceFit& fit) {
     constexpr int kRefuse = 4;  // failed steps in a row
     fit.feet = Feet(fit.control_points, {});
-    std::vector<int> folded = FoldedPatches(stencils_, fit.control_points, pool_);
+    std::vector<int> folded = FoldedPatches(stencils_, patches_, fit.control_points, pool_);
     double damping = kFirstDamping;
     int failed = 0;
     for (int round = 0; round < count; ++round) {
@@ -204,7 +211,7 @@ class Descent {
                              bool some) const {
     constexpr int kHalvings = 3;
     for (int halving = 0; halving < kHalvings; ++halving, step /= 2) {
-      auto after = Unfold(stencils_, fit.control_points, folded, step, pool_);
+      auto after = Unfold(stencils_, patches_, fit.control_points, folded, step, pool_);
       if (!after) continue;
       Place place{fit.control_points + step, {}, std::move(*after)};
       place.feet = Feet(place.control_points, from);
@@ -219,6 +226,7 @@ class Descent {
   const SurfaceFitSettings& settings_;
   ThreadPool& pool_;
   SurfaceSystem system_;
+  std::vector<int> patches_;  // that move
   Stopwatch watch_;
 };
 
@@ -229,19 +237,11 @@ struct Level {
   Eigen::Matrix3Xd control_points;
 };
 
-// How much worse one is than another, in standard errors of the difference point by point.
-double Worse(const Level& one, const Level& other) {
-  const Eigen::ArrayXd difference = (one.squares - other.squares).array();
-  const double mean = difference.mean();
-  const double variance = (difference - mean).square().mean() / double(difference.size());
-  return mean / std::sqrt(std::max(variance, std::numeric_limits<double>::min()));
-}
-
 // From stiff to soft, for as long as points left out are met better.
 Level ChooseSmoothing(const SurfaceData& data, Descent& descent, LimitSurfaceFit& fit) {
-  constexpr double kStiffest = 1, kStep = 0.1, kSoftest = 1e-6;
+  constexpr double kStiffest = 1;  // from softer ones steps end in poorer places
+  constexpr double kStep = 0.1, kSoftest = 1e-6;
   constexpr int kRounds = 5;
-  constexpr double kChance = 1;     // standard errors
   constexpr std::size_t kIdle = 2;  // softer levels without a gain before the end
   std::vector<Level> levels;
   std::size_t best = 0;
@@ -251,15 +251,45 @@ Level ChooseSmoothing(const SurfaceData& data, Descent& descent, LimitSurfaceFit
     const Eigen::VectorXd squares = SquaresLeftOut(data, fit.feet);
     levels.push_back({smoothing, squares.mean(), squares, fit.control_points});
     if (levels.back().mean < levels[best].mean) best = levels.size() - 1;
-    if (Worse(levels.back(), levels[best]) > kChance || levels.size() > best + kIdle) break;
+    if (Worse(levels.back().squares, levels[best].squares) > kChance ||
+        levels.size() > best + kIdle)
+      break;
   }
   // The stiffest that is as good as the best but for chance.
   return *std::find_if(levels.begin(), levels.end(), [&](const Level& level) {
-    return Worse(level, levels[best]) <= kChance;
+    return Worse(level.squares, levels[best].squares) <= kChance;
   });
 }
 
+// The last steps towards all points, at the smoothing of a level and from where it led.
+void FitAll(const Level& level,
+            const SurfaceFitSettings& settings,
+            Descent& descent,
+            LimitSurfaceFit& fit) {
+  for (Eigen::Index v = 0; v < fit.control_points.cols(); ++v) {
+    if (settings.Moves(v)) fit.control_points.col(v) = level.control_points.col(v);
+  }
+  fit.smoothing = level.smoothing;
+  fit.without = level.control_points;
+  fit.held_out = level.squares;
+  constexpr int kLastRounds = 12;
+  descent.Run(kLastRounds, false, fit);
+}
+
 }  // namespace
+
+PointMask EveryTenth(Eigen::Index points) {
+  constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
+  return PointMask::NullaryExpr(
+      points, [](Eigen::Index k) { return ((std::uint64_t(k) + 1) * kSpread >> 32) % 10 == 0; });
+}
+
+double Worse(const Eigen::VectorXd& one, const Eigen::VectorXd& other) {
+  const Eigen::ArrayXd difference = (one - other).array();
+  const double mean = difference.mean();
+  const double variance = (difference - mean).square().mean() / double(difference.size());
+  return mean / std::sqrt(std::max(variance, std::numeric_limits<double>::min()));
+}
 
 LimitSurfaceFit FitLimitSurface(const LimitStencils& stencils,
                                 const Eigen::Matrix3Xd& start,
@@ -278,12 +308,28 @@ LimitSurfaceFit FitLimitSurface(const LimitStencils& stencils,
     descent.Run(settings.max_iterations, false, fit);
     return fit;
   }
+  FitAll(ChooseSmoothing(oriented, descent, fit), settings, descent, fit);
+  return fit;
+}
+
+std::optional<LimitSurfaceFit> FitFiner(const LimitStencils& stencils,
+                                        const LimitSurfaceFit& coarse,
+                                        const SurfaceData& data,
+                                        const SurfaceFitSettings& settings,
+                                        ThreadPool& pool) {
+  LimitSurfaceFit fit;
+  fit.control_points = coarse.without;
+  SurfaceData oriented = data;
+  const LimitSurface start(stencils, coarse.without);
+  const FootGround ground{start, stencils.patches(), settings.left_out};
+  if (!data.oriented) Orient(ground, oriented, pool);
+  const Eigen::VectorXd before =
+      SquaresLeftOut(oriented, FeetOn(ground, data.points, oriented.normals, true, {}, pool));
+  Descent descent(stencils, oriented, settings, pool);
   const Level level = ChooseSmoothing(oriented, descent, fit);
-  fit.smoothing = level.smoothing;
-  fit.control_points = level.control_points;
-  fit.held_out = level.squares;
-  constexpr int kLastRounds = 12;
-  descent.Run(kLastRounds, false, fit);
+  if (!(Worse(before, level.squares) > kChance)) return std::nullopt;
+  fit.control_points = coarse.control_points;
+  FitAll(level, settings, descent, fit);
   return fit;
 }
 

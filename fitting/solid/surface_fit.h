@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/fit_report.h"
+#include "batten/fitting/point_mask.h"
 #include "batten/fitting/progress.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/solid/surface_feet.h"
@@ -19,7 +20,11 @@ struct SurfaceData {
   bool oriented = false;             // the signs of normals count
   Eigen::VectorXd weights;           // zero: does not count
   double noise = 0;                  // standard deviation, zero where not known
+  PointMask left_out;                // while smoothing is chosen
 };
+
+// Every tenth of so many points, spread over them.
+PointMask EveryTenth(Eigen::Index points);
 
 // Beside creases faces are less even: measured on a part of 25 corners, one layout in four had
 // folds at 0.2, two at 0.05, all at 0.01.
@@ -34,6 +39,10 @@ struct SurfaceFitSettings {
   double stretch = kStretch;
   // By patch of the stencils: has no points, what is beyond a border; empty: none.
   std::vector<char> left_out = {};
+  // By vertex: its control point may move; empty: all may.
+  std::vector<char> moves = {};
+
+  bool Moves(Eigen::Index vertex) const { return moves.empty() || moves[std::size_t(vertex)]; }
 };
 
 struct LimitSurfaceFit {
@@ -44,7 +53,12 @@ struct LimitSurfaceFit {
   // Weighted squared distances of points left out, from the surface of that smoothing fitted
   // without them; empty where smoothing was given.
   Eigen::VectorXd held_out;
+  Eigen::Matrix3Xd without;  // control points of that surface
 };
+
+// How much more points left out miss one surface than another, from their weighted squared
+// distances: in standard errors of the difference point by point.
+double Worse(const Eigen::VectorXd& one, const Eigen::VectorXd& other);
 
 // Fits the surface from these control points on; see FitSolid. Damping by the tangential distance
 // is the point-distance matrix restricted to the tangent plane: the foot points, eliminated, add
@@ -54,6 +68,15 @@ LimitSurfaceFit FitLimitSurface(const LimitStencils& stencils,
                                 const SurfaceData& data,
                                 const SurfaceFitSettings& settings,
                                 ThreadPool& pool);
+
+// Goes on from the control points of a coarser fit, all and `without` those left out, with the
+// smoothing that these choose anew. None where points left out are not met better than by the
+// coarser one.
+std::optional<LimitSurfaceFit> FitFiner(const LimitStencils& stencils,
+                                        const LimitSurfaceFit& coarse,
+                                        const SurfaceData& data,
+                                        const SurfaceFitSettings& settings,
+                                        ThreadPool& pool);
 
 // Control points near those of a mesh whose limit surface passes near its vertices.
 Eigen::Matrix3Xd ControlPointsThrough(const QuadTopology& mesh, const Eigen::Matrix3Xd& vertices);

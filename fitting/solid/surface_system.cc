@@ -19,8 +19,16 @@ constexpr double kLeak = 0.05;
 
 }  // namespace
 
-SurfaceSystem::SurfaceSystem(const LimitStencils& stencils)
-    : stencils_(stencils), vertices_(stencils.mesh().vertices()) {
+SurfaceSystem::SurfaceSystem(const LimitStencils& stencils,
+                             const std::vector<char>& moves,
+                             ThreadPool& pool)
+    : stencils_(stencils), pool_(pool), number_(std::size_t(stencils.mesh().vertices()), -1) {
+  for (int v = 0; v < stencils.mesh().vertices(); ++v) {
+    if (!moves.empty() && !moves[std::size_t(v)]) continue;
+    number_[std::size_t(v)] = static_cast<int>(movable_.size());
+    movable_.push_back(v);
+  }
+  vertices_ = static_cast<int>(movable_.size());
   MakePattern();
   MakeDifferences();
 }
@@ -28,7 +36,7 @@ SurfaceSystem::SurfaceSystem(const LimitStencils& stencils)
 void SurfaceSystem::MakePattern() {
   std::vector<std::set<int>> rows(vertices_);
   for (int patch = 0; patch < stencils_.patches(); ++patch) {
-    const auto support = stencils_.Support(patch);
+    const std::vector<int> support = Numbers(patch);
     for (std::size_t b = 0; b < support.size(); ++b) {
       rows[support[b]].insert(support.begin() + std::ptrdiff_t(b), support.end());
     }
@@ -44,7 +52,7 @@ void SurfaceSystem::MakePattern() {
   plates_ = shares_;
   patch_blocks_.resize(stencils_.patches());
   for (int patch = 0; patch < stencils_.patches(); ++patch) {
-    const auto support = stencils_.Support(patch);
+    const std::vector<int> support = Numbers(patch);
     for (std::size_t a = 0; a < support.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
         patch_blocks_[patch].push_back(BlockOf(support[a], support[b]));
@@ -71,6 +79,15 @@ void SurfaceSystem::MakePattern() {
   matrix_.makeCompressed();
 }
 
+// Of the vertices that move in the support of a patch, ascending.
+std::vector<int> SurfaceSystem::Numbers(int patch) const {
+  std::vector<int> numbers;
+  for (const int vertex : stencils_.Support(patch)) {
+    if (number_[std::size_t(vertex)] >= 0) numbers.push_back(number_[std::size_t(vertex)]);
+  }
+  return numbers;
+}
+
 int SurfaceSystem::BlockOf(int row, int column) const {
   const auto begin = block_row_.begin() + column_begin_[column];
   const auto end = block_row_.begin() + column_begin_[column + 1];
@@ -84,17 +101,24 @@ void SurfaceSystem::MakeDifferences() {
   const QuadTopology& mesh = stencils_.mesh();
   const auto add = [&](int vertex, std::vector<std::pair<int, double>> row, double weight) {
     std::sort(row.begin(), row.end());
+    std::vector<int> moving;
+    for (const auto& [other, factor] : row) {
+      const int number = number_[std::size_t(other)];
+      if (number < 0) continue;
+      moving.push_back(number);
+      energy_trace_ += 3 * weight * factor * factor;
+    }
+    if (moving.empty()) return;
     const bool crease = mesh.Creases(vertex) > 0 && row.size() == 3 && !mesh.IsCorner(vertex);
     Difference difference{vertex, crease, weight, std::move(row), {}};
-    for (std::size_t a = 0; a < difference.row.size(); ++a) {
+    for (std::size_t a = 0; a < moving.size(); ++a) {
       for (std::size_t b = 0; b <= a; ++b) {
-        difference.blocks.push_back(BlockOf(difference.row[a].first, difference.row[b].first));
+        difference.blocks.push_back(BlockOf(moving[a], moving[b]));
       }
-      energy_trace_ += 3 * weight * difference.row[a].second * difference.row[a].second;
     }
     differences_.push_back(std::move(difference));
   };
-  for (int v = 0; v < vertices_; ++v) {
+  for (int v = 0; v < mesh.vertices(); ++v) {
     std::vector<int> around;
     int h = mesh.Outgoing(v);
     for (int k = 0; k < mesh.Valence(v); ++k, h = mesh.Turned(h)) {
@@ -154,7 +178,7 @@ void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& control_points,
   const double scale = data_trace / energy_trace_;
   std::fill(energy_.begin(), energy_.end(), Eigen::Matrix3d::Zero());
   std::fill(plates_.begin(), plates_.end(), 0.0);
-  for (const Difference& difference : differences_) {
+  for (Difference& difference : differences_) {
     Eigen::Matrix3d across;
     if (difference.crease) {
       Eigen::Vector3d along = Eigen::Vector3d::Zero();
@@ -170,14 +194,16 @@ void SurfaceSystem::AssembleEnergy(const Eigen::Matrix3Xd& control_points,
       const Eigen::Vector3d normal = normals.col(difference.vertex);
       across = normal * normal.transpose();
     }
-    const Eigen::Matrix3d metric = scale * difference.weight *
-                                   (stiffness.stretch * Eigen::Matrix3d::Identity() +
-                                    (stiffness.bending - stiffness.stretch) * across);
+    difference.metric = scale * difference.weight *
+                        (stiffness.stretch * Eigen::Matrix3d::Identity() +
+                         (stiffness.bending - stiffness.stretch) * across);
     std::size_t at = 0;
     for (std::size_t a = 0; a < difference.row.size(); ++a) {
+      if (number_[std::size_t(difference.row[a].first)] < 0) continue;
       for (std::size_t b = 0; b <= a; ++b) {
+        if (number_[std::size_t(difference.row[b].first)] < 0) continue;
         const double product = difference.row[a].second * difference.row[b].second;
-        energy_[difference.blocks[at]] += product * metric;
+        energy_[difference.blocks[at]] += product * difference.metric;
         plates_[difference.blocks[at++]] += product * scale * difference.weight;
       }
     }
@@ -192,10 +218,20 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
   std::fill(blocks_.begin(), blocks_.end(), Eigen::Matrix3d::Zero());
   std::fill(shares_.begin(), shares_.end(), 0.0);
   right_ = Eigen::Matrix3Xd::Zero(3, vertices_);
-  for (const SurfaceDemand& demand : demands) {
-    if (!(demand.weight > 0)) continue;
-    const Eigen::VectorXd weights = stencils_.WeightsAt(demand.place, 1);
+  std::vector<Eigen::VectorXd> all_weights(demands.size());
+  constexpr std::ptrdiff_t kBlock = 256;
+  pool_.For(std::ptrdiff_t(demands.size()), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const LimitPlace& place = demands[std::size_t(k)].place;
+      if (!stencils_.Support(place.patch).empty())
+        all_weights[std::size_t(k)] = stencils_.WeightsAt(place, 1);
+    }
+  });
+  for (std::size_t k = 0; k < demands.size(); ++k) {
+    const SurfaceDemand& demand = demands[k];
+    const Eigen::VectorXd& weights = all_weights[k];
     const auto support = stencils_.Support(demand.place.patch);
+    if (!(demand.weight > 0) || support.empty()) continue;
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t a = 0; a < support.size(); ++a) {
       point += weights[Eigen::Index(a)] * control_points.col(support[a]);
@@ -208,17 +244,19 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
     const std::vector<int>& blocks = patch_blocks_[demand.place.patch];
     std::size_t at = 0;
     for (std::size_t a = 0; a < support.size(); ++a) {
-      right_.col(support[a]) += weights[Eigen::Index(a)] * pull;
+      if (number_[std::size_t(support[a])] < 0) continue;
+      right_.col(number_[std::size_t(support[a])]) += weights[Eigen::Index(a)] * pull;
       const Eigen::Matrix3d row = weights[Eigen::Index(a)] * metric;
       const double share = weights[Eigen::Index(a)] * demand.weight;
       for (std::size_t b = 0; b <= a; ++b) {
+        if (number_[std::size_t(support[b])] < 0) continue;
         blocks_[blocks[at]] += weights[Eigen::Index(b)] * row;
         shares_[blocks[at++]] += weights[Eigen::Index(b)] * share;
       }
     }
   }
   AssembleEnergy(control_points, normals, stiffness);
-  normals_ = normals;
+  normals_ = normals(Eigen::all, movable_);
   tangential_ = tangential;
   stiffness_ = stiffness;
   double* value = matrix_.valuePtr();
@@ -233,39 +271,45 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
   }
 }
 
-namespace {
-
-// P times points.
-Eigen::Matrix3Xd Pulled(const std::vector<int>& begin,
-                        const std::vector<int>& rows,
-                        const std::vector<Eigen::Matrix3d>& energy,
-                        const Eigen::Matrix3Xd& points) {
-  Eigen::Matrix3Xd pulled = Eigen::Matrix3Xd::Zero(3, points.cols());
-  for (int v = 0; v < points.cols(); ++v) {
-    for (int k = begin[v]; k < begin[v + 1]; ++k) {
-      pulled.col(rows[k]) += energy[k] * points.col(v);
-      if (rows[k] != v) pulled.col(v) += energy[k] * points.col(rows[k]);
-    }
-  }
-  return pulled;
+Eigen::Vector3d SurfaceSystem::Difference::At(const Eigen::Matrix3Xd& control_points) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& [vertex, factor] : row) sum += factor * control_points.col(vertex);
+  return sum;
 }
 
-}  // namespace
+// P times control points, of those that move.
+Eigen::Matrix3Xd SurfaceSystem::EnergyPull(const Eigen::Matrix3Xd& control_points) const {
+  Eigen::Matrix3Xd pull = Eigen::Matrix3Xd::Zero(3, vertices_);
+  for (const Difference& difference : differences_) {
+    const Eigen::Vector3d force = difference.metric * difference.At(control_points);
+    for (const auto& [vertex, factor] : difference.row) {
+      const int number = number_[std::size_t(vertex)];
+      if (number >= 0) pull.col(number) += factor * force;
+    }
+  }
+  return pull;
+}
 
 Eigen::Matrix3Xd SurfaceSystem::Step(const Eigen::Matrix3Xd& control_points) {
-  const Eigen::Matrix3Xd right =
-      right_ - Pulled(column_begin_, block_row_, energy_, control_points);
+  const Eigen::Matrix3Xd right = right_ - EnergyPull(control_points);
   Eigen::Matrix3Xd step = Eigen::Matrix3Xd::Zero(3, vertices_);
+  const auto of_all = [&] {
+    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, control_points.cols());
+    all(Eigen::all, movable_) = step;
+    return all;
+  };
   if (preconditioner_.Factor(Scalars(1, stiffness_.bending + kLeak * stiffness_.stretch),
-                             Scalars(tangential_ + kLeak, stiffness_.stretch)) &&
+                             Scalars(tangential_ + kLeak, stiffness_.stretch),
+                             pool_) &&
       Iterate(right, step)) {
-    return step;
+    return of_all();
   }
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix_);
   if (factor.info() != Eigen::Success) {
     throw std::runtime_error("the points do not determine the surface");
   }
-  return factor.solve(right.reshaped()).reshaped(3, vertices_);
+  step = factor.solve(right.reshaped()).reshaped(3, vertices_);
+  return of_all();
 }
 
 Eigen::SparseMatrix<double> SurfaceSystem::Scalars(double of_data, double of_energy) const {
@@ -306,8 +350,12 @@ bool SurfaceSystem::Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) 
 }
 
 double SurfaceSystem::Energy(const Eigen::Matrix3Xd& control_points) const {
-  return control_points.cwiseProduct(Pulled(column_begin_, block_row_, energy_, control_points))
-      .sum();
+  double energy = 0;
+  for (const Difference& difference : differences_) {
+    const Eigen::Vector3d bend = difference.At(control_points);
+    energy += bend.dot(difference.metric * bend);
+  }
+  return energy;
 }
 
 }  // namespace batten::internal

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/geometry/thread_pool.h"
 #include "fitting/solid/split_preconditioner.h"
 #include "geometry/subdivision/limit_surface.h"
 
@@ -29,12 +30,13 @@ struct Stiffness {
   double bending = 0, stretch = 0;
 };
 
-// The sparse system (A + P) Δ = r for a step Δ of all control points: A from demands, P the
-// discrete thin-plate energy of the control mesh, its second differences weighed along the vertex's
-// normal by one factor and across it by the other. The pattern is made once.
+// The sparse system (A + P) Δ = r for a step Δ of the control points that move: A from demands, P
+// the discrete thin-plate energy of the control mesh, its second differences weighed along the
+// vertex's normal by one factor and across it by the other. The pattern is made once.
 class SurfaceSystem {
  public:
-  explicit SurfaceSystem(const LimitStencils& stencils);
+  // `moves`: by vertex; empty: all do.
+  SurfaceSystem(const LimitStencils& stencils, const std::vector<char>& moves, ThreadPool& pool);
 
   // Sets A and the right side Σ Wᵀ(target − S) of the demands, and P, for the surface of these
   // control points; normals are those of the vertices. Creases bend across their own direction.
@@ -45,7 +47,7 @@ class SurfaceSystem {
                 const Eigen::Matrix3Xd& normals,
                 const Stiffness& stiffness);
 
-  // The step from these control points: what A asks for less the pull of P. Throws
+  // The step of all control points from these: what A asks for less the pull of P. Throws
   // std::runtime_error where the system is singular.
   Eigen::Matrix3Xd Step(const Eigen::Matrix3Xd& control_points);
 
@@ -60,14 +62,19 @@ class SurfaceSystem {
   void AssembleEnergy(const Eigen::Matrix3Xd& control_points,
                       const Eigen::Matrix3Xd& normals,
                       const Stiffness& stiffness);
+  std::vector<int> Numbers(int patch) const;
   int BlockOf(int row, int column) const;  // row ≥ column
+  Eigen::Matrix3Xd EnergyPull(const Eigen::Matrix3Xd& control_points) const;
   bool Iterate(const Eigen::Matrix3Xd& right, Eigen::Matrix3Xd& x) const;
   Eigen::SparseMatrix<double> Scalars(double of_data, double of_energy) const;
 
   const LimitStencils& stencils_;
-  int vertices_;
-  std::vector<int> column_begin_, block_row_;   // lower triangle of 3 × 3 blocks by columns
-  std::vector<std::vector<int>> patch_blocks_;  // for a ≥ b of each support: its block
+  ThreadPool& pool_;
+  std::vector<int> movable_;                   // vertices that move, ascending
+  std::vector<int> number_;                    // of each vertex among these; −1: it does not move
+  int vertices_;                               // that move
+  std::vector<int> column_begin_, block_row_;  // lower triangle of 3 × 3 blocks by columns
+  std::vector<std::vector<int>> patch_blocks_;  // for a ≥ b of each support that move: its block
   std::vector<Eigen::Matrix3d> blocks_;         // A
   std::vector<Eigen::Matrix3d> energy_;         // P
   std::vector<double> shares_, plates_;         // both as if the demands' metric were one
@@ -76,10 +83,13 @@ class SurfaceSystem {
     bool crease;  // where all directions across the crease do
     double weight;
     std::vector<std::pair<int, double>> row;
-    std::vector<int> blocks;  // for a ≥ b of the row, by vertices: its block
+    std::vector<int> blocks;  // for a ≥ b of the row that move, by vertices: its block
+    Eigen::Matrix3d metric = Eigen::Matrix3d::Zero();
+
+    Eigen::Vector3d At(const Eigen::Matrix3Xd& control_points) const;
   };
   std::vector<Difference> differences_;
-  Eigen::Matrix3Xd right_;
+  Eigen::Matrix3Xd right_;  // of those that move, as normals_
   Eigen::SparseMatrix<double> matrix_;
   SplitPreconditioner preconditioner_;
   Eigen::Matrix3Xd normals_;

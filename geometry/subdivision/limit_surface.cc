@@ -26,6 +26,28 @@ Eigen::Matrix<double, 16, 6> TensorWeights(double u, double v, double scale) {
   return weights;
 }
 
+// The same applied to points, one direction after the other.
+SurfaceJet JetOf(const Eigen::Matrix<double, 3, 16>& points, double u, double v, double scale) {
+  const CubicWeights a = UniformCubic(u), b = UniformCubic(v);
+  Eigen::Matrix<double, 3, 4> value = Eigen::Matrix<double, 3, 4>::Zero();
+  Eigen::Matrix<double, 3, 4> first = value, second = value;
+  for (int i = 0; i < 4; ++i) {
+    const auto row = points.middleCols<4>(4 * i);
+    value += a.value[i] * row;
+    first += a.first[i] * row;
+    second += a.second[i] * row;
+  }
+  using Weights = Eigen::Map<const Eigen::Vector4d>;
+  const Weights by_value(b.value.data()), by_first(b.first.data()), by_second(b.second.data());
+  const double square = scale * scale;
+  return {value * by_value,
+          scale * first * by_value,
+          scale * value * by_first,
+          square * second * by_value,
+          square * first * by_first,
+          square * value * by_second};
+}
+
 }  // namespace
 
 PlainNet PlainNetOf(const QuadTopology& mesh, int h) {
@@ -74,12 +96,15 @@ std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPla
 }
 
 LimitStencils::LimitStencils(const QuadTopology& mesh)
+    : LimitStencils(mesh, std::vector<char>(std::size_t(mesh.faces()), 1)) {}
+
+LimitStencils::LimitStencils(const QuadTopology& mesh, const std::vector<char>& faces)
     : mesh_(mesh), finer_(Subdivided(mesh)), patches_(finer_.topology.faces()) {
   std::map<int, int> nets;
-  for (int p = 0; p < patches(); ++p) MakePatch(p, nets);
+  for (int p = 0; p < patches(); ++p) MakePatch(p, nets, faces[std::size_t(p >> 2)] != 0);
 }
 
-void LimitStencils::MakePatch(int p, std::map<int, int>& nets) {
+void LimitStencils::MakePatch(int p, std::map<int, int>& nets, bool stencils) {
   const QuadTopology& finer = finer_.topology;
   Patch& patch = patches_[p];
   const int first = 4 * p;
@@ -97,7 +122,7 @@ void LimitStencils::MakePatch(int p, std::map<int, int>& nets) {
     if (fresh) net_first_.push_back(fan.first);
     patch.net = known->second;
   }
-  MakeStencils(patch);
+  if (stencils) MakeStencils(patch);
 }
 
 void LimitStencils::MakeStencils(Patch& patch) const {
@@ -174,15 +199,53 @@ LimitSurface::LimitSurface(const LimitStencils& stencils, const Eigen::Matrix3Xd
   }
 }
 
+Eigen::Matrix<double, 3, 16> LimitSurface::PointsOf(const LimitStencils::Patch& plain) const {
+  Eigen::Matrix<double, 3, 16> points;
+  for (int k = 0; k < 16; ++k) {
+    if (plain.places[k] >= 0) points.col(k) = finer_points_.col(plain.places[k]);
+  }
+  plain.beyond.Fill([&](int k) { return points.col(k); });
+  return points;
+}
+
+Eigen::Matrix3Xd LimitSurface::NormalsOn(int patch, std::span<const double> parameters) const {
+  const LimitStencils::Patch& of = stencils_.patches_[patch];
+  const auto count = Eigen::Index(parameters.size());
+  Eigen::Matrix3Xd normals(3, count * count);
+  if (of.ring != nullptr) {
+    for (Eigen::Index k = 0; k < count * count; ++k) {
+      const SurfaceJet jet = JetAt({patch, parameters[k / count], parameters[k % count]});
+      normals.col(k) = jet.du.cross(jet.dv).stableNormalized();
+    }
+    return normals;
+  }
+  const Eigen::Matrix<double, 3, 16> points = PointsOf(of);
+  Eigen::Matrix<double, 4, Eigen::Dynamic> values(4, count), slopes(4, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const CubicWeights weights = UniformCubic(parameters[k]);
+    values.col(k) = Eigen::Map<const Eigen::Vector4d>(weights.value.data());
+    slopes.col(k) = Eigen::Map<const Eigen::Vector4d>(weights.first.data());
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Eigen::Matrix<double, 3, 4> value = Eigen::Matrix<double, 3, 4>::Zero(), slope = value;
+    for (int row = 0; row < 4; ++row) {
+      value += values(row, i) * points.middleCols<4>(4 * row);
+      slope += slopes(row, i) * points.middleCols<4>(4 * row);
+    }
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const Eigen::Vector3d du = slope * values.col(j), dv = value * slopes.col(j);
+      normals.col(i * count + j) = du.cross(dv).stableNormalized();
+    }
+  }
+  return normals;
+}
+
 SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
   const LimitStencils::Patch& patch = stencils_.patches_[place.patch];
   Eigen::Matrix<double, 3, 16> points;
   double u = place.u, v = place.v, scale = 1;
   if (patch.ring == nullptr) {
-    for (int k = 0; k < 16; ++k) {
-      if (patch.places[k] >= 0) points.col(k) = finer_points_.col(patch.places[k]);
-    }
-    patch.beyond.Fill([&](int k) { return points.col(k); });
+    points = PointsOf(patch);
   } else {
     const ExtraordinaryRing::Piece piece = patch.ring->PieceAt(u, v, patch.sector);
     const std::vector<Eigen::Matrix3Xd>& levels = rings_[patch.net];
@@ -200,8 +263,7 @@ SurfaceJet LimitSurface::JetAt(const LimitPlace& place) const {
     v = piece.v;
     scale = piece.scale;
   }
-  const Eigen::Matrix<double, 3, 6> jet = points * TensorWeights(u, v, scale);
-  return {jet.col(0), jet.col(1), jet.col(2), jet.col(3), jet.col(4), jet.col(5)};
+  return JetOf(points, u, v, scale);
 }
 
 namespace {

@@ -39,6 +39,8 @@ std::vector<int> RingVertices(const QuadTopology& mesh, int first, const RingPla
 class LimitStencils {
  public:
   explicit LimitStencils(const QuadTopology& mesh);
+  // With Support and WeightsAt of the patches of some of its faces only; others support nothing.
+  LimitStencils(const QuadTopology& mesh, const std::vector<char>& faces);
 
   const QuadTopology& mesh() const { return mesh_; }
   const SubdividedMesh& finer() const { return finer_; }  // whose faces are the patches
@@ -65,7 +67,7 @@ class LimitStencils {
     std::vector<int> support;  // of the control mesh
     Eigen::MatrixXd stencils;  // places × support
   };
-  void MakePatch(int patch, std::map<int, int>& nets);
+  void MakePatch(int patch, std::map<int, int>& nets, bool stencils);
   void MakeStencils(Patch& patch) const;
 
   QuadTopology mesh_;
@@ -82,6 +84,9 @@ class LimitSurface {
 
   SurfaceJet JetAt(const LimitPlace& place) const;
   Eigen::Vector3d At(const LimitPlace& place) const { return JetAt(place).point; }
+  // Unit normals at the places (u, v) of a patch, u and v out of some parameters: that of u's i-th
+  // and v's j-th in column i · size + j.
+  Eigen::Matrix3Xd NormalsOn(int patch, std::span<const double> parameters) const;
 
   // The place after a step (du, dv) from a place: where it leaves the patch, it goes on in the one
   // beside, at most through `crossings` of them; it ends at the last border otherwise. Along
@@ -97,6 +102,8 @@ class LimitSurface {
   std::vector<LimitPlace> Beyond(const LimitPlace& place) const;
 
  private:
+  Eigen::Matrix<double, 3, 16> PointsOf(const LimitStencils::Patch& plain) const;
+
   const LimitStencils& stencils_;
   Eigen::Matrix3Xd finer_points_;
   // The net of every fan with a ring, and some of the refined ones, by level.

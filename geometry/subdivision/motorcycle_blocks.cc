@@ -167,8 +167,14 @@ std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
   return places;
 }
 
-Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place) {
-  constexpr double kQuarters = 4;
+std::vector<QuadBlock> SubdividedBlocks(std::vector<QuadBlock> blocks) {
+  for (QuadBlock& block : blocks) block = {4 * block.first, 2 * block.across, 2 * block.along};
+  return blocks;
+}
+
+Eigen::Vector2d ParametersInBlock(const BlockPlace& face,
+                                  const LimitPlace& place,
+                                  int refinements) {
   const double u = place.u / 2, v = place.v / 2;
   Eigen::Vector2d in_cell;
   switch ((place.patch - face.half_edge) & 3) {
@@ -184,7 +190,7 @@ Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& plac
     default:
       in_cell << v, 1 - u;
   }
-  return kQuarters * (Eigen::Vector2d(face.column, face.row) + in_cell);
+  return (1 << refinements) * (Eigen::Vector2d(face.column, face.row) + in_cell);
 }
 
 std::vector<QuadBlock> SingleBlocks(const QuadTopology& mesh) {

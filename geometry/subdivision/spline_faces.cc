@@ -19,24 +19,33 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kQuarters = 4;  // faces of the mesh refined twice along one of the mesh
-constexpr int kOwned = 4;     // coefficients of a smooth corner in each direction
+constexpr int kOwned = 4;  // coefficients of a smooth corner in each direction
 
-// The mesh refined twice, where corner blocks of neighbouring vertices keep apart, and the
+// The mesh refined so often that corner blocks of neighbouring vertices keep apart, and the
 // coefficients of its fans that are not plain.
 class RefinedNet {
  public:
-  RefinedNet(const QuadTopology& mesh, const Eigen::Matrix3Xd& control_points)
-      : RefinedNet(Subdivided(mesh), control_points) {}
+  RefinedNet(const QuadTopology& mesh, const Eigen::Matrix3Xd& control_points, int refinements)
+      : fine_(mesh), points_(control_points), cells_(1 << refinements) {
+    for (int k = 0; k < refinements; ++k) {
+      SubdividedMesh finer = Subdivided(fine_);
+      points_ = Combined(finer.stencils, points_);
+      fine_ = std::move(finer.topology);
+    }
+    for (int h = 0; h < fine_.half_edges(); ++h) {
+      if (fine_.IsCrease(h)) Straighten(h);
+    }
+  }
 
-  const QuadTopology& topology() const { return fine_.topology; }
+  const QuadTopology& topology() const { return fine_; }
 
+  int cells() const { return cells_; }  // along a face of the mesh
   // The cell at the lower left of a block whose u runs along half-edge h of the mesh.
-  static int CellOf(int h) { return kQuarters * kQuarters * h; }
+  int CellOf(int h) const { return cells_ * cells_ * h; }
 
   // The 4 × 4 points about a cell, those beyond creases too.
   Eigen::Matrix<double, 3, 16> PointsAbout(int cell) const {
-    const PlainNet net = PlainNetOf(fine_.topology, cell);
+    const PlainNet net = PlainNetOf(fine_, cell);
     Eigen::Matrix<double, 3, 16> points;
     for (int k = 0; k < 16; ++k) {
       if (net.vertices[k] >= 0) points.col(k) = points_.col(net.vertices[k]);
@@ -48,7 +57,7 @@ class RefinedNet {
   // Coefficient (i, j) of the corner in the sector to the left of an outgoing half-edge whose fan
   // is not plain.
   Eigen::Vector3d Corner(int outgoing, int i, int j) {
-    const QuadFan fan = fine_.topology.FanOf(outgoing);
+    const QuadFan fan = fine_.FanOf(outgoing);
     FanCoefficients& corner = corners_[fan.first];
     if (corner.coefficients.cols() == 0) {
       const CornerKind kind = KindOf(fan);
@@ -60,22 +69,14 @@ class RefinedNet {
                                 : Eigen::Matrix3Xd(net * SmoothCorner(kind).mask().transpose());
     }
     int sector = 0;
-    for (int h = fan.first; h != outgoing; h = fine_.topology.Turned(h)) ++sector;
+    for (int h = fan.first; h != outgoing; h = fine_.Turned(h)) ++sector;
     return corner.coefficients.col(corner.places.At(sector, i, j));
   }
 
  private:
-  RefinedNet(const SubdividedMesh& once, const Eigen::Matrix3Xd& control_points)
-      : fine_(Subdivided(once.topology)),
-        points_(Combined(fine_.stencils, Combined(once.stencils, control_points))) {
-    for (int h = 0; h < fine_.topology.half_edges(); ++h) {
-      if (fine_.topology.IsCrease(h)) Straighten(h);
-    }
-  }
-
   Eigen::Matrix3Xd NetOf(const QuadFan& fan) const {
     const std::vector<int> places =
-        RingVertices(fine_.topology, fan.first, RingPlaces{fan.sectors, 3, fan.open});
+        RingVertices(fine_, fan.first, RingPlaces{fan.sectors, 3, fan.open});
     Eigen::Matrix3Xd net(3, Eigen::Index(places.size()));
     for (std::size_t k = 0; k < places.size(); ++k)
       net.col(Eigen::Index(k)) = points_.col(places[k]);
@@ -87,7 +88,7 @@ class RefinedNet {
   CornerKind KindOf(const QuadFan& fan) const {
     constexpr double kHalf = std::numbers::pi, kWhole = 2 * std::numbers::pi;
     CornerKind kind{{fan.sectors, fan.open, fan.corner}, kWhole};
-    const QuadTopology& mesh = fine_.topology;
+    const QuadTopology& mesh = fine_;
     if (!fan.open || mesh.Creases(mesh.Origin(fan.first)) == 1) return kind;
     kind.angle = kHalf;
     if (!fan.corner) return kind;
@@ -126,7 +127,7 @@ class RefinedNet {
   // Where a fan of two or more faces has a corner that is nearly straight, the two creases get one
   // tangent line: none in the middle would have a tangent plane else, or a poor one.
   void Straighten(int h) {
-    const QuadTopology& mesh = fine_.topology;
+    const QuadTopology& mesh = fine_;
     const QuadFan fan = mesh.FanOf(h);
     if (!fan.corner || fan.sectors < 2 || fan.first != h || KindOf(fan).angle != std::numbers::pi)
       return;
@@ -146,8 +147,9 @@ class RefinedNet {
     RingPlaces places{};
     Eigen::Matrix3Xd coefficients;
   };
-  SubdividedMesh fine_;
+  QuadTopology fine_;
   Eigen::Matrix3Xd points_;
+  int cells_;
   std::unordered_map<int, FanCoefficients> corners_;  // by the fan's first half-edge
 };
 
@@ -176,9 +178,9 @@ class BlockFace {
   BlockFace(RefinedNet& net, const QuadBlock& block)
       : net_(net),
         mesh_(net.topology()),
-        cells_u_(kQuarters * block.across),
-        cells_v_(kQuarters * block.along) {
-    CollectCells(RefinedNet::CellOf(block.first));
+        cells_u_(net.cells() * block.across),
+        cells_v_(net.cells() * block.along) {
+    CollectCells(net.CellOf(block.first));
     const int u = cells_u_ - 1, v = cells_v_ - 1;
     corner_ = {Cell(0, 0),
                QuadTopology::Next(Cell(u, 0)),
@@ -254,13 +256,17 @@ struct SidePlace {
 
 class SolidMaker {
  public:
-  SolidMaker(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks)
-      : mesh_(mesh), blocks_(blocks), places_(mesh.half_edges()), sides_(blocks.size()) {
+  SolidMaker(const QuadTopology& mesh, const std::vector<QuadBlock>& blocks, int refinements)
+      : mesh_(mesh),
+        blocks_(blocks),
+        refinements_(refinements),
+        places_(mesh.half_edges()),
+        sides_(blocks.size()) {
     for (int b = 0; b < static_cast<int>(blocks.size()); ++b) TakeSides(b);
   }
 
   SolidModel Make(const Eigen::Matrix3Xd& control_points) {
-    RefinedNet net(mesh_, control_points);
+    RefinedNet net(mesh_, control_points, refinements_);
     for (const QuadBlock& block : blocks_) {
       solid_.faces.push_back({BlockFace(net, block).Surface(), {}});
     }
@@ -291,8 +297,9 @@ class SolidMaker {
 
   // Parameters of a block at so many faces along one of its sides.
   Eigen::Vector2d ParametersAt(int b, int side, int place) const {
-    const double u = kQuarters * blocks_[b].across, v = kQuarters * blocks_[b].along;
-    const double t = kQuarters * place;
+    const int cells = 1 << refinements_;
+    const double u = cells * blocks_[b].across, v = cells * blocks_[b].along;
+    const double t = cells * place;
     switch (side) {
       case 0:
         return {t, 0};
@@ -368,6 +375,7 @@ class SolidMaker {
   };
   const QuadTopology& mesh_;
   const std::vector<QuadBlock>& blocks_;
+  int refinements_;
   std::vector<SidePlace> places_;
   std::vector<std::array<std::vector<int>, 4>> sides_;
   std::vector<int> vertex_;  // of the solid, for those of the mesh
@@ -380,11 +388,18 @@ class SolidMaker {
 
 SolidModel SplineSolid(const QuadTopology& mesh,
                        const Eigen::Matrix3Xd& control_points,
-                       const std::vector<QuadBlock>& blocks) {
+                       const std::vector<QuadBlock>& blocks,
+                       int refinements) {
   if (control_points.cols() != mesh.vertices()) {
     Reject("SplineSolid", "control_points: one for every vertex is needed");
   }
-  return SolidMaker(mesh, blocks).Make(control_points);
+  constexpr int kLeastCells = 4;  // two corners of two cells each
+  for (const QuadBlock& block : blocks) {
+    if (std::min(block.across, block.along) << refinements < kLeastCells) {
+      Reject("SplineSolid", "refinements: a block has fewer than four cells along a side");
+    }
+  }
+  return SolidMaker(mesh, blocks, refinements).Make(control_points);
 }
 
 }  // namespace batten::internal

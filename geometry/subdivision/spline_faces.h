@@ -35,16 +35,23 @@ struct BlockPlace {
 std::vector<BlockPlace> PlacesInBlocks(const QuadTopology& mesh,
                                        const std::vector<QuadBlock>& blocks);
 
-// The parameters of a place of the limit surface on the face of its block, as SplineSolid makes it.
-Eigen::Vector2d ParametersInBlock(const BlockPlace& face, const LimitPlace& place);
+// The same blocks of the mesh after a step of Subdivided.
+std::vector<QuadBlock> SubdividedBlocks(std::vector<QuadBlock> blocks);
 
-// The limit surface over the blocks, each one bicubic B-spline: exact, but for the quarter of a
-// quarter of a face beside a vertex whose fan is not plain, where SmoothCorner makes tangent planes
-// continuous. Parameters count quarters of faces. Sides of blocks are cut into edges where
+// The parameters of a place of the limit surface on the face of its block, as SplineSolid makes it.
+Eigen::Vector2d ParametersInBlock(const BlockPlace& face,
+                                  const LimitPlace& place,
+                                  int refinements = 2);
+
+// The limit surface over the blocks, each one bicubic B-spline with a knot at every cell of the
+// mesh refined so many times: exact, but for the quarter of a cell beside a vertex whose fan is not
+// plain, where SmoothCorner makes tangent planes continuous. Blocks have at least four cells along
+// each side. Parameters count cells. Sides of blocks are cut into edges where
 // blocks beside them end; those on creases are sharp. Control points are columns, one for each
 // vertex; those whose fans are not plain must be corners of blocks only.
 SolidModel SplineSolid(const QuadTopology& mesh,
                        const Eigen::Matrix3Xd& control_points,
-                       const std::vector<QuadBlock>& blocks);
+                       const std::vector<QuadBlock>& blocks,
+                       int refinements = 2);
 
 }  // namespace batten::internal

@@ -514,7 +514,8 @@ def fit_solid(
     most_invented : float
         Points alone are refused where more than this share of the area, in [0, 1], has none within three spacings.
     tolerance : float, optional
-        Distance in the data's units; only judged.
+        Distance in the data's units: faces with points beyond it get finer control points, if
+        points left out ask for them. Without it those that miss points by more than noise do.
     smoothing : float or 'auto', optional
         Fairness relative to the data; None: by points left out.
     max_iterations : int

@@ -282,6 +282,8 @@ TEST(FitSolidCommandTest, ASolidThatLeavesItsPointsEndsWith3) {
       folder.With("twins.xyz", BallAt(-1, 1, 1500) + BallAt(1, 1, 1500)),
       "--quads",
       folder.File("box.obj"),
+      "--smoothing",
+      "0.01",
       "-o",
       folder.File("a.step")};
   const ProgramRun run = Batten(words);

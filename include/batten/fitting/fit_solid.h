@@ -12,8 +12,11 @@ namespace batten {
 // foot points with normals within 60° of the points' (the cloud's normals, all outwards or all
 // inwards, else estimated ones without a sign), and a thin-plate energy weighed by generalised
 // cross-validation. Gauss–Newton steps over the control points with foot points eliminated, damped
-// by the tangential distance. Outliers of the cloud do not count. [Litke, Levin & Schröder 2001;
-// Cheng, Wang, Qin, Wong, Yang & Liu 2007]
+// by the tangential distance. Outliers of the cloud do not count. Then, up to
+// twice and unless smoothing is given, faces that miss their points by more than noise, or than the
+// tolerance, are fitted anew with the control points of a mesh refined once more, where points left
+// out are met better by these. [Litke, Levin & Schröder 2001;
+// Cheng, Wang, Qin, Wong, Yang & Liu 2007; hierarchical: Wei, Zhang, Hughes & Scott 2015]
 //
 // The faces are bicubic B-splines: the surface itself but near vertices of other than four edges,
 // where their coefficients make tangent planes continuous. The distances reported are from these

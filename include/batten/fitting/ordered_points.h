@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "batten/fitting/point_mask.h"
 #include "batten/fitting/curve_order.h"
 #include "batten/fitting/curve_parameterization.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/fitting/point_mask.h"
 
 namespace batten {
 

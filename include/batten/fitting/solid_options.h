@@ -16,8 +16,11 @@
 namespace batten {
 
 struct SolidFitOptions {
-  std::optional<double> tolerance = std::nullopt;  // distance in the data's units, > 0; only judged
-  // Fairness relative to the data, ≥ 0; absent: by generalised cross-validation.
+  // Distance in the data's units, > 0: faces of the layout with points beyond it are refined, if
+  // points left out ask for that; absent: those that miss them by more than noise.
+  std::optional<double> tolerance = std::nullopt;
+  // Fairness relative to the data, ≥ 0, over the layout as it is; absent: by generalised
+  // cross-validation.
   std::optional<double> smoothing = std::nullopt;
   int max_iterations = 40;     // ≥ 1: steps, where smoothing is given
   bool keep_outliers = false;  // all points count
@@ -34,8 +37,9 @@ void Check(const SolidFitOptions& options);
 struct SolidFit {
   // In world coordinates less options.shift; where the layout has caps an open shell without them.
   SolidModel solid;
-  SolidAudit audit;            // of it
-  QuadMesh control_mesh;       // of the surface, with the layout's faces, in the same coordinates
+  SolidAudit audit;  // of it
+  // Of the surface, in the same coordinates: with the layout's faces, or four or sixteen for each.
+  QuadMesh control_mesh;
   QuadMeshSummary layout;      // of the layout
   Eigen::VectorXd residuals;   // of every point: signed along the normal
   Eigen::MatrixXd parameters;  // 2 × m, of its foot

@@ -105,7 +105,7 @@ TEST(FitSolidTest, SaysThatASolidIsNotThatOfThePointsButNotOfNoise) {
   QuadMesh box = Cube();
   box.vertices = box.vertices.cwiseSign();
   box.vertices.topRows(2) *= 4;
-  const SolidFit other = FitSolid(PointCloud(torus), box, {.threads = 1});
+  const SolidFit other = FitSolid(PointCloud(torus), box, {.smoothing = 1e-3, .threads = 1});
   EXPECT_EQ(other.report.end.code, EndCode::kStructuredResiduals);
   EXPECT_EQ(other.report.termination, Termination::kStalled);
   ASSERT_EQ(other.report.warnings.size(), 1u);
@@ -148,6 +148,57 @@ TEST(FitSolidTest, OutliersDoNotCount) {
   const SolidFit fit = FitSolid(PointCloud(points), CubeSphere(2), {.threads = 1});
   EXPECT_GE(fit.outliers.count(), 180);
   EXPECT_LE(RmsFromSphere(fit.solid), 0.005);
+}
+
+// A ball with a bump of a third of a face, dense in points.
+double BumpRadius(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d middle = Eigen::Vector3d(2, 1, 3).normalized();
+  const double angle = std::atan2(direction.cross(middle).norm(), direction.dot(middle));
+  return 1 + 0.1 * std::exp(-angle * angle / (2 * 0.08 * 0.08));
+}
+
+PointCloud BumpyBall(int each, double noise) {
+  Eigen::Matrix3Xd points(3, 2 * each);
+  points.leftCols(each) = SpherePoints(each, 0);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    if (k >= each) {
+      points.col(k) = Eigen::Vector3d(2, 1, 3).normalized() +
+                      0.15 * Eigen::Vector3d::NullaryExpr([&] { return normal(random); });
+    }
+    points.col(k).normalize();
+    points.col(k) *= BumpRadius(points.col(k)) + (noise > 0 ? noise * normal(random) : 0);
+  }
+  return PointCloud(points);
+}
+
+TEST(FitSolidTest, IsFinerWhereItsLayoutMissesThePoints) {
+  const QuadMesh layout = CubeSphere(2);
+  for (const double noise : {0.0, 1e-3}) {
+    const PointCloud cloud = BumpyBall(3000, noise);
+    const SolidFit fit = FitSolid(cloud, layout, {.threads = 1});
+    // As finely everywhere it would be over a thousand.
+    if (noise > 0) {
+      EXPECT_LE(fit.report.geometry.control_points[0], 400);
+    }
+    EXPECT_GT(fit.report.geometry.control_points[0], layout.vertices.cols());
+    EXPECT_EQ(fit.solid.faces.size(), 6u);
+    EXPECT_EQ(fit.audit.open_edges, 0);
+    EXPECT_LE(fit.audit.edge_angle, kIterated);
+    double most = 0;
+    for (Eigen::Index k = 0; k < cloud.size(); ++k) {
+      const NurbsSurface& face = fit.solid.faces[std::size_t(fit.faces[std::size_t(k)])].surface;
+      const Eigen::Vector3d foot = face.At(fit.parameters(0, k), fit.parameters(1, k));
+      most = std::max(most, std::abs(foot.norm() - BumpRadius(foot)));
+    }
+    EXPECT_LE(most, noise > 0 ? 3 * noise : 1.5e-3);
+    // Over the layout alone it is missed by a fifth of its height.
+    const SolidFit coarse =
+        FitSolid(cloud, layout, {.smoothing = fit.report.iterations.back().score, .threads = 1});
+    EXPECT_EQ(coarse.report.geometry.control_points[0], layout.vertices.cols());
+    EXPECT_GE(coarse.report.error.max, 5 * most);
+  }
 }
 
 TriangleSurface Ball() {

@@ -78,6 +78,28 @@ TEST(SplineSolidTest, FewerFacesAreTheSameSolid) {
   }
 }
 
+TEST(SplineSolidTest, IsTheSameOfASubdividedMesh) {
+  for (const QuadMesh& mesh : AllMeshes()) {
+    const QuadTopology topology = TopologyOf(mesh);
+    const SubdividedMesh finer = Subdivided(topology);
+    const std::vector<QuadBlock> blocks = MotorcycleBlocks(topology);
+    const SolidModel coarse = SplineSolid(topology, mesh.vertices, blocks);
+    const SolidModel fine = SplineSolid(
+        finer.topology, Combined(finer.stencils, mesh.vertices), SubdividedBlocks(blocks), 1);
+    ASSERT_EQ(fine.faces.size(), coarse.faces.size());
+    EXPECT_EQ(fine.edges.size(), coarse.edges.size());
+    for (std::size_t f = 0; f < fine.faces.size(); ++f) {
+      const NurbsSurface &one = fine.faces[f].surface, &other = coarse.faces[f].surface;
+      ASSERT_EQ(one.control_points().cols(), other.control_points().cols());
+      EXPECT_LE((one.control_points() - other.control_points()).cwiseAbs().maxCoeff(),
+                10 * kRounding);
+      EXPECT_EQ(one.basis_u().knots(), other.basis_u().knots());
+    }
+    EXPECT_THROW(SplineSolid(topology, mesh.vertices, SingleBlocks(topology), 1),
+                 std::invalid_argument);
+  }
+}
+
 // Away from corners of other than four edges faces are the limit surface itself.
 TEST(SplineSolidTest, FollowsTheLimitSurface) {
   for (const QuadMesh& mesh : AllMeshes()) {
