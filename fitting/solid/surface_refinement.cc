@@ -152,9 +152,9 @@ std::optional<RefinedSurface> RefineSurface(const CoarseSurface& coarse,
                                             const SurfaceFitSettings& settings,
                                             ThreadPool& pool) {
   constexpr int kPoints = 4;  // one for each finer face; its neighbours bring others
-  // Squares of noise. Of twice there are many by noise alone, beside which points left out do not
-  // show what the others gain; on held-out halves of three scans with and without noise 2, 4 and 8
-  // are alike but for that.
+  // Squares of noise. Chosen among 2, 4, 8 and 16 by points held out of three scans: of twice there
+  // are many faces by noise alone, beside which points left out do not show what the others gain;
+  // from 8 on faces are lost.
   constexpr double kMissed = 4;
   const double scale = ScaleOf(coarse.fit, coarse.data);
   Marks missed;
