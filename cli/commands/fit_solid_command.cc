@@ -326,9 +326,11 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                   "Where to write the control mesh of the surface, a subdivision mesh: .obj")
       ->type_name("Q.obj");
   Suggest(*command
-               .add_option("--smoothing",
-                           a->smoothing,
-                           "Fairness relative to the data: auto (by points left out) or a number")
+               .add_option(
+                   "--smoothing",
+                   a->smoothing,
+                   "Fairness relative to the data: auto (by points left out) or a number, with the "
+                   "layout's control points alone")
                ->capture_default_str()
                ->type_name("L"),
           {"auto"});

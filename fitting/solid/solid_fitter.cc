@@ -22,8 +22,6 @@ constexpr int kNormalNeighbours = 12;
 constexpr double kApart = 0.1;
 // Normals a sample apart that turn by more are a fold: sound faces stay below 60°.
 constexpr double kFold = 1.5;  // radians
-// Where faces fold they are kept more even, so many times each, up to the data's own weight.
-constexpr double kMoreStretch = 5, kMostStretch = 5;
 
 QuadMeshSummary CheckedLayout(const QuadMesh& layout) {
   try {
@@ -137,14 +135,10 @@ void CheckNear(const FootGround& ground, SolidPoints& points, ThreadPool& pool) 
 // The solid of a shape's surface, and what it is like.
 void MakeSolid(SolidShape& shape) {
   const QuadTopology& mesh = shape.stencils.mesh();
-  shape.no_feet = PatchesOf(shape.caps, shape.stencils.patches());
   shape.left_out = CapBlocks(shape.caps, PlacesInBlocks(mesh, shape.blocks), shape.blocks.size());
   shape.solid = SplineSolid(mesh, shape.surface.control_points, shape.blocks, shape.refinements);
-  // As many for each face of the mesh, however fine it is.
-  constexpr int kSamples = 24;
   shape.audit =
-      AuditSolid(shape.left_out.empty() ? shape.solid : shape.solid.Without(shape.left_out),
-                 kSamples >> shape.refinements);
+      AuditSolid(shape.left_out.empty() ? shape.solid : shape.solid.Without(shape.left_out));
 }
 
 // The control mesh of a shape.
@@ -208,11 +202,7 @@ SolidFitter::SolidFitter(const PointCloud& cloud,
 }
 
 SurfaceFitSettings SolidFitter::Settings(const SolidShape& shape) const {
-  return {options_.smoothing,
-          options_.max_iterations,
-          options_.progress,
-          stretch_,
-          PatchesOf(shape.caps, shape.stencils.patches())};
+  return {options_.smoothing, options_.max_iterations, options_.progress, stretch_, shape.no_feet};
 }
 
 SolidShape SolidFitter::CoarseShape(const QuadMesh& layout) {
@@ -224,20 +214,21 @@ SolidShape SolidFitter::CoarseShape(const QuadMesh& layout) {
                    layout.caps};
   shape.free = mesh.vertices();
   const Eigen::Matrix3Xd vertices = layout.vertices.colwise() - cloud_.origin();
-  const std::vector<char> no_feet = PatchesOf(layout.caps, shape.stencils.patches());
-  CheckNear(
-      {LimitSurface(shape.stencils, vertices), shape.stencils.patches(), no_feet}, points_, pool_);
+  shape.no_feet = PatchesOf(layout.caps, shape.stencils.patches());
+  CheckNear({LimitSurface(shape.stencils, vertices), shape.stencils.patches(), shape.no_feet},
+            points_,
+            pool_);
   const bool creased = layout.creases.cols() > 0;
   // Beside creases faces that fold are kept more even, until they do not.
+  constexpr double kMore = 5, kMost = 5;
   stretch_ = creased ? kStretchBesideCreases : kStretch;
-  for (;; stretch_ *= kMoreStretch) {
+  for (;; stretch_ *= kMore) {
     clock_.Enter(&StageSeconds::optimize);
     shape.surface = FitLimitSurface(
         shape.stencils, ControlPointsThrough(mesh, vertices), points_.data, Settings(shape), pool_);
     clock_.Enter(&StageSeconds::trim);
     MakeSolid(shape);
-    if (!creased || shape.audit.turn <= kFold || stretch_ * kMoreStretch > kMostStretch)
-      return shape;
+    if (!creased || shape.audit.turn <= kFold || stretch_ * kMore > kMost) return shape;
   }
 }
 
@@ -255,6 +246,7 @@ bool SolidFitter::Refine() {
                      std::move(finer->caps),
                      shape_->refinements - 1,
                      shape_->free + finer->free};
+    shape.no_feet = PatchesOf(shape.caps, shape.stencils.patches());
     std::vector<RoundSummary> rounds = shape_->surface.rounds;
     rounds.insert(rounds.end(), shape.surface.rounds.begin(), shape.surface.rounds.end());
     shape.surface.rounds = std::move(rounds);
@@ -262,7 +254,7 @@ bool SolidFitter::Refine() {
     MakeSolid(shape);
     if (shape.audit.turn > kFold) {
       // What folds stays as it is.
-      BarAbout(coarse, shape.audit.turn_at, pool_, barred);
+      if (!BarAbout(coarse, shape.audit.turn_at, pool_, barred)) return false;
       continue;
     }
     RefuseUnsound(shape.solid, shape.audit, !shape.caps.empty());

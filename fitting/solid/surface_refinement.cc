@@ -125,7 +125,8 @@ std::optional<RefinedSurface> RefinedOn(const Marks& missed,
     if (here) rank.push_back(left_out);
     ++left_out;
   }
-  if (rank.empty()) return std::nullopt;
+  constexpr std::size_t kFewest = 4;  // fewer points left out say nothing
+  if (rank.size() < kFewest) return std::nullopt;
   LimitSurfaceFit start;
   start.control_points = Combined(finer.stencils, fit.control_points);
   start.without = Combined(finer.stencils, fit.without);
@@ -157,17 +158,25 @@ std::optional<RefinedSurface> RefineSurface(const CoarseSurface& coarse,
   // from 8 on faces are lost.
   constexpr double kMissed = 4;
   const double scale = ScaleOf(coarse.fit, coarse.data);
-  Marks missed;
-  for (const FaceMisfit& face : MisfitsOf(coarse)) {
-    const bool far = tolerance ? face.most > *tolerance * *tolerance
-                               : face.squares > kMissed * scale * scale * face.points;
-    missed.push_back(face.points >= kPoints && far);
+  const std::vector<FaceMisfit> misfits = MisfitsOf(coarse);
+  const auto refined_where = [&](const auto& misses) -> std::optional<RefinedSurface> {
+    Marks missed;
+    for (const FaceMisfit& face : misfits) missed.push_back(face.points >= kPoints && misses(face));
+    if (std::find(missed.begin(), missed.end(), 1) == missed.end()) return std::nullopt;
+    return RefinedOn(missed, barred, coarse, settings, pool);
+  };
+  const auto beyond = [&](const FaceMisfit& face) {
+    return !tolerance || face.most > *tolerance * *tolerance;
+  };
+  if (tolerance) {
+    if (auto refined = refined_where(beyond)) return refined;
   }
-  if (std::find(missed.begin(), missed.end(), 1) == missed.end()) return std::nullopt;
-  return RefinedOn(missed, barred, coarse, settings, pool);
+  return refined_where([&](const FaceMisfit& face) {
+    return beyond(face) && face.squares > kMissed * scale * scale * face.points;
+  });
 }
 
-void BarAbout(const CoarseSurface& coarse,
+bool BarAbout(const CoarseSurface& coarse,
               const Eigen::Vector3d& point,
               ThreadPool& pool,
               std::vector<char>& barred) {
@@ -179,7 +188,9 @@ void BarAbout(const CoarseSurface& coarse,
   about[std::size_t(feet[0].place.patch >> 2)] = 1;
   about = WithNeighbours(mesh, about);
   barred.resize(about.size(), 0);
+  const Marks before = barred;
   for (std::size_t f = 0; f < about.size(); ++f) barred[f] |= about[f];
+  return barred != before;
 }
 
 }  // namespace batten::internal

@@ -28,20 +28,20 @@ struct CoarseSurface {
   const std::vector<int>& caps;  // faces without points
 };
 
-// On the faces whose points miss the surface by more than noise, or one of them by more than the
-// tolerance, if they have points for finer ones, and on those about them: the vertices of
-// Subdivided move, all others stay what subdivision makes of them, so that control meshes have no
-// T-joints. `barred`: faces that stay as they are, empty: none. None where there are no such faces,
-// or points left out are not met better. [hierarchical Catmull-Clark surfaces: Wei, Zhang, Hughes &
-// Scott 2015]
+// On the faces with a point beyond the tolerance, or, if that is none or leads nowhere, on those of
+// them whose points miss the surface by more than noise, if they have points for finer ones, and on
+// those about them: the vertices of Subdivided move, all others stay what subdivision makes of
+// them, so that control meshes have no T-joints. `barred`: faces that stay as they are, empty:
+// none. None where there are no such faces, or points left out are not met better. [hierarchical
+// Catmull-Clark surfaces: Wei, Zhang, Hughes & Scott 2015]
 std::optional<RefinedSurface> RefineSurface(const CoarseSurface& coarse,
                                             const std::vector<char>& barred,
                                             std::optional<double> tolerance,
                                             const SurfaceFitSettings& settings,
                                             ThreadPool& pool);
 
-// Bars the face nearest to a point and those about it.
-void BarAbout(const CoarseSurface& coarse,
+// Bars the face nearest to a point and those about it; whether one of them was not yet.
+bool BarAbout(const CoarseSurface& coarse,
               const Eigen::Vector3d& point,
               ThreadPool& pool,
               std::vector<char>& barred);

@@ -90,43 +90,18 @@ void AuditEdge(const SolidModel& solid,
   ++audit.sharp_edges;
 }
 
-// The greatest angle of normals on the way from one place to another, in halves while it is wide:
-// a sharp bend is shared among them, a fold is not.
-double TurnBetween(const NurbsSurface& surface,
-                   const Eigen::Vector2d& from,
-                   const Eigen::Vector3d& normal_from,
-                   const Eigen::Vector2d& to,
-                   const Eigen::Vector3d& normal_to,
-                   int halvings) {
-  constexpr double kWide = 0.8;  // radians
-  const double angle = AngleOf(normal_from, normal_to);
-  if (angle <= kWide || halvings == 0) return angle;
-  const Eigen::Vector2d middle = (from + to) / 2;
-  const Eigen::Vector3d normal = NormalOf(surface, middle[0], middle[1]);
-  return std::max(TurnBetween(surface, from, normal_from, middle, normal, halvings - 1),
-                  TurnBetween(surface, middle, normal, to, normal_to, halvings - 1));
-}
-
-void AuditFace(const NurbsSurface& surface, int most, SolidAudit& audit) {
-  // More are needed only where normals turn much.
-  constexpr int kFew = 6;
-  int samples = most, halvings = 0;
-  for (; samples > kFew; samples = (samples + 1) / 2) ++halvings;
+void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
   const std::vector<double> u = PlacesOf(surface.basis_u(), samples);
   const std::vector<double> v = PlacesOf(surface.basis_v(), samples);
   std::vector<Eigen::Vector3d> before, row(v.size());
-  for (std::size_t i = 0; i < u.size(); ++i) {
+  for (const double a : u) {
     for (std::size_t j = 0; j < v.size(); ++j) {
-      const Eigen::Vector2d here(u[i], v[j]);
-      row[j] = NormalOf(surface, u[i], v[j]);
-      const auto turn_from = [&](const Eigen::Vector2d& place, const Eigen::Vector3d& normal) {
-        const double turn = TurnBetween(surface, place, normal, here, row[j], halvings);
-        if (turn <= audit.turn) return;
-        audit.turn = turn;
-        audit.turn_at = surface.At(u[i], v[j]);
-      };
-      if (j > 0) turn_from({u[i], v[j - 1]}, row[j - 1]);
-      if (i > 0) turn_from({u[i - 1], v[j]}, before[j]);
+      row[j] = NormalOf(surface, a, v[j]);
+      double turn = j > 0 ? AngleOf(row[j], row[j - 1]) : 0;
+      if (!before.empty()) turn = std::max(turn, AngleOf(row[j], before[j]));
+      if (turn <= audit.turn) continue;
+      audit.turn = turn;
+      audit.turn_at = surface.At(a, v[j]);
     }
     before = row;
   }

@@ -59,8 +59,7 @@ struct SolidAudit {
   int sharp_edges = 0;
   double sharp_length = 0;                     // of all of them
   double least_sharp = 0, greatest_sharp = 0;  // angles across them in their middles, radians
-  // Greatest angle of neighbouring samples' normals inside a face; wide ones are halved.
-  double turn = 0;
+  double turn = 0;    // greatest angle of neighbouring samples' normals inside a face
   Eigen::Vector3d turn_at = Eigen::Vector3d::Zero();
   double volume = 0;  // enclosed, by quadrature over the faces
   double area = 0;

@@ -201,6 +201,75 @@ TEST(FitSolidTest, IsFinerWhereItsLayoutMissesThePoints) {
   }
 }
 
+// Faces are refined for what is asked, and for what is more than noise if less is asked.
+TEST(FitSolidTest, IsFinerForItsTolerance) {
+  constexpr double kNoise = 1e-3;
+  const QuadMesh layout = CubeSphere(2);
+  const PointCloud cloud = BumpyBall(3000, kNoise);
+  const auto fit_within = [&](double tolerance) {
+    return FitSolid(cloud, layout, {.tolerance = tolerance, .keep_outliers = true, .threads = 1});
+  };
+  EXPECT_EQ(fit_within(0.1).report.geometry.control_points[0], layout.vertices.cols());
+  for (const double tolerance : {5 * kNoise, kNoise / 4}) {
+    const SolidFit fit = fit_within(tolerance);
+    EXPECT_GT(fit.report.geometry.control_points[0], layout.vertices.cols());
+    EXPECT_LE(fit.report.error.rms, 1.1 * kNoise);
+    EXPECT_EQ(fit.report.error.out_of_tolerance == 0, tolerance > kNoise);
+  }
+}
+
+// What only closes the surface stays as it is.
+TEST(FitSolidTest, IsFinerBesideCaps) {
+  QuadMesh layout = CubeSphere(2);
+  for (int f = 0; f < layout.faces.cols(); ++f) {
+    double height = 0;
+    for (const int corner : layout.faces.col(f)) height += layout.vertices(2, corner) / 4;
+    if (height < -0.5) layout.caps.push_back(f);
+  }
+  const Eigen::Matrix3Xd all = BumpyBall(3000, 0).points();
+  std::vector<Eigen::Index> above;
+  for (Eigen::Index k = 0; k < all.cols(); ++k) {
+    if (all(2, k) > -0.5) above.push_back(k);
+  }
+  const SolidFit fit =
+      FitSolid(PointCloud(Eigen::Matrix3Xd(all(Eigen::all, above))), layout, {.threads = 1});
+  EXPECT_GT(fit.report.geometry.control_points[0], layout.vertices.cols());
+  EXPECT_LE(fit.report.error.max, 3e-3);
+  EXPECT_EQ(fit.report.geometry.kind, "shell");
+  EXPECT_GT(fit.audit.open_edges, 0);
+  EXPECT_EQ(fit.control_mesh.caps.size() % layout.caps.size(), 0u);
+  EXPECT_GT(fit.control_mesh.caps.size(), layout.caps.size());
+  EXPECT_LE(fit.audit.edge_angle, kIterated);
+}
+
+// Stopped at any time, it is the solid of before, or there is none yet.
+TEST(FitSolidTest, KeepsWhatItHasWhenRefinementIsStopped) {
+  const PointCloud cloud = BumpyBall(2000, 0);
+  const QuadMesh layout = CubeSphere(2);
+  const auto stopped_after = [&](int calls) {
+    return FitSolid(cloud, layout, {.threads = 1, .progress = [&](const char*, double) {
+                                      return --calls > 0;
+                                    }});
+  };
+  int calls = 0;
+  const SolidFit whole = FitSolid(
+      cloud, layout, {.threads = 1, .progress = [&](const char*, double) { return ++calls > 0; }});
+  int last = 0;
+  for (const double share : {0.5, 0.7, 0.9}) {
+    try {
+      const SolidFit fit = stopped_after(int(share * calls));
+      EXPECT_EQ(fit.report.termination, Termination::kCancelled);
+      EXPECT_EQ(fit.audit.open_edges, 0);
+      EXPECT_GE(fit.report.geometry.control_points[0], last);
+      EXPECT_LE(fit.report.geometry.control_points[0], whole.report.geometry.control_points[0]);
+      last = fit.report.geometry.control_points[0];
+    } catch (const Cancelled&) {
+      EXPECT_EQ(last, 0);
+    }
+  }
+  EXPECT_GE(last, layout.vertices.cols());
+}
+
 TriangleSurface Ball() {
   const QuadMesh mesh = CubeSphere(5);
   return CloseSurface(mesh.vertices, FacesOf(mesh)).surface;
