@@ -301,7 +301,7 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
             a->faces = int(number);
           },
           "About how many quadrilaterals the layout that is made has [chosen by points left out; "
-          "at most one for 5 points, 2500]")
+          "at most one for 8 points, 2500]")
       ->type_name("N");
   command
       .add_option_function<std::string>(

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/fitting/refused_data.h"
@@ -23,6 +25,23 @@ namespace {
 double ShortestCrease(const TriangleSurface& surface, double faces) {
   constexpr double kFaces = 3;
   return kFaces * std::sqrt(AreaOf(surface) / faces);
+}
+
+// How far the middles of faces and of their edges are from the surface, at most, in edges of faces
+// of the mean size.
+double Farthest(const QuadMesh& layout,
+                const TriangleSurface& surface,
+                const SurfaceProjector& projector) {
+  double farthest = 0;
+  const auto heed = [&](const Eigen::Vector3d& place) {
+    farthest = std::max(farthest, (projector.Nearest(place) - place).norm());
+  };
+  for (const auto face : layout.faces.colwise()) {
+    const Eigen::Matrix<double, 3, 4> corners = layout.vertices(Eigen::all, face);
+    heed(corners.rowwise().mean());
+    for (int k = 0; k < 4; ++k) heed((corners.col(k) + corners.col((k + 1) % 4)) / 2);
+  }
+  return farthest / std::sqrt(AreaOf(surface) / double(layout.faces.cols()));
 }
 
 }  // namespace
@@ -45,8 +64,10 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
   const SurfaceCreases sharp = CreasesOf(surface, ShortestCrease(surface, faces));
   const bool open = !surface.caps.empty();
   // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
-  // parts, smaller ones there may do, or another size that falls differently on the shape. Creases
-  // nearer to one another than faces leave none: then they do not count.
+  // parts, or a face that spans more than half a circle, as from the tip of an ear to the head,
+  // smaller ones there may do, or another size that falls differently on the shape. Creases nearer
+  // to one another than faces leave none: then they do not count.
+  constexpr double kHalfCircle = 0.5;  // its height over its chord
   struct Attempt {
     double finer;
     bool by_curvature, heed_sharp;
@@ -57,6 +78,8 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
     attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}, {1.2, false, true}});
   }
   std::string why;
+  std::optional<QuadMesh> best;
+  double least = 0;
   for (const auto& [finer, by_curvature, heed_sharp] : attempts) {
     try {
       const SurfaceCreases creases = WithCapBorders(heed_sharp ? sharp : SurfaceCreases(), surface);
@@ -64,12 +87,17 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
           FieldLayout(surface, creases, projector, faces * finer, by_curvature, progress);
       if (open) layout.caps = CapFaces(layout, surface);
       if (!creases.none()) RefuseUneven(layout);
-      return layout;
+      const double farthest = Farthest(layout, surface, projector);
+      const bool spans = farthest > kHalfCircle && finer == 1 && !by_curvature;
+      if (spans || !best || farthest < least) best = std::move(layout);
+      if (!spans) return *best;
+      least = farthest;
     } catch (const RefusedData& refusal) {
       why = refusal.what();
     } catch (const std::invalid_argument&) {
       why = "faces come out that touch themselves or one another";
     }
+    if (best && by_curvature) return *best;
   }
   if (open) throw RefusedData("no layout comes out that ends at the border of the points: " + why);
   try {
@@ -81,7 +109,7 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
 }
 
 int LayoutFaces(Eigen::Index points) {
-  constexpr Eigen::Index kEach = 5, kLeast = 60, kMost = 2500;
+  constexpr Eigen::Index kEach = 8, kLeast = 60, kMost = 2500;
   return int(std::clamp(points / kEach, kLeast, kMost));
 }
 

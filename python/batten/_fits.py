@@ -505,7 +505,7 @@ def fit_solid(
         A closed mesh of quadrilaterals near the points, counter-clockwise seen from outside; made when None.
     faces : int, optional
         About how many quadrilaterals the layout that is made has, 6 … 20000; None: chosen by points left out, at most
-        one for 5 points, and 2500.
+        one for 8 points, and 2500.
     genus : int, optional
         How many handles the solid has, of all bodies together: 0 of a ball, 1 of a ring; another one is refused.
     open : bool

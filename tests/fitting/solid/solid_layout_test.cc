@@ -13,6 +13,7 @@
 #include "batten/fitting/refused_data.h"
 #include "body_clouds.h"
 #include "fitting/core/stopwatch.h"
+#include "fitting/solid/surface_projector.h"
 #include "refusal.h"
 #include "tolerances.h"
 
@@ -110,6 +111,47 @@ TEST(LayoutOfTest, IsAllQuadrilateralsOfTheSurfacesGenus) {
       EXPECT_GE(layout.faces.cols(), faces / 2);
       EXPECT_LE(layout.faces.cols(), 2 * faces);
     }
+  }
+}
+
+// A ball with two thin ears.
+TriangleSurface BallWithEars() {
+  QuadMesh mesh = CubeSphere(5);
+  for (auto vertex : mesh.vertices.colwise()) {
+    const Eigen::Vector3d direction = vertex;
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Vector3d tip = Eigen::Vector3d(0.6 * side, 0.3, 0.74).normalized();
+      const Eigen::Vector3d thin = Eigen::Vector3d(0, 1, -0.4).normalized();
+      const double a = (direction - tip).dot(thin) / 0.1;
+      const double b = direction.dot(tip.cross(thin).normalized()) / 0.2;
+      if (direction.dot(tip) > 0) vertex += 1.2 * std::exp(-(a * a + b * b) / 2) * direction;
+    }
+  }
+  return Closed(mesh).surface;
+}
+
+// How far middles of faces and of their edges are from the surface at most, in edges.
+double Farthest(const QuadMesh& layout, const SurfaceProjector& projector, double area) {
+  double farthest = 0;
+  for (const auto face : layout.faces.colwise()) {
+    const Eigen::Matrix<double, 3, 4> corners = layout.vertices(Eigen::all, face);
+    Eigen::Matrix<double, 3, 5> places;
+    places << corners.rowwise().mean(), (corners + corners(Eigen::all, {1, 2, 3, 0})) / 2;
+    for (const auto place : places.colwise()) {
+      farthest = std::max(farthest, (projector.Nearest(place) - place).norm());
+    }
+  }
+  return farthest / std::sqrt(area / double(layout.faces.cols()));
+}
+
+// No face spans more than half a circle, as from the tip of an ear to the head. Of faces of one
+// size some are 0.64, 0.69 and 0.6 edges away.
+TEST(LayoutOfTest, SpansNoEars) {
+  const TriangleSurface surface = BallWithEars();
+  const SurfaceProjector projector(surface);
+  const double area = AreaOf(surface);
+  for (const int faces : {280, 320, 360}) {
+    EXPECT_LE(Farthest(LayoutOf(surface, faces), projector, area), 0.5) << faces;
   }
 }
 
