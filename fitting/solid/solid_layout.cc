@@ -88,16 +88,15 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
       if (open) layout.caps = CapFaces(layout, surface);
       if (!creases.none()) RefuseUneven(layout);
       const double farthest = Farthest(layout, surface, projector);
-      const bool spans = farthest > kHalfCircle && finer == 1 && !by_curvature;
-      if (spans || !best || farthest < least) best = std::move(layout);
-      if (!spans) return *best;
+      if (!best || farthest < least) best = std::move(layout);
+      if (farthest <= kHalfCircle || finer > 1) return *best;
       least = farthest;
     } catch (const RefusedData& refusal) {
       why = refusal.what();
     } catch (const std::invalid_argument&) {
       why = "faces come out that touch themselves or one another";
     }
-    if (best && by_curvature) return *best;
+    if (best && by_curvature) return *best;  // nothing else is nearer to what was asked
   }
   if (open) throw RefusedData("no layout comes out that ends at the border of the points: " + why);
   try {

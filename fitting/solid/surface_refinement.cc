@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 #include "fitting/solid/solid_measurement.h"
 #include "geometry/subdivision/catmull_clark.h"
 
@@ -15,7 +16,7 @@ namespace {
 using Marks = std::vector<char>;  // by face or vertex
 
 // How far points are from the surface where it follows them: noise, which sharp bends make seem
-// more than it is, or less.
+// more than it is, or less, but for what is equal.
 double ScaleOf(const LimitSurfaceFit& fit, const SurfaceData& data) {
   std::vector<double> distances;
   for (std::size_t k = 0; k < fit.feet.size(); ++k) {
@@ -23,7 +24,9 @@ double ScaleOf(const LimitSurfaceFit& fit, const SurfaceData& data) {
     if (data.weights[i] > 0) distances.push_back((fit.feet[k].point - data.points.col(i)).norm());
   }
   const double scale = kMadToSigma * QuantileInPlace(distances, 0.5);
-  return data.noise > 0 ? std::min(scale, data.noise) : scale;
+  const double size =
+      (data.points.rowwise().maxCoeff() - data.points.rowwise().minCoeff()).maxCoeff();
+  return std::max(kRelativelyEqual * size, data.noise > 0 ? std::min(scale, data.noise) : scale);
 }
 
 // What the points of a face say of the surface.
@@ -94,6 +97,7 @@ std::optional<RefinedSurface> RefinedOn(const Marks& missed,
                                         const CoarseSurface& coarse,
                                         const SurfaceFitSettings& settings,
                                         ThreadPool& pool) {
+  if (std::find(missed.begin(), missed.end(), 1) == missed.end()) return std::nullopt;
   const QuadTopology& mesh = coarse.stencils.mesh();
   const LimitSurfaceFit& fit = coarse.fit;
   Marks moving = WithNeighbours(mesh, missed);
@@ -158,22 +162,16 @@ std::optional<RefinedSurface> RefineSurface(const CoarseSurface& coarse,
   // from 8 on faces are lost.
   constexpr double kMissed = 4;
   const double scale = ScaleOf(coarse.fit, coarse.data);
-  const std::vector<FaceMisfit> misfits = MisfitsOf(coarse);
-  const auto refined_where = [&](const auto& misses) -> std::optional<RefinedSurface> {
-    Marks missed;
-    for (const FaceMisfit& face : misfits) missed.push_back(face.points >= kPoints && misses(face));
-    if (std::find(missed.begin(), missed.end(), 1) == missed.end()) return std::nullopt;
-    return RefinedOn(missed, barred, coarse, settings, pool);
-  };
-  const auto beyond = [&](const FaceMisfit& face) {
-    return !tolerance || face.most > *tolerance * *tolerance;
-  };
-  if (tolerance) {
-    if (auto refined = refined_where(beyond)) return refined;
+  Marks beyond, missed;
+  for (const FaceMisfit& face : MisfitsOf(coarse)) {
+    const bool far = !tolerance || face.most > *tolerance * *tolerance;
+    beyond.push_back(face.points >= kPoints && far);
+    missed.push_back(beyond.back() && face.squares > kMissed * scale * scale * face.points);
   }
-  return refined_where([&](const FaceMisfit& face) {
-    return beyond(face) && face.squares > kMissed * scale * scale * face.points;
-  });
+  if (tolerance && beyond != missed) {
+    if (auto refined = RefinedOn(beyond, barred, coarse, settings, pool)) return refined;
+  }
+  return RefinedOn(missed, barred, coarse, settings, pool);
 }
 
 bool BarAbout(const CoarseSurface& coarse,

@@ -517,7 +517,7 @@ def fit_solid(
         Distance in the data's units: faces with points beyond it get finer control points, if
         points left out ask for them. Without it those that miss points by more than noise do.
     smoothing : float or 'auto', optional
-        Fairness relative to the data; None: by points left out.
+        Fairness relative to the data, with the layout's control points alone; None: by points left out.
     max_iterations : int
         Steps, where smoothing is given.
     keep_outliers : bool, optional

@@ -12,7 +12,8 @@ namespace batten {
 
 // A layout of about `faces` quadrilaterals over a closed surface, its vertices on it: the squares
 // of a grid onto which the surface is mapped along the smoothest field of crosses. Extraordinary
-// vertices are few: those about which the crosses have to turn, 1 to 5 % of all. Squares are of one
+// vertices are few: those about which the crosses have to turn, 2 to 7 % of all, more on small
+// bodies with thin limbs. Squares are of one
 // size, or, where one of them is farther from the surface than half an edge, smaller where it bends
 // if that brings them nearer. No angle is flat, and the Euler number is the surface's. Where none
 // such comes out, triangles of even size are paired, which leaves many extraordinary vertices.

@@ -59,12 +59,20 @@ TEST(AuditSolidTest, FindsFoldsAndWhere) {
   QuadMesh folded = Refined(Refined(Cube()));
   folded.vertices.colwise() -= folded.vertices.rowwise().mean();
   for (auto vertex : folded.vertices.colwise()) vertex /= vertex.cwiseAbs().maxCoeff();
-  int inner = 0;
-  folded.vertices.topRows(2).colwise().norm().minCoeff(&inner);
-  folded.vertices(0, inner) += 1.5;
-  const SolidAudit audit = AuditSolid(Rounded(folded));
-  EXPECT_GT(audit.turn, 2.5);
-  EXPECT_LE((audit.turn_at - folded.vertices.col(inner)).norm(), 1.5);
+  EXPECT_LE(AuditSolid(Rounded(folded)).turn, 1);
+  for (const double side : {-1.0, 1.0}) {
+    QuadMesh one = folded;
+    int inner = 0;
+    (one.vertices.topRows(2).colwise().norm() + (one.vertices.row(2).array() - side).abs().matrix())
+        .minCoeff(&inner);
+    one.vertices(0, inner) += 1.5;
+    const SolidAudit audit = AuditSolid(Rounded(one));
+    EXPECT_GT(audit.turn, 2.5);
+    // Between the vertex's places, beside no other.
+    EXPECT_NEAR(audit.turn_at[0], 0.75, 0.75);
+    EXPECT_NEAR(audit.turn_at[1], 0, 0.5);
+    EXPECT_NEAR(audit.turn_at[2], side, kRounding);
+  }
 }
 
 TEST(AuditSolidTest, FindsTheAngleOfFacesAndWhere) {
