@@ -26,8 +26,6 @@ constexpr int kShifts = 5;
 constexpr double kReachInNoise = 6;  // radius of the ball whose middle is taken
 constexpr double kRidgeInNoise = 3;
 constexpr double kOffRidge = 0.35;
-constexpr double kLonelyBelow = 0.04;  // of the median number of points around
-constexpr double kCrowd = 12;          // that median must be at least this
 
 struct RowNoise {
   double noise = 0;
@@ -200,12 +198,10 @@ Eigen::Matrix3Xd CurveNodes(const Eigen::Matrix3Xd& points,
       }
     }
   });
-  const double typical = Median(counts);
   const Eigen::VectorXd ridge = OnRidge(tree, nodes, kRidgeInNoise * noise, reach);
   order.clear();
   for (int i = 0; i < nodes.cols(); ++i) {
-    const bool lonely = typical >= kCrowd && counts[i] <= std::max(2.0, kLonelyBelow * typical);
-    if (!lonely && ridge[i] >= kOffRidge) order.push_back(i);
+    if (ridge[i] >= kOffRidge) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return counts[a] > counts[b]; });
   return nodes(Eigen::all, Thinned(nodes, radius, order));

@@ -31,8 +31,6 @@ constexpr double kMostNodes = 10000;
 constexpr double kManyThick = 5000;            // points, whose noise needs no proof
 constexpr double kTries[] = {1, 1.6, 2.5, 4};  // coarser and coarser while the points branch
 constexpr double kMostLeftOut = 0.4;           // share of the points: more are no outliers
-constexpr double kMoreLeftOut = 0.005;         // of the points, that a coarser look may miss
-constexpr double kMoreOffCurves = 0.2;         // and of those that seem to lie along no curve
 constexpr double kLongInNoise = 30;            // a shorter guide is no curve that the noise hides
 constexpr double kOutlierInNoise = 6;
 constexpr double kOutlierInLinks = 0.5;
@@ -403,13 +401,7 @@ OrderLook BestLook(const PointCloud& cloud,
     const double radius = factor * std::max(kRadiusInNoise * scale.noise, fine);
     const double noise = factor > 1 ? radius / kRadiusInNoise : scale.noise;
     OrderLook look = LookAt(places, rows, scale.spacing, radius, noise, pool);
-    const auto off_curves = static_cast<double>(places.points.cols() - rows.cols());
-    const double most =
-        kMoreLeftOut * static_cast<double>(places.points.cols()) + kMoreOffCurves * off_curves + 3;
-    if (shows_curves(look, kRoughTurn) && look.length >= kLongInNoise * noise &&
-        (!looked || static_cast<double>(look.left_out - first.left_out) <= most)) {
-      return look;
-    }
+    if (shows_curves(look, kRoughTurn) && look.length >= kLongInNoise * noise) return look;
     if (!looked && !look.meetings.empty()) first = std::move(look);
     looked = true;
   }

@@ -31,7 +31,6 @@ constexpr int kStraightenRounds = 20;
 constexpr double kBent = 0.3;                   // a turn of 45°
 constexpr double kMostBent = 0.3;               // of the nodes: more are noise, not corners
 constexpr double kDetour = 2;                   // of the spacing, for a single node
-constexpr double kDetourOfSeveral = 5;          // these are seldom chance
 constexpr int kFewestFacing = 5;                // nodes of a path whose end has a direction
 constexpr double kFacing = 0.8660254037844387;  // cos 30°
 constexpr double kAsLong = 1.5;       // times the longest link of either path is not remarkable
@@ -91,16 +90,15 @@ class PathSet {
     owner_[path_b] = path_a;
   }
 
-  // Inserts the path from c to d into the link from a to b.
-  void Insert(int c, int d, int a, int b) {
+  // Inserts a single node into the link from a to b.
+  void Insert(int c, int a, int b) {
     *std::find(links_[a].begin(), links_[a].end(), b) = c;
-    *std::find(links_[b].begin(), links_[b].end(), a) = d;
-    links_[c][links_[c][0] >= 0] = a;
-    links_[d][links_[d][0] >= 0] = b;
-    const int path = Owner(a), added = Owner(c);
-    length_[path] += Distance(a, c) + Distance(d, b) - Distance(a, b) + length_[added];
-    size_[path] += size_[added];
-    owner_[added] = path;
+    *std::find(links_[b].begin(), links_[b].end(), a) = c;
+    links_[c] = {a, b};
+    const int path = Owner(a);
+    length_[path] += Distance(a, c) + Distance(c, b) - Distance(a, b);
+    ++size_[path];
+    owner_[Owner(c)] = path;
   }
 
   // Puts v between a and b, away from between p and n; -1 is behind an end. With the pairs the
@@ -133,15 +131,6 @@ class PathSet {
       from = here;
       here = next;
     }
-  }
-
-  int OtherEnd(int end) const {
-    int last = end;
-    Walk(end, [&](int, int next) {
-      last = next;
-      return true;
-    });
-    return last;
   }
 
   double LongestRecent(int end) const {
@@ -334,28 +323,26 @@ bool Bridges(const Eigen::Matrix3Xd& nodes, const PathSet& paths, int a, int b) 
          -Outward(nodes, paths, b, gap).dot(across) >= kFacing * gap;
 }
 
-// Few nodes left alone go between two linked ones where that is not much of a detour, as they are
-// where a link has cut a corner.
+// Nodes left alone go between two linked ones where that is not much of a detour, as they are where
+// a link has cut a corner.
 void InsertLeftOver(const NearNodes& near, double spacing, PathSet& paths) {
   for (int c = 0; c < paths.count(); ++c) {
-    if (paths.Degree(c) == 2 || paths.size(paths.Owner(c)) > kFewKnown) continue;
-    const int d = paths.OtherEnd(c);
-    double least = (c == d ? kDetour : kDetourOfSeveral) * spacing;
+    if (paths.Degree(c) > 0) continue;
+    double least = kDetour * spacing;
     int best_a = -1, best_b = -1;
     for (int j = 0; j < near.k; ++j) {
       const int a = near.At(c, j);
       if (paths.Owner(a) == paths.Owner(c) || paths.size(paths.Owner(a)) < kFewestFacing) continue;
       for (const int b : paths.links(a)) {
         if (b < 0) continue;
-        const double detour = paths.Distance(a, c) + paths.length(paths.Owner(c)) +
-                              paths.Distance(d, b) - paths.Distance(a, b);
+        const double detour = paths.Distance(a, c) + paths.Distance(c, b) - paths.Distance(a, b);
         if (best_a >= 0 ? detour >= least : detour > least) continue;
         least = detour;
         best_a = a;
         best_b = b;
       }
     }
-    if (best_a >= 0) paths.Insert(c, d, best_a, best_b);
+    if (best_a >= 0) paths.Insert(c, best_a, best_b);
   }
 }
 

@@ -16,7 +16,6 @@ constexpr size_t kFewestInLoop = 4;
 constexpr double kJagged = 0.9;      // mean turn at a node, about 50°
 constexpr double kFullTurn = 6.5;    // and a little; a small closed path turns as much
 constexpr double kSparse = 3;        // links longer than so many of the longest path's
-constexpr double kAway = 2.5;        // links from every longer path
 constexpr int kNear = 24;            // nodes asked whether they are of another stretch
 constexpr double kCrossing = 1.2;    // links
 constexpr int kFacingEnds = 3;       // an end meets no end: nodes that count as one
@@ -171,20 +170,8 @@ std::vector<NodePath> CurvesAmong(const std::vector<NodePath>& paths,
   }
   const double spacing = links.empty() ? 0 : Median(std::move(links));
   std::vector<NodePath> curves;
-  std::vector<int> kept;
   for (size_t p = 0; p < paths.size(); ++p) {
     if (!IsCurve(map, static_cast<int>(p), spacing)) continue;
-    if (!kept.empty()) {
-      const Eigen::Matrix3Xd own = nodes(Eigen::all, paths[p].nodes);
-      const Eigen::Matrix3Xd others = nodes(Eigen::all, kept);
-      const std::vector<int> nearest = NeighbourIndex(others).Nearest(own, 1);
-      double farthest = 0;
-      for (Eigen::Index i = 0; i < own.cols(); ++i) {
-        farthest = std::max(farthest, (own.col(i) - others.col(nearest[i])).norm());
-      }
-      if (farthest <= kAway * spacing) continue;
-    }
-    kept.insert(kept.end(), paths[p].nodes.begin(), paths[p].nodes.end());
     curves.push_back(paths[p]);
   }
   if (curves.empty()) curves.push_back(paths.front());

@@ -9,9 +9,9 @@
 
 namespace batten::internal {
 
-// Returns the paths that are curves of their own: at least five nodes (four when closed), not
-// jagged, their nodes about as close as those of the longest, and somewhere away from every longer
-// one. A single path is always kept. Longest first, as given.
+// Returns the paths that are curves: at least five nodes (four when closed), not jagged, their
+// nodes about as close as those of the others. A single path is always kept. Longest first, as
+// given.
 std::vector<NodePath> CurvesAmong(const std::vector<NodePath>& paths,
                                   const Eigen::Matrix3Xd& nodes);
 

@@ -13,38 +13,29 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kFewestOfSequence = 8;
-constexpr int kRounds = 3;
-constexpr Eigen::Index kFewFound = 1000;  // one in so many changes little for the others
-constexpr Eigen::Index kRunBlock = 8;     // steps are alike over three of them
-constexpr double kStepQuantile = 0.3;     // of lengths half of which may lead to outliers and back
-constexpr double kLeavingSmooth = 1;     // steps that leaving the line costs where it hardly turns,
+constexpr Eigen::Index kRunBlock = 8;    // steps are alike over three of them
+constexpr double kStepQuantile = 0.3;    // of lengths half of which may lead to outliers and back
 constexpr double kLeavingNoisy = 4;      // where noise turns it about;
 constexpr double kSkippingSmooth = 1.3;  // each point left out
 constexpr double kSkippingNoisy = 4;
 constexpr Eigen::Index kTurnBlock = 16;
-constexpr double kTurnQuantile = 0.14;       // three in a row are rarely free of outliers
-constexpr double kSmoothSequenceTurn = 0.1;  // radians
+constexpr double kTurnQuantile = 0.14;  // three in a row are rarely free of outliers
 constexpr double kNoisyTurn = 0.3;
-constexpr double kStraightOn = 0.3;        // steps: at the end of a line that comes to a corner
-constexpr Eigen::Index kFewSkipped = 4;    // steps around what is left out, whose chord is even
-constexpr Eigen::Index kMostSkipped = 24;  // in a row
-constexpr double kAsFar = 4;               // times the steps behind
-constexpr int kReach = 4;                  // neighbours on either side
-constexpr Eigen::Index kRareOthers = 50;   // one in so many points
-constexpr size_t kStepsBeside = 4;
-constexpr double kSequenceJump = 1.5;  // times their median
-constexpr Eigen::Index kMany = 6;
-constexpr double kManyJump = 2;             // times the same
+constexpr double kStraightOn = 0.3;         // steps: at the end of a line that comes to a corner
+constexpr Eigen::Index kFewSkipped = 4;     // steps around what is left out, whose chord is even
+constexpr Eigen::Index kMostSkipped = 24;   // in a row
+constexpr double kAsFar = 4;                // times the steps behind
+constexpr int kReach = 4;                   // neighbours on either side
+constexpr Eigen::Index kRareOthers = 50;    // one in so many points
 constexpr Eigen::Index kFewestInGroup = 5;  // so many near each other in a row are no outliers
 constexpr double kNearEachOther = 4;        // steps
 constexpr double kVeryFar = 2.5;            // steps: farther than noise reaches
 constexpr double kVeryFarFactor = 5;        // times the median deviation nearby
 constexpr double kFar = 0.75;               // steps: off the line whatever the curve does
-constexpr double kFineFloor = 0.05;         // steps: nothing nearer is marked
 constexpr double kFarFactor = 10;           // times the median deviation nearby
+constexpr double kFineFloor = 0.05;         // steps: nothing nearer is marked
 constexpr double kFineFactor = 15;          // times what three quarters of the next ones keep
 constexpr double kUneven = 6;               // steps over two: next to long ones
-constexpr double kCorner = 0.6;             // of the chord: farther than a right angle reaches
 constexpr double kSuspicious = 4;           // times the median of the quick test
 
 using Values = std::array<double, 4 * kReach>;
@@ -123,10 +114,7 @@ std::vector<double> NoiseAround(const Line& line) {
     turns.push_back(std::max(turn, std::numeric_limits<double>::min()));
   }
   std::vector<double> result = AroundBlocks(turns, kTurnQuantile, kTurnBlock);
-  for (double& turn : result) {
-    turn = std::clamp(
-        (std::sqrt(2 * turn) - kSmoothSequenceTurn) / (kNoisyTurn - kSmoothSequenceTurn), 0.0, 1.0);
-  }
+  for (double& turn : result) turn = std::min(1.0, std::sqrt(2 * turn) / kNoisyTurn);
   return result;
 }
 
@@ -143,7 +131,7 @@ std::vector<Eigen::Index> CheapestWay(const Line& line,
     const double step = OfBlock(steps, j % line.size());
     const double unit = step > 0 ? 1 / step : 0;
     const double share = OfBlock(noise, j % line.size(), kTurnBlock);
-    const double leaving = std::lerp(kLeavingSmooth, kLeavingNoisy, share);
+    const double leaving = kLeavingNoisy * share;
     const double skipping = std::lerp(kSkippingSmooth, kSkippingNoisy, share);
     const Eigen::Vector3d place = line.at(j);
     const auto here = static_cast<size_t>(j);
@@ -197,20 +185,6 @@ bool GoesStraightOn(
          kStraightOn * step.norm();
 }
 
-// The median of the steps of the way between neighbours in the file, near its w-th point.
-double StepBeside(const Line& line, const std::vector<Eigen::Index>& way, size_t w) {
-  Values steps;
-  int count = 0;
-  const size_t end = std::min(way.size(), w + 1 + kStepsBeside);
-  for (size_t v = std::max(w, kStepsBeside + 1) - kStepsBeside; v < end; ++v) {
-    if (way[v] != way[v - 1] + 1) continue;
-    steps[count++] = (line.at(way[v]) - line.at(way[v - 1])).norm();
-  }
-  if (count == 0) return 0;
-  std::nth_element(steps.begin(), steps.begin() + count / 2, steps.begin() + count);
-  return steps[static_cast<size_t>(count / 2)];
-}
-
 // Whether the way through points between `from` and `to` turns sharply once at most, as a curve
 // does that was sampled coarsely; outliers turn it where it leaves, at them and where it comes
 // back.
@@ -229,22 +203,16 @@ bool TurnsAsACurve(const Line& line, Eigen::Index from, Eigen::Index to) {
 
 // Whether points between `from` and `to` may be outliers: they are left and joined by longer steps
 // than those beside; not many in a row are near each other (a part of the curve at the end of long
-// steps), and many have long steps throughout (else they are a spike).
-bool MayBeOutliers(
-    const Line& line, Eigen::Index from, Eigen::Index to, double beside, double usual) {
-  double longest = 0, sum = 0;
+// steps).
+bool MayBeOutliers(const Line& line, Eigen::Index from, Eigen::Index to, double usual) {
   Eigen::Index near_each_other = 1;
   for (Eigen::Index k = from; k < to; ++k) {
     const double step = (line.at(k + 1) - line.at(k)).norm();
-    sum += step;
-    longest = std::max(longest, step);
     near_each_other =
         k > from && k + 1 < to && step <= kNearEachOther * usual ? near_each_other + 1 : 1;
     if (near_each_other >= kFewestInGroup) return false;
   }
-  const Eigen::Index count = to - from - 1;
-  if (count > kMany && sum <= kManyJump * beside * static_cast<double>(count + 1)) return false;
-  return longest > kSequenceJump * beside;
+  return true;
 }
 
 // Marks a few points before the first and behind the last point of the way, if they lie farther
@@ -293,7 +261,7 @@ std::vector<char> LeftOut(const Line& line) {
     const double share = to - from <= kFewSkipped ? 2 / static_cast<double>(to - from) : 1;
     // Where noise turns the way about, its turns tell nothing.
     const bool may_be =
-        MayBeOutliers(line, from, to, StepBeside(line, way, w), OfBlock(steps, from % count)) &&
+        MayBeOutliers(line, from, to, OfBlock(steps, from % count)) &&
         (OfBlock(noise, from % count, kTurnBlock) == 1 || !TurnsAsACurve(line, from, to));
     for (Eigen::Index k = from + 1; k < to; ++k) {
       marked[static_cast<size_t>(k % count)] =
@@ -397,7 +365,7 @@ std::vector<char> OffTheLine(const Line& line) {
     const double median = OfBlock(medians, k);
     if (quick[static_cast<size_t>(k)] <= kSuspicious * median) continue;
     const double step = OfBlock(steps, k), across = (line.at(k + 1) - line.at(k - 1)).norm();
-    if (across > kUneven * step && deviations.at(k) < kCorner * across) continue;
+    if (across > kUneven * step) continue;
     marked[static_cast<size_t>(k)] =
         IsOff(line, deviations, k, std::max(step, 0.5 * across), 0.1 * median);
   }
@@ -429,14 +397,10 @@ PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed) {
   if (HasNoOutliers(points)) return PointMask::Constant(points.cols(), false);
   Line line{points, {}, closed};
   for (Eigen::Index k = 0; k < points.cols(); ++k) line.kept.push_back(k);
-  for (int round = 0; round < kRounds; ++round) {
-    if (line.size() < kFewestOfSequence) break;
-    const Eigen::Index before = line.size();
+  for (Eigen::Index before = -1; line.size() != before && line.size() >= kFewestOfSequence;) {
+    before = line.size();
     line.Remove(LeftOut(line));
-    if (line.size() < kFewestOfSequence) break;
-    line.Remove(OffTheLine(line));
-    const Eigen::Index found = before - line.size();
-    if (found == 0 || found * kFewFound < before) break;
+    if (line.size() >= kFewestOfSequence) line.Remove(OffTheLine(line));
   }
   PointMask sequence_outliers = PointMask::Constant(points.cols(), true);
   for (const Eigen::Index k : line.kept) sequence_outliers[k] = false;

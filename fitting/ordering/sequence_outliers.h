@@ -15,12 +15,12 @@ namespace batten::internal {
 // where they are many, however little noise there is; where noise is wider than the steps, an
 // outlier must lie 8 standard deviations off, 3 next to each other 14.
 //  (1) The way through the points that is shortest in units of the steps nearby, when leaving out k
-//      points in a row costs a + b k: what it leaves out is far off. From a = 1, b = 1.3 where the
+//      points in a row costs a + b k: what it leaves out is far off. From a = 0, b = 1.3 where the
 //      points follow each other smoothly to a = b = 4 where noise turns the way about. By dynamic
 //      programming.
 //  (2) Of the others, those that lie off the chords over them, off the lines of the points before
 //      and of those behind, each by far more than their neighbours do.
-// Both three times at most, each without the outliers found before. O(m).
+// Both again and again without the outliers found before, until there are no more. O(m) each time.
 PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed);
 
 }  // namespace batten::internal

@@ -208,6 +208,23 @@ TEST(FindSequenceOutliersTest, FindsPointsOffsetToTheSide) {
   }
 }
 
+// What the eye hardly sees spoils a curve through exact points: less than a step off.
+TEST(FindSequenceOutliersTest, FindsPointsHardlyOffExactOnes) {
+  for (const double offset : {0.6, 1.0, 1.5, 3.0}) {
+    SCOPED_TRACE(std::to_string(offset) + " steps off");
+    Score score;
+    for (unsigned seed = 0; seed < 6; ++seed) {
+      NoisyPoints random(seed);
+      const bool space = seed % 2 == 0;
+      const Eigen::Matrix3Xd curve = space ? Helix(2000) : Flower(2000);
+      const Spoilt spoilt = Offset(random, curve, 0.02, offset * MeanStep(curve));
+      score.Add(FindSequenceOutliers(spoilt.points, !space), spoilt, curve, 0);
+    }
+    EXPECT_GE(score.found, (offset < 1 ? 0.8 : 0.98) * score.far);
+    EXPECT_LE(score.wrong, 0.001 * score.clean);
+  }
+}
+
 TEST(FindSequenceOutliersTest, FindsAFewStraysAmongFewPoints) {
   Eigen::Matrix3Xd points = Arc(40, 200);
   points.col(7) << 0, 3, 0;
