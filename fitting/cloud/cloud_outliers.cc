@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/cloud/cloud_constants.h"
 #include "fitting/cloud/inlier_prescreen.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/neighbours/local_quadric.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kPlaneNeighbours = 24;
-constexpr int kReachNeighbour = 6;
-constexpr double kAgrees = 3;         // standard deviations; a greater offset is no inlier's
 constexpr double kUsualScales = 2.5;  // usual deviations; beyond, the place is no plane …
 constexpr double kFlat = 0.1;         // … nor a quadric, unless within this share of reach
 constexpr double kSparser = 2;        // ratio of reaches; beyond, a point is sparser than others
-constexpr double kExact = 0.03;       // share of the reach; smaller deviations count as this
 constexpr int kQuadricNeighbours = 30;
 constexpr int kLookedAt = 48;  // points searched for the inliers of a quadric
 constexpr int kOthers[] = {
@@ -29,12 +29,9 @@ constexpr double kOff = 4.5;        // standard deviations from every quadric: a
 constexpr double kResolved = 0.06;  // share of the reach; smaller deviations count as this
 constexpr int kCompanions = 2;      // inliers needed among the nearest six
 constexpr double kAway = 2.5;       // reaches from the nearest inlier: off the surface
-constexpr double kLonelier = 3;
 constexpr double kFillsSpace = 0.2;
 constexpr double kMostNeighbourLeverage = 4;  // beyond, a quadric is not used
 
-constexpr Eigen::Index kTypical = 4096;  // points from which the usual values are estimated
-constexpr std::ptrdiff_t kAskedPerTask = 256;
 constexpr double kPays = 0.5;  // share of the points; below, the prescreen is discarded
 
 // Statistics of a point relative to its neighbours.
@@ -72,7 +69,7 @@ class NeighbourStatistics {
     constexpr std::ptrdiff_t kChunk = 1 << 16;
     for (auto start = old; start < std::ssize(asked_); start += kChunk) {
       const auto count = std::min<std::ptrdiff_t>(kChunk, std::ssize(asked_) - start);
-      pool.For(count, kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      pool.For(count, kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
         Measure(start + begin, start + end);
       });
       Report(progress,
@@ -83,7 +80,7 @@ class NeighbourStatistics {
 
   // Adds the reach of each measured point's nearest point.
   void AskNearest(ThreadPool& pool) {
-    pool.For(std::ssize(asked_), kAskedPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    pool.For(std::ssize(asked_), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       std::vector<int> nearest;
       for (auto i = begin; i < end; ++i) nearest.push_back(statistics_[i].nearest);
       const std::vector<double> reaches = Reaches(nearest);
@@ -196,10 +193,10 @@ class OutlierClassifier {
         inliers_(std::move(screened)) {
     for (size_t i = 0; i < standings.asked().size(); ++i) {
       const PointStatistics& own = standings[i];
-      const double least =
-          std::max(usual.scale, kExact * std::min(own.nearest_reach, kLonelier * usual.reach));
+      const double least = std::max(
+          usual.scale, kExactInReaches * std::min(own.nearest_reach, kLonelier * usual.reach));
       inliers_[standings.asked()[i]] = own.scale <= kUsualScales * least &&
-                                       own.offset <= kAgrees * std::max(least, own.scale) &&
+                                       own.offset <= kThreeSigmas * std::max(least, own.scale) &&
                                        own.reach <= kSparser * own.nearest_reach;
     }
   }
@@ -213,7 +210,7 @@ class OutlierClassifier {
     }
     PointMask outliers = PointMask::Constant(points_.cols(), false);
     if (inliers_.count() <= kQuadricNeighbours || candidates.empty()) return outliers;
-    const std::vector<char> classes = JudgeAll(candidates, pool);
+    const std::vector<PointClass> classes = JudgeAll(candidates, pool);
     for (size_t i = 0; i < candidates.size(); ++i)
       outliers[PointOf(candidates[i])] = classes[i] != kGood;
     // Several points off the surface together, as dense as it, are structure.
@@ -228,7 +225,7 @@ class OutlierClassifier {
   }
 
  private:
-  enum PointClass { kGood, kOffSurface, kAlone };
+  enum PointClass : char { kUnjudged, kGood, kOffSurface, kAlone };
 
   int PointOf(int place) const { return statistics_.asked()[static_cast<size_t>(place)]; }
 
@@ -281,20 +278,18 @@ class OutlierClassifier {
     const double scale = quadric.scale_of_most();
     if (scale > std::max(usual_scale_, kFlat * reach)) return false;
     return std::abs(quadric.Offset(Eigen::Vector3d::Zero())) <=
-           kAgrees * std::max({noise_, kFlat / 2 * reach, scale}) *
+           kThreeSigmas * std::max({noise_, kFlat / 2 * reach, scale}) *
                std::sqrt(1 + quadric.Leverage(Eigen::Vector3d::Zero()));
   }
 
   // Classifies every candidate. Nearly all have enough inliers among the points around them; for
   // those deep among outliers an index of the inliers is searched.
-  std::vector<char> JudgeAll(const std::vector<int>& candidates, ThreadPool& pool) const {
-    constexpr char kUnjudged = -1;
-    std::vector<char> classes(candidates.size(), kUnjudged);
+  std::vector<PointClass> JudgeAll(const std::vector<int>& candidates, ThreadPool& pool) const {
+    std::vector<PointClass> classes(candidates.size(), kUnjudged);
     pool.For(std::ssize(candidates), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
         std::vector<int> near = InliersAround(PointOf(candidates[i]));
-        if (std::ssize(near) == kQuadricNeighbours)
-          classes[i] = static_cast<char>(Judge(candidates[i], near));
+        if (std::ssize(near) == kQuadricNeighbours) classes[i] = Judge(candidates[i], near);
       }
     });
     std::vector<size_t> deep;
@@ -314,7 +309,7 @@ class OutlierClassifier {
         for (int& j : near) j = list[j];
         near.erase(std::remove(near.begin(), near.end(), PointOf(place)), near.end());
         if (std::ssize(near) > kQuadricNeighbours) near.pop_back();
-        classes[deep[i]] = static_cast<char>(Judge(place, near));
+        classes[deep[i]] = Judge(place, near);
       }
     });
     return classes;
@@ -397,7 +392,7 @@ PointMask FindOutliers(const Eigen::Matrix3Xd& points,
                        ThreadPool& pool,
                        const Progress& progress) {
   // Exact data: deviations are rounding or curvature.
-  const double rounding = 1e-9 * spacing;
+  const double rounding = kRelativelyEqual * spacing;
   const auto order = index.order();
   NeighbourStatistics standings(points, index);
   std::vector<int> sample;

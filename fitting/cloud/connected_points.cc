@@ -11,17 +11,17 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/cloud/cloud_constants.h"
 #include "fitting/core/mask_indices.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kPartNeighbours = 16;
-constexpr double kPartReach = 5;  // spacings: twice the radius of outlines' alpha shapes
-constexpr double kPartCell = 2;   // spacings: what lies in touching cells is at most seven apart
-constexpr Eigen::Index kSampledForSpacing = 4096;
-constexpr std::ptrdiff_t kPartBlock = 4096;
-constexpr double kMostOfAll = 0.8;     // a part of so many of the others has clutter beside it …
+constexpr double kPartReach = 5;    // spacings: twice the radius of outlines' alpha shapes
+constexpr double kPartCell = 2;     // spacings: what lies in touching cells is at most seven apart
+constexpr double kMostOfAll = 0.8;  // a part of so many of the others has clutter beside it …
 constexpr double kOfTheLargest = 0.1;  // … in parts of at most so many of its points
 
 class Sets {
@@ -105,7 +105,7 @@ Neighbourhoods NeighbourhoodsOf(const Eigen::Matrix3Xd& points,
   around.each = static_cast<int>(std::min<Eigen::Index>(kPartNeighbours + 1, points.cols()));
   around.nearest.resize(static_cast<size_t>(count) * static_cast<size_t>(around.each));
   around.spacing.resize(count);
-  pool.For(count, kPartBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(count, kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Eigen::Matrix3Xd queries(3, end - begin);
     for (std::ptrdiff_t k = begin; k < end; ++k)
       queries.col(k - begin) = points.col(some[static_cast<size_t>(k)]);
@@ -122,7 +122,7 @@ Neighbourhoods NeighbourhoodsOf(const Eigen::Matrix3Xd& points,
 
 double SpacingOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, ThreadPool& pool) {
   std::vector<Eigen::Index> sample;
-  const Eigen::Index count = points.cols(), wanted = std::min(count, kSampledForSpacing);
+  const Eigen::Index count = points.cols(), wanted = std::min(count, kTypical);
   for (Eigen::Index k = 0; k < wanted; ++k) sample.push_back(k * count / wanted);
   const Neighbourhoods around = NeighbourhoodsOf(points, sample, index, pool);
   return Median(std::vector<double>(around.spacing.begin(), around.spacing.end()));
@@ -158,8 +158,7 @@ void JoinNeighbours(const Eigen::Matrix3Xd& points,
                     const Neighbourhoods& around,
                     double spacing,
                     Sets& sets) {
-  constexpr std::ptrdiff_t kNone = -1;
-  std::vector<std::ptrdiff_t> rows(static_cast<size_t>(points.cols()), kNone);
+  std::vector<std::ptrdiff_t> rows(static_cast<size_t>(points.cols()), -1);
   for (std::ptrdiff_t i = 0; i < std::ssize(some); ++i)
     rows[static_cast<size_t>(some[static_cast<size_t>(i)])] = i;
   const auto neighbours = [&](std::ptrdiff_t row) {
@@ -170,7 +169,7 @@ void JoinNeighbours(const Eigen::Matrix3Xd& points,
     const Eigen::Index k = some[static_cast<size_t>(i)];
     for (const int other : neighbours(i)) {
       const std::ptrdiff_t row = rows[static_cast<size_t>(other)];
-      if (row == kNone || std::ranges::find(neighbours(row), k) == neighbours(row).end()) continue;
+      if (row < 0 || std::ranges::find(neighbours(row), k) == neighbours(row).end()) continue;
       const double reach =
           kPartReach * std::max(spacing, std::min(around.spacing[i], around.spacing[row]));
       if ((points.col(other) - points.col(k)).norm() <= reach) sets.Join(k, other);
@@ -188,8 +187,7 @@ std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
   const double spacing = SpacingOf(points, index, pool);
   // Cells are numbered by 64 bits.
   const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
-  constexpr double kMostPartCells = 0x1p60;
-  if (spacing > 0 && size < kMostPartCells * kPartCell * spacing)
+  if (spacing > 0 && size < 0x1p60 * kPartCell * spacing)
     JoinCells(points, kPartCell * spacing, sets);
   std::vector<Eigen::Index> roots = RootsOf(sets, count);
   const Eigen::Index largest = Largest(roots).first;

@@ -31,12 +31,11 @@ double MiddleOf(std::span<Weighted> sample) {
   });
   double whole = 0;
   for (const Weighted& one : sample) whole += one.weight;
-  constexpr double kHalf = 0.5;
   double below = 0;
   for (std::size_t k = 0; k < sample.size(); ++k) {
     below += sample[k].weight;
-    if (below > (kHalf + internal::kRelativeRounding) * whole) return sample[k].value;
-    if (below >= (kHalf - internal::kRelativeRounding) * whole && k + 1 < sample.size()) {
+    if (below > (0.5 + internal::kRelativeRounding) * whole) return sample[k].value;
+    if (below >= (0.5 - internal::kRelativeRounding) * whole && k + 1 < sample.size()) {
       return sample[k].value / 2 + sample[k + 1].value / 2;
     }
   }
@@ -45,15 +44,15 @@ double MiddleOf(std::span<Weighted> sample) {
 
 // Tukey's biweight mean about the median.
 double RobustMean(std::span<Weighted> sample) {
-  constexpr int kRounds = 3;
   double centre = MiddleOf(sample);
   std::array<Weighted, kNearest> offsets;
   for (std::size_t k = 0; k < sample.size(); ++k) {
     offsets[k] = {std::abs(sample[k].value - centre), sample[k].weight};
   }
-  const double width = kTukeyTuning * kMadToSigma * MiddleOf({offsets.data(), sample.size()});
+  const double width =
+      internal::kTukeyTuning * kMadToSigma * MiddleOf({offsets.data(), sample.size()});
   if (!(width > 0)) return centre;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < internal::kRobustRounds; ++round) {
     double sum = 0, weights = 0;
     for (const Weighted& one : sample) {
       const double off = (one.value - centre) / width;
@@ -108,8 +107,7 @@ Eigen::VectorXd DeviationMap(const Eigen::Matrix3Xd& places,
   if (known.distances.empty()) return map;
   const NeighbourIndex index(known.places, pool);
   const int count = static_cast<int>(std::min<Eigen::Index>(kNearest, index.size()));
-  constexpr std::ptrdiff_t kBlock = 1024;
-  pool.For(places.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(places.cols(), internal::kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const Eigen::Matrix3Xd local = places.middleCols(begin, end - begin).colwise() - known.middle;
     const std::vector<int> nearest = index.Nearest(local, count);
     for (std::ptrdiff_t k = 0; k < local.cols(); ++k) {

@@ -7,21 +7,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "fitting/cloud/cloud_constants.h"
 #include "fitting/cloud/quadric_fit_kernels.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kCount = PlacePoints::kCount;
-constexpr double kExactPatch = 0.03;   // share of the reach; smaller deviations count as this
-constexpr double kMostReaches = 3;     // usual reaches; a patch's own counts for at most this
 constexpr double kNarrow = 0.02;       // variance across over along; below, points are on a line
-constexpr double kAgreesInPatch = 3;   // deviations from the quadric; beyond, not an inlier
 constexpr double kCommon = 1.5;        // root mean square, in deviations; above, a patch is skipped
 constexpr double kMost = 0.85;         // share of the points that must agree
 constexpr float kMostLeverage = 0.5F;  // above, the other points do not determine the quadric there
-constexpr int kRounds = 3;
-constexpr int kPatchNeighbours = 6;
 constexpr double kWithinReaches = 2.25;  // at a patch's corner only a quarter of a disc is seen
 constexpr double kLink = 1.5;            // reaches between connected points
 constexpr double kRidge = 1e-6;
@@ -32,14 +28,14 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 // One patch of points, scaled to unit size.
 class Place {
  public:
-  // `chosen` are kCount points.
+  // `chosen` are kPatchPoints points.
   Place(const Eigen::Matrix3Xd& points, const int* chosen) {
-    Eigen::Matrix<double, 3, kCount> local;
-    for (int k = 0; k < kCount; ++k) local.col(k) = points.col(chosen[k]);
+    Eigen::Matrix<double, 3, kPatchPoints> local;
+    for (int k = 0; k < kPatchPoints; ++k) local.col(k) = points.col(chosen[k]);
     local.colwise() -= Eigen::Vector3d(local.rowwise().mean());
     unit_ = local.cwiseAbs().maxCoeff();
     const double factor = unit_ > 0 ? 1 / unit_ : 0;
-    for (int k = 0; k < kCount; ++k) {
+    for (int k = 0; k < kPatchPoints; ++k) {
       points_.x[k] = static_cast<float>(local(0, k) * factor);
       points_.y[k] = static_cast<float>(local(1, k) * factor);
       points_.z[k] = static_cast<float>(local(2, k) * factor);
@@ -50,22 +46,22 @@ class Place {
   void Judge(double deviation, double reach, bool* good) {
     if (!(unit_ > 0) || !std::isfinite(unit_) || !TakeFrame()) return;
     const double least =
-        std::max(deviation / unit_, kExactPatch * std::min(reach_, kMostReaches * reach / unit_));
+        std::max(deviation / unit_, kExactInReaches * std::min(reach_, kLonelier * reach / unit_));
     if (!Agree(static_cast<float>(least))) return;
-    int counts[kCount], groups[kCount];
+    int counts[kPatchPoints], groups[kPatchPoints];
     LinkWithin(points_,
                static_cast<float>(kWithinReaches * reach_),
                static_cast<float>(kLink * reach_),
                counts,
                groups);
     // A quadric would also fit a clump beside the other points.
-    int members[kCount] = {};
+    int members[kPatchPoints] = {};
     for (const int group : groups) ++members[group];
-    const auto body = static_cast<int>(std::max_element(members, members + kCount) - members);
-    if (members[body] < kMost * kCount) return;
-    const auto limit = static_cast<float>(kAgreesInPatch * least);
-    for (int k = 0; k < kCount; ++k) {
-      good[k] = groups[k] == body && counts[k] > kPatchNeighbours &&
+    const auto body = static_cast<int>(std::max_element(members, members + kPatchPoints) - members);
+    if (members[body] < kMost * kPatchPoints) return;
+    const auto limit = static_cast<float>(kThreeSigmas * least);
+    for (int k = 0; k < kPatchPoints; ++k) {
+      good[k] = groups[k] == body && counts[k] > kReachNeighbour &&
                 fit_.leverages[k] < kMostLeverage &&
                 std::abs(fit_.heights[k]) <= limit * (1 - fit_.leverages[k]);
     }
@@ -80,11 +76,11 @@ class Place {
     const Eigen::Matrix3d moments{{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(moments);
-    const Eigen::Vector3d variance = solver.eigenvalues() / kCount;
+    const Eigen::Vector3d variance = solver.eigenvalues() / kPatchPoints;
     if (!(variance[1] > kNarrow * variance[2])) return false;
     // A rectangle's variances are a twelfth of its sides' squares.
     const double area = 12 * std::sqrt(variance[1] * variance[2]);
-    reach_ = std::sqrt(area * kPatchNeighbours / (kCount * std::numbers::pi));
+    reach_ = std::sqrt(area * kReachNeighbour / (kPatchPoints * std::numbers::pi));
     float axes[9];
     for (int a = 0; a < 3; ++a) {
       for (int b = 0; b < 3; ++b)
@@ -97,21 +93,22 @@ class Place {
   // Fits the quadric robustly, with weights scaled by `deviation`. Returns whether most points
   // agree.
   bool Agree(float deviation) {
-    std::fill_n(fit_.weights, kCount, 1.0F);
-    for (int round = 0; round < kRounds; ++round) {
+    std::fill_n(fit_.weights, kPatchPoints, 1.0F);
+    for (int round = 0; round < kRobustRounds; ++round) {
       if (!Solve()) return false;
       int agree = 0;
       float squares = 0;
-      for (int k = 0; k < kCount; ++k) {
+      for (int k = 0; k < kPatchPoints; ++k) {
         const float ratio = fit_.heights[k] / deviation;
-        const bool agrees = std::abs(ratio) <= static_cast<float>(kAgreesInPatch);
+        const bool agrees = std::abs(ratio) <= static_cast<float>(kThreeSigmas);
         agree += agrees ? 1 : 0;
         squares += agrees ? ratio * ratio : 0;
         fit_.weights[k] = 1 / (1 + ratio * ratio / 4);
       }
       // Weights have begun to separate outliers from the rest, or there are no outliers.
-      const bool settled = round > 0 || agree == kCount;
-      if (settled && agree >= kMost * kCount && squares <= kCommon * kCommon * agree) return true;
+      const bool settled = round > 0 || agree == kPatchPoints;
+      if (settled && agree >= kMost * kPatchPoints && squares <= kCommon * kCommon * agree)
+        return true;
     }
     return false;
   }
@@ -147,16 +144,17 @@ PointMask PrescreenInliers(const Eigen::Matrix3Xd& points,
                            double reach,
                            ThreadPool& pool) {
   PointMask good = PointMask::Constant(points.cols(), false);
-  constexpr std::ptrdiff_t kPlacesPerBlock = 128;
   const auto order = index.order();
-  pool.For(points.cols() / kCount, kPlacesPerBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (std::ptrdiff_t i = begin; i < end; ++i) {
-      const int* chosen = order.data() + i * kCount;
-      bool plain[kCount] = {};
-      Place(points, chosen).Judge(deviation, reach, plain);
-      for (int k = 0; k < kCount; ++k) good[chosen[k]] = plain[k];
-    }
-  });
+  pool.For(points.cols() / kPatchPoints,
+           kPointsPerTask / kPatchPoints,
+           [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+             for (std::ptrdiff_t i = begin; i < end; ++i) {
+               const int* chosen = order.data() + i * kPatchPoints;
+               bool plain[kPatchPoints] = {};
+               Place(points, chosen).Judge(deviation, reach, plain);
+               for (int k = 0; k < kPatchPoints; ++k) good[chosen[k]] = plain[k];
+             }
+           });
   return good;
 }
 

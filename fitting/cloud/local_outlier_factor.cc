@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/cloud/cloud_constants.h"
 #include "fitting/cloud/connected_points.h"
 #include "fitting/core/mask_indices.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kNeighbour = 6;
 constexpr double kMuchFarther = 2.5;
 // A stray beside an edge: its second neighbour so many times as far as that, and all on one side,
 // by the mean of their directions (0.64 along a straight edge).
@@ -35,24 +35,25 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
   std::vector<int> rank(order.size());
   for (std::ptrdiff_t i = 0; i < count; ++i)
     rank[static_cast<size_t>(order[i])] = static_cast<int>(i);
-  Circles circles{std::vector<int>(order.size() * kNeighbour),
+  Circles circles{std::vector<int>(order.size() * kReachNeighbour),
                   std::vector<double>(order.size()),
                   std::vector<double>(order.size()),
                   std::vector<double>(order.size())};
   pool.For(count, 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Eigen::Matrix3Xd queries(3, end - begin);
     for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(order[i]);
-    const std::vector<int> near = index.Nearest(queries, kNeighbour + 1);  // the point itself first
+    const std::vector<int> near =
+        index.Nearest(queries, kReachNeighbour + 1);  // the point itself first
     for (auto i = begin; i < end; ++i) {
-      const int* row = near.data() + (i - begin) * (kNeighbour + 1) + 1;
-      for (int n = 0; n < kNeighbour; ++n)
-        circles.neighbours[static_cast<size_t>(i * kNeighbour + n)] =
+      const int* row = near.data() + (i - begin) * (kReachNeighbour + 1) + 1;
+      for (int n = 0; n < kReachNeighbour; ++n)
+        circles.neighbours[static_cast<size_t>(i * kReachNeighbour + n)] =
             rank[static_cast<size_t>(row[n])];
       circles.reach[static_cast<size_t>(i)] =
-          (points.col(row[kNeighbour - 1]) - queries.col(i - begin)).norm();
+          (points.col(row[kReachNeighbour - 1]) - queries.col(i - begin)).norm();
       Eigen::Vector3d lean = Eigen::Vector3d::Zero();
-      for (int n = 0; n < kNeighbour; ++n)
-        lean += (points.col(row[n]) - queries.col(i - begin)).stableNormalized() / kNeighbour;
+      for (int n = 0; n < kReachNeighbour; ++n)
+        lean += (points.col(row[n]) - queries.col(i - begin)).stableNormalized() / kReachNeighbour;
       circles.lean[static_cast<size_t>(i)] = lean.norm();
       circles.second[static_cast<size_t>(i)] = (points.col(row[1]) - queries.col(i - begin)).norm();
     }
@@ -64,11 +65,11 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
 enum class Standing : char { kAmong, kBeside, kApart };
 
 Standing StandingOf(const Circles& circles, std::ptrdiff_t i) {
-  std::array<double, kNeighbour> theirs;
-  for (int n = 0; n < kNeighbour; ++n)
-    theirs[n] = circles.reach[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
+  std::array<double, kReachNeighbour> theirs;
+  for (int n = 0; n < kReachNeighbour; ++n)
+    theirs[n] = circles.reach[static_cast<size_t>(circles.neighbours[i * kReachNeighbour + n])];
   std::sort(theirs.begin(), theirs.end());
-  const double median = (theirs[kNeighbour / 2 - 1] + theirs[kNeighbour / 2]) / 2;
+  const double median = (theirs[kReachNeighbour / 2 - 1] + theirs[kReachNeighbour / 2]) / 2;
   if (circles.reach[static_cast<size_t>(i)] > kMuchFarther * median) return Standing::kApart;
   const bool beside = circles.second[static_cast<size_t>(i)] > kFarFromAll * median &&
                       circles.lean[static_cast<size_t>(i)] > kOnOneSide;
@@ -110,8 +111,8 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
   std::vector<int> counted_by(chosen.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     if (standing[static_cast<size_t>(i)] != Standing::kAmong) continue;
-    for (int n = 0; n < kNeighbour; ++n)
-      ++counted_by[static_cast<size_t>(circles.neighbours[i * kNeighbour + n])];
+    for (int n = 0; n < kReachNeighbour; ++n)
+      ++counted_by[static_cast<size_t>(circles.neighbours[i * kReachNeighbour + n])];
   }
   const auto order = index.order();
   for (size_t i = 0; i < chosen.size(); ++i) {

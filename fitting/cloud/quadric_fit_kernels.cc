@@ -10,7 +10,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kCount = PlacePoints::kCount;
 constexpr int kLanes = 16;
 
 struct Lanes {
@@ -26,7 +25,7 @@ BATTEN_INLINE double SumOf(const Lanes& lanes) {
 // Dot product Σ a b, summed in lanes.
 BATTEN_INLINE double Dot(const float* a, const float* b) {
   Lanes sum{};
-  for (int k = 0; k < kCount; k += kLanes)
+  for (int k = 0; k < kPatchPoints; k += kLanes)
     for (int i = 0; i < kLanes; ++i) sum.at[i] += a[k + i] * b[k + i];
   return SumOf(sum);
 }
@@ -41,7 +40,7 @@ BATTEN_CLONES void SecondMoments(const PlacePoints& points, double* moments) {
 }
 
 BATTEN_CLONES void TurnInto(const float* axes, PlacePoints& points) {
-  for (int k = 0; k < kCount; ++k) {
+  for (int k = 0; k < kPatchPoints; ++k) {
     const float x = points.x[k], y = points.y[k], z = points.z[k];
     points.x[k] = axes[0] * x + axes[1] * y + axes[2] * z;
     points.y[k] = axes[3] * x + axes[4] * y + axes[5] * z;
@@ -50,8 +49,8 @@ BATTEN_CLONES void TurnInto(const float* axes, PlacePoints& points) {
 }
 
 BATTEN_CLONES void AddUpQuadric(const PlacePoints& points, const float* weights, double* sums) {
-  alignas(64) float rows[6][kCount], weighted[6][kCount];
-  for (int k = 0; k < kCount; ++k) {
+  alignas(64) float rows[6][kPatchPoints], weighted[6][kPatchPoints];
+  for (int k = 0; k < kPatchPoints; ++k) {
     const float x = points.x[k], y = points.y[k];
     const float monomials[6] = {1, x, y, x * x, x * y, y * y};
     for (int a = 0; a < 6; ++a) {
@@ -69,7 +68,7 @@ BATTEN_CLONES void LeaveQuadric(const PlacePoints& points,
                                 const float* coefficients,
                                 const float* inverse,
                                 PlaceFit& fit) {
-  for (int k = 0; k < kCount; ++k) {
+  for (int k = 0; k < kPatchPoints; ++k) {
     const float x = points.x[k], y = points.y[k];
     const float monomials[6] = {1, x, y, x * x, x * y, y * y};
     float height = points.z[k], leverage = 0;
@@ -86,12 +85,11 @@ BATTEN_CLONES void LeaveQuadric(const PlacePoints& points,
 
 BATTEN_CLONES void LinkWithin(
     const PlacePoints& points, float within, float link, int* counts, int* groups) {
-  constexpr std::uint64_t kAll = ~std::uint64_t{0};
-  static_assert(kCount == 64);
-  for (int k = 0; k < kCount; ++k) counts[k] = 0;
+  static_assert(kPatchPoints == 64);
+  for (int k = 0; k < kPatchPoints; ++k) counts[k] = 0;
   std::uint64_t done = 0, reached = 0;
   int group = -1;
-  while (done != kAll) {
+  while (~done != 0) {
     if ((reached & ~done) == 0) {
       reached |= ~done & -~done;
       ++group;
@@ -100,14 +98,14 @@ BATTEN_CLONES void LinkWithin(
     done |= std::uint64_t{1} << j;
     groups[j] = group;
     const float x = points.x[j], y = points.y[j], z = points.z[j];
-    std::uint8_t near[kCount];
-    for (int k = 0; k < kCount; ++k) {
+    std::uint8_t near[kPatchPoints];
+    for (int k = 0; k < kPatchPoints; ++k) {
       const float dx = points.x[k] - x, dy = points.y[k] - y, dz = points.z[k] - z;
       const float square = dx * dx + dy * dy + dz * dz;
       counts[k] += square <= within * within ? 1 : 0;
       near[k] = square <= link * link ? 1 : 0;
     }
-    for (int k = 0; k < kCount; k += 8) {  // eight bytes of 0 or 1 to eight bits
+    for (int k = 0; k < kPatchPoints; k += 8) {  // eight bytes of 0 or 1 to eight bits
       std::uint64_t bytes;
       std::memcpy(&bytes, near + k, sizeof bytes);
       reached |= (bytes * 0x0102040810204080U >> 56) << k;

@@ -4,16 +4,16 @@
 
 namespace batten::internal {
 
+inline constexpr int kPatchPoints = 64;
+
 // Points of one patch relative to its mean, scaled to a size near one.
 struct PlacePoints {
-  static constexpr int kCount = 64;
-  alignas(64) float x[kCount], y[kCount], z[kCount];
+  alignas(64) float x[kPatchPoints], y[kPatchPoints], z[kPatchPoints];
 };
 
 // Weights of the points, their heights over the quadric z(x, y), and their leverages in its fit.
 struct PlaceFit {
-  alignas(64) float weights[PlacePoints::kCount], heights[PlacePoints::kCount],
-      leverages[PlacePoints::kCount];
+  alignas(64) float weights[kPatchPoints], heights[kPatchPoints], leverages[kPatchPoints];
 };
 
 // Computes the sums Σ xx, xy, xz, yy, yz, zz.

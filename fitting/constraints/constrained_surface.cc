@@ -13,6 +13,7 @@
 #include "fitting/constraints/edge_values.h"
 #include "fitting/constraints/linear_constraints.h"
 #include "fitting/constraints/reduced_edge_basis.h"
+#include "fitting/core/rounding.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/linear/bordered_system.h"
 #include "fitting/linear/coefficient_order.h"
@@ -23,7 +24,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMissedLength = 1e-9;  // of the data's and the edges' size
 constexpr double kMissedAngle = 1e-6;
 constexpr double kMissedAlong = 1e-4;    // along an edge: what thinning may leave, and some
 constexpr double kFirmSmoothing = 1e-7;  // from here on what is singular stays singular
@@ -347,7 +347,7 @@ std::vector<MissedConstraint> ConstrainedSystem::Parts::MissedBy(const NurbsSurf
       result = {
           block.name, std::min(AngleBetween(normal, asked), AngleBetween(-normal, asked)), true};
     }
-    if (result.amount > (result.angle ? kMissedAngle : kMissedLength * size))
+    if (result.amount > (result.angle ? kMissedAngle : kRelativelyEqual * size))
       missed.push_back(std::move(result));
   }
   for (const ReadyEdge& edge : edges.edges) {

@@ -17,6 +17,8 @@
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "fitting/core/mask_indices.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/outline/four_sides.h"
 #include "fitting/outline/outline_in_box.h"
 #include "geometry/numeric/number_text.h"
@@ -24,14 +26,13 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMeets = 1e-9;        // of the size: corners closer than this are one
 constexpr double kNearlyMeets = 1e-6;  // of the size: closer than this they are drawn together
 constexpr double kSmoothingOfSides = 1e-7;
 constexpr double kSideKeeps = 0.5;  // spacings that a smoothed side may be off the outline
 constexpr int kMostSpansOfSide = 24, kSamplesPerSpan = 4;
 constexpr double kTooSparse = 1.8;         // spacings of the mean: sides drawn there mislead
 constexpr double kNearlyRectangle = 0.75;  // of its area: an outline that is laid onto it
-constexpr double kBeyondInNoise = 3, kBeyondInSpacings = 0.1;
+constexpr double kBeyondInSpacings = 0.1;
 
 // Counter-clockwise.
 constexpr std::array<SurfaceEdge, 4> kEdges = {SurfaceEdge{Direction::kV, false},
@@ -333,7 +334,7 @@ void CloseCorners(std::array<std::optional<BoundaryEdge>, 4>& around,
                                   " do not meet at a corner: their ends are " + RoundedText(gap) +
                                   " apart; make them end in one point");
     }
-    if (gap > kMeets * size) {
+    if (gap > kRelativelyEqual * size) {
       warnings.push_back("boundary " + one->name + " and " + next->name +
                          " were drawn together: " + RoundedText(gap) + " at their corner");
     }
@@ -459,7 +460,7 @@ PlacedBoundaries ParameterizeByCoons(Parameterization& base,
         "back or meet at a corner of nearly 0 or 180 degrees");
   }
   TakePlacesOn(map, base, pool);
-  const double allowed = kBeyondInNoise * noise + kBeyondInSpacings * spacing;
+  const double allowed = kThreeSigmas * noise + kBeyondInSpacings * spacing;
   for (Eigen::Index k = 0; k < reached.size(); ++k) {
     if (!reached[k] || !IsBeyond(base, ring, base.parameters.col(k), allowed)) continue;
     reached[k] = false;

@@ -4,13 +4,13 @@
 #include <string>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/core/rounding.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kFewestPoints = 4;
-constexpr double kRounding = 1e-12;  // of the box: points on its edge count
 
 // Turns the plane's axes to the coordinate axes where its normal is one of them, so that the box is
 // one of coordinates.
@@ -49,7 +49,9 @@ void TakeDomain(Parameterization& base,
   for (Eigen::Index k = 0; k < reached.size(); ++k) {
     auto place = base.parameters.col(k);
     const Eigen::Vector2d inside = place.cwiseMax(0.0).cwiseMin(sides);
-    if (((place - inside).array().abs() > kRounding * sides.array()).any()) reached[k] = false;
+    // Points on the box's edge count.
+    if (((place - inside).array().abs() > kRelativeRounding * sides.array()).any())
+      reached[k] = false;
     place = inside;
   }
   if (reached.count() >= kFewestPoints) return;

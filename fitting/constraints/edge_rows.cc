@@ -8,6 +8,7 @@
 
 #include "fitting/constraints/edge_products.h"
 #include "fitting/constraints/local_projection.h"
+#include "fitting/core/rounding.h"
 #include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
@@ -16,8 +17,6 @@ namespace batten::internal {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
-constexpr double kCornerGap = 1e-9;  // of the edges' size
 
 bool AlongU(const SurfaceEdge& edge) { return edge.direction == Direction::kV; }
 
@@ -100,7 +99,7 @@ void CloseCorners(std::vector<ReadyEdge>& edges) {
       const double gap = (a - b).norm();
       const double rounding =
           16 * std::numeric_limits<double>::epsilon() * std::max(a.norm(), b.norm());
-      if (gap > std::max(kCornerGap * size, rounding))
+      if (gap > std::max(kRelativelyEqual * size, rounding))
         Reject("SurfaceConstraints",
                row.name + " and " + column.name + " do not meet at their corner: they are " +
                    NumberText(gap) + " apart");

@@ -4,9 +4,11 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/constraints/neighbour_edge.h"
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/reverse.h"
+#include "fitting/constraints/neighbour_edge.h"
+#include "fitting/constraints/polynomial_curve.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -22,22 +24,15 @@ NurbsSurface WithEdgeOnTop(const NeighbourEdge& edge) {
 
 NurbsCurve<3> SampledDerivative(const NurbsSurface& surface) {
   const double v = surface.basis_v().upper();
-  std::vector<double> breaks;
-  for (const double knot : surface.basis_u().knots()) {
-    if (knot < surface.basis_u().lower() || knot > surface.basis_u().upper()) continue;
-    if (!breaks.empty() && knot <= breaks.back()) continue;
-    const double from = breaks.empty() ? knot : breaks.back();
-    for (int k = 1; k < kParts && !breaks.empty(); ++k)
-      breaks.push_back(from + (knot - from) * k / kParts);
-    breaks.push_back(knot);
-  }
+  const std::vector<double> breaks = CutSpans(surface.basis_u(), kParts);
   const auto parts = static_cast<Eigen::Index>(breaks.size()) - 1;
   Eigen::Matrix3Xd points(3, 3 * parts + 1);
   std::vector<double> knots{breaks.front()};
-  constexpr double kInside = 1e-9;  // of a part: the derivative from below
   for (Eigen::Index i = 0; i < parts; ++i) {
     const double a = breaks[static_cast<size_t>(i)], b = breaks[static_cast<size_t>(i) + 1];
-    const SurfaceJet start = surface.JetAt(a, v), end = surface.JetAt(b - kInside * (b - a), v);
+    // The derivative at the end is that from below.
+    const SurfaceJet start = surface.JetAt(a, v),
+                     end = surface.JetAt(b - kRelativelyEqual * (b - a), v);
     points.col(3 * i) = start.dv;
     points.col(3 * i + 1) = start.dv + (b - a) / 3 * start.duv;
     points.col(3 * i + 2) = end.dv - (b - a) / 3 * end.duv;

@@ -15,22 +15,6 @@ namespace {
 constexpr int kMostParts = 4096;
 constexpr double kCurveRounding = 1e-13;  // of the size
 
-// Breaks of the curve's spans, each cut into equal parts.
-std::vector<double> Breaks(const NurbsCurve<3>& curve, int parts) {
-  std::vector<double> spans;
-  for (const double knot : curve.basis().knots()) {
-    if (knot < curve.basis().lower() || knot > curve.basis().upper()) continue;
-    if (spans.empty() || knot > spans.back()) spans.push_back(knot);
-  }
-  std::vector<double> breaks{spans.front()};
-  for (size_t i = 1; i < spans.size(); ++i) {
-    const double step = (spans[i] - spans[i - 1]) / parts;
-    for (int k = 1; k < parts; ++k) breaks.push_back(spans[i - 1] + k * step);
-    breaks.push_back(spans[i]);
-  }
-  return breaks;
-}
-
 // The derivative at the end of [a, b] from inside.
 Eigen::Vector3d EndSlope(const NurbsCurve<3>& curve, double a, double b) {
   const double just_inside = b - 1e-9 * (b - a);
@@ -69,9 +53,24 @@ double Deviation(const NurbsCurve<3>& a,
 
 }  // namespace
 
+std::vector<double> CutSpans(const SplineBasis& basis, int parts) {
+  std::vector<double> spans;
+  for (const double knot : basis.knots()) {
+    if (knot < basis.lower() || knot > basis.upper()) continue;
+    if (spans.empty() || knot > spans.back()) spans.push_back(knot);
+  }
+  std::vector<double> breaks{spans.front()};
+  for (size_t i = 1; i < spans.size(); ++i) {
+    const double step = (spans[i] - spans[i - 1]) / parts;
+    for (int k = 1; k < parts; ++k) breaks.push_back(spans[i - 1] + k * step);
+    breaks.push_back(spans[i]);
+  }
+  return breaks;
+}
+
 NurbsCurve<3> PolynomialCurve(const NurbsCurve<3>& curve, double tolerance) {
   for (int parts = 1; parts <= kMostParts; parts *= 2) {
-    const std::vector<double> breaks = Breaks(curve, parts);
+    const std::vector<double> breaks = CutSpans(curve.basis(), parts);
     NurbsCurve<3> cubics = Cubics(curve, breaks);
     if (Deviation(cubics, curve, breaks) > tolerance) continue;
     // One of the three knots at a break goes where the slopes of both sides agree.

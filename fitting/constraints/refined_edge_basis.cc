@@ -13,6 +13,7 @@
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/reparameterize.h"
 #include "fitting/constraints/edge_products.h"
+#include "fitting/core/rounding.h"
 #include "geometry/editing/knot_refinement.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
@@ -20,8 +21,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kSameKnot = 1e-12;   // of the domain
-constexpr double kSameEnds = 1e-9;    // of the domain
 constexpr double kFieldTurn = 1e-7;   // of the field, the part of it across the curve
 constexpr int kKnotHalvings = 7;      // of a span, at most
 constexpr int kMostFunctions = 1500;  // then no further refinement
@@ -80,8 +79,8 @@ NurbsCurve<3> OverDomain(const NurbsCurve<3>& curve,
   const double length = along.upper() - along.lower();
   if (curve.rational())
     Reject("SurfaceConstraints", name + " has weights; it must be a polynomial spline");
-  if (std::abs(curve.basis().lower() - along.lower()) > kSameEnds * length ||
-      std::abs(curve.basis().upper() - along.upper()) > kSameEnds * length)
+  if (std::abs(curve.basis().lower() - along.lower()) > kRelativelyEqual * length ||
+      std::abs(curve.basis().upper() - along.upper()) > kRelativelyEqual * length)
     Reject("SurfaceConstraints",
            name + " is over [" + NumberText(curve.basis().lower()) + ", " +
                NumberText(curve.basis().upper()) + "], the surface's basis along it over [" +
@@ -209,7 +208,7 @@ ReadyEdge ReadyFor(const FixedEdge& edge, const SplineBasis& along, const Eigen:
     Reject("SurfaceConstraints",
            name + " has degree " + std::to_string(edge.curve.basis().degree()) +
                ", the surface's basis along it " + std::to_string(p));
-  const double near = kSameKnot * (along.upper() - along.lower());
+  const double near = kRelativeRounding * (along.upper() - along.lower());
   const NurbsCurve<3> open =
       Elevated(OverDomain(edge.curve, along, name), p - edge.curve.basis().degree());
   const NurbsCurve<3> curve(Snapped(open.basis(), InnerKnots(along), near),
@@ -225,7 +224,7 @@ ReadyEdge ReadyFor(const FixedEdge& edge, const SplineBasis& along, const Eigen:
 
 RefinedEdgeBasis RefinedEdgeBasisFor(const SplineBasis& coarse, std::vector<ReadyEdge>& edges) {
   const int p = coarse.degree();
-  const double near = kSameKnot * (coarse.upper() - coarse.lower());
+  const double near = kRelativeRounding * (coarse.upper() - coarse.lower());
   KnotCounts wanted = InnerKnots(coarse);
   for (ReadyEdge& edge : edges) {
     edge.curve =

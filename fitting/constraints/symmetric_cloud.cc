@@ -10,13 +10,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kUnitLength = 1e-9;
 constexpr double kMostOff = 0.05;      // of the lengths
 constexpr double kMostGap = 1.0 / 3;   // of the reflected length
 constexpr double kMostInclined = 0.7;  // sine of the angle of a plane base's normal to the mirror
@@ -317,7 +317,7 @@ SymmetricBase OverClosedDomain(const Parameterization& base,
 
 SymmetricCloud WithMirrorImage(const PointCloud& cloud, const MirrorPlane& plane) {
   const double length = plane.normal.norm();
-  if (!(std::abs(length - 1) <= kUnitLength) || !std::isfinite(plane.offset))
+  if (!(std::abs(length - 1) <= kRelativelyEqual) || !std::isfinite(plane.offset))
     throw std::invalid_argument(
         "WithMirrorImage: the plane's normal must have length one and its offset be finite");
   const MirrorPlane local = MirrorPlane{plane.normal / length, plane.offset}.From(cloud.origin());

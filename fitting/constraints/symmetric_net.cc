@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
-
-constexpr double kSymmetricKnots = 1e-9;  // of the domain
 
 SplineBasis SymmetricBasis(const SplineBasis& basis) {
   const std::vector<double>& old = basis.knots();
@@ -18,7 +18,7 @@ SplineBasis SymmetricBasis(const SplineBasis& basis) {
   std::vector<double> knots = old;
   for (size_t i = 0; i < old.size(); ++i) {
     const double mirrored = sum - old[old.size() - 1 - i];
-    if (!(std::abs(mirrored - old[i]) <= kSymmetricKnots * (basis.upper() - basis.lower())))
+    if (!(std::abs(mirrored - old[i]) <= kRelativelyEqual * (basis.upper() - basis.lower())))
       throw std::invalid_argument("SymmetricNet: the knots are not symmetric");
     // The lower half decides, so that equal knots stay equal.
     if (2 * i >= old.size()) knots[i] = sum - old[old.size() - 1 - i];

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <numbers>
+
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
@@ -47,11 +51,13 @@ double FTail(double f, double freedoms_above, double freedoms_below) {
 
 double FewFactor(double freedoms_left) {
   if (!(freedoms_left >= 1)) return std::numeric_limits<double>::infinity();
-  constexpr double kOutside = 0.0026997960632601866;  // of three standard deviations
+  const double outside = std::erfc(kThreeSigmas / std::numbers::sqrt2);
   double low = 1, high = 100;
-  while (high - low > 1e-9 * high) {
+  while (high - low > kRelativelyEqual * high) {
     const double middle = (low + high) / 2;
-    (FTail(9 * middle * middle, 1, freedoms_left) > kOutside ? low : high) = middle;
+    (FTail(kThreeSigmas * kThreeSigmas * middle * middle, 1, freedoms_left) > outside ? low
+                                                                                      : high) =
+        middle;
   }
   return high;
 }

@@ -5,12 +5,13 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 
 // The number of principal directions (0 … d) in which columns spread by more than 1e-6 of the
 // widest spread; squares of smaller spreads are lost in rounding. O(m).
 inline int PointRank(const Eigen::Ref<const Eigen::MatrixXd>& points) {
-  constexpr double kFlat = 1e-6;
   if (points.cols() == 0) return 0;
   const Eigen::VectorXd low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff(),
                         middle = low + (high - low) / 2;
@@ -26,7 +27,7 @@ inline int PointRank(const Eigen::Ref<const Eigen::MatrixXd>& points) {
   scatter -= sum * sum.transpose() / static_cast<double>(points.cols());
   const Eigen::VectorXd spreads =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
-  return static_cast<int>((spreads.array() > kFlat * kFlat * spreads.maxCoeff()).count());
+  return static_cast<int>((spreads.array() > kRelativeRounding * spreads.maxCoeff()).count());
 }
 
 }  // namespace batten::internal

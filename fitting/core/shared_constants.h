@@ -13,4 +13,22 @@ inline constexpr double kTukeyTuning = 4.685;
 // elsewhere.
 inline constexpr double kSurfaceSmoothing = 1e-4;
 
+// Standard deviations that normal errors hardly ever exceed: once in 370 times.
+inline constexpr double kThreeSigmas = 3;
+
+// Limit of iterations that end by themselves long before it, so that none goes on for ever.
+inline constexpr int kMostIterations = 500;
+
+// Rounds of a robust mean or fit of a few points, whose weights hardly change any more.
+inline constexpr int kRobustRounds = 3;
+
+// Points that a thread takes at once, where no result depends on it.
+inline constexpr int kPointsPerTask = 1024;
+
+// The same where a point takes long (a search, a robust fit): 1024 would make too few tasks.
+inline constexpr int kSlowPointsPerTask = 256;
+
+// Points in memory that are handed on at once: some such pieces stay in the caches.
+inline constexpr int kPointsOfPiece = 1 << 16;
+
 }  // namespace batten::internal

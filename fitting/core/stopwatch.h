@@ -9,7 +9,10 @@ namespace batten::internal {
 
 class Stopwatch {
  public:
-  // Seconds since construction or the last call.
+  // Seconds since construction or the last lap.
+  double Seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - last_).count();
+  }
   double Lap() {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(last_, now)).count();

@@ -19,9 +19,8 @@ constexpr Index kLength = 7;            // points that a difference of the highe
 constexpr double kStraightShare = 0.1;  // of places where three points may be in line
 constexpr double kLeastHeight = 0.04;   // of the noise: less is in line; noise has three times that
 constexpr double kAlike = 1.35;         // between the largest and the smallest estimate
-constexpr double kLow = 0.25, kHigh = 0.75;
 
-// Quantiles of the length of a vector of independent standard normal coordinates.
+// Quartiles of the length of a vector of independent standard normal coordinates.
 struct Law {
   double low, high;
 };
@@ -74,8 +73,8 @@ double NoiseShown(const Eigen::Matrix3Xd& points) {
   for (const Law& law : {kOneAcross, kTwoAcross}) {
     std::vector<double> noise;
     for (const std::vector<double>& values : lengths) {
-      noise.push_back(Quantile(values, kLow) / law.low);
-      noise.push_back(Quantile(values, kHigh) / law.high);
+      noise.push_back(Quantile(values, 0.25) / law.low);
+      noise.push_back(Quantile(values, 0.75) / law.high);
     }
     const auto [least, most] = std::minmax_element(noise.begin(), noise.end());
     if (*least > 0 && *most <= kAlike * *least)

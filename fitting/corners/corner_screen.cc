@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "fitting/corners/corner_windows.h"
+
 namespace batten::internal {
 namespace {
 
@@ -14,12 +16,12 @@ using Eigen::Vector3d;
 constexpr double kFewestInScreenBlock = 24;
 constexpr double kScreenLineAngle = 0.05;  // standard deviation of the direction from mean to mean
 constexpr Index kFewestBlocks = 200;
-constexpr Index kAcross = 3;         // blocks from a direction to the one it is compared with
-constexpr double kShare = 0.5;       // of the least angle that a smooth curve may turn
-constexpr double kWidestScreen = 3;  // of the variance that noise gives a straight block
-constexpr double kScreenReach = 8;   // sides of windows, either way
-constexpr double kSideSteps = 30, kSideWidths = 60;  // at most, of the narrowest side
-constexpr double kMostScreened = 0.5;                // of the points: beyond, ranges do not pay
+constexpr Index kAcross = 3;           // blocks from a direction to the one it is compared with
+constexpr double kShare = 0.5;         // of the least angle that a smooth curve may turn
+constexpr double kWidestScreen = 3;    // of the variance that noise gives a straight block
+constexpr double kScreenReach = 8;     // sides of windows, either way
+constexpr double kSideSteps = 30;      // about, of the narrowest side; or kBroadWidths
+constexpr double kMostScreened = 0.5;  // of the points: beyond, ranges do not pay
 
 // The mean of a block and how far from it its points are, across the line from end to end.
 struct Block {
@@ -85,7 +87,7 @@ std::vector<CornerRange> RangesWithCorners(const Eigen::Matrix3Xd& points,
   if (!(in_block * static_cast<double>(kFewestBlocks) <= static_cast<double>(m))) return all;
   const auto blocks = static_cast<Index>(static_cast<double>(m) / in_block);
   const std::vector<bool> suspect = Suspects(points, blocks, options);
-  const auto reach = static_cast<Index>(kScreenReach * std::max(kSideSteps, kSideWidths * noise));
+  const auto reach = static_cast<Index>(kScreenReach * std::max(kSideSteps, kBroadWidths * noise));
   std::vector<CornerRange> ranges;
   for (Index b = 0; b < blocks; ++b) {
     if (!suspect[static_cast<size_t>(b)]) continue;

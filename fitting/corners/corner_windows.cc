@@ -19,9 +19,9 @@ using Eigen::VectorXd;
 
 constexpr double kFewestSteps = 6, kScatteredSteps = 38;   // of a side of the narrowest windows
 constexpr double kSteadyWindow = 0.05, kScattered = 0.45;  // noise in steps that asks for them
-constexpr double kFewestWidths = 34, kBroadWidths = 60;    // of the noise, of the same side
-constexpr double kBroad = 2;                               // noise in steps up to which the first
-constexpr size_t kFewestPoints = 5;                        // of a side
+constexpr double kFewestWidths = 34;         // of the noise, of the same side, up to kBroadWidths
+constexpr double kBroad = 2;                 // noise in steps up to which the first
+constexpr size_t kFewestPoints = 5;          // of a side
 constexpr double kLineAngle = 0.07;          // standard deviation of a side's direction there
 constexpr double kWider = 1.6;               // from scale to scale
 constexpr double kReaches[] = {1, 1.5, 2};   // of a side: windows tried

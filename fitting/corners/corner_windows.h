@@ -8,6 +8,9 @@
 
 namespace batten::internal {
 
+// Where noise is far above the steps, a side of the narrowest windows is so many times the noise.
+inline constexpr double kBroadWidths = 60;
+
 // FindCorners for noisy points. Options must be checked, and their noise above 0.
 std::vector<CurveCorner> CornersOfNoisy(const Eigen::Matrix3Xd& points,
                                         const Eigen::VectorXd& parameters,

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 #include "fitting/corners/corner_noise.h"
 #include "fitting/corners/corner_screen.h"
 #include "fitting/corners/corner_turns.h"
@@ -36,7 +37,8 @@ void CheckParameters(const Eigen::Matrix3Xd& points,
              "parameters must increase, parameter " + std::to_string(k) + " does not");
   }
   if (options.closed && parameters.size() > 0 &&
-      !(parameters[parameters.size() - 1] - parameters[0] <= options.period * (1 + 1e-12))) {
+      !(parameters[parameters.size() - 1] - parameters[0] <=
+        options.period * (1 + kRelativeRounding))) {
     Reject("FindCorners",
            "parameters of a closed curve must not exceed its period, " +
                std::to_string(options.period));

@@ -13,10 +13,9 @@ namespace {
 using Eigen::Index;
 using Eigen::RowVector3d;
 
-constexpr int kMostWindowMeans = static_cast<int>(kMostMeans);
 // Vectors over a window's means, without allocation.
-using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWindowMeans, 1>;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMostWindowMeans, 3>;
+using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostMeans, 1>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMostMeans, 3>;
 
 // Squared standard deviations of the noise by which the kink must leave less than …
 constexpr double kOverCubic = 8, kPerChance = 2;  // and so much more for each e-fold of places
@@ -25,7 +24,6 @@ constexpr double kSurelyTurns = 25;
 constexpr double kOverSextic = 6, kUnderRound = 4.5;
 constexpr double kUnderCubic = 6, kUnderQuartic = 8;  // in windows too narrow to tell
 constexpr double kPoorest = 1.45;   // of the noise's variance: beyond, the shape is another
-constexpr double kDimensions = 2;   // in which noise shows
 constexpr double kKinkReach = 0.5;  // of the half window: where the kink is searched for
 constexpr int kTried = 33;
 
@@ -134,14 +132,14 @@ class Fits {
     const Rows left = rest_ - column * (column.transpose() * rest_);
     const Index steps = size() - 1;
     const double differences = (left.bottomRows(steps) - left.topRows(steps)).squaredNorm();
-    const double plane = kDimensions;
+    const double plane = 2;  // dimensions in which noise shows
     return {left.squaredNorm() / (plane * static_cast<double>(size() - 4) - 1),
             std::max(noise, std::sqrt(0.5 * differences / (plane * static_cast<double>(steps))))};
   }
 
   // Coefficients of 1, t, t² and the turn, one a row.
   Eigen::Matrix<double, 4, 3> Coefficients(const Values& turn) const {
-    Eigen::Matrix<double, Eigen::Dynamic, 4, 0, kMostWindowMeans, 4> columns(size(), 4);
+    Eigen::Matrix<double, Eigen::Dynamic, 4, 0, kMostMeans, 4> columns(size(), 4);
     columns << root_, root_.cwiseProduct(t_), root_.cwiseProduct(t_.cwiseAbs2()),
         root_.cwiseProduct(turn);
     return columns.householderQr().solve(data_);

@@ -9,6 +9,7 @@
 
 #include "batten/fitting/optimize.h"
 #include "fitting/core/point_rank.h"
+#include "fitting/core/rounding.h"
 #include "fitting/curve/curve_adaptation.h"
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/overshoot.h"
@@ -22,7 +23,6 @@ constexpr double kLargest = 1.3;  // largest size of a joint result over the poi
 constexpr double kExcessToOptimise =
     1.1;  // rms residual over noise: below, no joint optimization without a tolerance
 constexpr double kPointsPerFreedomToOptimise = 3, kPointsPerFreedomForTolerance = 2;
-constexpr double kExact = 1e-9;  // share of the cloud's size: below it rounding
 
 // The residual that noise leaves of a point: plane points in space are noisy in the plane only.
 double NoiseLeft(const CurveTask& task) {
@@ -30,7 +30,7 @@ double NoiseLeft(const CurveTask& task) {
   return std::sqrt(std::max(1, PointRank(task.problem.data().values) - along)) * task.noise;
 }
 
-double Rounding(const CurveTask& task) { return kExact * task.size; }
+double Rounding(const CurveTask& task) { return kRelativelyEqual * task.size; }
 
 void SetUp(const CurveTask& task,
            const FittingProblem& problem,

@@ -2,20 +2,19 @@
 #include "fitting/curve/curve_outcome.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "batten/fitting/curve_parameterization.h"
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/mask_indices.h"
+#include "fitting/core/rounding.h"
 #include "fitting/foot_points/curve_distances.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kStructured = 0.5;  // correlation of neighbouring offsets
-constexpr double kExactFit = 1e-9;   // share of the cloud's size: below it rounding
 
 // The points of this curve.
 PointMask Own(const OrderedPoints& ordered) {
@@ -39,7 +38,7 @@ Eigen::VectorXd KnownPlaces(const MeasureInput& grounds) {
   Eigen::VectorXd places(grounds.cloud.size());
   for (Eigen::Index k = 0; k < places.size(); ++k) {
     const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
-    places[k] = place < 0 ? std::numeric_limits<double>::quiet_NaN() : grounds.parameters[place];
+    places[k] = place < 0 ? kNone : grounds.parameters[place];
   }
   return places;
 }
@@ -97,7 +96,7 @@ void Judge(const MeasureInput& grounds,
   evidence.search = report.end.code;
   evidence.control_points_given = grounds.options.control_points.has_value();
   evidence.noise = grounds.noise;
-  evidence.rounding = kExactFit * (report.input.box_max - report.input.box_min).norm();
+  evidence.rounding = kRelativelyEqual * (report.input.box_max - report.input.box_min).norm();
   evidence.structured = NeighbourCorrelation(fit, curve, grounds.cloud, used) > kStructured;
   Eigen::Index farthest = 0;
   used.select(fit.residuals.array().abs(), 0).maxCoeff(&farthest);

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/curve_distances.h"
 
 namespace batten {
@@ -19,10 +21,8 @@ namespace {
 constexpr double kFreedomFactor = 1.4;
 constexpr double kDataPerControlPoint = 2;  // fewer, and the score has nothing to judge by
 constexpr double kLadderStep = 1.22;
-constexpr double kExactSpans = 1e-9;           // of the data's extent: nothing left to gain
 constexpr double kNoisyPerControlPoint = 2.1;  // data for each, where they are not exact
 constexpr double kExactAgainstSpans = 0.25;    // noise in tolerances below which they are
-constexpr int kMostSpanRounds = 100;
 
 using Clock = std::chrono::steady_clock;
 
@@ -47,7 +47,7 @@ class Ladder {
       : problem_(problem), pool_(pool), points_(static_cast<double>(problem.size())) {
     const Eigen::VectorXd middle = problem.data().values.rowwise().mean();
     const double extent = (problem.data().values.colwise() - middle).cwiseAbs().maxCoeff();
-    exact_ = points_ * std::pow(kExactSpans * extent, 2);
+    exact_ = points_ * std::pow(kRelativelyEqual * extent, 2);  // nothing left to gain
     most_ =
         std::max(1,
                  std::min(max_control_points, static_cast<int>(points_ / kDataPerControlPoint)) -
@@ -219,7 +219,7 @@ SpanRefinement RefineSpans(const FittingProblem& problem,
   std::pair<Eigen::Index, double> best_score;
   std::vector<RoundSummary> rounds;
   Termination end = Termination::kMaxControlPoints;
-  for (int round = 0; round < kMostSpanRounds; ++round) {
+  for (int round = 0; round < kMostIterations; ++round) {
     const auto start = Clock::now();
     LinearSolution solution = SolveLinear(current, pool);
     const Eigen::VectorXd distances =

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "fitting/corners/curve_corners.h"
-#include "fitting/ordering/row_means.h"
 #include "fitting/curve/span_layout.h"
+#include "fitting/ordering/row_means.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kNoiseToAnchor = 0.1;  // in spacings: noisier points anchor no corners
-constexpr double kAtCorner = 1e-9;      // share of the domain: so near a parameter is at the corner
 constexpr Eigen::Index kFewPoints = 100;
 
 class Corners {
@@ -73,7 +73,7 @@ class Corners {
   }
 
   void Keep(double corner) {
-    const double slack = kAtCorner * period_;
+    const double slack = kRelativelyEqual * period_;
     if (!ordered_.closed && (corner - ordered_.lower <= slack || ordered_.upper - corner <= slack))
       return;
     std::vector<double>& kept = found_.parameters;
@@ -94,7 +94,7 @@ class Corners {
   // Points from one parameter to another, a piece's own: more than the degree fix it. Around a
   // closed curve the upper one may be a period on.
   Eigen::Index PointsBetween(double low, double high) const {
-    const double slack = kAtCorner * period_;
+    const double slack = kRelativelyEqual * period_;
     const auto count = [&](double from, double to) {
       const auto first = std::lower_bound(increasing_.begin(), increasing_.end(), from),
                  behind = std::upper_bound(first, increasing_.end(), to);
@@ -108,7 +108,7 @@ class Corners {
     if (!FollowsClosely(ordered_)) return;
     for (Eigen::Index k = 0; k < ordered_.parameters.size(); ++k) {
       for (const double corner : found_.parameters) {
-        if (std::abs(ordered_.parameters[k] - corner) <= kAtCorner * period_)
+        if (std::abs(ordered_.parameters[k] - corner) <= kRelativelyEqual * period_)
           found_.anchored.push_back(k);
       }
     }

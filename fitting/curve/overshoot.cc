@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "batten/geometry/curve_evaluator.h"
+#include "fitting/core/shared_constants.h"
+#include "fitting/curve/span_layout.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kSamples = 16;  // samples of a span
 constexpr Eigen::Index kEnoughToCount = 20000;
 constexpr double kNoise = 10, kOfSize = 0.01;
 constexpr double kOutside = 0.25;  // of the data's size: no place is so far outside their box
 constexpr double kBack = 0.01;     // of a chord
-constexpr double kBackNoise = 3;   // standard deviations: a step back of the data themselves
 
 // A sample of the curve with the data before and after it, the same one twice beyond the ends of an
 // open curve.
@@ -49,8 +49,8 @@ bool EverySampleBetween(const FittingProblem& problem,
   for (const int span : basis.Spans()) {
     const double low = basis.knots()[static_cast<size_t>(span)],
                  high = basis.knots()[static_cast<size_t>(span) + 1];
-    for (int s = 0; s < kSamples; ++s) {
-      const double u = low + (s + 0.5) / kSamples * (high - low);
+    for (int s = 0; s < kSamplesOfSpan; ++s) {
+      const double u = low + (s + 0.5) / kSamplesOfSpan * (high - low);
       const auto above =
           std::lower_bound(order.begin(), order.end(), std::pair(u, Eigen::Index{0}));
       // Around a closed curve the last datum is followed by the first.
@@ -110,7 +110,8 @@ bool RunsOn(const FittingProblem& problem, const NurbsCurve<Dim>& curve, double 
     last = sample.place;
     const double chord = side.norm(), step = chord > 0 ? move.dot(side) / chord : 0.0;
     back = step >= 0 || sample.corner ? 0 : back - step;
-    return back <= kBack * chord + kBackNoise * noise;
+    // As far back as noise takes the data themselves.
+    return back <= kBack * chord + kThreeSigmas * noise;
   });
 }
 
@@ -166,9 +167,9 @@ double SizeOf(const NurbsCurve<Dim>& curve) {
   for (const int span : curve.basis().Spans()) {
     const double begin = curve.basis().knots()[static_cast<size_t>(span)],
                  end = curve.basis().knots()[static_cast<size_t>(span) + 1];
-    for (int s = 1; s <= kSamples; ++s) {
+    for (int s = 1; s <= kSamplesOfSpan; ++s) {
       const Eigen::Matrix<double, Dim, 1> place =
-          evaluator.At(begin + (end - begin) * s / kSamples);
+          evaluator.At(begin + (end - begin) * s / kSamplesOfSpan);
       low = low.cwiseMin(place);
       high = high.cwiseMax(place);
     }

@@ -7,6 +7,7 @@
 
 #include "batten/geometry/curve_evaluator.h"
 #include "fitting/curve/curve_cut.h"
+#include "fitting/curve/span_layout.h"
 #include "fitting/foot_points/curve_pieces.h"
 
 namespace batten::internal {
@@ -196,7 +197,6 @@ CurveSamples CurveAt(const FittingProblem& problem,
 }
 
 int Inflections(const SplineBasis& basis, const Eigen::MatrixXd& coefficients) {
-  constexpr int kSamples = 16;
   if (coefficients.rows() != 2) return 0;
   const CurveEvaluator<2> evaluator(NurbsCurve<2>(basis, coefficients));
   int changes = 0;
@@ -204,8 +204,8 @@ int Inflections(const SplineBasis& basis, const Eigen::MatrixXd& coefficients) {
   for (const int span : basis.Spans()) {
     const double low = basis.knots()[static_cast<size_t>(span)],
                  high = basis.knots()[static_cast<size_t>(span) + 1];
-    for (int k = 0; k < kSamples; ++k) {
-      const CurveJet<2> jet = evaluator.JetAt(low + (k + 0.5) / kSamples * (high - low));
+    for (int k = 0; k < kSamplesOfSpan; ++k) {
+      const CurveJet<2> jet = evaluator.JetAt(low + (k + 0.5) / kSamplesOfSpan * (high - low));
       const double turn = jet.first[0] * jet.second[1] - jet.first[1] * jet.second[0];
       if (turn == 0) continue;
       if (last * turn < 0) ++changes;

@@ -11,6 +11,13 @@
 
 namespace batten::internal {
 
+// Steps of a fit whose parameters shall come near their foot points: few, so as not to follow
+// noise.
+inline constexpr int kFootPointSteps = 2;
+
+// Rounds of distance minimisation where nobody asked for its minimum.
+inline constexpr int kRoundsOfDistance = 20;
+
 // Points and unit tangents of the curve with coefficients d × n (d = 2 or 3) at the problem's
 // parameters.
 struct CurveSamples {

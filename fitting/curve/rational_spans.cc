@@ -46,7 +46,7 @@ std::optional<OptimizeResult> FewestRationalSpans(const FittingProblem& problem,
     if (problem.size() < kPointsOfControlPoint * layout.control_points()) return std::nullopt;
     Report(options.optimize.progress, "optimize", 0);
     // The valley is narrow: which of the starts leads to its bottom is chance.
-    for (const int steps : {options.foot_point_steps, 0, 3 * options.foot_point_steps}) {
+    for (const int steps : {kFootPointSteps, 0, 3 * kFootPointSteps}) {
       const CorrectedFit fit = FitWithCorrection(problem.WithBasis(layout.Basis()), steps, pool);
       OptimizeResult result =
           Optimize(fit.problem, fit.solution.coefficients, {}, options.optimize, pool);

@@ -15,7 +15,6 @@ struct RationalSpansOptions {
   double goal = 0;                                 // rms of the distances, in the data's units
   std::optional<double> tolerance = std::nullopt;  // that every distance keeps, beside the goal
   int most_control_points = 50;
-  int foot_point_steps = 2;  // before the joint stage
 };
 
 // Finds the fewest rational spans that reach a goal; few of them replace many polynomial ones, an

@@ -24,9 +24,7 @@ constexpr int kBasisPasses = 2;  // weights choose spans, spans choose weights
 constexpr double kFirstRegularization = 1e-8, kLastRegularization = 1e9, kRegularizationStep = 10;
 constexpr double kManyOutliers = 0.003;  // share of the points: above it some were missed
 constexpr int kPointsOfSmoothSpan = 3, kMostSmoothSpans = 200;
-constexpr int kFootPointSteps = 2;
 constexpr double kFewForControlPoint = 4;  // data
-constexpr int kRoundsOfDistance = 20;
 constexpr double kMostFairnessOfDistance = 1e-4;
 
 void TellOnce(const std::string& warning, SolvedCurve& solved) {

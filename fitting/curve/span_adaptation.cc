@@ -16,11 +16,10 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kAdaptationSteps = 2, kMostFootPointSteps = 12;
+constexpr int kMostFootPointSteps = 12;
 constexpr Eigen::Index kManyAdaptedPoints = 100000;  // for steps beyond the first ones
 constexpr int kMostAdaptationRounds = 40;
-constexpr int kMoreToBeFair = 5;  // one more for so many spans
-constexpr int kAdaptationRoundsOfDistance = 20;
+constexpr int kMoreToBeFair = 5;        // one more for so many spans
 constexpr double kGainInVariances = 4;  // variances of the noise: a larger difference halves a span
 constexpr double kCostInVariances = 3;  // variances of the noise: cheaper knots are removed
 constexpr double kCostRelocated = 2;    // in variances, of each knot [Akaike 1974]
@@ -38,10 +37,10 @@ int FewestSpans(const SpanLayout& layout) { return layout.closed() ? layout.degr
 
 // Few steps without a tolerance, so as not to follow noise; with one, until parameters settle.
 int FootPointSteps(const FittingProblem& problem, const SpanAdaptOptions& options) {
-  if (!options.feet || !options.tolerance) return options.feet ? kAdaptationSteps : 0;
+  if (!options.feet || !options.tolerance) return options.feet ? kFootPointSteps : 0;
   const Eigen::Index affordable = kManyAdaptedPoints / std::max<Eigen::Index>(1, problem.size());
   return static_cast<int>(
-      std::clamp<Eigen::Index>(affordable, kAdaptationSteps, kMostFootPointSteps));
+      std::clamp<Eigen::Index>(affordable, kFootPointSteps, kMostFootPointSteps));
 }
 
 double SquaresAcross(const FittingProblem& problem,
@@ -380,7 +379,7 @@ class Relocation {
                                          pool_,
                                          options_.anchored);
     const bool lower = options_.tolerance && options_.feet && options_.anchored.empty();
-    return lower ? AtMinimumDistance(fit, {.max_rounds = kAdaptationRoundsOfDistance}, pool_) : fit;
+    return lower ? AtMinimumDistance(fit, {.max_rounds = kRoundsOfDistance}, pool_) : fit;
   }
 
  private:

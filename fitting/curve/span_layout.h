@@ -8,6 +8,9 @@
 
 namespace batten::internal {
 
+// Samples of a span that show where a curve goes between its data.
+inline constexpr int kSamplesOfSpan = 16;
+
 // A knot vector with simple knots at the increasing breaks and knots of multiplicity p at corners,
 // where the curve is only continuous. Open: clamped, n = p + the inner knots. Closed: periodic over
 // [front, back]; the seam is a break like any other, and may be a corner.

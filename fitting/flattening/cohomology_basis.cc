@@ -9,14 +9,13 @@
 #include <utility>
 
 #include "fitting/flattening/flag_complex.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kAsked = 24;    // edges that may begin a loop, of those left …
 constexpr double kShort = 2;  // … and all of them if it is as short, in lengths that are filled
-
-constexpr int kMostLoops = 64;
 
 // Crossings of the cuts of all loops.
 using Count = Eigen::Matrix<int, Eigen::Dynamic, 1, Eigen::ColMajor, kMostLoops, 1>;
@@ -83,7 +82,7 @@ class Crossings {
 
 // No loop crosses a cut on a spanning tree.
 void LearnTree(ShortestWays& ways, int nodes, Crossings& crossings) {
-  ways.Search(0, -1, ShortestWays::kFar, [](int) { return true; });
+  ways.Search(0, -1, kInfinity, [](int) { return true; });
   for (int node = 0; node < nodes; ++node) {
     const int edge = ways.Before(node).second;
     if (edge >= 0) crossings.Learn(edge, crossings.none());
@@ -102,7 +101,7 @@ std::optional<Way> KnownWay(const PlanarEdge& edge,
                             const Crossings& crossings,
                             ShortestWays& ways) {
   ways.Search(edge.first, edge.second, farthest, [&](int e) { return crossings.Known(e); });
-  if (ways.Distance(edge.second) == ShortestWays::kFar) return {};
+  if (ways.Distance(edge.second) == kInfinity) return {};
   Count sum = crossings.none();
   for (int node = edge.second; node != edge.first; node = ways.Before(node).first) {
     const int e = ways.Before(node).second;
@@ -139,7 +138,7 @@ void FillSmallLoops(double most,
 
 struct LoopStart {
   int edge = -1;
-  Way way = {ShortestWays::kFar, {}};  // the loop's length; the crossings of the rest of it
+  Way way = {kInfinity, {}};  // the loop's length; the crossings of the rest of it
 };
 
 // The unknown edge with the shortest way back. Some edges are tried, or all if that way is shorter

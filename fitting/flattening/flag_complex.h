@@ -5,12 +5,12 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <utility>
 #include <vector>
 
 #include "fitting/flattening/planar_edges.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 
@@ -28,18 +28,16 @@ struct FlagComplex {
 // Shortest ways from one node over edges, by Dijkstra's algorithm. Keeps a reference.
 class ShortestWays {
  public:
-  static constexpr double kFar = std::numeric_limits<double>::infinity();
-
   explicit ShortestWays(const FlagComplex& complex)
       : complex_(complex),
-        distance_(complex.next.size(), kFar),
+        distance_(complex.next.size(), kInfinity),
         before_(complex.next.size(), {-1, -1}) {}
 
   // Over the edges that `usable` lets pass, to nodes no farther than `farthest`, until `goal` is
   // reached; −1: to all.
   template <typename Usable>
   void Search(int from, int goal, double farthest, const Usable& usable) {
-    for (const int node : touched_) distance_[node] = kFar;
+    for (const int node : touched_) distance_[node] = kInfinity;
     touched_ = {from};
     distance_[from] = 0;
     before_[from] = {-1, -1};
@@ -55,7 +53,7 @@ class ShortestWays {
         if (!usable(edge)) continue;
         const double way = distance + complex_.lengths[edge];
         if (way > farthest || way >= distance_[other]) continue;
-        if (distance_[other] == kFar) touched_.push_back(other);
+        if (distance_[other] == kInfinity) touched_.push_back(other);
         distance_[other] = way;
         before_[other] = {node, edge};
         front.emplace(way, other);
@@ -63,7 +61,7 @@ class ShortestWays {
     }
   }
 
-  // As the last search found it; kFar: not reached.
+  // As the last search found it; kInfinity: not reached.
   double Distance(int node) const { return distance_[node]; }
   // Of a node that was reached: the one before it and the edge between; −1: none.
   const std::pair<int, int>& Before(int node) const { return before_[node]; }

@@ -52,6 +52,9 @@ struct FlattenedNodes {
   Flattening unfolding;
 };
 
+// Contradicting edges whose ends lie apart that make a surface one-sided: a few are slips.
+inline constexpr int kLeastTorn = 5;
+
 // Returns the share of the nodes on which others lie, by the places given, that are far away in
 // space. O(n log n).
 double OverlapOf(const SheetGraph& graph, const Eigen::Matrix3Xd& plan);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
@@ -33,9 +34,9 @@ constexpr double kEdgeGap = 150 * kOneDegree;
 constexpr double kReachAlongEdge = 0.65, kReachFromEdge = 0.8;  // of nodes on the border
 constexpr double kReachOfNeighbours = 1.5;  // of a node's tangent plane, in reaches
 constexpr int kQuadricNeighbours = 10;      // fewer determine a plane only
-constexpr int kLeastForPlane = 6;           // points whose plane shows which others are off it …
-constexpr double kOffInScales = 3;          // … by so much of their own deviation …
-constexpr double kOffInRadii = 0.35;  // … and of the radius of all, which curvature explains
+constexpr int kLeastForPlane = 6;     // points whose plane shows which others are off it: by …
+constexpr double kOffInRadii = 0.35;  // … three of their own deviations and so much of the radius
+                                      // of all, which curvature explains
 
 std::uint64_t Mixed(std::uint64_t x) {  // [Steele et al. 2014, SplitMix64]
   x += 0x9e3779b97f4a7c15u;
@@ -51,8 +52,8 @@ std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen:
   count = std::min(count, m);
   // Keys are spread evenly: of those below a bound there are hardly ever too few.
   const auto keys_below = [&](double share) {
-    constexpr double kKeys = 18446744073709551616.0;  // 2^64
-    const std::uint64_t bound = share < 1 ? static_cast<std::uint64_t>(share * kKeys) : UINT64_MAX;
+    const std::uint64_t bound =
+        share < 1 ? static_cast<std::uint64_t>(std::ldexp(share, 64)) : UINT64_MAX;
     std::vector<Key> keys;
     for (Eigen::Index k = 0; k < m; ++k) {
       std::uint64_t key = 0;
@@ -110,25 +111,31 @@ Eigen::VectorXd Reaches(const Eigen::VectorXd& spacings, double least, Eigen::In
   return reaches(high);
 }
 
+// Those of the places that lie within a radius about one of them, itself included.
+std::vector<int> PlacesWithin(const Eigen::Matrix3Xd& places,
+                              const NeighbourIndex& index,
+                              Eigen::Index i,
+                              double radius) {
+  constexpr int kFirstLook = 48;
+  for (Eigen::Index k = kFirstLook;; k *= 2) {
+    std::vector<int> near = index.Nearest(places.col(i), static_cast<int>(k));
+    const auto within = [&](int j) { return (places.col(j) - places.col(i)).norm() < radius; };
+    if (k < places.cols() && within(near.back())) continue;
+    std::erase_if(near, [&](int j) { return !within(j); });
+    return near;
+  }
+}
+
 // Selects the places, in their order, that lie within no earlier one's reach.
 std::vector<Eigen::Index> GreedyDiscs(const Eigen::Matrix3Xd& places,
                                       const NeighbourIndex& index,
                                       const Eigen::VectorXd& reach) {
-  constexpr int kFirstLook = 48;
   std::vector<bool> covered(static_cast<size_t>(places.cols()), false);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < places.cols(); ++i) {
     if (covered[i]) continue;
     kept.push_back(i);
-    for (Eigen::Index k = kFirstLook;; k *= 2) {
-      const std::vector<int> near = index.Nearest(places.col(i), static_cast<int>(k));
-      const auto within = [&](int j) { return (places.col(j) - places.col(i)).norm() < reach[i]; };
-      if (k < places.cols() && within(near.back())) continue;
-      for (const int j : near) {
-        if (within(j)) covered[j] = true;
-      }
-      break;
-    }
+    for (const int j : PlacesWithin(places, index, i, reach[i])) covered[j] = true;
   }
   return kept;
 }
@@ -185,14 +192,8 @@ std::vector<Eigen::Index> DiscsFromTheEdge(const Eigen::Matrix3Xd& places,
   std::vector<Eigen::Index> kept;
   std::vector<bool> covered(order.size(), false);
   const auto cover = [&](Eigen::Index i, double radius, Eigen::Index first) {
-    for (Eigen::Index k = 48;; k *= 2) {
-      const std::vector<int> near = among.Nearest(ordered.col(i), static_cast<int>(k));
-      const auto within = [&](int j) { return (ordered.col(j) - ordered.col(i)).norm() < radius; };
-      if (k < ordered.cols() && within(near.back())) continue;
-      for (const int j : near)
-        if (j >= first && within(j)) covered[static_cast<size_t>(j)] = true;
-      return;
-    }
+    for (const int j : PlacesWithin(ordered, among, i, radius))
+      if (j >= first) covered[static_cast<size_t>(j)] = true;
   };
   for (Eigen::Index i = 0; i < ordered.cols(); ++i) {
     if (covered[static_cast<size_t>(i)]) continue;
@@ -237,7 +238,7 @@ Eigen::Matrix3Xd OnOneSheet(const Eigen::Matrix3Xd& local) {
   const Eigen::VectorXd off = (local.colwise() - plane.place).transpose() * plane.normal;
   const double scale = std::sqrt(off.head(half).squaredNorm() / static_cast<double>(half));
   const double most =
-      kOffInScales * scale + kOffInRadii * std::sqrt(local.colwise().squaredNorm().maxCoeff());
+      kThreeSigmas * scale + kOffInRadii * std::sqrt(local.colwise().squaredNorm().maxCoeff());
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < local.cols(); ++k) {
     if (std::abs(off[k]) <= most) kept.push_back(k);

@@ -37,13 +37,6 @@ double AreaOf(const Eigen::Matrix3Xd& places, const SheetTriangulation& sheet) {
   return area;
 }
 
-double BorderLength(const Eigen::Matrix3Xd& places, const std::vector<int>& loop) {
-  double length = 0;
-  for (size_t k = 0; k < loop.size(); ++k)
-    length += (places.col(loop[(k + 1) % loop.size()]) - places.col(loop[k])).norm();
-  return length;
-}
-
 // The graph of the nodes and edges of the triangles only; the triangulation gets its numbers.
 SheetGraph GraphOf(const SheetGraph& graph, SheetTriangulation& sheet) {
   std::vector<int> rank(static_cast<size_t>(graph.nodes.size()), -1);

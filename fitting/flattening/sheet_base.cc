@@ -16,8 +16,7 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kLeastNodes = 12;
-constexpr double kTornApart = 4;  // reaches in the plane between ends of a contradicting edge …
-constexpr int kLeastTorn = 5;     // … of which a few are slips
+constexpr double kTornApart = 4;  // reaches in the plane between ends of a contradicting edge
 constexpr double kThin = 0.05;    // breadth over length; below, neighbourhoods are on a line
 
 // The nodes' places in the plane, as points of space.

@@ -18,10 +18,6 @@
 namespace batten::internal {
 namespace {
 
-// In reaches, of circles through three nodes. Discs thrown until none fits leave circles below one
-// reach and one spacing of the points, which is at most two thirds of a reach. Larger values bridge
-// bays of the border, smaller ones leave holes. [derived]
-constexpr double kLargestCircle = 1.7;
 // Radians between two edges of the border, outside of the sheet: narrower notches are filled. The
 // re-entrant corners of outlines are wider.
 constexpr double kNotch = 75 * kOneDegree;
@@ -176,13 +172,6 @@ bool FillNotches(const PoissonDiskSamples& nodes,
   return any;
 }
 
-double LengthOf(const Eigen::Matrix3Xd& places, const std::vector<int>& loop) {
-  double length = 0;
-  for (size_t k = 0; k < loop.size(); ++k)
-    length += (places.col(loop[(k + 1) % loop.size()]) - places.col(loop[k])).norm();
-  return length;
-}
-
 // Keeps, of the fans around each node, the largest. Whether any other was there.
 bool KeepOneFan(Eigen::Index nodes, std::vector<NodeTriangle>& triangles, SurfaceBuilder& surface) {
   std::vector<std::vector<int>> around(static_cast<size_t>(nodes));  // triangles
@@ -290,6 +279,13 @@ int SheetTriangulation::euler_characteristic() const {
   return vertices - static_cast<int>(edges) + static_cast<int>(triangles.size());
 }
 
+double BorderLength(const Eigen::Matrix3Xd& places, const std::vector<int>& loop) {
+  double length = 0;
+  for (size_t k = 0; k < loop.size(); ++k)
+    length += (places.col(loop[(k + 1) % loop.size()]) - places.col(loop[k])).norm();
+  return length;
+}
+
 SheetTriangulation TriangulateSheet(const SheetGraph& graph) {
   const Eigen::Matrix3Xd& places = graph.nodes.places;
   SheetTriangulation result;
@@ -306,7 +302,7 @@ SheetTriangulation TriangulateSheet(const SheetGraph& graph) {
     if (!FillNotches(graph.nodes, result.triangles, surface)) break;
   const auto longest_first = [&](std::vector<std::vector<int>>& loops) {
     std::stable_sort(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {
-      return LengthOf(places, a) > LengthOf(places, b);
+      return BorderLength(places, a) > BorderLength(places, b);
     });
   };
   std::vector<std::vector<int>> loops = LoopsOf(result.triangles, surface);

@@ -27,4 +27,7 @@ struct SheetTriangulation {
 // is kept. O(n log n). [intrinsic triangulation by local votes; Gopi, Krishnan & Silva 2000]
 SheetTriangulation TriangulateSheet(const SheetGraph& graph);
 
+// Of a loop of nodes at these places.
+double BorderLength(const Eigen::Matrix3Xd& places, const std::vector<int>& loop);
+
 }  // namespace batten::internal

@@ -21,13 +21,11 @@ namespace {
 
 constexpr Eigen::Index kLeastTubeNodes = 40;
 constexpr double kFilledLoop = 10;       // reaches; a shorter loop is a gap between nodes, no hole
-constexpr int kMostTubeLoops = 64;       // so many holes are too many
 constexpr double kHole = 0.5;            // times the longest loop: shorter ones go round holes
 constexpr double kSpacingOfNodes = 1.3;  // in reaches
 constexpr double kLeastRound = 16;       // nodes
 constexpr double kOpenAngle = 2.1;       // radians between neighbours of a node at an edge
-constexpr int kTubeTornApart = 7;        // edges between ends of a contradicting edge …
-constexpr int kLeastTubeTorn = 5;        // … of which a few are slips
+constexpr int kTubeTornApart = 7;        // edges between ends of a contradicting edge
 constexpr double kLeastLeft = 0.3;  // of a tube's length where its ends come nearest to each other
 
 // Places of the plane on a cylinder as long round as the period: neighbours across the seam are
@@ -63,7 +61,7 @@ bool IsOneSided(const SheetGraph& graph) {
     return true;
   };
   return std::count_if(graph.contradictions.begin(), graph.contradictions.end(), torn) >=
-         kLeastTubeTorn;
+         kLeastTorn;
 }
 
 // Number of nodes that have no neighbour over a wide angle.
@@ -122,7 +120,7 @@ std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
     return "the points close in more than one direction, as a torus or something with handles, and "
            "have no ends: one NURBS surface cannot cover that as a tube; fit a part of the cloud";
   }
-  if (static_cast<int>(loops.size()) == kMostTubeLoops) {
+  if (static_cast<int>(loops.size()) == kMostLoops) {
     return "there are many ways round: the sheet has many large holes, or its points lie along "
            "lines; fit a part of the cloud";
   }
@@ -282,7 +280,7 @@ FlattenedNodes RollOff(const PoissonDiskSamples& nodes,
   }
   const std::vector<PlanarEdge> edges = PlanarEdges(rolled.graph);
   const std::vector<SheetLoop> loops =
-      CohomologyBasis(rolled.graph.nodes, edges, kFilledLoop, kMostTubeLoops);
+      CohomologyBasis(rolled.graph.nodes, edges, kFilledLoop, kMostLoops);
   base.loops = static_cast<int>(loops.size());
   base.failure_reason = RefusalOfLoops(loops, NodesAtEdges(base.nodes, edges), rolled.graph.nodes);
   if (!base.failure_reason.empty()) return rolled;

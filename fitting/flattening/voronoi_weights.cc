@@ -9,8 +9,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kSides = 16;           // of the polygon that cells are cut from …
-constexpr double kCellRadius = 1.7;  // … and its radius in reaches: gaps between nodes are no holes
+constexpr int kSides = 16;  // of the polygon that cells are cut from
 constexpr double kLeastWeight = 1e-3;
 
 VoronoiCell RoundCell(double radius) {
@@ -70,7 +69,7 @@ std::vector<SheetOutline> VoronoiEdgeWeights(const SheetGraph& graph) {
       TwoRings(NeighboursOf(graph.nodes.size(), graph.edges));
   std::vector<std::tuple<int, int, double>> halves;
   for (int i = 0; i < nodes.size(); ++i) {
-    const VoronoiCell cell = VoronoiCellOf(nodes, i, rings[i], kCellRadius);
+    const VoronoiCell cell = VoronoiCellOf(nodes, i, rings[i], kLargestCircle);
     for (size_t k = 0; k < cell.corners.size(); ++k) {
       const int j = cell.beyond[k];
       if (j < 0) continue;

@@ -8,6 +8,11 @@
 
 namespace batten::internal {
 
+// In reaches, of circles through three nodes. Discs thrown until none fits leave circles below one
+// reach and one spacing of the points, which is at most two thirds of a reach. Larger values bridge
+// bays of the border, smaller ones leave holes. [derived]
+inline constexpr double kLargestCircle = 1.7;
+
 // A convex polygon in a node's tangent plane, counter-clockwise; `beyond[k]` is the node behind the
 // side from corner k to the next, or −1.
 struct VoronoiCell {

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/curve_pieces.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kSafe = 1 - 1e-9;  // bounds are computed with rounding
-constexpr std::ptrdiff_t kDistanceBlock = 1024;
 constexpr size_t kTogether = 16;  // pieces in a box
 
 // Bounds of the curve and its derivatives over one span.
@@ -101,16 +101,16 @@ class Certainty {
   }
 
  private:
-  static constexpr size_t kNone = static_cast<size_t>(-1);
-
-  size_t Before(size_t i) const { return i > 0 ? i - 1 : periodic_ ? pieces_.size() - 1 : kNone; }
-  size_t Behind(size_t i) const { return i + 1 < pieces_.size() ? i + 1 : periodic_ ? 0 : kNone; }
+  // Behind the last one where there is none.
+  size_t Before(size_t i) const { return i > 0 ? i - 1 : pieces_.size() - (periodic_ ? 1 : 0); }
+  size_t Behind(size_t i) const { return i + 1 == pieces_.size() && periodic_ ? 0 : i + 1; }
+  bool IsPiece(size_t i) const { return i < pieces_.size(); }
   bool Joined(size_t i, size_t next) const {
-    return i != kNone && next != kNone && pieces_[i].joins_next;
+    return IsPiece(i) && IsPiece(next) && pieces_[i].joins_next;
   }
   // At a corner.
   bool Touches(size_t i, size_t next) const {
-    return i != kNone && next != kNone && !pieces_[i].joins_next;
+    return IsPiece(i) && IsPiece(next) && !pieces_[i].joins_next;
   }
 
   static bool IsFarther(const Piece<Dim>& piece,
@@ -138,7 +138,9 @@ class Certainty {
       bend = std::max(bend, pieces_[k].bend);
     }
     if (!(least > 0)) return 0;
-    return bend > 0 ? kSafe * least * least / (bend * (1 + 2 * most / least)) : kInfinity;
+    // Bounds are computed with rounding.
+    return bend > 0 ? (1 - kRelativelyEqual) * least * least / (bend * (1 + 2 * most / least))
+                    : kInfinity;
   }
 
   // Condition (2).
@@ -155,7 +157,7 @@ class Certainty {
         const size_t end = std::min((b + 1) * kTogether, pieces_.size());
         for (size_t k = b * kTogether; k < end; ++k) {
           if (k == i || k == Before(i) || k == Behind(i)) continue;
-          sure_[i] = std::min(sure_[i], kSafe / 2 * boxes[i].Distance(boxes[k]));
+          sure_[i] = std::min(sure_[i], (1 - kRelativelyEqual) / 2 * boxes[i].Distance(boxes[k]));
         }
       }
     }
@@ -182,8 +184,8 @@ void TakeSure(const CurvePieceTable& table,
       points.middleCols(begin, count).template topRows<Dim>();
   const Eigen::ArrayXd given = starts.segment(begin, count);
   const Eigen::ArrayXd from = given.isNaN().select(table.breaks[0], given);
-  double u[kDistanceBlock], squares[kDistanceBlock];
-  int piece[kDistanceBlock];
+  double u[kPointsPerTask], squares[kPointsPerTask];
+  int piece[kPointsPerTask];
   LocalCurveFootPoints(table, q.data(), from.data(), count, {u, squares, piece});
   for (std::ptrdiff_t k = 0; k < count; ++k) {
     if (piece[k] < 0 || std::isnan(given[k])) continue;
@@ -208,7 +210,7 @@ PointDistances DistancesNear(const NurbsCurve<Dim>& curve,
   const Certainty<Dim> certainty(curve);
   PointDistances result{Eigen::VectorXd(points.cols()), Eigen::MatrixXd(1, points.cols())};
   std::vector<char> sure(static_cast<size_t>(points.cols()), 0);
-  pool.For(points.cols(), kDistanceBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     TakeSure<Dim>(table, certainty, points, starts, begin, end, result, sure);
   });
   std::vector<Eigen::Index> others;

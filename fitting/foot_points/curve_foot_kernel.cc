@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/core/rounding.h"
 #include "geometry/numeric/run_time_dispatch.h"
 
 namespace batten::internal {
@@ -11,11 +12,9 @@ namespace {
 
 constexpr int kLanes = 8;
 constexpr int kMaxSteps = 8;
-constexpr double kLastStep = 1e-6;    // of half a piece; squared by the step that is taken still
-constexpr double kLeastBend = 0.1;    // second derivative over that of a straight line
-constexpr double kFarthest = 4;       // step, of half a piece: farther might go all the way round
-constexpr double kInside = 1 - 1e-9;  // of x
-constexpr double kRounding = 1e-12;   // a foot may be farther than its start by that share
+constexpr double kLastStep = 1e-6;  // of half a piece; squared by the step that is taken still
+constexpr double kLeastBend = 0.1;  // second derivative over that of a straight line
+constexpr double kFarthest = 4;     // step, of half a piece: farther might go all the way round
 
 typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
 typedef long long Mask __attribute__((vector_size(kLanes * sizeof(double))));
@@ -156,7 +155,8 @@ Descend(const CurvePieceTable& t, const Lanes* q, Group<Dim>& g, Lanes& squares)
     if (!Any(~(done | lost))) break;
   }
   squares = Squares<Dim>(g, t.degree, q);
-  return done & ~lost & (squares <= at_start * (1 + kRounding));
+  // Rounding may leave a foot farther than its start.
+  return done & ~lost & (squares <= at_start * (1 + kRelativeRounding));
 }
 
 template <int Dim>
@@ -186,8 +186,8 @@ BATTEN_INLINE void FootPointSet(const CurvePieceTable& t,
                                            : std::clamp(u, t.breaks[piece], t.breaks[piece + 1]);
       out.squares[begin + k] = squares[k];
       // Between pieces there may be a corner, whose other side has not been looked at.
-      const bool at_low = g.x[k] <= -kInside && (t.periodic || piece > 0),
-                 at_high = g.x[k] >= kInside && (t.periodic || piece + 1 < t.pieces);
+      const bool at_low = g.x[k] <= -1 + kRelativelyEqual && (t.periodic || piece > 0),
+                 at_high = g.x[k] >= 1 - kRelativelyEqual && (t.periodic || piece + 1 < t.pieces);
       out.pieces[begin + k] = found[k] && !at_low && !at_high ? piece : -1;
     }
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "batten/geometry/foot_point.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 
@@ -35,8 +36,6 @@ template class CurvePieces<3>;
 
 namespace {
 
-constexpr std::ptrdiff_t kPieceBlock = 2048;
-
 template <int Dim>
 void SlowCorrection(const NurbsCurve<Dim>& curve,
                     const Eigen::MatrixXd& points,
@@ -45,7 +44,7 @@ void SlowCorrection(const NurbsCurve<Dim>& curve,
                     Eigen::VectorXd& feet,
                     ThreadPool& pool) {
   const CurveFootPoints<Dim> finder(curve);
-  pool.For(std::ssize(which), kPieceBlock / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(std::ssize(which), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Eigen::Vector3d q = Eigen::Vector3d::Zero();
     for (std::ptrdiff_t i = begin; i < end; ++i) {
       const Eigen::Index k = which[static_cast<size_t>(i)];
@@ -67,8 +66,8 @@ Eigen::VectorXd LocalFootPointsKernel(const NurbsCurve<Dim>& curve,
   if (CurvePieces<Dim>::Covers(curve)) {
     const CurvePieces<Dim> pieces(curve);
     const CurvePieceTable table = pieces.table();
-    pool.For(points.cols(), kPieceBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-      double squares[kPieceBlock];
+    pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      double squares[kPointsPerTask];
       LocalCurveFootPoints(table,
                            points.data() + Dim * begin,
                            starts.data() + begin,

@@ -8,15 +8,11 @@
 
 #include "batten/geometry/local_foot_points.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/surface_distances.h"
 
 namespace batten {
 using namespace internal;
-namespace {
-
-constexpr std::ptrdiff_t kBlock = 256;
-
-}  // namespace
 
 std::string UncertifiedText(Eigen::Index count) {
   if (count == 1)
@@ -32,7 +28,7 @@ PointDistances DistancesTo(const NurbsSurface& surface,
   const SurfaceEvaluator evaluator(surface);
   PointDistances result{Eigen::VectorXd(points.cols()), Eigen::MatrixXd(2, points.cols())};
   std::atomic<Eigen::Index> uncertified = 0;
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const SurfaceFoot foot = finder.Nearest(points.col(k));
       result.distances[k] = SignedDistance(evaluator, points.col(k), foot);

@@ -12,13 +12,12 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kPlaces = 4;  // places of orientation in a cell, each direction
-constexpr std::ptrdiff_t kJointBlock = 512;
-constexpr int kStepsAlong = 60;
 
 NurbsSurface ToSurface(const TensorShape& shape) {
   return NurbsSurface(shape.basis_u, *shape.basis_v, shape.net, shape.weights);
@@ -67,7 +66,7 @@ void ProjectOn(const TensorShape& shape,
   const CurveEvaluator<Dim> evaluator(curve);
   const std::optional<CurveFootPoints<Dim>> finder =
       orthogonal ? std::make_optional<CurveFootPoints<Dim>>(curve) : std::nullopt;
-  pool.For(points.cols(), kJointBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       double u = starts(0, k);
       if (orthogonal) {
@@ -102,7 +101,7 @@ double NearestAlong(const SurfaceEvaluator& surface,
   double& free = at[in_u ? 0 : 1];
   const SplineBasis& basis = in_u ? surface.surface().basis_u() : surface.surface().basis_v();
   double nearest = std::numeric_limits<double>::infinity(), best = free, step = 0;
-  for (int k = 0; k < kStepsAlong; ++k) {
+  for (int k = 0; k < kMostIterations; ++k) {
     const SurfaceJet jet = surface.JetAt(at[0], at[1]);
     const Eigen::Vector3d off = point - jet.point;
     if (off.squaredNorm() < nearest) {
@@ -223,7 +222,7 @@ void FootProjector::ProjectOnSurface(const TensorShape& shape,
   const SurfaceEvaluator evaluator(surface);
   const std::optional<SurfaceFootPoints> finder =
       orthogonal_ ? std::make_optional<SurfaceFootPoints>(surface) : std::nullopt;
-  pool_.For(points_.cols(), kJointBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool_.For(points_.cols(), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       double u = starts(0, k), v = starts(1, k);
       const int given = held_.empty() ? 0 : held_[static_cast<size_t>(k)];

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batten/geometry/foot_point.h"
+#include "fitting/core/rounding.h"
 
 namespace batten {
 namespace {
@@ -17,7 +18,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kMostSteps = 100;
-constexpr double kSettled = 1e-12;  // of the points' size: a step that moves them less ends
 // Of the largest eigenvalue: freedoms below are not seen. Points of a plane or cylinder see the
 // others only through errors of form, the squares of 1e-4 of the size or less.
 constexpr double kSeen = 1e-6;
@@ -203,7 +203,7 @@ RigidAlignment AlignRigidly(const std::vector<NurbsSurface>& surfaces,
     Vector6 scale;
     scale << Eigen::Vector3d::Constant(1 / unit), Eigen::Vector3d::Ones();
     found.covariance = scale.asDiagonal() * step.covariance * scale.asDiagonal();
-    if (step.step.cwiseAbs().maxCoeff() <= kSettled * unit) break;
+    if (step.step.cwiseAbs().maxCoeff() <= internal::kRelativeRounding * unit) break;
     const Eigen::Vector3d turn = step.step.head<3>() / unit;
     const Eigen::Matrix3d by =
         turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()

@@ -7,11 +7,11 @@
 
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/local_foot_points.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr std::ptrdiff_t kPointsAtOnce = 256;
 constexpr Eigen::Index kAsked = 512;  // points that tell how many have no proof
 
 // Cost of a piece over that of a search: 24 and 3 µs. Cut where that takes at most a quarter of
@@ -86,7 +86,7 @@ PointDistances SurfaceDistances::To(const Eigen::Matrix3Xd& points,
   auto feet = LocalFootPoints(
       evaluator_, points, all ? near : StartsFrom(evaluator_.surface(), near), pool);
   std::atomic<Eigen::Index> uncertified = 0;
-  pool.For(points.cols(), kPointsAtOnce, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const double u = feet.parameters(0, k), v = feet.parameters(1, k);
       if (SurelyNearest(points.col(k), u, v)) continue;

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <stdexcept>
 
+#include "fitting/core/rounding.h"
+
 namespace batten {
 
 void Check(const PointNet& net, const std::string& what) {
@@ -46,9 +48,9 @@ Eigen::Vector3d MiddleOf(const PointNet& net) {
 }
 
 CollapsedLines CollapsedLinesOf(const PointNet& net) {
-  constexpr double kSamePlace = 1e-12;
   const double near =
-      kSamePlace * (net.points.rowwise().maxCoeff() - net.points.rowwise().minCoeff()).maxCoeff();
+      internal::kRelativeRounding *
+      (net.points.rowwise().maxCoeff() - net.points.rowwise().minCoeff()).maxCoeff();
   const auto one_place = [&](Eigen::Index first, Eigen::Index count, Eigen::Index step) {
     for (Eigen::Index k = 1; k < count; ++k) {
       const Eigen::Vector3d apart = net.points.col(first + k * step) - net.points.col(first);

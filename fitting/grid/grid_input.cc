@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
-
-constexpr double kMeets = 1e-12;  // of the size: a last line this close repeats the first
 
 std::string Plural(Eigen::Index count, const std::string& word) {
   return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
@@ -138,10 +138,11 @@ void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
 bool CloseDirection(bool rows, bool wanted, bool allowed, GridInput& input) {
   if (!allowed) return false;
   const LineView lines{input.net, rows};
-  constexpr int kLeast = 4;
   const double size =
       (input.net.points.rowwise().maxCoeff() - input.net.points.rowwise().minCoeff()).maxCoeff();
-  const bool meets = lines.count() >= kLeast && lines.Same(0, lines.count() - 1, kMeets * size);
+  // Around a closed direction there are three different lines at least.
+  const bool meets =
+      lines.count() > 3 && lines.Same(0, lines.count() - 1, kRelativeRounding * size);
   if (meets) {
     std::vector<int> kept;
     for (int k = 0; k + 1 < lines.count(); ++k) kept.push_back(k);

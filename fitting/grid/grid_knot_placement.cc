@@ -9,6 +9,7 @@
 
 #include "batten/geometry/knot_vectors.h"
 #include "fitting/grid/line_least_squares.h"
+#include "fitting/grid/value_span.h"
 #include "fitting/knots/data_knots.h"
 
 namespace batten::internal {
@@ -22,8 +23,8 @@ constexpr double kLeastBreakShare = 1e-3;  // of the largest error: no span grow
 constexpr int kRetreats = 5;               // halvings of a move that leaves a span without samples
 constexpr double kSamplesPerSpan = 2;
 
-// Breaks of a given number of spans, distributed as the given breaks are.
-std::vector<double> Resampled(const std::vector<double>& breaks, int spans) {
+// Breaks of a given number of spans, distributed as the given increasing values are.
+std::vector<double> Resampled(std::span<const double> breaks, int spans) {
   std::vector<double> result{breaks.front()};
   const size_t last = breaks.size() - 1;
   for (int k = 1; k < spans; ++k) {
@@ -64,22 +65,16 @@ SplineBasis GridKnotSearch::BasisOf(const std::vector<double>& breaks) const {
 }
 
 std::vector<double> GridKnotSearch::EqualShares(int spans) const {
-  std::vector<double> breaks{lower_};
-  const Eigen::Index last = parameters_.size() - 1;
-  for (int k = 1; k < spans; ++k) {
-    const double place = static_cast<double>(k) * static_cast<double>(last) / spans;
-    const auto before = std::min(static_cast<Eigen::Index>(place), last - 1);
-    const double share = place - static_cast<double>(before);
-    breaks.push_back((1 - share) * parameters_[before] + share * parameters_[before + 1]);
-  }
-  breaks.push_back(upper_);
+  std::vector<double> breaks = Resampled(Values(parameters_), spans);
+  breaks.front() = lower_;
+  breaks.back() = upper_;
   return breaks;
 }
 
 std::vector<double> GridKnotSearch::LineErrors(const std::vector<double>& breaks,
                                                ThreadPool& pool) const {
   const SplineBasis basis = BasisOf(breaks);
-  const std::span<const double> t(parameters_.data(), static_cast<size_t>(parameters_.size()));
+  const std::span<const double> t = Values(parameters_);
   if (!closed_ && FirstUnsupported(basis, t)) return {};
   const LineLeastSquares squares(basis, t, meet_ends_);
   if (!squares.regular()) return {};

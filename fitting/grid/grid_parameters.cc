@@ -7,11 +7,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "fitting/core/rounding.h"
+
 namespace batten {
 namespace {
 
-constexpr double kRegular = 1e-3;     // of a mean step: how far a grid may be off its plane's lines
-constexpr double kSamePlace = 1e-13;  // of the whole length: no step
+constexpr double kRegular = 1e-3;  // of a mean step: how far a grid may be off its plane's lines
 
 // The grid as lines across one direction: step k leads from line k to line k + 1.
 class Lines {
@@ -102,7 +103,7 @@ Eigen::VectorXd FromSteps(const Lines& lines, const Eigen::VectorXd& steps) {
                                 lines.Name(0) + " and all after them are the same");
   }
   for (int k = 0; k < lines.steps(); ++k) {
-    if (steps[k] > kSamePlace * whole) continue;
+    if (steps[k] > internal::kRelativeRounding * whole) continue;
     throw std::invalid_argument(lines.Name(k) +
                                 " of the grid lie in one place, or have no cells side by side: "
                                 "leave one of them out");

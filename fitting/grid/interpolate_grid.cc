@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "batten/geometry/knot_vectors.h"
+#include "fitting/grid/line_interpolation.h"
+#include "fitting/grid/value_span.h"
 #include "fitting/interpolation/collocation.h"
 #include "fitting/knots/data_knots.h"
-#include "fitting/grid/line_interpolation.h"
-#include "batten/geometry/knot_vectors.h"
-#include "fitting/grid/value_span.h"
 
 namespace batten {
 using namespace internal;
@@ -36,13 +36,11 @@ constexpr double kNearEnd = 0.6;  // of the step; the best of a scan on smooth f
 
 SplineBasis OpenKnots(int degree, const Eigen::VectorXd& t, GridKnots rule) {
   SplineBasis averaged = AveragedKnots(degree, Values(t));
-  constexpr int kCubic = 3, kTwoInnerKnots = 6;
-  if (rule == GridKnots::kAveraged || degree != kCubic || t.size() < kTwoInnerKnots) {
-    return averaged;
-  }
+  // The first and the last inner knot of a cubic, where these are two.
+  if (rule == GridKnots::kAveraged || degree != 3 || t.size() < 6) return averaged;
   std::vector<double> knots = averaged.knots();
   const Eigen::Index n = t.size();
-  knots[kCubic + 1] = t[1] + kNearEnd * (t[2] - t[1]);
+  knots[4] = t[1] + kNearEnd * (t[2] - t[1]);
   knots[static_cast<size_t>(n) - 1] = t[n - 2] - kNearEnd * (t[n - 2] - t[n - 3]);
   return SplineBasis(degree, std::move(knots));
 }

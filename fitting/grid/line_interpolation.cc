@@ -8,11 +8,6 @@
 #include "fitting/knots/data_knots.h"
 
 namespace batten::internal {
-namespace {
-
-constexpr Eigen::Index kWidth = 48;  // numbers solved side by side: some rows stay in the cache
-
-}  // namespace
 
 LineInterpolation::LineInterpolation(const SplineBasis& basis, std::span<const double> parameters)
     : size_(basis.size()), degree_(basis.degree()) {
@@ -78,7 +73,7 @@ void LineInterpolation::Solve(double* data, Eigen::Index stride, Eigen::Index wi
 }
 
 void LineInterpolation::SolveLines(double* data, Eigen::Index width, ThreadPool& pool) const {
-  pool.For(width, kWidth, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(width, kSolvedTogether, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     Solve(data + begin, width, end - begin);
   });
 }
@@ -88,7 +83,7 @@ void LineInterpolation::SolveWithin(double* data,
                                     int dimension,
                                     ThreadPool& pool) const {
   const Eigen::Index line = size_ * dimension;
-  pool.For(count, kWidth / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(count, kSolvedTogether / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const Eigen::Index width = (end - begin) * dimension;
     std::vector<double> turned(static_cast<size_t>(size_ * width));
     const auto move = [&](auto&& copy) {

@@ -11,6 +11,9 @@
 
 namespace batten::internal {
 
+// Numbers that are solved side by side: some rows of them stay in the cache.
+inline constexpr Eigen::Index kSolvedTogether = 48;
+
 // The LU factors of the collocation matrix N_j(t_i) of an open basis at as many increasing
 // parameters. Such a matrix is totally positive, so that elimination without interchanges is stable
 // and rounding errors are as small as those of the best order. [de Boor & Pinkus 1977; Piegl &

@@ -5,14 +5,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "fitting/linear/coefficient_order.h"
+#include "fitting/grid/line_interpolation.h"
 #include "fitting/knots/data_knots.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kLeastSquaresWidth =
-    48;  // numbers solved side by side: some rows stay in the cache
 constexpr double kSingular = 1e-14;
 
 void Subtract(double factor, const double* from, Eigen::Index width, double* x) {
@@ -163,7 +162,7 @@ void LineLeastSquares::SolveLines(const double* data,
                                   Eigen::Index width,
                                   double* control,
                                   ThreadPool& pool) const {
-  pool.For(width, kLeastSquaresWidth, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(width, kSolvedTogether, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const Eigen::Index count = end - begin;
     std::vector<double> x(static_cast<size_t>(size_ * count));
     Solve(data + begin, width, count, x.data());
@@ -178,7 +177,7 @@ void LineLeastSquares::SolveWithin(const double* data,
                                    int dimension,
                                    double* control,
                                    ThreadPool& pool) const {
-  pool.For(count, kLeastSquaresWidth / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(count, kSolvedTogether / 4, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const Eigen::Index width = (end - begin) * dimension;
     std::vector<double> turned(static_cast<size_t>(data_size_ * width)),
         x(static_cast<size_t>(size_ * width));

@@ -8,6 +8,7 @@
 
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -56,8 +57,7 @@ double NetDistance(const NurbsSurface& a, const NurbsSurface& b, int cuts) {
   }
   // Knots repeated by a period carry rounding errors.
   const auto same = [](const SplineBasis& x, const SplineBasis& y) {
-    constexpr double kRounded = 1e-12;
-    return SameKnots(x, y, kRounded * std::max(std::abs(x.lower()), std::abs(x.upper())));
+    return SameKnots(x, y, kRelativeRounding * std::max(std::abs(x.lower()), std::abs(x.upper())));
   };
   if (!same(first.basis_u(), second.basis_u()) || !same(first.basis_v(), second.basis_v())) {
     throw std::invalid_argument("NetDistance: the surfaces have other degrees or domains");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -59,14 +60,14 @@ Steps StepsOf(const std::vector<ChainPiece<Dim>>& pieces) {
 // Whether the seam is C¹ between polynomial pieces.
 template <int Dim>
 bool ContinuousAtSeam(const std::vector<ChainPiece<Dim>>& pieces, const Steps& steps) {
-  constexpr double kEqual = 1e-11;  // relative: rounding summed along the chain
   const ChainPiece<Dim>&first = pieces.front(), &last = pieces.back();
   if (first.points.cols() < 3 || !last.smooth || !Polynomial(first) || !Polynomial(last)) {
     return false;
   }
   const double arriving = SpeedAtEnd(last) / steps.lengths.back(),
                leaving = SpeedAtStart(first) / steps.lengths.front();
-  return std::abs(arriving - leaving) <= kEqual * leaving;
+  // Rounding is summed along the chain.
+  return std::abs(arriving - leaving) <= kRelativelyEqual * leaving;
 }
 
 // The periodic form of a clamped curve whose ends coincide: the seam becomes a knot of multiplicity

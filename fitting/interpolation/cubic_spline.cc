@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/rounding.h"
 #include "fitting/interpolation/curved_ends.h"
 #include "fitting/linear/banded_lu.h"
 #include "fitting/linear/coefficient_order.h"
@@ -423,12 +424,12 @@ NurbsCurve<Dim> CubicSplineCurve(const Points<Dim>& points,
 
 template <int Dim>
 NurbsCurve<Dim> PeriodicFunctionCurve(const Points<Dim>& points, const Eigen::VectorXd& t) {
-  constexpr double kBack = 1e-9;  // of the values' extent
   CheckSpline<Dim>(points, t, false);
   const Eigen::Index last = points.cols() - 1;
   const auto values = points.template bottomRows<Dim - 1>();
   const double gap = (values.col(last) - values.col(0)).stableNorm();
-  if (!(gap <= kBack * (values.rowwise().maxCoeff() - values.rowwise().minCoeff()).stableNorm())) {
+  const double extent = (values.rowwise().maxCoeff() - values.rowwise().minCoeff()).stableNorm();
+  if (!(gap <= kRelativelyEqual * extent)) {
     RefuseSpline("a periodic function ends at the value it begins with: the last point is " +
                  RoundedText(gap) + " off the first; make them the same, or take other ends");
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
@@ -72,8 +74,7 @@ class CurvatureSearch {
       }
       if (halving == kHalvings) break;
     }
-    constexpr double kSettled = 1e-12;
-    if (!(now.missing <= kSettled)) return {};
+    if (!(now.missing <= kRelativeRounding)) return {};
     return seconds;
   }
 

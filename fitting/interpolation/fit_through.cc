@@ -14,6 +14,8 @@
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/foot_points/curve_distances.h"
 #include "geometry/numeric/number_text.h"
@@ -171,7 +173,7 @@ class ThroughFit {
       if (Dim == 2) point.z() = 0;
       const double distance = feet.Nearest(point).distance;
       const double usual = std::max(fit_.report.error.rms, options_.tolerance.value_or(0));
-      if (distance <= kFar * usual || distance <= 1e-9 * (1 + SizeOfPoints())) continue;
+      if (distance <= kFar * usual || distance <= kRelativelyEqual * (1 + SizeOfPoints())) continue;
       fit_.report.warnings.push_back("place " + std::to_string(i + 1) + " to be met is " +
                                      RoundedText(distance) + " from the fit without it");
     }
@@ -184,8 +186,7 @@ class ThroughFit {
 
   // Knots so that the conditions can be met at all.
   void MakeRoom() {
-    constexpr int kMost = 200;
-    for (int k = 0; k < kMost; ++k) {
+    for (int k = 0; k < kMostIterations; ++k) {
       const auto u = LacksFunctionAt(curve_.basis(), conditions_);
       if (!u) return;
       curve_ = InsertKnot(curve_, MiddleOfSpan(curve_.basis(), *u));
@@ -215,9 +216,7 @@ class ThroughFit {
   void Measure() {
     if (at_parameters_) return MeasureAtParameters();
     const Eigen::VectorXd known =
-        parameters_.size() > 0
-            ? parameters_
-            : Eigen::VectorXd::Constant(cloud_.size(), std::numeric_limits<double>::quiet_NaN());
+        parameters_.size() > 0 ? parameters_ : Eigen::VectorXd::Constant(cloud_.size(), kNone);
     PointDistances found = DistancesNear<Dim>(curve_, cloud_.points(), known, pool_);
     parameters_ = found.parameters.row(0).transpose();
     distances_ = std::move(found.distances);
@@ -277,8 +276,7 @@ class ThroughFit {
     evidence.search = search;
     evidence.control_points_given = options_.control_points.has_value();
     evidence.noise = report.input.noise;
-    constexpr double kExact = 1e-9;
-    evidence.rounding = kExact * SizeOfPoints();
+    evidence.rounding = kRelativelyEqual * SizeOfPoints();
     JudgeEnd(evidence, report);
   }
 

@@ -7,13 +7,12 @@
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/rounding.h"
 #include "fitting/foot_points/curve_distances.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr double kMeetsTo = 1e-12;  // of the points' size: rounding
 
 InputSummary DescribeInput(const PointCloud& cloud, const OrderedPoints& ordered) {
   InputSummary input;
@@ -110,7 +109,8 @@ CurveFit<Dim> FitThroughPoints(const PointCloud& cloud,
                       {met.points.rowwise().minCoeff(), met.points.rowwise().maxCoeff()},
                       cloud.origin(),
                       report);
-  JudgeEnd({.rounding = kMeetsTo * (report.input.box_max - report.input.box_min).norm()}, report);
+  JudgeEnd({.rounding = kRelativeRounding * (report.input.box_max - report.input.box_min).norm()},
+           report);
   WarnOfExcursion(report);
   return fit;
 }

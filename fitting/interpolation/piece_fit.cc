@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
@@ -59,14 +61,13 @@ class PieceCurve {
   // The parameter of a local minimum of the distance to q, by Newton's steps from u, kept inside.
   double Foot(const Vector<Dim>& q, double u) const {
     constexpr int kSteps = 8;
-    constexpr double kDone = 1e-9;
     for (int step = 0; step < kSteps; ++step) {
       const Jet jet = At(u);
       const Vector<Dim> miss = jet.point - q;
       const double slope = miss.dot(jet.first), speed = jet.first.squaredNorm();
       const double bend = speed + miss.dot(jet.second);
       const double next = std::clamp(u - slope / (bend > 0.1 * speed ? bend : speed), 0.0, 1.0);
-      if (!(std::abs(next - u) > kDone)) break;
+      if (!(std::abs(next - u) > kRelativelyEqual)) break;
       u = next;
     }
     return u;
@@ -230,9 +231,9 @@ bool ImproveWeight(ChainPiece<Dim>& piece, const Sample<Dim>& sample) {
     squares += change.squaredNorm();
   }
   if (!(squares > 0)) return false;
-  constexpr double kStep = 1, kSmallest = 0.02, kLargest = 50;
+  constexpr double kStep = 1, kLargest = 50;
   piece.weights[1] =
-      std::clamp(w * std::exp(std::clamp(sum / squares, -kStep, kStep)), kSmallest, kLargest);
+      std::clamp(w * std::exp(std::clamp(sum / squares, -kStep, kStep)), 1 / kLargest, kLargest);
   return piece.weights[1] != w;
 }
 

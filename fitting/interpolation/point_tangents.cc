@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+
 namespace batten {
 using namespace internal;
 namespace {
@@ -48,7 +50,7 @@ class Stretch {
   // Zero where the difference of directions is not above rounding.
   double Turn(const Vector<Dim>& a, const Vector<Dim>& b) const {
     const double la = a.norm(), lb = b.norm(), cross = CrossLength(a, b);
-    const bool straight = cross <= kStraight * la * lb + rounding_ * (la + lb);
+    const bool straight = cross <= kRelativeRounding * la * lb + rounding_ * (la + lb);
     return straight ? 0 : cross;
   }
 
@@ -83,7 +85,6 @@ class Stretch {
   }
 
  private:
-  static constexpr double kStraight = 1e-12;  // angle that rounding alone may make
   Steps steps_;
   bool closed_;
   double rounding_;
@@ -92,9 +93,8 @@ class Stretch {
 // The unit vector of v, or of `otherwise` where the steps v is a mean of cancel.
 template <int Dim>
 Vector<Dim> Unit(const Vector<Dim>& v, const Vector<Dim>& otherwise) {
-  constexpr double kCancelled = 1e-12;  // of a step: a shorter mean is rounding
-  return v.norm() > kCancelled * otherwise.norm() ? Vector<Dim>(v.normalized())
-                                                  : Vector<Dim>(otherwise.normalized());
+  return v.norm() > kRelativeRounding * otherwise.norm() ? Vector<Dim>(v.normalized())
+                                                         : Vector<Dim>(otherwise.normalized());
 }
 
 template <int Dim>

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
 template <int Dim>
 using Vector = Eigen::Matrix<double, Dim, 1>;
 
-constexpr double kInPlane = 1e-9;   // of the chord
 constexpr double kShortest = 0.01;  // sides of a triangle, of the chord
 constexpr double kLongest = 2;      // 150° of a circle
 
@@ -47,11 +48,11 @@ std::optional<Vector<Dim>> TangentCorner(const DirectedPoint<Dim>& start,
   const double along = start.direction.dot(e), behind = end.direction.dot(e);
   const Vector<Dim> across = start.direction - along * e, beyond = end.direction - behind * e;
   const double a = across.norm(), b = beyond.norm();
-  if (a <= kInPlane && b <= kInPlane && along > 0 && behind > 0) {
+  if (a <= kRelativelyEqual && b <= kRelativelyEqual && along > 0 && behind > 0) {
     return Vector<Dim>(start.place + chord / 2);
   }
   // Both sides rise equally high above the chord, in one plane with it.
-  if (!(a > 0 && b > 0) || (across / a + beyond / b).norm() * std::min(a, b) > kInPlane) {
+  if (!(a > 0 && b > 0) || (across / a + beyond / b).norm() * std::min(a, b) > kRelativelyEqual) {
     return std::nullopt;
   }
   const double turn = along * b + behind * a;  // sine of the whole turn, less than 180° above 0
@@ -73,7 +74,7 @@ std::vector<ChainPiece<Dim>> ConicPieces(const DirectedPoint<Dim>& start,
   const Vector<Dim> chord = end.place - start.place;
   const double length = chord.norm();
   if (const auto corner = TangentCorner(start, end)) {
-    const bool straight = (*corner - start.place - chord / 2).norm() <= kInPlane * length;
+    const bool straight = (*corner - start.place - chord / 2).norm() <= kRelativelyEqual * length;
     const double w = straight ? 1 : weight(start.place, *corner, end.place);
     return {Arc<Dim>(start.place, *corner, end.place, w)};
   }

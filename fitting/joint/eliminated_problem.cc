@@ -13,7 +13,6 @@ namespace batten::internal {
 namespace {
 
 constexpr double kFarthestWeight = 1;          // a step's change of a log weight at most
-constexpr double kFarthestGap = 2;             // and of a log gap
 constexpr double kPriorInNoise = 75;           // on squared log weights, in variances of the noise
 constexpr double kRegularizationOfGaps = 100;  // of fairness, in cells without points
 constexpr double kFading = 1.5;                // power of the misfit that fairness fades with
@@ -181,7 +180,7 @@ bool EliminatedProblem::NearAccepted() const {
     if (!direction.free) continue;
     const KnotGaps now(d == 0 ? shape_.basis_u : *shape_.basis_v);
     if (now.groups() != direction.gaps.groups()) return false;
-    if ((now.Variables() - direction.gaps.Variables()).cwiseAbs().maxCoeff() > kFarthestGap)
+    if ((now.Variables() - direction.gaps.Variables()).cwiseAbs().maxCoeff() > kFarthestLogGap)
       return false;
   }
   return true;

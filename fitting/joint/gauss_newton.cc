@@ -2,31 +2,19 @@
 #include "fitting/joint/gauss_newton.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "fitting/core/stopwatch.h"
 #include "fitting/joint/gauss_newton_system.h"
 #include "fitting/joint/iteration_monitor.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kLeastDamping = 1e-9, kMostDamping = 1e3;
 constexpr double kLeastShare = 1e-3;  // share of the predicted fall: a step with less is refused
 constexpr double kNoStep = 1e-14;     // share of the net's size
-constexpr int kMostRefusals = 12;
-
-class Clock {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 class Descent {
  public:
@@ -48,11 +36,11 @@ class Descent {
   }
 
   void Run() {
-    watch_.Record(cost_, clock_.seconds());
+    watch_.Record(cost_, clock_.Seconds());
     if (watch_.Cancelled(0) || watch_.Settled()) return;
     int refusals = 0;
     while (refusals <= kMostRefusals && GoesOn()) {
-      const Clock clock;
+      const Stopwatch clock;
       const std::optional<GaussNewtonSystem::Step> step = system_.Solve(used_damping_);
       ++result_.iterations;
       const Trial trial = step ? Try(*step) : Trial{};
@@ -68,7 +56,7 @@ class Descent {
         refusals = 0;
         used_damping_ = damping_;
         Damp(std::max(0.2, 1 - std::pow(2 * trial.gain - 1, 3)));
-        watch_.Record(cost_, clock.seconds());
+        watch_.Record(cost_, clock.Seconds());
       }
       if (watch_.Cancelled(result_.iterations) || (trial.taken && watch_.Settled())) return;
     }
@@ -82,7 +70,7 @@ class Descent {
 
   bool GoesOn() const {
     return result_.iterations < options_.max_iterations && system_.steepness() > 0 &&
-           (options_.seconds <= 0 || clock_.seconds() < options_.seconds);
+           (options_.seconds <= 0 || clock_.Seconds() < options_.seconds);
   }
 
   Trial Try(const GaussNewtonSystem::Step& step) {
@@ -103,15 +91,13 @@ class Descent {
     return {.taken = true, .gain = fall / step.promise};
   }
 
-  void Damp(double factor) {
-    damping_ = std::clamp(damping_ * factor, kLeastDamping, kMostDamping);
-  }
+  void Damp(double factor) { damping_ = LimitedDamping(damping_ * factor); }
 
   EliminatedProblem& cells_;
   const JointOptions& options_;
   JointResult& result_;
   IterationMonitor watch_;
-  Clock clock_;
+  Stopwatch clock_;
   double damping_, used_damping_;  // the first takes effect a step late, which keeps edges smooth
   GaussNewtonSystem system_;
   Eigen::MatrixXd net_;  // accepted

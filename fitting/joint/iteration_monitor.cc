@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/joint/iteration_monitor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace batten::internal {
 namespace {
 
+constexpr double kLeastDamping = 1e-9, kMostDamping = 1e3;
 constexpr double kExactRms = 4e-9;  // of the size: exact for CAD; on from here while it falls fast
 constexpr double kRoundingRms = 1e-13;  // share of the size: below it only rounding is left
 constexpr double kFast = 0.25;          // share of the rms before that a fast step leaves
 
 }  // namespace
+
+double LimitedDamping(double damping) { return std::clamp(damping, kLeastDamping, kMostDamping); }
 
 bool IterationMonitor::AtNoise(const EliminatedProblem& cells, const JointOptions& options) {
   if (!options.stop_at_noise) return false;

@@ -9,6 +9,12 @@
 
 namespace batten::internal {
 
+// A descent ends when more steps than this are refused one after the other.
+inline constexpr int kMostRefusals = 12;
+
+// The damping nearest to a given one within the limits of all descents.
+double LimitedDamping(double damping);
+
 class IterationMonitor {
  public:
   IterationMonitor(const EliminatedProblem& cells, const JointOptions& options, JointResult& result)

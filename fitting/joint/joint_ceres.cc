@@ -18,11 +18,9 @@ namespace {
 
 constexpr int kDenseUnknowns = 250;  // up to here a dense factorisation is faster
 constexpr double kRadius = 1e8;
-constexpr int kCeresMostRefusals = 12;
-constexpr double kFirstDamping = 1e-2, kLeastFaded = 1e-9;
+constexpr double kFirstDamping = 1e-2;
 constexpr int kRenewal = 20;
 constexpr double kValleyRadius = 1e4;
-constexpr double kCeresLeastDamping = 1e-9, kCeresMostDamping = 1e3;
 
 // Projects and sorts the points whenever Ceres looks at a new place.
 class Projector : public ceres::EvaluationCallback {
@@ -131,7 +129,7 @@ class Watcher : public ceres::IterationCallback {
 
   // Whether the last step was refused and another is worth trying.
   bool tries_again() const {
-    return refusals_ > 0 && refusals_ <= kCeresMostRefusals && !result_.cancelled;
+    return refusals_ > 0 && refusals_ <= kMostRefusals && !result_.cancelled;
   }
 
  private:
@@ -145,15 +143,11 @@ class Watcher : public ceres::IterationCallback {
     const double start = result_.rms_before > 0 ? result_.rms_before : 1.0;
     const double ratio = result_.rounds.back().rms / start;
     cells_.damping =
-        std::clamp(kFirstDamping * std::pow(0.5, summary.iteration % kRenewal) * ratio * ratio,
-                   kLeastFaded,
-                   kCeresMostDamping);
+        LimitedDamping(kFirstDamping * std::pow(0.5, summary.iteration % kRenewal) * ratio * ratio);
     return watch_.Settled() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
-  void Damp(double factor) {
-    cells_.damping = std::clamp(cells_.damping * factor, kCeresLeastDamping, kCeresMostDamping);
-  }
+  void Damp(double factor) { cells_.damping = LimitedDamping(cells_.damping * factor); }
 
   void Record(const ceres::IterationSummary& summary) {
     watch_.Record(summary.cost, summary.iteration_time_in_seconds);

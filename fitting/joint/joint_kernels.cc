@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "geometry/numeric/run_time_dispatch.h"
 #include "batten/geometry/spline_basis.h"
+#include "geometry/numeric/run_time_dispatch.h"
 
 namespace batten::internal {
 namespace {
@@ -16,6 +16,8 @@ typedef double V4InMemory __attribute__((vector_size(32), aligned(8), may_alias)
 
 constexpr int kAny = -1;
 constexpr int kTile = 5;  // of pairs whose sums are held in registers
+
+constexpr int MostPairs(int degree) { return PairCount(degree == kAny ? kMaxDegree : degree); }
 
 // All N_r N_r' with r ≤ r', row by row.
 template <int P>
@@ -66,15 +68,13 @@ BATTEN_INLINE void AddAll(int any_p,
                           double* pairs,
                           double* pulls) {
   constexpr int kBlock = P == kAny ? 1 : 16;
-  constexpr int kMostPairs = PairCount(P == kAny ? kMaxDegree : P);
-  constexpr int kMostInner = PairCount(Q == kAny ? kMaxDegree : Q);
   const int p = P == kAny ? any_p : P, q = Q == kAny ? any_q : Q;
   const int outer = PairCount(p), inner = PairCount(q);
-  double terms[kBlock * kMostPairs * kMetricLanes], of_v[kBlock * kMostInner];
+  double terms[kBlock * MostPairs(P) * kMetricLanes], of_v[kBlock * MostPairs(Q)];
   for (std::ptrdiff_t first = 0; first < count; first += kBlock) {
     const int points = static_cast<int>(std::min<std::ptrdiff_t>(kBlock, count - first));
     for (int k = 0; k < points; ++k) {
-      double of_u[kMostPairs];
+      double of_u[MostPairs(P)];
       Pairs<P>(Nu + (first + k) * (p + 1), p, of_u);
       Pairs<Q>(Nv + (first + k) * (q + 1), q, of_v + k * inner);
       const V8 metric = *reinterpret_cast<const V8InMemory*>(metrics + (first + k) * kMetricLanes);

@@ -2,7 +2,6 @@
 #include "batten/fitting/optimize.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/split.h"
+#include "fitting/core/stopwatch.h"
 #include "fitting/joint/harmonic_reparameterization.h"
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/joint/smooth_parameters.h"
@@ -25,7 +25,6 @@ using namespace internal;
 namespace {
 
 constexpr int kSettlingSteps = 10;    // of points and parameters before all are free
-constexpr double kCoalesced = 1e-6;   // of the domain
 constexpr double kFinestGain = 1e-9;  // relative, with free weights or knots: convergence is slow
 constexpr int kValleySteps = 300;
 constexpr int kQuickSteps = 40;
@@ -55,13 +54,10 @@ bool Periodic(const FittingProblem& problem) {
 struct Run {
   const OptimizeOptions& options;
   ThreadPool& pool;
-  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+  Stopwatch clock = {};
 
-  double Elapsed() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  }
   double SecondsLeft() const {
-    return options.seconds > 0 ? std::max(1e-3, options.seconds - Elapsed()) : 0;
+    return options.seconds > 0 ? std::max(1e-3, options.seconds - clock.Seconds()) : 0;
   }
   bool Plain() const {  // the sum that is minimised is that of the squared distances
     return options.loss == Loss::kNone && options.terms.empty();
@@ -78,7 +74,7 @@ struct State {
 
 bool Over(const Run& run, const State& state) {
   return state.result.cancelled || state.at_noise ||
-         (run.options.seconds > 0 && run.Elapsed() >= run.options.seconds);
+         (run.options.seconds > 0 && run.clock.Seconds() >= run.options.seconds);
 }
 
 double SizeOf(const Eigen::MatrixXd& points) {
@@ -289,7 +285,7 @@ void Coalesce(const Run& run, State& state) {
   const auto merged = [&](const SplineBasis& basis, bool free) {
     if (!free || basis.periodic()) return basis;
     const KnotGaps gaps(basis);
-    return gaps.Coalesced(kCoalesced * gaps.length()).basis();
+    return gaps.Coalesced(FreeKnotOptions().coalesce * gaps.length()).basis();
   };
   const OptimizeResult& from = state.result;
   const FittingProblem& problem = from.problem;

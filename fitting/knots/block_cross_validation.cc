@@ -2,11 +2,11 @@
 #include "fitting/knots/block_cross_validation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/stopwatch.h"
 #include "fitting/knots/block_validation.h"
 #include "fitting/least_squares/fitting_bases.h"
 
@@ -104,7 +104,7 @@ class BlockSearch {
   const Eigen::VectorXd& Errors(Cells cells) {
     const auto [known, fresh] = errors_.try_emplace(cells);
     if (!fresh) return known->second;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const FittingProblem on_grid = OnGrid(cells);
     known->second = validation_.Errors(on_grid.basis_u(), on_grid.basis_v(), pool_);
     RoundSummary round;
@@ -113,7 +113,7 @@ class BlockSearch {
     round.control_points_v = cells.second + limits_.degree_v;
     round.score = known->second.sum() / static_cast<double>(problem_.size());
     round.rms = std::sqrt(round.score);
-    round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    round.seconds = watch.Seconds();
     rounds_.push_back(round);
     return known->second;
   }

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <thread>
 
+#include "fitting/core/stopwatch.h"
 #include "fitting/core/unit_of.h"
 #include "fitting/knots/knot_search.h"
 #include "geometry/numeric/reject.h"
@@ -47,15 +47,11 @@ constexpr int kPolished = 4;
 class Watch {
  public:
   explicit Watch(const FreeKnotOptions& options)
-      : options_(options),
-        caller_(std::this_thread::get_id()),
-        begin_(std::chrono::steady_clock::now()) {}
+      : options_(options), caller_(std::this_thread::get_id()) {}
 
   bool Stop() {
     if (stopped_) return true;
-    if (options_.seconds > 0 &&
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() >
-            options_.seconds) {
+    if (options_.seconds > 0 && clock_.Seconds() > options_.seconds) {
       late_ = stopped_ = true;
     }
     if (options_.progress && std::this_thread::get_id() == caller_ &&
@@ -72,28 +68,9 @@ class Watch {
  private:
   const FreeKnotOptions& options_;
   std::thread::id caller_;
-  std::chrono::steady_clock::time_point begin_;
+  Stopwatch clock_;
   std::atomic<bool> stopped_ = false, cancelled_ = false, late_ = false;
 };
-
-// Best first, equal ones in the order in which they came; without those that failed.
-std::vector<Descent> Sorted(std::vector<Descent> descents) {
-  std::erase_if(descents, [](const Descent& d) { return !std::isfinite(d.cost); });
-  std::stable_sort(descents.begin(), descents.end(), [](const Descent& a, const Descent& b) {
-    return a.cost < b.cost;
-  });
-  return descents;
-}
-
-// The first `count` of sorted ones whose costs differ by more than a thousandth.
-std::vector<Descent> Different(const std::vector<Descent>& sorted, int count) {
-  std::vector<Descent> chosen;
-  for (const Descent& d : sorted) {
-    if (static_cast<int>(chosen.size()) == count) break;
-    if (chosen.empty() || d.cost > chosen.back().cost * 1.001) chosen.push_back(d);
-  }
-  return chosen;
-}
 
 int Functions(const MovingKnots& knots) {
   return (knots.u.basis().degree() + 1) * (knots.v ? knots.v->basis().degree() + 1 : 1);
@@ -124,7 +101,7 @@ std::vector<Descent> Search(const VariableProjection& data,
   std::vector<Descent> all;
   const auto add = [&](const std::vector<Descent>& more, double fraction) {
     all.insert(all.end(), more.begin(), more.end());
-    all = Sorted(std::move(all));
+    all = SortedDescents(std::move(all));
     watch.fraction = fraction;
     return !watch.Stop() && (all.empty() || all[0].cost > descent.stop_squares);
   };
@@ -202,10 +179,8 @@ FreeKnotResult OptimizeScaledKnots(const FittingProblem& problem,
   std::vector<Descent> polished;
   watch.fraction = 0.8;
   if (!watch.Stop()) {
-    std::vector<MovingKnots> chosen;
-    for (const Descent& d : Different(found, work <= kFullSearch ? kPolished : 1))
-      chosen.push_back(d.knots);
-    polished = Sorted(search.DescendAll(chosen, descent));
+    polished = SortedDescents(
+        search.DescendAll(DifferentKnots(found, work <= kFullSearch ? kPolished : 1), descent));
     if (!polished.empty() && work <= kCheap)
       polished.insert(polished.begin(),
                       search.CloseGaps(polished[0], kNarrow, static_cast<int>(kWork / work)));

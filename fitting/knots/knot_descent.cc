@@ -18,9 +18,6 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Longest change of a log gap in one step: two multiplies a gap by seven, the limit of trust.
-constexpr double kLongestStep = 2;
-
 // Below this share of the largest, an eigenvalue of a matrix made of differences is rounding.
 constexpr double kRoundedEigenvalue = 1e-13;
 
@@ -35,7 +32,7 @@ RowMatrix SumZero(int n) {
   return Z;
 }
 
-// Logarithms of gaps of mean zero; steps are cut to kLongestStep in each of them.
+// Logarithms of gaps of mean zero; steps are cut to kFarthestLogGap in each of them.
 class GapManifold : public ceres::Manifold {
  public:
   explicit GapManifold(int gaps) : Z_(SumZero(gaps)) {}
@@ -46,7 +43,7 @@ class GapManifold : public ceres::Manifold {
     const Eigen::VectorXd step = Z_ * Eigen::Map<const Eigen::VectorXd>(delta, TangentSize());
     Eigen::Map<Eigen::VectorXd> moved(x_plus_delta, AmbientSize());
     moved = Eigen::Map<const Eigen::VectorXd>(x, AmbientSize()) +
-            step.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
+            step.cwiseMax(-kFarthestLogGap).cwiseMin(kFarthestLogGap);
     moved.array() -= moved.sum() / AmbientSize();
     return true;
   }

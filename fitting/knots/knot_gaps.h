@@ -11,6 +11,10 @@
 
 namespace batten::internal {
 
+// Longest change of the logarithm of a gap in one step: two multiplies a gap by seven, the limit of
+// trust.
+inline constexpr double kFarthestLogGap = 2;
+
 // Interior knots t_1 < … < t_k, each with a multiplicity that it keeps, in a domain [a, b] of
 // length L, and the k + 1 gaps h_0 … h_k between them and the domain's ends. The variables are
 // x_i = log h_i − mean log h: any x of mean zero stands for a valid knot vector,

@@ -2,7 +2,6 @@
 #include "fitting/knots/knot_grid_selection.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -13,21 +12,21 @@
 
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/stopwatch.h"
 #include "fitting/knots/block_cross_validation.h"
 #include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kPointsPerControlPoint = 3;  // fewer, and the score has nothing to judge by
 constexpr int kFineGrid = 1500;
 constexpr int kRisesToStop = 3;
 constexpr int kCellsAtLeastTried = 8;
 constexpr double kBeyondChance = 4;           // standard deviations, for more than a single cell
 constexpr Eigen::Index kManyPoints = 150000;  // a part of them tells where the ladder may begin
 constexpr Eigen::Index kSample = 50000;
-constexpr std::uint64_t kSeed = 1;
 
 class Search {
  public:
@@ -36,16 +35,13 @@ class Search {
          ThreadPool& pool,
          std::string stage = "cross-validation")
       : stage_(std::move(stage)), problem_(problem), limits_(limits), pool_(pool) {
-    points_ = static_cast<double>(problem.size());
-    if (problem.data().weights.size() > 0) {
-      points_ = static_cast<double>((problem.data().weights.array() > 0).count());
-    }
+    points_ = PointCount(problem);
     least_u_ = LeastCells(problem.basis_u(), limits.degree_u);
     least_v_ = LeastCells(problem.basis_v(), limits.degree_v);
     length_u_ = problem.basis_u().upper() - problem.basis_u().lower();
     length_v_ = problem.basis_v().upper() - problem.basis_v().lower();
     const double extent = problem.data().values.cwiseAbs().maxCoeff();
-    exact_ = points_ * std::pow(1e-9 * extent, 2);
+    exact_ = points_ * std::pow(kRelativelyEqual * extent, 2);
   }
 
   int Unknowns(int cells_u, int cells_v) const {
@@ -63,7 +59,7 @@ class Search {
     // The net counts what a closed direction repeats and what a pole ties together too.
     const int net = (cells_u + limits_.degree_u) * (cells_v + limits_.degree_v);
     return net <= limits_.max_control_points &&
-           Unknowns(cells_u, cells_v) * kPointsPerControlPoint <= points_;
+           Unknowns(cells_u, cells_v) * kLeastPointsPerControlPoint <= points_;
   }
 
   // Cells of nearly equal sides, cells² of them or so.
@@ -76,7 +72,7 @@ class Search {
   double Score(int cells_u, int cells_v) {
     const auto [known, fresh] = scores_.try_emplace({cells_u, cells_v}, 0.0);
     if (!fresh) return known->second;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const LinearSolution solution =
         SolveLinear(problem_.WithBases(LikeU(cells_u), LikeV(cells_v)), pool_);
     const double freedom = FreeVariables(cells_u, cells_v);
@@ -89,7 +85,7 @@ class Search {
     round.control_points_v = cells_v + limits_.degree_v;
     round.rms = std::sqrt(solution.residual_squares / points_);
     round.score = known->second;
-    round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    round.seconds = watch.Seconds();
     rounds.push_back(round);
     tried.push_back({cells_u, cells_v, round.rms});
     return known->second;
@@ -141,7 +137,7 @@ class Search {
 
 // About so many of the data, evenly out of their order.
 std::shared_ptr<const FittingData> EveryPart(const FittingData& data, Eigen::Index count) {
-  const std::vector<Eigen::Index> some = SampleIndices(data.parameters.cols(), count, kSeed);
+  const std::vector<Eigen::Index> some = SampleIndices(data.parameters.cols(), count, 1);
   auto part = std::make_shared<FittingData>();
   part->parameters = data.parameters(Eigen::all, some);
   part->values = data.values(Eigen::all, some);

@@ -15,6 +15,9 @@ namespace batten::internal {
 // few too many by chance. [Kim & Gu 2004]
 inline constexpr double kFreedomFactor = 1.2;
 
+// Fewer points a control point, and the score has nothing to judge by.
+inline constexpr double kLeastPointsPerControlPoint = 3;
+
 // A grid that was solved over, with what it left of the points.
 struct TriedGrid {
   int cells_u, cells_v;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
@@ -16,9 +17,8 @@ namespace {
 
 constexpr double kFiner = 1.3;        // cells of a finer grid to begin with
 constexpr double kManyPruned = 0.25;  // control points gone, for a finer one to be tried
-constexpr double kPointsPerPrunedControlPoint = 3;
-constexpr int kRefusalsToStop = 3;  // of single lines, one after the other
-constexpr double kAtFirst = 0.25;   // of the lines, in the first removal
+constexpr int kRefusalsToStop = 3;    // of single lines, one after the other
+constexpr double kAtFirst = 0.25;     // of the lines, in the first removal
 constexpr Eigen::Index kMostInOrder = 50000;
 constexpr double kWorthTrying = 2;  // times what the score grants, for the estimate's sake
 
@@ -244,7 +244,7 @@ FittingProblem RefineAndPruneKnotLines(const FittingProblem& problem,
     const FittingProblem start =
         problem.WithBases(cells(problem.basis_u(), finer), cells(problem.basis_v(), finer));
     if (start.net_size() > max_control_points ||
-        start.unknowns() * kPointsPerPrunedControlPoint > PointCount(problem)) {
+        start.unknowns() * kLeastPointsPerControlPoint > PointCount(problem)) {
       break;
     }
     ScoredProblem next = Scored(start, pool);

@@ -7,13 +7,13 @@
 #include <numeric>
 #include <random>
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
 namespace {
 
 // Limits that only many knots meet: spans that an insertion is tried in, and knots exchanged.
 constexpr size_t kTriedSpans = 16, kExchanged = 12;
-
-constexpr double kRoom = 1e-9;  // of the domain, between a knot that is tried and its neighbours
 
 // Indices of the least costs, in increasing order of cost, then of index.
 std::vector<size_t> Cheapest(const std::vector<double>& costs, size_t count) {
@@ -48,21 +48,6 @@ size_t MissingIn(const MovingKnots& knots, const MovingKnots& wanted, bool u) {
 
 size_t Missing(const MovingKnots& knots, const MovingKnots& wanted) {
   return MissingIn(knots, wanted, true) + MissingIn(knots, wanted, false);
-}
-
-// The best results that differ in cost by a thousandth, at most `count`.
-std::vector<MovingKnots> BestOf(const std::vector<Descent>& results, int count) {
-  std::vector<double> costs;
-  for (const Descent& result : results) costs.push_back(result.cost);
-  std::vector<MovingKnots> best;
-  double last = -1;
-  for (const size_t i : Cheapest(costs, costs.size())) {
-    if (static_cast<int>(best.size()) == count) break;
-    if (last >= 0 && results[i].cost <= last * 1.001) continue;
-    best.push_back(results[i].knots);
-    last = results[i].cost;
-  }
-  return best;
 }
 
 double UniformReal(std::mt19937_64& generator) {
@@ -135,7 +120,8 @@ void AddTrials(const Measures& on,
   const auto errors = on.projection.Errors(knots, on.pool);
   if (!errors) return;
   const auto add = [&](const std::vector<VariableProjection::SpanError>& spans, bool u) {
-    const double room = kRoom * (u ? knots.u : *knots.v).length();
+    // Between a knot that is tried and its neighbours.
+    const double room = kRelativelyEqual * (u ? knots.u : *knots.v).length();
     std::vector<double> order;
     for (const auto& span : spans) order.push_back(-span.squares);
     std::vector<size_t> worst = Cheapest(order, count);
@@ -175,6 +161,26 @@ std::vector<MovingKnots> Exchanges(const Measures& on, const MovingKnots& knots,
 }
 
 }  // namespace
+
+std::vector<Descent> SortedDescents(std::vector<Descent> descents) {
+  std::erase_if(descents, [](const Descent& d) { return !std::isfinite(d.cost); });
+  std::stable_sort(descents.begin(), descents.end(), [](const Descent& a, const Descent& b) {
+    return a.cost < b.cost;
+  });
+  return descents;
+}
+
+std::vector<MovingKnots> DifferentKnots(const std::vector<Descent>& sorted, int count) {
+  std::vector<MovingKnots> chosen;
+  double last = 0;
+  for (const Descent& d : sorted) {
+    if (static_cast<int>(chosen.size()) == count) break;
+    if (!chosen.empty() && !(d.cost > last * 1.001)) continue;
+    chosen.push_back(d.knots);
+    last = d.cost;
+  }
+  return chosen;
+}
 
 std::vector<double> InteriorKnots(const SplineBasis& basis) {
   std::vector<double> interior;
@@ -264,7 +270,7 @@ std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int
       std::erase_if(whole, [&](const Descent& d) { return Missing(d.knots, wanted) > 0; });
       return whole;
     }
-    states = BestOf(results, kept);
+    states = DifferentKnots(SortedDescents(results), kept);
     if (states.empty() || (options_.stop && options_.stop())) return {};
   }
 }

@@ -18,6 +18,12 @@ SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double
 // The knots inside the open domain, with repetition.
 std::vector<double> InteriorKnots(const SplineBasis& basis);
 
+// Best first, equal ones in the order in which they came; without those that failed.
+std::vector<Descent> SortedDescents(std::vector<Descent> descents);
+
+// The knots of the first `count` of sorted ones whose costs differ by more than a thousandth.
+std::vector<MovingKnots> DifferentKnots(const std::vector<Descent>& sorted, int count);
+
 // A search over one set of data. Everything it returns is the same on any number of threads.
 class KnotSearch {
  public:

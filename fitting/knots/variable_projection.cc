@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "fitting/least_squares/normal_equations.h"
@@ -13,16 +14,9 @@
 namespace batten::internal {
 namespace {
 
-// SolveLinear's limit of singularity with a margin of two, so that problems accepted here are
-// accepted there too.
-constexpr double kSingularInJitters = 32;
-constexpr double kFirmSmoothing = 1e-7;
-
 // Sums of squares below this share of the data's are taken point by point: sums of products then
 // keep fewer than twelve digits.
 constexpr double kCancelled = 1e-4;
-
-constexpr double kGoldenRatio = 0.6180339887498949;
 
 // Columns of the free knots that act on one span: entry j is that of knot span − p + 1 + j, or −1.
 void ColumnsOnSpan(
@@ -65,7 +59,7 @@ VariableProjection VariableProjection::Thinned(Eigen::Index count) const {
   thinned.squares_ = 0;
   for (Eigen::Index k = 0; k < kept; ++k) {
     // One of every `step`, at an irregular place among them, lest rows of a grid repeat.
-    const double place = static_cast<double>(k) * kGoldenRatio;
+    const double place = static_cast<double>(k) * (std::numbers::phi - 1);
     const auto offset =
         static_cast<Eigen::Index>((place - std::floor(place)) * static_cast<double>(step));
     const Eigen::Index from = order[std::min(m - 1, k * step + offset)];
@@ -142,9 +136,8 @@ std::optional<VariableProjection::Solved> VariableProjection::Solve(const Moving
                                pool);
   BlockBandedMatrix matrix = system.Matrix(smoothing_, 1);
   if (!matrix.Factor()) return std::nullopt;
-  if (smoothing_ < kFirmSmoothing &&
-      !(matrix.SmallestPivot() > kSingularInJitters * system.jitter()))
-    return std::nullopt;
+  // With a margin of two, so that problems accepted here are accepted by SolveLinear too.
+  if (!system.Determines(smoothing_, matrix.SmallestPivot(), 2)) return std::nullopt;
   Eigen::MatrixXd coefficients = system.rhs();
   matrix.Solve(coefficients);
   if (!coefficients.allFinite()) return std::nullopt;

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/rounding.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/linear/tied_system.h"
 
@@ -19,18 +21,11 @@ constexpr int kExactFreedom = 256;
 constexpr int kMostProbes = 64, kFewestProbes = 16;
 constexpr int kForMostProbes = 1024;  // control points; the more, the fewer probes are as exact
 constexpr Eigen::Index kColumns = 16;
-constexpr double kRoundedOff = 1e-9;
 constexpr double kLeast = -12, kMostPower = 9;  // powers of ten
 constexpr double kFinestStep = 0.1;
 
 Eigen::Index Probes(int unknowns) {
   return std::clamp(kMostProbes * kForMostProbes / unknowns, kFewestProbes, kMostProbes);
-}
-
-double Points(const FittingProblem& problem) {
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? static_cast<double>((weights.array() > 0).count())
-                            : static_cast<double>(problem.size());
 }
 
 // One problem solved at several smoothings; its data are assembled once.
@@ -57,7 +52,7 @@ class Trials {
     const PenalisedSystem::Solution solution = system_.Solve(smoothing);
     Trial trial{FreeVariables(solution.factor), solution.residual_squares};
     // Below this share of the sum of squares, cancellation leaves no digits.
-    if (trial.residual_squares < kRoundedOff * system_.squares())
+    if (trial.residual_squares < kRelativelyEqual * system_.squares())
       trial.residual_squares =
           SolveLinear(problem_.WithSmoothing(smoothing), pool_).residual_squares;
     return trial;
@@ -97,7 +92,7 @@ double EffectiveFreedom(const FittingProblem& problem, ThreadPool& pool) {
 double SmoothingByCrossValidation(const FittingProblem& problem,
                                   ThreadPool& pool,
                                   const Progress& progress) {
-  const double points = Points(problem);
+  const double points = PointCount(problem);
   const Trials trials(problem, pool);
   const auto score = [&](double power) {
     Report(progress, "solve", (power - kLeast) / (kMostPower - kLeast));
@@ -129,7 +124,7 @@ double SmoothingFromNoise(const FittingProblem& problem,
                           const Progress& progress) {
   if (!(noise > 0) || !std::isfinite(noise))
     throw std::invalid_argument("SmoothingFromNoise: the noise must be positive");
-  const double points = Points(problem);
+  const double points = PointCount(problem);
   const Trials trials(problem, pool);
   const auto dimension = static_cast<double>(problem.data().values.rows());
   const auto allowed = [&](double power) {

@@ -3,14 +3,14 @@
 
 #include <optional>
 
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/net_kernel.h"
 #include "geometry/evaluation/evaluation_table.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr std::ptrdiff_t kPoints = 4096;  // evaluated by one thread at a time
-constexpr Eigen::Index kReadBehind = 4;   // numbers the kernel reads beyond the last plane
+constexpr Eigen::Index kReadBehind = 4;  // numbers the kernel reads beyond the last plane
 
 }  // namespace
 
@@ -26,7 +26,7 @@ Eigen::MatrixXd NetValues(const SplineBasis& outer,
   planes.head(net.size()).reshaped(net.cols(), net.rows()) = net.transpose();
   points.dimension = static_cast<int>(net.rows());
   Eigen::MatrixXd values(net.rows(), points.count);
-  pool.For(points.count, kPoints, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.count, kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     EvaluateNet(outer_axis.table(),
                 inner_axis ? &inner_axis->table() : nullptr,
                 {planes.data(), net.cols(), inner ? inner->size() : 1},

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fitting/linear/coefficient_order.h"
 #include "fitting/least_squares/pole_rows.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten::internal {
 namespace {
@@ -83,8 +83,7 @@ PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* p
   for (int attempt = 0; attempt <= kAttempts; ++attempt) {
     // High degrees need more jitter than the rounding unit.
     TiedSystem matrix(Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5))), ties_);
-    if (matrix.Factor(pool) &&
-        (smoothing >= kFirmSmoothing || matrix.SmallestPivot() > kSingularInJitters * jitter_)) {
+    if (matrix.Factor(pool) && Determines(smoothing, matrix.SmallestPivot())) {
       Eigen::MatrixXd rows = rhs();
       matrix.Solve(rows);
       if (rows.allFinite()) {
@@ -105,6 +104,10 @@ PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* p
   throw std::invalid_argument(
       "the points do not determine the control points: too few carry weight, or the degree is too "
       "high for them");
+}
+
+bool PenalisedSystem::Determines(double smoothing, double least_pivot, double margin) const {
+  return smoothing >= kFirmSmoothing || least_pivot > margin * kSingularInJitters * jitter_;
 }
 
 double PenalisedSystem::Roughness(const Eigen::MatrixXd& rows) const {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "fitting/linear/block_banded_matrix.h"
-#include "fitting/least_squares/fairness.h"
 #include "batten/fitting/fitting_problem.h"
+#include "fitting/least_squares/fairness.h"
 #include "fitting/least_squares/normal_equations.h"
+#include "fitting/linear/block_banded_matrix.h"
 #include "fitting/linear/tied_system.h"
 
 namespace batten::internal {
@@ -49,6 +49,11 @@ class PenalisedSystem {
 
   // A + smoothing · tr(A)/tr(P) · P and so many jitters, not factored.
   BlockBandedMatrix Matrix(double smoothing, double jitters) const;
+
+  // Whether the system, factored at a smoothing with this least pivot, is not singular: fairness
+  // determines what it can, or the pivot is clearly above that of a coefficient that only the
+  // jitter determines, by `margin` times as much as Solve asks for.
+  bool Determines(double smoothing, double least_pivot, double margin = 1) const;
 
   double Lambda(double smoothing) const { return smoothing * unit_; }
   double jitter() const { return jitter_; }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/linear/independent_rows.h"
 
+#include "fitting/core/rounding.h"
+
 namespace batten::internal {
-namespace {
-
-constexpr double kDependent = 1e-9;  // of a row's scale
-
-}  // namespace
 
 IndependentRows::IndependentRows(const Eigen::MatrixXd& rows, const Eigen::VectorXd& scales)
     : orthonormal_(rows.cols(), rows.rows()),
@@ -21,7 +18,7 @@ IndependentRows::IndependentRows(const Eigen::MatrixXd& rows, const Eigen::Vecto
       shares += share;
     }
     const double length = rest.norm();
-    if (!(length > kDependent * scales[k])) continue;
+    if (!(length > kRelativelyEqual * scales[k])) continue;
     triangle_.row(rank).head(rank) = shares.transpose();
     triangle_(rank, rank) = length;
     orthonormal_.col(rank++) = rest / length;

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
 
 constexpr double kEnough = 1e-13;  // of the right-hand side
-constexpr int kMostSteps = 400;
 
 // A box overlaps its neighbours by the reach of a function and one more; its core is so many times
 // as wide: twice, and steps go up by a quarter; four times, and a box takes four times the memory.
@@ -144,7 +145,7 @@ BoxSolution SolveByBoxes(const TensorBand& matrix,
   Numbers before;
   for (;; ++solution.iterations) {
     solution.residual = Shares(r.colwise().norm(), size).maxCoeff();
-    if (solution.residual <= kEnough || solution.iterations == kMostSteps) return solution;
+    if (solution.residual <= kEnough || solution.iterations == kMostIterations) return solution;
     if (each) each();
     const Eigen::MatrixXd z = preconditioner.Applied(r);
     const Numbers now = Products(r, z);

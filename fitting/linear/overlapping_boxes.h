@@ -30,7 +30,7 @@ struct BoxSolution {
 // Solves A·x = b, b of d columns, A symmetric positive definite, from `start`. Conjugate gradients
 // whose preconditioner solves A over boxes of the net that overlap by the reach of its functions,
 // and over the coarse system, and adds: with boxes and coarse cells of bounded size the number of
-// steps does not grow with the net. Ends at a residual of 1e-13, or after so many steps. A small
+// steps does not grow with the net. Ends at a residual of 1e-13, or after 500 steps. A small
 // net is one box, and is solved at once. The result does not depend on threads. Memory: some 250
 // numbers a coefficient for cubics; time: as much for each step. What `each`, called before every
 // step, throws passes through. [Toselli & Widlund 2005, §3: two-level overlapping Schwarz methods]

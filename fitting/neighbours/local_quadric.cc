@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kRounds = 3;
 constexpr double kMost = 0.8, kNormalAtMost = 1.2816;  // the quantile of |x| at a share
 constexpr double kRidge = 1e-12;  // of the mean square: collinear points still have a quadric
 
@@ -61,7 +61,7 @@ LocalPlane WeightedPlane(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& 
 AgreedPlane PlaneMostAgreeOn(const Eigen::Matrix3Xd& points) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(points.cols());
   AgreedPlane found;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRobustRounds; ++round) {
     found.plane = WeightedPlane(points, weights);
     const Eigen::VectorXd d =
         (points.colwise() - found.plane.centre).transpose() * found.plane.normal;
@@ -107,7 +107,7 @@ LocalQuadric LocalQuadric::MostAgreeOn(const Eigen::Matrix3Xd& points) {
   if (agreed.scale > 0) {
     weights = CauchyWeights(quadric.radius_ * quadric.heights_, agreed.scale);
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRobustRounds; ++round) {
     quadric.Solve(weights);
     const double scale = quadric.robust_scale() / quadric.radius_;
     if (!(scale > 0)) break;

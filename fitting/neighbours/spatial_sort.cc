@@ -8,7 +8,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::ptrdiff_t kSampled = 600;  // below, a pivot is chosen by the middle of three
 constexpr std::ptrdiff_t kPerTask = 1 << 15;
 
 int WidestSide(const PlacedPoint* begin, const PlacedPoint* end) {

@@ -15,22 +15,20 @@ using Index = Eigen::Index;
 using Voronoi = boost::polygon::voronoi_diagram<double>;
 using Site = boost::polygon::point_data<std::int32_t>;
 
-constexpr double kExtent = 1 << 30;  // largest integer coordinate in magnitude
-
 using IsGap = std::function<bool(const Eigen::Matrix2Xd&, double)>;
 
 struct Edge {
   int from, to;  // of the points; what is covered is on the left
 };
 
-// Maps points to integer coordinates about the middle of their box.
+// Maps points to integer coordinates, up to 2^30 in magnitude, about the middle of their box.
 class IntegerMap {
  public:
   explicit IntegerMap(const Eigen::Matrix2Xd& points) {
     const Eigen::Vector2d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
     middle_ = low + (high - low) / 2;
     const double half = (high - low).maxCoeff() / 2;
-    unit_ = half > 0 ? half / kExtent : 1.0;
+    unit_ = half > 0 ? half / (1 << 30) : 1.0;
   }
   Site To(const Eigen::Vector2d& place) const {
     const Eigen::Array2d scaled = ((place - middle_) / unit_).array().round();

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
 
 constexpr int kCells = 4;  // cells per radius
-constexpr int kPad = kCells + 2;
-constexpr std::ptrdiff_t kBlock = 16384;
 
 using Cells = std::vector<std::uint8_t>;
 
@@ -33,8 +33,9 @@ EmptyDiscs::EmptyDiscs(const Eigen::Matrix2Xd& points, double radius, ThreadPool
     : corner_(Eigen::Vector2d::Zero()), side_(radius / kCells) {
   if (points.cols() == 0) return;
   const Eigen::Vector2d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
-  corner_ = low.array() - kPad * side_;
-  const Eigen::Array2d sides = ((high - low) / side_).array().floor() + 1 + 2 * kPad;
+  const int pad = kCells + 2;
+  corner_ = low.array() - pad * side_;
+  const Eigen::Array2d sides = ((high - low) / side_).array().floor() + 1 + 2 * pad;
   if (sides.prod() > 1e6 + 32.0 * static_cast<double>(points.cols())) {
     touched_.resize(static_cast<size_t>(points.cols()));
     std::iota(touched_.begin(), touched_.end(), 0);
@@ -43,7 +44,7 @@ EmptyDiscs::EmptyDiscs(const Eigen::Matrix2Xd& points, double radius, ThreadPool
   nu_ = static_cast<std::int64_t>(sides[0]);
   nv_ = static_cast<std::int64_t>(sides[1]);
   std::vector<std::int64_t> cell(static_cast<size_t>(points.cols()));
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) cell[k] = CellOf(points.col(k));
   });
   Cells occupied(static_cast<size_t>(nu_ * nv_), 0);

@@ -7,13 +7,13 @@
 #include <limits>
 
 #include "batten/geometry/arc_length.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kLeastJacobian = 0.1;  // of the mean Jacobian; below: not one-to-one
 constexpr int kSteps = 30;
-constexpr double kArrived = 1e-9;         // Newton step, in sides of the square; below: converged
 constexpr double kFarthestFromSides = 2;  // from the square's middle, in its sides
 
 }  // namespace
@@ -145,7 +145,7 @@ std::optional<Eigen::Vector2d> FourSidedMap::InvertFrom(Eigen::Index node,
     if (!move.allFinite()) return std::nullopt;
     at += move.cwiseMax(-0.5).cwiseMin(0.5);
     if ((at.array() - 0.5).abs().maxCoeff() > kFarthestFromSides) return std::nullopt;
-    if (move.cwiseAbs().maxCoeff() < kArrived) return at;
+    if (move.cwiseAbs().maxCoeff() < kRelativelyEqual) return at;  // in sides of the square
   }
   return std::nullopt;
 }

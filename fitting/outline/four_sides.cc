@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "fitting/core/rounding.h"
+#include "fitting/outline/outline_spline.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kSideDegree = 3;
 constexpr double kLeastTurn = 50 * kOneDegree, kMostTurn = 130 * kOneDegree,
                  kMostOff = 60 * kOneDegree;
 
@@ -26,11 +26,11 @@ NurbsCurve<2> Part(const NurbsCurve<2>& loop, double from, double to) {
   const int last = to < basis.upper() ? basis.Span(to) - p : basis.size() - 1;
   const Eigen::Matrix2Xd points = loop.control_points().middleCols(first, last - first + 1);
   if (p == 1) {
-    Eigen::Matrix2Xd cubic(2, kSideDegree + 1);
-    for (int i = 0; i <= kSideDegree; ++i)
-      cubic.col(i) = points.col(0) + (points.col(1) - points.col(0)) * i / kSideDegree;
-    cubic.col(kSideDegree) = points.col(1);
-    return {SplineBasis::Uniform(kSideDegree, kSideDegree + 1, from, to), cubic};
+    Eigen::Matrix2Xd cubic(2, kOutlineDegree + 1);
+    for (int i = 0; i <= kOutlineDegree; ++i)
+      cubic.col(i) = points.col(0) + (points.col(1) - points.col(0)) * i / kOutlineDegree;
+    cubic.col(kOutlineDegree) = points.col(1);
+    return {SplineBasis::Uniform(kOutlineDegree, kOutlineDegree + 1, from, to), cubic};
   }
   std::vector<double> knots(static_cast<size_t>(p + 1), from);
   for (int k = first + p + 1; k <= last; ++k) knots.push_back(basis.knots()[k]);
@@ -60,7 +60,7 @@ std::optional<std::array<OutlineSide, 4>> FourSides(const OutlineCurve& outer) {
   const NurbsCurve<2>& loop = outer.loop;
   const int p = loop.basis().degree();
   if (outer.corners.size() != 4 || outer.corners.front() != loop.basis().lower()) return {};
-  if ((p != 1 && p != kSideDegree) || loop.rational()) return {};
+  if ((p != 1 && p != kOutlineDegree) || loop.rational()) return {};
   std::vector<NurbsCurve<2>> parts;
   for (size_t k = 0; k < 4; ++k)
     parts.push_back(

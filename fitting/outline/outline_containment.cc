@@ -67,7 +67,6 @@ class LeastMove {
 
  private:
   static constexpr int kWindow = 24;  // control points on either side: 0.43^24 is 2e-9
-  static constexpr int kBand = 3;     // of a cubic's Gram matrix
 
   struct Active {
     SparseRow row;
@@ -135,7 +134,8 @@ class LeastMove {
       return ((static_cast<int>(column) - first) % n + n) % n;
     };
     const auto held = [&](int k, int axis) { return spline_.fixed[active.columns[k]][axis]; };
-    const int band = size == n ? size - 1 : kBand;                 // the whole of a loop is cyclic
+    // Of the Gram matrix; that of the whole of a loop is cyclic.
+    const int band = size == n ? size - 1 : kOutlineDegree;
     Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(band + 1, size);  // entry (d, k) is of k + d and k
     for (int k = 0; k < size; ++k)
       for (Eigen::SparseMatrix<double>::InnerIterator it(mass_, active.columns[k]); it; ++it)

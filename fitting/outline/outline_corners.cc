@@ -15,9 +15,7 @@ namespace {
 using Index = Eigen::Index;
 
 constexpr double kMostCornerTurn = 165 * kOneDegree;  // above: a hairpin, no corner
-constexpr double kGap = 1.5;             // left out on either side: rounded by the border's making
 constexpr double kBetter = 1.5;          // sum of squares of a circle over that of two lines
-constexpr double kNoise = 0.1;           // smallest noise assumed of a border
 constexpr double kMostMoved = 2;         // by which longer windows may move a corner
 constexpr double kFarthestCorner = 3.2;  // distance of a corner from the border; farther: a bend
 constexpr double kSharp = 140 * kOneDegree;
@@ -144,7 +142,7 @@ class CornerSearch {
 
   // Best ones first.
   void Scan(const Window& kind) {
-    const Index window = Count(kind.length), gap = Count(kGap);
+    const Index window = Count(kind.length), gap = Count(kCornerGap);
     if (border_.cols() < 3 * window) return;
     struct Candidate {
       double squares;
@@ -157,7 +155,8 @@ class CornerSearch {
       if (before.rms() > kind.most_rms || after.rms() > kind.most_rms) continue;
       const auto corner = Judged(i, before, after);
       if (!corner || std::abs(corner->turn) < kind.least_turn * kOneDegree) continue;
-      const double floor = kNoise * kNoise * static_cast<double>(2 * before.count);
+      const double floor =
+          kLeastBorderNoise * kLeastBorderNoise * static_cast<double>(2 * before.count);
       const double squares = before.squares + after.squares + floor;
       const double circle = CircleSquares(i, gap, window) + floor;
       if (circle < kBetter * squares || (circle - squares) * step_ < kind.gain) continue;
@@ -207,11 +206,11 @@ class CornerSearch {
 
   // The longest straight window on a side that ends before the next corner.
   OutlineLine Longest(Index i, int side, double room, const OutlineLine& otherwise) const {
-    const Index gap = Count(kGap);
+    const Index gap = Count(kCornerGap);
     std::optional<Fitted> best;
     for (double length = 5; length <= kLongest; length *= 1.25) {
-      if (length > room - kGap && best) break;
-      const Index end = Count(std::min(length, room - kGap));
+      if (length > room - kCornerGap && best) break;
+      const Index end = Count(std::min(length, room - kCornerGap));
       if (end < gap + 4) return otherwise;
       const Fitted fitted = side < 0 ? Line(i - end, i - gap) : Line(i + gap, i + end);
       if (best && fitted.rms() > 1.15 * best->rms() + 0.05) break;

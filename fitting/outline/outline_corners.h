@@ -7,6 +7,11 @@
 
 namespace batten::internal {
 
+// Left out on either side of a corner: rounded by the border's making.
+inline constexpr double kCornerGap = 1.5;
+
+inline constexpr double kLeastBorderNoise = 0.1;  // assumed of a border
+
 struct OutlineLine {
   Eigen::Vector2d point, direction;  // of length one, the way the border runs
 };

@@ -140,16 +140,15 @@ void PutOnEdges(OutlineLoop& loop,
 }
 
 void FixOnEdges(OutlineSpline& spline) {
-  constexpr int kDegree = 3;
   for (size_t c = 0; c < spline.corners.size(); ++c) {
     const int span = spline.basis.Span(spline.corners[c]);
     if (spline.pinned[c] != 0)
-      for (int i = 0; i <= kDegree; ++i)
-        spline.fixed[spline.unknown[span - kDegree + i]] = {true, true};
+      for (int i = 0; i <= kOutlineDegree; ++i)
+        spline.fixed[spline.unknown[span - kOutlineDegree + i]] = {true, true};
     if (spline.straight[c] == 0) continue;
-    const int first = spline.unknown[span - kDegree], last = spline.unknown[span];
-    for (int i = 1; i < kDegree; ++i)
-      spline.fixed[spline.unknown[span - kDegree + i]] = {true, true};
+    const int first = spline.unknown[span - kOutlineDegree], last = spline.unknown[span];
+    for (int i = 1; i < kOutlineDegree; ++i)
+      spline.fixed[spline.unknown[span - kOutlineDegree + i]] = {true, true};
     const Eigen::Vector2d way = (spline.points.col(last) - spline.points.col(first)).cwiseAbs();
     const int axis = way[0] < way[1] ? 0 : 1;
     spline.fixed[first][axis] = spline.fixed[last][axis] = true;
@@ -172,7 +171,6 @@ void MatchSeam(std::vector<OutlineLoop>& loops, int axis, double period) {
 bool MatchSeams(std::vector<OutlineSpline>& splines,
                 const OutlineOptions& options,
                 const Eigen::Vector2d& sides) {
-  constexpr int kDegree = 3;
   bool moved = false;
   for (int axis = 0; axis < 2; ++axis) {
     if (!(axis == 0 ? options.periodic_u : options.periodic_v)) continue;
@@ -186,7 +184,7 @@ bool MatchSeams(std::vector<OutlineSpline>& splines,
       for (size_t c = 0; c < spline.corners.size(); ++c) {
         if (spline.straight[c] == 0) continue;
         const int span = spline.basis.Span(spline.corners[c]);
-        const int first = spline.unknown[span - kDegree], last = spline.unknown[span];
+        const int first = spline.unknown[span - kOutlineDegree], last = spline.unknown[span];
         const double at = spline.points(axis, first);
         if (at != spline.points(axis, last) || (at != 0 && at != sides[axis])) continue;
         const double a = spline.points(1 - axis, first), b = spline.points(1 - axis, last);

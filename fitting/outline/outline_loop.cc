@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "fitting/outline/outline_corners.h"
 
 namespace batten::internal {
@@ -12,11 +13,9 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double kStep = 0.5;
-constexpr double kSmoothed = 3;     // either way
-constexpr double kLookedAt = 5;     // from a corner on, for what is …
-constexpr double kOffSide = 1;      // … this far off its side
-constexpr double kCornerGap = 1.5;  // left out on either side of a corner
+constexpr double kSmoothed = 3;  // either way
+constexpr double kLookedAt = 5;  // from a corner on, for what is …
+constexpr double kOffSide = 1;   // … this far off its side
 
 Eigen::Vector2d RightOf(const Eigen::Vector2d& way) { return {way.y(), -way.x()}; }
 
@@ -31,7 +30,7 @@ EvenPoints Evenly(const Eigen::Matrix2Xd& polygon) {
   const Index n = polygon.cols();
   double length = 0;
   for (Index i = 0; i < n; ++i) length += (polygon.col((i + 1) % n) - polygon.col(i)).norm();
-  const Index count = std::max<Index>(8, std::lround(length / kStep));
+  const Index count = std::max<Index>(8, std::lround(length / kBorderStep));
   const double step = length / static_cast<double>(count);
   EvenPoints result{Eigen::Matrix2Xd(2, count), step, {}};
   Index edge = 0;
@@ -153,14 +152,12 @@ namespace {
 // Leaves out vertices at which a pinned border turns back on itself, as it may among points on one
 // line, such as those that were moved onto a side of the rectangle.
 void DropSpikes(OutlineLoop& loop) {
-  constexpr double kOnLine = 1e-9;  // square spacings
-  constexpr size_t kFewest = 3;
-  for (size_t k = 0, kept = 0; kept < loop.size() && loop.size() > kFewest;) {
+  for (size_t k = 0, kept = 0; kept < loop.size() && loop.size() > 3;) {
     const size_t n = loop.size(), before = (k + n - 1) % n;
     const Eigen::Vector2d to = loop[k].place - loop[before].place,
                           on = loop[(k + 1) % n].place - loop[k].place;
     if (loop[before].pinned && loop[k].pinned && to.dot(on) <= 0 &&
-        std::abs(to.x() * on.y() - to.y() * on.x()) <= kOnLine) {
+        std::abs(to.x() * on.y() - to.y() * on.x()) <= kRelativelyEqual) {
       loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(k));
       k = (k + n - 2) % (n - 1);  // the one before may turn back now
       kept = 0;

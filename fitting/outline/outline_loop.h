@@ -25,6 +25,8 @@ using OutlineLoop = std::vector<OutlineSample>;
 // By how much an outline lies outside the ragged border at a place of it.
 using Outwards = std::function<double(const Eigen::Vector2d&)>;
 
+inline constexpr double kBorderStep = 0.5;  // between samples, about
+
 // Samples a closed polygon about every half spacing, with its corners, offset outwards. O(length).
 OutlineLoop SampledOutline(const Eigen::Matrix2Xd& polygon, const Outwards& outwards);
 

@@ -8,12 +8,13 @@
 #include <limits>
 #include <utility>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
 
 constexpr int kFewestPolygonCorners = 3, kMost = 400;  // sides of a span
 constexpr double kLongestSide = 1;
-constexpr std::ptrdiff_t kPolygonBlock = 8192;
 
 std::vector<OutlinePolygon::Vertex> VerticesOf(const OutlineSpline& loop, double sagitta) {
   std::vector<OutlinePolygon::Vertex> vertices;
@@ -188,9 +189,9 @@ OutlineFootPoint OutlinePolygon::FootOf(const Eigen::Vector2d& point, std::int64
 
 std::vector<OutlineFootPoint> OutlinePolygon::FootPointSet(const Eigen::Matrix2Xd& points,
                                                            ThreadPool& pool) const {
-  const std::ptrdiff_t blocks = (points.cols() + kPolygonBlock - 1) / kPolygonBlock;
+  const std::ptrdiff_t blocks = (points.cols() + kPointsPerTask - 1) / kPointsPerTask;
   std::vector<std::vector<OutlineFootPoint>> found(static_cast<size_t>(blocks));
-  pool.For(points.cols(), kPolygonBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const Eigen::Array2d place = (points.col(k) - corner_).array() / side_;
       OutlineFootPoint foot{
@@ -206,7 +207,7 @@ std::vector<OutlineFootPoint> OutlinePolygon::FootPointSet(const Eigen::Matrix2X
           continue;
         }
       }
-      if (foot.outside > -reach_) found[begin / kPolygonBlock].push_back(foot);
+      if (foot.outside > -reach_) found[begin / kPointsPerTask].push_back(foot);
     }
   });
   std::vector<OutlineFootPoint> feet;

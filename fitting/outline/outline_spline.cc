@@ -8,13 +8,12 @@
 
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/outline/outline_corners.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr int kDegree = 3;
 constexpr double kShortestSpan = 4;
-constexpr double kFloor = 0.1;          // smallest noise assumed of a border
 constexpr double kTogether = 3;         // samples nearer than this count as dependent
 constexpr double kMostOffSpline = 0.6;  // the mean misfit over …
 constexpr double kWindow = 12;          // … a window this long
@@ -38,23 +37,23 @@ struct PieceFit {
 };
 
 int Column(const SplineBasis& basis, int i) {
-  return basis.periodic() ? i % (basis.size() - kDegree) : i;
+  return basis.periodic() ? i % (basis.size() - kOutlineDegree) : i;
 }
 
 // Least squares; weak regularization holds control points without data near their neighbours.
 Eigen::Matrix2Xd Solved(const PieceData& data, const SplineBasis& basis) {
-  const int n = data.closed ? basis.size() - kDegree : basis.size();
+  const int n = data.closed ? basis.size() - kOutlineDegree : basis.size();
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
   for (size_t k = 0; k < data.at.size(); ++k) {
-    double values[kDegree + 1];
+    double values[kOutlineDegree + 1];
     const int span = basis.Span(data.at[k]);
     basis.Values(span, data.at[k], values);
-    for (int r = 0; r <= kDegree; ++r) {
-      const int i = Column(basis, span - kDegree + r);
+    for (int r = 0; r <= kOutlineDegree; ++r) {
+      const int i = Column(basis, span - kOutlineDegree + r);
       right.row(i) += values[r] * data.points.col(static_cast<Eigen::Index>(k)).transpose();
-      for (int s = 0; s <= kDegree; ++s)
-        entries.emplace_back(i, Column(basis, span - kDegree + s), values[r] * values[s]);
+      for (int s = 0; s <= kOutlineDegree; ++s)
+        entries.emplace_back(i, Column(basis, span - kOutlineDegree + s), values[r] * values[s]);
     }
   }
   constexpr double kHeld = 1e-4;
@@ -88,22 +87,23 @@ void Judge(const PieceData& data, double noise, PieceFit& fit) {
   double sum = 0;
   std::vector<double> off(data.at.size());
   for (size_t k = 0; k < data.at.size(); ++k) {
-    double values[2 * (kDegree + 1)];
+    double values[2 * (kOutlineDegree + 1)];
     const int span = fit.basis.Span(data.at[k]);
     fit.basis.Derivatives(span, data.at[k], 1, values);
     Eigen::Vector2d place = Eigen::Vector2d::Zero(), way = place;
-    for (int r = 0; r <= kDegree; ++r) {
-      const auto point = fit.points.col(Column(fit.basis, span - kDegree + r));
+    for (int r = 0; r <= kOutlineDegree; ++r) {
+      const auto point = fit.points.col(Column(fit.basis, span - kOutlineDegree + r));
       place += values[r] * point;
-      way += values[kDegree + 1 + r] * point;
+      way += values[kOutlineDegree + 1 + r] * point;
     }
     const Eigen::Vector2d from = data.points.col(static_cast<Eigen::Index>(k)) - place;
     off[k] = way.norm() > 0 ? (way.x() * from.y() - way.y() * from.x()) / way.norm() : from.norm();
     sum += off[k] * off[k];
   }
   const double independent = std::max(4.0, data.length / kTogether);
-  fit.score = independent * std::log(sum / m + kFloor * kFloor + noise * noise) +
-              static_cast<double>(fit.points.cols()) * std::log(independent);
+  fit.score =
+      independent * std::log(sum / m + kLeastBorderNoise * kLeastBorderNoise + noise * noise) +
+      static_cast<double>(fit.points.cols()) * std::log(independent);
   const auto window = static_cast<size_t>(std::max(1.0, m * kWindow / data.length));
   double running = 0;
   for (size_t k = 0; k < off.size(); ++k) {
@@ -117,7 +117,8 @@ void Judge(const PieceData& data, double noise, PieceFit& fit) {
 }
 
 PieceFit Fitted(const PieceData& data, const std::vector<double>& breaks, double noise) {
-  PieceFit fit{data.closed ? PeriodicKnots(kDegree, breaks) : SplineBasis::Clamped(kDegree, breaks),
+  PieceFit fit{data.closed ? PeriodicKnots(kOutlineDegree, breaks)
+                           : SplineBasis::Clamped(kOutlineDegree, breaks),
                {}};
   fit.points = Solved(data, fit.basis);
   Judge(data, noise, fit);
@@ -186,11 +187,10 @@ PieceData ClosedData(const OutlineLoop& loop) {
 std::vector<OutlineSample> WithStraightEnds(const Eigen::Vector2d& start,
                                             const std::vector<OutlineSample>& samples,
                                             const Eigen::Vector2d& end) {
-  constexpr double kStep = 0.5;
   std::vector<OutlineSample> result;
   const auto fill = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const double length = (to - from).norm();
-    for (double away = kStep; away < length - kStep / 2; away += kStep) {
+    for (double away = kBorderStep; away < length - kBorderStep / 2; away += kBorderStep) {
       const Eigen::Vector2d place = from + away / length * (to - from);
       result.push_back({place, place, false, false, false, place, {}});
     }
@@ -204,9 +204,11 @@ std::vector<OutlineSample> WithStraightEnds(const Eigen::Vector2d& start,
 constexpr size_t kFewestSplineSpans = 3;  // samples; with fewer a straight line is used
 
 OutlinePiece StraightPiece(const Eigen::Vector2d& start, const Eigen::Vector2d& end) {
-  OutlinePiece piece{{0, std::max((end - start).norm(), 1e-6)}, Eigen::Matrix2Xd(2, kDegree + 1)};
-  for (int i = 0; i <= kDegree; ++i)
-    piece.points.col(i) = i == kDegree ? end : Eigen::Vector2d(start + i * (end - start) / kDegree);
+  OutlinePiece piece{{0, std::max((end - start).norm(), 1e-6)},
+                     Eigen::Matrix2Xd(2, kOutlineDegree + 1)};
+  for (int i = 0; i <= kOutlineDegree; ++i)
+    piece.points.col(i) =
+        i == kOutlineDegree ? end : Eigen::Vector2d(start + i * (end - start) / kOutlineDegree);
   return piece;
 }
 
@@ -227,7 +229,8 @@ OutlinePiece SmoothedPiece(const Eigen::Vector2d& start,
   if (samples.size() < kFewestSplineSpans) return StraightPiece(start, end);
   const PieceFit fit = Chosen(OpenData(start, WithStraightEnds(start, samples, end), end), noise);
   OutlinePiece piece{{}, fit.points};
-  for (int i = kDegree; i <= fit.basis.size(); ++i) piece.breaks.push_back(fit.basis.knots()[i]);
+  for (int i = kOutlineDegree; i <= fit.basis.size(); ++i)
+    piece.breaks.push_back(fit.basis.knots()[i]);
   return piece;
 }
 
@@ -237,7 +240,7 @@ OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
       loop.begin());
   const size_t n = loop.size();
   if (first == n) return Closed(loop, noise);
-  std::vector<double> knots(kDegree + 1, 0.0), corners;
+  std::vector<double> knots(kOutlineDegree + 1, 0.0), corners;
   std::vector<char> straight, pinned;
   std::vector<Eigen::Vector2d> points{loop[first].place};
   for (size_t k = 0; k < n;) {
@@ -255,12 +258,12 @@ OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
     straight.push_back(start.along_cut);
     pinned.push_back(start.pinned);
     for (size_t i = 1; i + 1 < piece.breaks.size(); ++i) knots.push_back(begin + piece.breaks[i]);
-    knots.insert(knots.end(), kDegree, begin + piece.breaks.back());
+    knots.insert(knots.end(), kOutlineDegree, begin + piece.breaks.back());
     for (Eigen::Index i = 1; i < piece.points.cols(); ++i) points.push_back(piece.points.col(i));
     k = end;
   }
   knots.push_back(knots.back());
-  OutlineSpline spline{SplineBasis(kDegree, knots), {}, {}, {}, corners, straight, pinned};
+  OutlineSpline spline{SplineBasis(kOutlineDegree, knots), {}, {}, {}, corners, straight, pinned};
   const auto count = static_cast<int>(points.size()) - 1;
   spline.points.resize(2, count);
   for (int i = 0; i < count; ++i) spline.points.col(i) = points[i];
@@ -270,11 +273,12 @@ OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
 }
 
 Eigen::Vector2d OutlineSpline::At(double t) const {
-  double values[kDegree + 1];
+  double values[kOutlineDegree + 1];
   const int span = basis.Span(t);
   basis.Values(span, t, values);
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  for (int r = 0; r <= kDegree; ++r) place += values[r] * points.col(unknown[span - kDegree + r]);
+  for (int r = 0; r <= kOutlineDegree; ++r)
+    place += values[r] * points.col(unknown[span - kOutlineDegree + r]);
   return place;
 }
 
@@ -290,9 +294,9 @@ NurbsCurve<2> OutlineSpline::Curve(double scale) const {
   for (double& knot : knots) knot *= scale;
   Eigen::Matrix2Xd control(2, basis.size());
   for (int i = 0; i < basis.size(); ++i) control.col(i) = scale * points.col(unknown[i]);
-  if (!basis.periodic()) return {SplineBasis(kDegree, knots), control};
+  if (!basis.periodic()) return {SplineBasis(kOutlineDegree, knots), control};
   const NurbsCurve<2> clamped =
-      Clamped(NurbsCurve<2>(SplineBasis::Periodic(kDegree, knots), control));
+      Clamped(NurbsCurve<2>(SplineBasis::Periodic(kOutlineDegree, knots), control));
   control = clamped.control_points();
   control.rightCols(1) = control.leftCols(1);  // to the last bit
   return {clamped.basis(), control};

@@ -11,6 +11,8 @@
 
 namespace batten::internal {
 
+inline constexpr int kOutlineDegree = 3;
+
 // A closed cubic spline. Control point i is column unknown[i] of `points`; coinciding control
 // points share a column. With corners the basis is clamped and begins at a corner; without, it is
 // periodic.

@@ -8,27 +8,23 @@
 #include <string>
 #include <utility>
 
-#include "batten/geometry/surface_evaluator.h"
 #include "batten/geometry/trim_loops.h"
+#include "fitting/core/rounding.h"
 #include "fitting/outline/holes_in_space.h"
 #include "fitting/outline/outline_in_box.h"
+#include "fitting/parameterization/parameterization.h"
 #include "geometry/editing/trim_faults.h"
 
 namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kWhole = 1 - 1e-9;  // of the rectangle's area, within a loop
-constexpr double kLeastHole = 2;     // spacings from the points, in space, of a place amid a hole
-constexpr double kFlattest = 1e-3;   // ratio of mean lengths beyond which they are not followed
+constexpr double kLeastHole = 2;    // spacings from the points, in space, of a place amid a hole
+constexpr double kFlattest = 1e-3;  // ratio of mean lengths beyond which they are not followed
 
 // Means of |S_u| and |S_v| over some of the feet.
 Eigen::Vector2d MeanStretch(const NurbsSurface& surface, const Eigen::Matrix2Xd& feet) {
-  constexpr Eigen::Index kPlaces = 4000;  // enough for a mean
-  const Eigen::Index step = std::max<Eigen::Index>(1, feet.cols() / kPlaces);
-  std::vector<SurfaceJet> jets;
-  const Eigen::Matrix2Xd places = feet(Eigen::all, Eigen::seq(0, Eigen::last, step));
-  SurfaceEvaluator(surface).Jets(places, jets);
+  const std::vector<SurfaceJet> jets = SomeJets(surface, feet);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const SurfaceJet& jet : jets) sum += Eigen::Vector2d(jet.du.norm(), jet.dv.norm());
   return sum.cwiseMax(kFlattest * sum.maxCoeff()) / static_cast<double>(jets.size());
@@ -147,7 +143,8 @@ PointTrim TrimToPoints(const NurbsSurface& surface,
   for (const OutlineCurve& curve : outline.loops) loops.push_back(curve.loop);
   loops = HolesInSpace(
       surface, MovedLoops(loops, stretch.cwiseInverse(), low), feet, kLeastHole * spacing);
-  if (loops.size() == 1 && SignedArea(loops.front()) > kWhole * sides.prod()) return result;
+  const double whole = (1 - kRelativelyEqual) * sides.prod();
+  if (loops.size() == 1 && SignedArea(loops.front()) > whole) return result;
   NurbsSurface trimmed = surface.WithTrims(std::move(loops));
   CompatibleLoops together = LoopsThatGoTogether(trimmed);
   if (OuterLoops(together.loops) < OuterLoops(trimmed.trims())) {  // would hide a part's points

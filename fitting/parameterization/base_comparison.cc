@@ -14,7 +14,6 @@ constexpr double kHopeless = 1.13;        // ratio of scores by a few grids
 constexpr double kManyMore = 3;           // ratio of control points
 constexpr double kAsGood = 1.01;          // score ratio, with clearly fewer control points
 constexpr double kClearlyBetter = 0.995;  // elsewhere
-constexpr double kClearlyFewer = 0.8;     // ratio of control points
 // Parameters that settled with a net have cost some of the freedom of the noise, too: errors
 // are 1.35 times those of given ones, as if control points were 1.8 times as many. [measured:
 // kind_fitting]

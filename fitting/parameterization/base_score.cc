@@ -17,7 +17,6 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kSample = 30000;
-constexpr int kMostDegree = 3;
 constexpr double kShapeInSpacings = 0.25;
 
 int Rounded(double cells, int least) {
@@ -41,11 +40,10 @@ BaseScore::BaseScore(const PointCloud& points,
 }
 
 FittingProblem BaseScore::ProblemOf(const Parameterization& base, const PointMask& reached) const {
-  // Higher degrees cost much and do not improve the estimate.
   return base.ProblemOf(points_,
                         sample_ && reached,
-                        std::min(options_.degree_u, kMostDegree),
-                        std::min(options_.degree_v, kMostDegree),
+                        std::min(options_.degree_u, kProbeDegree),
+                        std::min(options_.degree_v, kProbeDegree),
                         kSurfaceSmoothing);
 }
 

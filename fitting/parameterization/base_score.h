@@ -11,6 +11,13 @@
 
 namespace batten::internal {
 
+// Degree of the surfaces that bases are judged by and parameters settled on: higher ones cost much
+// and do not improve them.
+inline constexpr int kProbeDegree = 3;
+
+// Ratio of control points; then scores may be a little worse.
+inline constexpr double kClearlyFewer = 0.8;
+
 // Scores bases over one sample of a cloud's points, the same for every base that is compared.
 class BaseScore {
  public:

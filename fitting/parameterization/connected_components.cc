@@ -9,6 +9,7 @@
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/point_mask.h"
 #include "fitting/neighbours/signed_sets.h"
+#include "fitting/parameterization/empty_area_fraction.h"
 
 namespace batten::internal {
 namespace {
@@ -69,10 +70,10 @@ std::vector<char> HangTogether(const Eigen::Matrix3Xd& plan, const Joined& joine
 // each if they were spread evenly, and the filled tiles are one component. Gaps are then at most
 // two tiles wide, far less than ten neighbour distances.
 bool ClearlyHangTogether(const Eigen::Matrix3Xd& plan) {
-  constexpr double kPlacesOfATile = 9, kLeastFilled = 0.5;
+  constexpr double kLeastFilled = 0.5;
   const Eigen::Vector2d low = plan.topRows<2>().rowwise().minCoeff();
   const Eigen::Vector2d extent = plan.topRows<2>().rowwise().maxCoeff() - low;
-  const double side = std::sqrt(extent.prod() * kPlacesOfATile / static_cast<double>(plan.cols()));
+  const double side = std::sqrt(extent.prod() * kPointsOfATile / static_cast<double>(plan.cols()));
   if (!(side > 0)) return false;
   const auto most = static_cast<double>(plan.cols());
   if (!((extent / side).maxCoeff() < most)) return false;

@@ -11,8 +11,6 @@ double EmptyAreaFraction(const Eigen::Matrix2Xd& parameters,
                          const PointMask& mask,
                          double length_u,
                          double length_v) {
-  constexpr double kPointsOfATile =
-      9;  // a tile that holds so many on average is hardly ever missed
   const auto count = static_cast<double>(std::max<Eigen::Index>(1, mask.count()));
   const double side = std::sqrt(length_u * length_v * kPointsOfATile / count);
   const auto tiles = [&](double length) {

@@ -17,12 +17,12 @@
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
+#include "fitting/parameterization/base_score.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kMostSettled = 12000;  // points: more change no digit of the parameters
-constexpr int kSettledDegree = 3;
 // Of linear fits and, as fairness, of joint steps: less leaves tangential wrinkles, more bends the
 // surface off its points. [measured: kind_fitting; ratios within 10 % from 3e-6 to 3e-5]
 constexpr double kSettledSmoothing = 1e-5;
@@ -105,8 +105,8 @@ class Settler {
 
  private:
   FittingProblem Over(const FittingProblem& at, int cells_u, int cells_v) const {
-    return at.WithBases(FittingBasisLike(start_.basis_u(), kSettledDegree, cells_u),
-                        FittingBasisLike(start_.basis_v(), kSettledDegree, cells_v));
+    return at.WithBases(FittingBasisLike(start_.basis_u(), kProbeDegree, cells_u),
+                        FittingBasisLike(start_.basis_v(), kProbeDegree, cells_v));
   }
 
   // Grows a net of linear fits in the direction that pays more until it is near enough.
@@ -131,7 +131,7 @@ class Settler {
 
   // By which control points grow.
   static double Share(int cells) {
-    return static_cast<double>(Finer(cells) + kSettledDegree) / (cells + kSettledDegree);
+    return static_cast<double>(Finer(cells) + kProbeDegree) / (cells + kProbeDegree);
   }
 
   static int Finer(int cells) {
@@ -195,7 +195,7 @@ Eigen::Matrix2Xd LimitsOf(const Eigen::Matrix2Xd& parameters,
         (static_cast<double>(filled[k]) + 0.5) * along / static_cast<double>(bins);
   const int spans = std::clamp(cells, 1, std::max(1, static_cast<int>(filled.size()) / 4));
   const FittingProblem problem(
-      FittingBasis(kSettledDegree, spans, 0, along), data, kSurfaceSmoothing);
+      FittingBasis(kProbeDegree, spans, 0, along), data, kSurfaceSmoothing);
   const NurbsCurve<2> curve(problem.basis_u(), SolveLinear(problem, pool).coefficients);
   Eigen::Matrix2Xd table(2, kPlaces + 1);
   for (int k = 0; k <= kPlaces; ++k) table.col(k) = curve.At(along * k / kPlaces);
@@ -247,7 +247,7 @@ bool SettleParameters(Parameterization& base,
   settled.length_u += 2 * room;
   settled.length_v += 2 * room;
   const auto problem_of = [&](const PointMask& some) {
-    return settled.ProblemOf(points, some, kSettledDegree, kSettledDegree, kSettledSmoothing);
+    return settled.ProblemOf(points, some, kProbeDegree, kProbeDegree, kSettledSmoothing);
   };
   const std::optional<Net> net =
       Settler(problem_of(few), pool).Run(std::min(base.length_u, base.length_v));

@@ -18,13 +18,11 @@ namespace {
 // Shares of the cells chosen by cross-validation, in u and v.
 constexpr std::pair<double, double> kShares[] = {
     {0.35, 0.35}, {0.5, 0.5}, {0.7, 0.7}, {1, 0.5}, {0.5, 1}, {1, 1}};
-constexpr int kSmoothedDegree = 3;
 constexpr double kSmoothedClearlyBetter = 0.9995;
-constexpr double kSmoothedAsGood = 0.9999;     // if there are fewer control points …
-constexpr double kSmoothedClearlyFewer = 0.8;  // … by so much
+constexpr double kSmoothedAsGood = 0.9999;  // if there are clearly fewer control points
 
 SplineBasis Cells(const SplineBasis& like, double cells) {
-  return FittingBasisLike(like, kSmoothedDegree, std::max(1, static_cast<int>(std::lround(cells))));
+  return FittingBasisLike(like, kProbeDegree, std::max(1, static_cast<int>(std::lround(cells))));
 }
 
 // Base whose parameters are the foot points of the points under a mask.
@@ -62,7 +60,7 @@ Settled SmoothParameters(Parameterization& base,
   std::optional<NurbsSurface> chosen;
   for (const auto& [share_u, share_v] : kShares) {
     const FittingProblem one_cell =
-        current.ProblemOf(points, some, kSmoothedDegree, kSmoothedDegree, kSurfaceSmoothing);
+        current.ProblemOf(points, some, kProbeDegree, kProbeDegree, kSurfaceSmoothing);
     const FittingProblem problem =
         one_cell.WithBases(Cells(one_cell.basis_u(), share_u * before.cells_u),
                            Cells(one_cell.basis_v(), share_v * before.cells_v));
@@ -70,7 +68,7 @@ Settled SmoothParameters(Parameterization& base,
         base.Surface(problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool).coefficients);
     Parameterization moved = AtFootPoints(current, surface, points, some, pool);
     const BaseScore::Value now = score.Near(moved, some, settled.value);
-    const bool fewer = now.control_points < kSmoothedClearlyFewer * settled.value.control_points;
+    const bool fewer = now.control_points < kClearlyFewer * settled.value.control_points;
     if (now.score >= (fewer ? kSmoothedAsGood : kSmoothedClearlyBetter) * settled.value.score)
       continue;
     settled.value = now;

@@ -118,12 +118,17 @@ Eigen::VectorXd Parameterization::Residuals(const FittingProblem& problem,
   return residuals;
 }
 
-double DistortionAt(const NurbsSurface& surface, const Eigen::Matrix2Xd& parameters) {
+std::vector<SurfaceJet> SomeJets(const NurbsSurface& surface, const Eigen::Matrix2Xd& parameters) {
   constexpr Eigen::Index kPlaces = 4000;  // enough for a mean
   const Eigen::Index step = std::max<Eigen::Index>(1, parameters.cols() / kPlaces);
   const Eigen::Matrix2Xd places = parameters(Eigen::all, Eigen::seq(0, Eigen::last, step));
   std::vector<SurfaceJet> jets;
   SurfaceEvaluator(surface).Jets(places, jets);
+  return jets;
+}
+
+double DistortionAt(const NurbsSurface& surface, const Eigen::Matrix2Xd& parameters) {
+  const std::vector<SurfaceJet> jets = SomeJets(surface, parameters);
   double squares = 0;
   for (const SurfaceJet& jet : jets) {
     // Eigenvalues of the first fundamental form are the squares of the principal stretches.

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/point_cloud.h"
@@ -60,6 +61,9 @@ struct Parameterization {
                             const Eigen::MatrixXd& coefficients,
                             ThreadPool& pool) const;
 };
+
+// The surface's jets at some of the parameters given, enough for a mean.
+std::vector<SurfaceJet> SomeJets(const NurbsSurface& surface, const Eigen::Matrix2Xd& parameters);
 
 // Distortion of a surface's parameterization: the root mean square of the principal stretches'
 // difference from one, over some of the parameters given.

@@ -193,7 +193,6 @@ std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
                                             double spacing,
                                             double allowed_fold,
                                             ThreadPool& pool) {
-  constexpr size_t kAxes = 3;
   constexpr double kSlack = 0.01;         // of overlap
   constexpr double kEquallySteep = 0.05;  // in cosine
   struct Candidate {
@@ -204,7 +203,7 @@ std::optional<Eigen::Vector3d> UnfoldedAxis(const SheetSides& sides,
   std::vector<Candidate> candidates(directions.size());
   pool.For(std::ssize(directions), 1, [&](std::ptrdiff_t at, std::ptrdiff_t) {
     const auto k = static_cast<size_t>(at);
-    Candidate& own = candidates[k] = {directions[k], 0, 1, k < kAxes, false};
+    Candidate& own = candidates[k] = {directions[k], 0, 1, k < 3, false};  // coordinate axes first
     // Rejects edge-on directions: a good part must face the axis, less of it for a coordinate axis.
     const double open_part = Openness(sides.normals, own.axis, kWallShare);
     if (open_part < (own.preferred ? kWall : kLiesOpen)) return;

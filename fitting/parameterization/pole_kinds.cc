@@ -13,7 +13,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kDegree = 3;
 constexpr double kBeyondChance = 30;  // variances: three more unknowns take away three by chance
 constexpr double kSlopeOfApex = 0.15;
 
@@ -40,10 +39,11 @@ Poles PolesByData(const Parameterization& base,
                   ThreadPool& pool) {
   Poles poles = base.poles;
   if (!poles.any()) return poles;
-  const FittingProblem one_cell = base.ProblemOf(points, mask, kDegree, kDegree, kSurfaceSmoothing);
+  const FittingProblem one_cell =
+      base.ProblemOf(points, mask, kProbeDegree, kProbeDegree, kSurfaceSmoothing);
   const FittingProblem problem =
-      one_cell.WithBases(FittingBasisLike(one_cell.basis_u(), kDegree, grid.cells_u),
-                         FittingBasisLike(one_cell.basis_v(), kDegree, grid.cells_v));
+      one_cell.WithBases(FittingBasisLike(one_cell.basis_u(), kProbeDegree, grid.cells_u),
+                         FittingBasisLike(one_cell.basis_v(), kProbeDegree, grid.cells_v));
   const double smooth = SolveLinear(problem, pool).residual_squares;
   for (const bool start : {true, false}) {
     PoleKind& kind = start ? poles.start : poles.end;

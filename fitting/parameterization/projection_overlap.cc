@@ -51,9 +51,8 @@ Shares CountInArray(const std::vector<std::uint32_t>& place_of,
   }
   constexpr float kRounded =
       0.999F;  // floats are nearer to the heights than that, or HasGap is asked
-  constexpr std::uint32_t kNone = UINT32_MAX;
   Shares shares;
-  std::vector<std::uint32_t> next(places, kNone);
+  std::vector<std::uint32_t> next(places, UINT32_MAX);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> asked;  // begin and count
   std::uint32_t end = 0;
   for (std::size_t place = 0; place < places; ++place) {
@@ -69,7 +68,7 @@ Shares CountInArray(const std::vector<std::uint32_t>& place_of,
   std::vector<double> sorted(end);
   for (std::size_t k = 0; end > 0 && k < heights.size(); ++k) {
     std::uint32_t& at = next[place_of[k]];
-    if (at != kNone) sorted[at++] = heights[k];
+    if (at != UINT32_MAX) sorted[at++] = heights[k];
   }
   for (const auto& [begin, count] : asked)
     shares.layered += HasGap(sorted.data() + begin, count, gap) ? 1 : 0;

@@ -17,10 +17,15 @@ struct Sector {
 
 }  // namespace
 
+bool AllRound(double widest_gap, Eigen::Index count) {
+  constexpr double kMostGap = kTurn / 6, kEven = 1.5;
+  const double others = count > 1 ? (kTurn - widest_gap) / static_cast<double>(count - 1) : 0;
+  return widest_gap <= kMostGap || widest_gap <= kEven * others;
+}
+
 // Gaps within a sector are narrower than it and decide nothing where any is above 60°; with few
 // points there are so many sectors that none holds two places.
 AngleRange AnglesCovered(const Eigen::VectorXd& angles) {
-  constexpr double kMostGap = kTurn / 6, kEven = 1.5;
   constexpr int kSectors = 4096;
   std::vector<Sector> sectors(kSectors);
   for (const double given : angles) {
@@ -40,9 +45,7 @@ AngleRange AnglesCovered(const Eigen::VectorXd& angles) {
       start = sectors[k].first;
     }
   }
-  const double others =
-      angles.size() > 1 ? (kTurn - widest) / static_cast<double>(angles.size() - 1) : 0;
-  if (widest <= kMostGap || widest <= kEven * others) return {0, kTurn};
+  if (AllRound(widest, angles.size())) return {0, kTurn};
   return {start, kTurn - widest};
 }
 

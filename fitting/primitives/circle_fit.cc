@@ -52,8 +52,7 @@ NormalForm FormOf(const FittedCircle& circle,
                   const ShapeData& data,
                   const ShapeLoss& loss,
                   ThreadPool& pool) {
-  constexpr Eigen::Index kCircleBlock = 4096;
-  return SumOfBlocks<kCircleBlock>(
+  return SumOfBlocks<kCurveSumBlock>(
       data.points.cols(),
       [&](Eigen::Index begin, Eigen::Index end) { return FormOf(circle, data, loss, begin, end); },
       pool);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fitting/core/distributions.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/steady_across.h"
 #include "geometry/numeric/constants.h"
 
@@ -87,8 +88,7 @@ PrimitiveAccuracy AccuracyOf(const FittedLine& line,
                              double unit) {
   PrimitiveAccuracy accuracy;
   const Eigen::Vector3d& along = line.direction;
-  accuracy.frame_x =
-      data.plane ? Eigen::Vector3d(-along.y(), along.x(), 0) : SteadyAcross(along);
+  accuracy.frame_x = data.plane ? Eigen::Vector3d(-along.y(), along.x(), 0) : SteadyAcross(along);
   accuracy.frame_y = along.cross(accuracy.frame_x);
   // Turns and shifts; across the other direction they are the same.
   AccuracySums sums(2, used, data.plane);
@@ -165,13 +165,12 @@ PrimitiveAccuracy AccuracyOf(const FittedCircle& circle,
   turned.block<3, 3>(2, 2) << circle.outward, axis.cross(circle.outward), axis;
   const Eigen::MatrixXd all = Carried(turned * by, covariance);
   // The part of the curvature's error that linearization leaves out.
-  constexpr double kReach = 3;  // standard deviations
   double stretch = 1;
   const double bend = std::sqrt(std::max(0.0, covariance(2, 2)));
-  if (!(kReach * bend < kappa)) {
+  if (!(kThreeSigmas * bend < kappa)) {
     stretch = kInfinity;
   } else {
-    stretch = 1 / (1 - kReach * bend / kappa);
+    stretch = 1 / (1 - kThreeSigmas * bend / kappa);
   }
   Eigen::VectorXd deviations = DeviationsOf(all, sums.components - freedoms);
   for (int i = 2; i < 6; ++i) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/curve_accuracy.h"
 #include "fitting/primitives/shape_extent.h"
 
@@ -58,8 +59,7 @@ SmoothedShape<Shape> CurvePrimitive::Solved() {
   if (robust()) {
     solved = Settled(data_, start, loss_, scale, input_.rounding, input_.pool);
   } else {
-    constexpr int kSteps = 500;
-    solved.shape = start.Minimised(data_, {}, kSteps, input_.pool);
+    solved.shape = start.Minimised(data_, {}, kMostIterations, input_.pool);
     solved.used.resize(static_cast<size_t>(data_.points.cols()));
     std::iota(solved.used.begin(), solved.used.end(), Eigen::Index{0});
   }
@@ -106,8 +106,8 @@ void CurvePrimitive::SolveCircle() {
     solved = Solved<FittedCircle>();
     solved->shape = solved->shape.Outward();
   }
-  constexpr double kSagitta = 8;  // curvature over the height of an arc of length one
-  if (solved && solved->shape.curvature > kSagitta * input_.rounding) {
+  // An arc of length one is an eighth of its curvature high.
+  if (solved && solved->shape.curvature > 8 * input_.rounding) {
     circle_ = std::move(solved);
   } else if (kind_ == PrimitiveKind::kCircle) {
     RefuseCurve("the points are collinear: the radius of their circle is infinite");

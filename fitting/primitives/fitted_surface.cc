@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fitting/core/rounding.h"
 #include "fitting/primitives/surface_distance.h"
 
 namespace batten::internal {
@@ -17,8 +18,7 @@ Eigen::Vector3d PartAcross(const Eigen::Vector3d& v, const Eigen::Vector3d& unit
 Eigen::Vector3d DirectionAcross(const Eigen::Vector3d& v, const Eigen::Vector3d& unit) {
   const Eigen::Vector3d part = PartAcross(v, unit);
   const double length = part.norm();
-  constexpr double kParallel = 1e-12;  // of the length of v: below, v is parallel to `unit`
-  if (!(length > kParallel * v.norm())) return unit.unitOrthogonal();
+  if (!(length > kRelativeRounding * v.norm())) return unit.unitOrthogonal();
   return PartAcross(part / length, unit).normalized();
 }
 

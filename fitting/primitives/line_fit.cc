@@ -2,9 +2,9 @@
 #include "fitting/primitives/line_fit.h"
 
 #include <Eigen/Eigenvalues>
-#include <limits>
 
 #include "fitting/primitives/shape_descent.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -27,7 +27,6 @@ Moments MomentsOf(const FittedLine& line,
                   const ShapeData& data,
                   const ShapeLoss& loss,
                   ThreadPool& pool) {
-  constexpr Eigen::Index kLineBlock = 4096;
   const auto moments_of = [&](Eigen::Index begin, Eigen::Index end) {
     Moments part;
     for (Eigen::Index k = begin; k < end; ++k) {
@@ -42,7 +41,7 @@ Moments MomentsOf(const FittedLine& line,
     }
     return part;
   };
-  return SumOfBlocks<kLineBlock>(data.points.cols(), moments_of, pool);
+  return SumOfBlocks<kCurveSumBlock>(data.points.cols(), moments_of, pool);
 }
 
 // The axis of least inertia.
@@ -83,7 +82,6 @@ FittedLine FittedLine::Minimised(const ShapeData& data,
                                  int most_steps,
                                  ThreadPool& pool) const {
   if (loss.loss == Loss::kNone) return Start(data, pool);
-  constexpr double kStill = 4 * std::numeric_limits<double>::epsilon();
   FittedLine line = *this;
   for (int step = 0; step < most_steps; ++step) {
     const Moments moments = MomentsOf(line, data, loss, pool);
@@ -91,7 +89,7 @@ FittedLine FittedLine::Minimised(const ShapeData& data,
     const FittedLine next = LineOf(line, moments, data.plane);
     const double moved = (next.direction - line.direction).norm() + line.Distance(next.point);
     line = next;
-    if (moved <= kStill) break;
+    if (moved <= 4 * kEpsilon) break;
   }
   return line;
 }

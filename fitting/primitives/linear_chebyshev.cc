@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
-
-constexpr int kMostExchanges = 500;
-constexpr double kRounding = 1e-12;  // of the greatest residual
 
 // A reference: points with the signs of their residuals, and multipliers that sum to one with
 // Σ multiplier · sign · J_k = 0.
@@ -60,7 +60,7 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
   ChebyshevSolution best;
   best.x = Eigen::VectorXd::Zero(n);
   best.greatest = residuals.cwiseAbs().maxCoeff();
-  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
+  for (int exchange = 0; exchange < kMostIterations; ++exchange) {
     // sign · (r + J x) = t on the reference.
     Eigen::MatrixXd system(n + 1, n + 1);
     system.leftCols(n) = reference.signs.asDiagonal() * jacobian(reference.points, Eigen::all);
@@ -76,7 +76,8 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
       best.greatest = greatest;
       best.x = found.head(n);
     }
-    if (greatest <= found[n] * (1 + kRounding) + kRounding * residuals.cwiseAbs().maxCoeff()) {
+    if (greatest <=
+        found[n] * (1 + kRelativeRounding) + kRelativeRounding * residuals.cwiseAbs().maxCoeff()) {
       best.solved = true;
       return best;
     }
@@ -90,7 +91,7 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
     Eigen::Index leaving = -1;
     double step = HUGE_VAL;
     for (Eigen::Index k = 0; k <= n; ++k) {
-      if (!(shares[k] > kRounding)) continue;
+      if (!(shares[k] > kRelativeRounding)) continue;
       const double ratio = reference.multipliers[k] / shares[k];
       if (ratio < step) {
         step = ratio;

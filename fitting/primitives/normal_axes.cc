@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "batten/fitting/robust_loss.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -18,11 +19,10 @@ namespace {
 template <typename Solve>
 void Reweight(Eigen::Index count, const Solve& solve) {
   constexpr int kRounds = 4;
-  constexpr double kLeast = 1e-12;
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::VectorXd residuals = solve(weights);
-    const double scale = RobustScale(residuals) + kLeast;
+    const double scale = RobustScale(residuals) + kRelativeRounding;
     weights = LossWeights(Loss::kCauchy, residuals, scale);
   }
 }
@@ -99,9 +99,9 @@ std::optional<FittedSurface> ConeOfTangentPlanes(const OrientedPoints& oriented,
     return from.transpose() * axis;
   });
   if (cosine < 0) axis = -axis;
-  constexpr double kSharpest = 0.02;
-  const double angle = std::clamp(
-      std::acos(std::min(1.0, std::abs(cosine))), kSharpest, std::numbers::pi / 2 - kSharpest);
+  const double angle = std::clamp(std::acos(std::min(1.0, std::abs(cosine))),
+                                  kSharpestCone,
+                                  std::numbers::pi / 2 - kSharpestCone);
   return ConeNear(near, apex, axis, angle);
 }
 

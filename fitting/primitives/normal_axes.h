@@ -11,6 +11,9 @@
 
 namespace batten::internal {
 
+// Half angles of cones are not nearer than this to those of a line and of a plane.
+inline constexpr double kSharpestCone = 0.02;
+
 // All functions below are linear least squares, reweighted iteratively by Cauchy's loss.
 
 // The directions most nearly perpendicular to all normals, the best in the first column.

@@ -43,14 +43,14 @@ Surroundings SurroundingsOf(const Eigen::Vector3d& p,
 }
 
 OrientedPoints Trusted(const std::vector<Surroundings>& all) {
-  constexpr double kMostRadius = 3, kMostBumpiness = 3, kRounding = 1e-10;  // first two: in medians
+  constexpr double kMost = 3, kRounding = 1e-10;  // the first: in medians
   std::vector<double> radii, bumps;
   for (const Surroundings& around : all) {
     radii.push_back(around.radius);
     bumps.push_back(around.bumpiness);
   }
-  const double radius = kMostRadius * Median(radii);
-  const double bump = kMostBumpiness * Median(bumps) + kRounding;
+  const double radius = kMost * Median(radii);
+  const double bump = kMost * Median(bumps) + kRounding;
   OrientedPoints trusted{Eigen::Matrix3Xd(3, std::ssize(all)),
                          Eigen::Matrix3Xd(3, std::ssize(all))};
   Eigen::Index count = 0;

@@ -8,13 +8,11 @@
 #include <utility>
 
 #include "fitting/core/fit_end.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/unit_of.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr double kExact = 1e-12;  // of the size: what rounding leaves of exact points
-constexpr double kSmallest = 1e-100, kLargest = 1e100;
 
 [[noreturn]] void Refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
@@ -48,14 +46,14 @@ PrimitiveInput::PrimitiveInput(const PointCloud& given, const PrimitiveFitOption
   summary.box_min = cloud.origin() + low;
   summary.box_max = cloud.origin() + high;
   const double size = (high - low).maxCoeff();
-  if (points().cols() > 1 && !(size > kSmallest && size < kLargest)) {
+  if (points().cols() > 1 && !(size > kLeastSize && size < 1 / kLeastSize)) {
     Refuse("the points' extent is not between 1e-100 and 1e100");
   }
   unit = UnitOf((Eigen::Matrix<double, 3, 2>() << low, high).finished());
   middle = (low + high) / 2;
   move = cloud.origin() - options.shift;
   const double far = summary.box_min.cwiseAbs().cwiseMax(summary.box_max.cwiseAbs()).maxCoeff();
-  rounding = std::max(kExact, 4 * std::numeric_limits<double>::epsilon() * far / size);
+  rounding = std::max(kRelativeRounding, 4 * std::numeric_limits<double>::epsilon() * far / size);
   clock.Enter(&StageSeconds::solve);
 }
 

@@ -15,6 +15,7 @@
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/shape_data.h"
 
 namespace batten::internal {
@@ -28,8 +29,7 @@ std::optional<Shape> Consensus(const ShapeData& data,
                                std::optional<double> scale,
                                std::uint64_t seed) {
   constexpr int kSamples = 400;
-  constexpr Eigen::Index kJudges = 500;
-  const std::vector<Eigen::Index> judges = SampleIndices(data.points.cols(), kJudges, seed);
+  const std::vector<Eigen::Index> judges = SampleIndices(data.points.cols(), kShapeJudges, seed);
   std::mt19937_64 engine(seed);
   std::optional<Shape> best;
   double least = std::numeric_limits<double>::infinity();
@@ -66,7 +66,7 @@ struct SmoothedShape {
 template <typename Shape>
 Eigen::VectorXd ShapeDistances(const Shape& shape, const ShapeData& data, ThreadPool& pool) {
   Eigen::VectorXd distances(data.points.cols());
-  pool.For(distances.size(), 4096, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(distances.size(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       distances[k] = shape.Distance(data.points.col(k));
     }
@@ -105,7 +105,7 @@ SmoothedShape<Shape> Settled(const ShapeData& data,
                              std::optional<double> scale,
                              double least_scale,
                              ThreadPool& pool) {
-  constexpr int kRounds = 40, kStepsARound = 4, kSteps = 500;
+  constexpr int kRounds = 40, kStepsARound = 4;
   constexpr double kSteady = 1e-3;
   SmoothedShape<Shape> settled{start, std::numeric_limits<double>::infinity(), {}};
   Eigen::VectorXd distances = ShapeDistances(settled.shape, data, pool);
@@ -116,12 +116,13 @@ SmoothedShape<Shape> Settled(const ShapeData& data,
     settled.shape = settled.shape.Minimised(data, {Loss::kTukey, next}, kStepsARound, pool);
     distances = ShapeDistances(settled.shape, data, pool);
   }
-  settled.shape = settled.shape.Minimised(data, {Loss::kTukey, settled.scale}, kSteps, pool);
+  settled.shape =
+      settled.shape.Minimised(data, {Loss::kTukey, settled.scale}, kMostIterations, pool);
   settled.used = PointsNear(ShapeDistances(settled.shape, data, pool), settled.scale);
   if (loss != Loss::kTukey) {
     const ShapeData near{
         data.points(Eigen::all, settled.used), data.weights(settled.used), data.plane};
-    settled.shape = settled.shape.Minimised(near, {loss, settled.scale}, kSteps, pool);
+    settled.shape = settled.shape.Minimised(near, {loss, settled.scale}, kMostIterations, pool);
   }
   return settled;
 }

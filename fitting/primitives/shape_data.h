@@ -15,6 +15,11 @@ struct ShapeData {
   bool plane = false;       // the points have z = 0, and so has the shape
 };
 
+// Points that judge candidates for a shape.
+inline constexpr Eigen::Index kShapeJudges = 500;
+
+inline constexpr double kTruncatedTuning = 2.795;  // of Loss::kTruncated
+
 struct ShapeLoss {
   Loss loss = Loss::kNone;
   double scale = 1;  // > 0

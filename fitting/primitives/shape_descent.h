@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/geometry/thread_pool.h"
+#include "fitting/core/rounding.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -28,6 +29,9 @@ struct ShapeForm {
     cost += other.cost;
   }
 };
+
+// Points of a line or circle whose sums are one part.
+inline constexpr Eigen::Index kCurveSumBlock = 4096;
 
 // Σ of what `part(begin, end)` gives of blocks of [0, count), in their order, so that it does not
 // depend on the number of threads.
@@ -72,8 +76,7 @@ class ShapeDescent {
                                     int most_steps) {
     ShapeMinimum<Shape, N> best{start, form_of(start)};
     const auto at_rounding = [&] {
-      constexpr double kRoundings = 4;
-      return 2 * best.form.cost <= std::pow(kRoundings * kEpsilon, 2) * weights;
+      return 2 * best.form.cost <= std::pow(4 * kEpsilon, 2) * weights;
     };
     const auto take = [&](const Step& step, const auto& better) {
       const Shape next = moved(best.shape, step);
@@ -90,7 +93,8 @@ class ShapeDescent {
       best.converged = Lowest(best.form) || at_rounding();
       if (best.converged) break;
       const Step step = StepOf(best.form, freedoms, damping);
-      best.converged = damping == 0 && -step.dot(best.form.gradient) <= kSteady * best.form.cost;
+      best.converged =
+          damping == 0 && -step.dot(best.form.gradient) <= kRelativeRounding * best.form.cost;
       if (best.converged) break;
       if (take(step, lower)) {
         damping = damping <= kFirstDamping ? 0 : damping * kLower;
@@ -114,8 +118,7 @@ class ShapeDescent {
 
  private:
   static constexpr double kFirstDamping = 1e-4, kRaise = 8, kLower = 0.2, kMostDamping = 1e12;
-  static constexpr double kSteady = 1e-12;  // of the sum
-  static constexpr double kDone = 1e-3;     // of the rounding of distances about one
+  static constexpr double kDone = 1e-3;  // of the rounding of distances about one
 
   static bool Lowest(const Form& form) {
     return !(form.cost > 0) || Slope(form) <= kDone * kEpsilon;

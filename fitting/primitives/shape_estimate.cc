@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/steady_across.h"
 #include "geometry/numeric/constants.h"
@@ -223,7 +224,6 @@ std::string Number(double value) {
 
 // Warnings for the user about parameters that the points determine poorly.
 std::vector<std::string> WarningsOf(const ShapeEstimate& estimate, double reach) {
-  constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
   std::vector<std::string> warnings;
   bool axis = false, place = false;
   for (size_t i = 0; i < estimate.names.size(); ++i) {
@@ -273,7 +273,6 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
                          ShapeFitter& fitter,
                          double rounding,
                          ThreadPool& pool) {
-  constexpr double kReach = 3;
   const FreedomCovariance free =
       CovarianceOf(fit.local, fitter.Counting(fit), fit.loss, rounding, pool);
   ShapeEstimate estimate;
@@ -300,9 +299,9 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
     Eigen::Matrix<double, 7, 1> step = Eigen::Matrix<double, 7, 1>::Zero();
     if (!(deviation > 0)) continue;
     step.head(fit.freedoms) = free.covariance * by.row(i).transpose() / deviation;
-    for (const double side : {kReach, -kReach}) {
+    for (const double side : {kThreeSigmas, -kThreeSigmas}) {
       const FittedSurface moved = Moved(fit.local, side * step);
-      const double change = std::abs(ValuesOf(moved, frame)[i] - estimate.values[i]) / kReach;
+      const double change = std::abs(ValuesOf(moved, frame)[i] - estimate.values[i]) / kThreeSigmas;
       if (!IsAngle(estimate.names[static_cast<size_t>(i)]) && ThroughInfinity(fit.local, moved)) {
         deviation = kInfinity;
       } else {
@@ -312,7 +311,7 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
   }
   for (const AlternativeShape& alternative : fit.alternatives) {
     const Eigen::VectorXd other = ValuesOfAlternative(alternative.shape, fit.kind, frame);
-    const double apart = std::clamp(std::sqrt(alternative.excess), 1.0, kReach);
+    const double apart = std::clamp(std::sqrt(alternative.excess), 1.0, kThreeSigmas);
     for (Eigen::Index i = 0; i < other.size(); ++i) {
       const double change = std::abs(other[i] - estimate.values[i]) / apart;
       estimate.deviations[i] = std::max(estimate.deviations[i], change);

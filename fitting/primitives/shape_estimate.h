@@ -37,6 +37,10 @@ struct ShapeEstimate {
   double Deviation(const std::string& name) const;  // NaN where the shape has no such number
 };
 
+// Standard deviations above these shares of a length, and angles, tell that points do not determine
+// it.
+inline constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
+
 // σ² (Σ w ∇d ∇dᵀ)⁻¹ carried over from the freedoms to the numbers; with a loss, the factor of an
 // M-estimate. Where the sums of w d ∇d over blocks of neighbours, of 1/16, 1/8 or 1/4 of the size,
 // are larger than independent noise makes them, the variances are those of the blocks: the

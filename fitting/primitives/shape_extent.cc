@@ -6,6 +6,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/make_curve.h"
+#include "fitting/primitives/angle_extent.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
@@ -51,7 +52,6 @@ Extent ExtentOnLine(const std::vector<double>& places) {
 }
 
 Extent ExtentOnCircle(const std::vector<double>& angles) {
-  constexpr double kMostGap = kTurn / 6, kEven = 1.5;
   std::vector<double> sorted = angles;
   std::sort(sorted.begin(), sorted.end());
   const size_t count = sorted.size();
@@ -63,8 +63,7 @@ Extent ExtentOnCircle(const std::vector<double>& angles) {
       start = sorted[k];
     }
   }
-  const double others = count > 1 ? (kTurn - widest) / static_cast<double>(count - 1) : 0;
-  if (widest <= kMostGap || widest <= kEven * others) return {angles.front(), kTurn, true};
+  if (AllRound(widest, std::ssize(angles))) return {angles.front(), kTurn, true};
   return {start, kTurn - widest, false};
 }
 

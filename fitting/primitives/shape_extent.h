@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "batten/geometry/nurbs_curve.h"
 #include "fitting/primitives/circle_fit.h"
 #include "fitting/primitives/line_fit.h"
-#include "batten/geometry/nurbs_curve.h"
 
 namespace batten::internal {
 
@@ -19,10 +19,8 @@ struct Extent {
 // The extent of one or more places along a line.
 Extent ExtentOnLine(const std::vector<double>& places);
 
-// The extent of one or more angles. It is the full circle where no gap between neighbouring angles
-// is above 60°, or where the largest gap is no more than 1.5 times the mean of the others: few
-// points evenly spread. Otherwise everything but the largest gap. A full circle starts at the first
-// of the angles.
+// The extent of one or more angles: the full circle, from the first of them, where they lie all
+// round it (AllRound), else everything but the widest gap.
 Extent ExtentOnCircle(const std::vector<double>& angles);
 
 // The places without isolated ones: a place is isolated where each window of five neighbours around

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/core/unit_of.h"
 #include "fitting/primitives/sample_consensus.h"
 
@@ -16,7 +17,6 @@ namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kSample = 12000;  // points
-constexpr double kTruncatedTuning = 2.795;
 
 // The distance in standard deviations that, of m normal errors, any exceeds in one cloud of a
 // hundred.
@@ -94,7 +94,7 @@ ShapeFitter::ShapeFitter(const Eigen::Matrix3Xd& points,
   unit_ = UnitOf((Eigen::Matrix<double, 3, 2>() << low, high).finished());
   middle_ = (low + high) / 2;
   data_.points.resize(3, points.cols());
-  pool_.For(points.cols(), kSample, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool_.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const double scale = 1 / unit_;
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       data_.points.col(k) = scale * (points.col(k) - middle_);
@@ -184,8 +184,7 @@ const ShapeData& ShapeFitter::Counting(const ShapeFit& fit) {
 }
 
 void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit) {
-  constexpr int kMostSteps = 200;
-  const SurfaceMinimum minimum = Minimised(start, data_, loss, kMostSteps, pool_);
+  const SurfaceMinimum minimum = Minimised(start, data_, loss, kMostIterations, pool_);
   fit.local = minimum.shape;
   fit.steps += minimum.steps;
   fit.distances = SurfaceDistances(fit.local, data_.points, pool_);

@@ -13,11 +13,10 @@ namespace batten::internal {
 namespace {
 
 constexpr int kFinest = 16;  // cubes along a side
-constexpr int kMost = 7;     // freedoms
 
 // A cube's part of Σ w ψ(d) ∇d and of Σ w |∇d|², in units in which Σ w ∇d ∇dᵀ is one.
 struct Cell {
-  double score[kMost] = {};
+  double score[FreedomsOf(SurfaceKind::kTorus)] = {};  // of the freedoms there are
   double leverage = 0;
 };
 
@@ -32,10 +31,7 @@ struct Sums {
 // its expectation for normal noise stands for it.
 double LossSlope(const ShapeLoss& loss, double d) {
   if (loss.loss == Loss::kNone) return 1;
-  if (loss.loss == Loss::kTruncated) {
-    constexpr double kOfNormalNoise = 0.95;
-    return kOfNormalNoise;
-  }
+  if (loss.loss == Loss::kTruncated) return 0.95;
   const double step = 1e-4 * loss.scale;
   const auto pull = [&](double x) { return x * LossWeight(loss.loss, x, loss.scale); };
   return (pull(d + step) - pull(d - step)) / (2 * step);
@@ -107,8 +103,7 @@ class Scores {
                    std::ptrdiff_t begin,
                    std::ptrdiff_t end,
                    Sums& sums) const {
-    constexpr int kFreedoms = FreedomsOf(kKind);
-    const Eigen::Matrix<double, kFreedoms, kFreedoms> turn = whiten;
+    const Eigen::Matrix<double, FreedomsOf(kKind), FreedomsOf(kKind)> turn = whiten;
     const double cells = kFinest / side_;
     typename SurfaceDistance<kKind>::Row row;
     for (std::ptrdiff_t k = begin; k < end; ++k) {
@@ -116,7 +111,7 @@ class Scores {
       const double d = distance_of(p, row), w = data_.weights[k];
       const double of_loss = LossWeight(loss_.loss, d, loss_.scale);
       if (!(w > 0)) continue;
-      const Eigen::Matrix<double, kFreedoms, 1> turned = turn * row;
+      const typename SurfaceDistance<kKind>::Row turned = turn * row;
       const Eigen::Vector3d at = (p - low_) * cells;
       int place = 0;
       for (int i = 2; i >= 0; --i) {
@@ -124,7 +119,7 @@ class Scores {
       }
       Cell& cell = sums.cells[static_cast<size_t>(place)];
       const double pull = w * of_loss * d;
-      for (int i = 0; i < kFreedoms; ++i) cell.score[i] += pull * turned[i];
+      for (int i = 0; i < FreedomsOf(kKind); ++i) cell.score[i] += pull * turned[i];
       cell.leverage += w * turned.squaredNorm();
       sums.squares += w * (of_loss * d) * (of_loss * d);
       sums.slopes += LossSlope(loss_, d);
@@ -134,7 +129,7 @@ class Scores {
 
   void Add(const Sums& part) {
     for (size_t i = 0; i < part.cells.size(); ++i) {
-      for (int j = 0; j < kMost; ++j) sums_.cells[i].score[j] += part.cells[i].score[j];
+      for (int j = 0; j < freedoms_; ++j) sums_.cells[i].score[j] += part.cells[i].score[j];
       sums_.cells[i].leverage += part.cells[i].leverage;
     }
     sums_.squares += part.squares;

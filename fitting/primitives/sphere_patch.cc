@@ -8,14 +8,13 @@
 #include <numbers>
 #include <vector>
 
-#include "fitting/primitives/angle_extent.h"
 #include "batten/fitting/point_mask.h"
+#include "fitting/primitives/angle_extent.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kQuarter = std::numbers::pi / 2;
 constexpr double kHole = std::numbers::pi / 6;  // radius of the widest empty cap that is closed
 
 // The patch about an axis.
@@ -23,7 +22,7 @@ SphereCover About(const Eigen::Vector3d& axis,
                   const Eigen::Vector3d& x,
                   const Eigen::Matrix3Xd& directions) {
   const Eigen::Vector3d y = axis.cross(x);
-  SphereCover cover{axis, x, {}, {kQuarter, -kQuarter}};
+  SphereCover cover{axis, x, {}, {kTurn / 4, -kTurn / 4}};
   Eigen::VectorXd longitudes(directions.cols());
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     const Eigen::Vector3d d = directions.col(k);
@@ -35,8 +34,8 @@ SphereCover About(const Eigen::Vector3d& axis,
   }
   cover.longitude = AnglesCovered(longitudes);
   if (cover.longitude.full()) {
-    if (cover.latitude.lower < kHole - kQuarter) cover.latitude.lower = -kQuarter;
-    if (cover.latitude.upper > kQuarter - kHole) cover.latitude.upper = kQuarter;
+    if (cover.latitude.lower < kHole - kTurn / 4) cover.latitude.lower = -kTurn / 4;
+    if (cover.latitude.upper > kTurn / 4 - kHole) cover.latitude.upper = kTurn / 4;
   }
   return cover;
 }
@@ -79,14 +78,15 @@ SphereCover CoverOf(const Eigen::Matrix3Xd& directions) {
   const double closed =
       std::max(kHole, kSparse / std::sqrt(static_cast<double>(directions.cols())));
   if (empty.radius <= closed) {
-    return {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), {0, kTurn}, {-kQuarter, kQuarter}};
+    return {
+        Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), {0, kTurn}, {-kTurn / 4, kTurn / 4}};
   }
   Eigen::Vector3d middle = directions.rowwise().mean();
   middle = middle.norm() > 0 ? middle.normalized() : Eigen::Vector3d(-empty.middle);
   std::vector<Eigen::Vector3d> axes{middle, empty.middle};
   const Eigen::Vector3d across = middle.unitOrthogonal();
   for (int k = 0; k < kTurns; ++k) {
-    axes.emplace_back(Eigen::AngleAxisd(k * kQuarter * 2 / kTurns, middle) * across);
+    axes.emplace_back(Eigen::AngleAxisd(k * std::numbers::pi / kTurns, middle) * across);
   }
   SphereCover best;
   double least = std::numeric_limits<double>::infinity();

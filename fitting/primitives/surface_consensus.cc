@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/primitives/normal_axes.h"
 #include "fitting/primitives/surface_starts.h"
 
 namespace batten::internal {
 namespace {
+
+constexpr double kParallel = 1e-3;  // sine of two normals: below, their lines meet nowhere
 
 // A minimal sample of oriented points.
 struct Sample {
@@ -24,9 +27,8 @@ std::optional<Eigen::Vector3d> Meeting(const Eigen::Vector3d& p,
                                        const Eigen::Vector3d& d,
                                        const Eigen::Vector3d& q,
                                        const Eigen::Vector3d& e) {
-  constexpr double kParallel = 1e-6;
   const double cosine = d.dot(e), sine2 = 1 - cosine * cosine;
-  if (!(sine2 > kParallel)) return std::nullopt;
+  if (!(sine2 > kParallel * kParallel)) return std::nullopt;
   const Eigen::Vector3d from = q - p;
   const double along_d = (from.dot(d) - cosine * from.dot(e)) / sine2;
   const double along_e = (cosine * from.dot(d) - from.dot(e)) / sine2;
@@ -43,7 +45,6 @@ std::optional<FittedSurface> SphereOfSample(const Sample& s) {
 std::optional<FittedSurface> CylinderOfSample(const Sample& s) {
   const Eigen::Vector3d across = s.normals[0].cross(s.normals[1]);
   const double sine = across.norm();
-  constexpr double kParallel = 1e-3;
   if (!(sine > kParallel)) return std::nullopt;
   const Eigen::Vector3d axis = across / sine;
   const Eigen::Vector3d q = s.points[1] - (s.points[1] - s.points[0]).dot(axis) * axis;
@@ -68,8 +69,7 @@ std::optional<FittedSurface> ConeOfSample(const Sample& s) {
   if (!axis.allFinite()) return std::nullopt;
   if (axis.dot(seen.col(0)) < 0) axis = -axis;
   const double angle = std::acos(std::clamp(axis.dot(seen.col(0)), -1.0, 1.0));
-  constexpr double kSharpest = 0.02;
-  if (!(angle > kSharpest && angle < std::acos(kSharpest))) return std::nullopt;
+  if (!(angle > kSharpestCone && angle < std::acos(kSharpestCone))) return std::nullopt;
   return ConeNear(s.points[0], apex, axis, angle);
 }
 
@@ -100,7 +100,7 @@ double MedianDistance(const FittedSurface& shape, const Eigen::Matrix3Xd& points
 std::vector<FittedSurface> ConsensusStarts(SurfaceKind kind,
                                            const StartData& data,
                                            std::uint64_t seed) {
-  constexpr int kSamples = 240, kPoints = 3, kJudged = 4;
+  constexpr int kSamples = 240, kJudged = 4;
   constexpr size_t kBest = 2;
   if (data.oriented.empty() || kind == SurfaceKind::kTorus) return {};
   const Eigen::Matrix3Xd& judges = data.judges.points;
@@ -111,7 +111,7 @@ std::vector<FittedSurface> ConsensusStarts(SurfaceKind kind,
   for (int k = 0; k < kSamples; ++k) {
     const OrientedPoints& from = data.oriented[engine() % data.oriented.size()];
     Sample sample;
-    for (int i = 0; i < kPoints; ++i) {
+    for (int i = 0; i < 3; ++i) {
       const auto j =
           static_cast<Eigen::Index>(engine() % static_cast<std::uint64_t>(from.points.cols()));
       sample.points.push_back(from.points.col(j));

@@ -11,6 +11,9 @@
 
 namespace batten::internal {
 
+// Of the radius: nearer to the centre, gradients are as if it were so far.
+inline constexpr double kAtCenter = 1e-8;
+
 // The distance from a circle of curvature κ through 0 whose centre is at −1/κ on the first axis:
 // (s − 1)/κ with s = |(1 + κ x, κ y)|, which is q/(1 + s), q = 2 x + κ (x² + y²): no difference of
 // large numbers where κ is small.
@@ -20,7 +23,6 @@ struct CircleDistance {
   CircleDistance(double x, double y, double kappa) {
     const double square = x * x + y * y, q = 2 * x + kappa * square;
     const double a = 1 + kappa * x, b = kappa * y;
-    constexpr double kAtCenter = 1e-8;
     const double s = std::sqrt(a * a + b * b), safe = std::max(s, kAtCenter), over = 1 / (1 + s);
     value = q * over;
     by_x = a / safe;
@@ -72,7 +74,6 @@ class SurfaceDistance {
   double OfSphere(double n, double c, double t, Row& row) const {
     const double kappa = shape_.curvature, square = n * n + c * c + t * t;
     const double q = 2 * n + kappa * square, a = 1 + kappa * n;
-    constexpr double kAtCenter = 1e-8;
     const double s = std::sqrt(a * a + kappa * kappa * (c * c + t * t));
     const double safe = std::max(s, kAtCenter), over = 1 / (1 + s);
     row[0] = -a / safe;

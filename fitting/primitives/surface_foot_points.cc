@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "fitting/core/rounding.h"
 #include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_places.h"
 #include "geometry/numeric/constants.h"
@@ -21,8 +22,8 @@ double PartOf(double value, const Interval& range) {
 class ArcParameter {
  public:
   explicit ArcParameter(const AngleRange& angles) {
-    constexpr double kRounding = 1e-12;
-    pieces_ = std::max(1, static_cast<int>(std::ceil(angles.sweep / (kTurn / 4) - kRounding)));
+    pieces_ =
+        std::max(1, static_cast<int>(std::ceil(angles.sweep / (kTurn / 4) - kRelativeRounding)));
     const double step = angles.sweep / pieces_;
     widest_ = std::tan(step / 4);
     for (int i = 0; i < pieces_; ++i) {

@@ -4,12 +4,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/surface_distance.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kBlock = 8192;
+constexpr Eigen::Index kBlock = 8192;  // points whose sums are one part
 
 // The sums over a block, the lower triangle of the matrix only.
 template <SurfaceKind kKind, bool kLossy>
@@ -104,7 +105,7 @@ Eigen::VectorXd SurfaceDistances(const FittedSurface& shape,
   Eigen::VectorXd distances(points.cols());
   WithKind(shape.kind, [&]<SurfaceKind kKind>() {
     const SurfaceDistance<kKind> distance_of(shape);
-    pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       typename SurfaceDistance<kKind>::Row row;
       for (std::ptrdiff_t k = begin; k < end; ++k) distances[k] = distance_of(points.col(k), row);
     });

@@ -11,6 +11,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/core/distributions.h"
+#include "fitting/core/rounding.h"
 #include "fitting/primitives/shape_estimate.h"
 #include "fitting/primitives/surface_patch.h"
 #include "geometry/numeric/constants.h"
@@ -152,15 +153,13 @@ void MeasureOnPatch(const NurbsSurface& surface,
                     Eigen::Matrix2Xd& feet,
                     Eigen::VectorXd& distances,
                     ThreadPool& pool) {
-  constexpr double kRounding = 1e-12;  // of the cloud's size
-  constexpr double kOfCoordinates = 4 * std::numeric_limits<double>::epsilon();
   const NurbsSurface local(surface.basis_u(),
                            surface.basis_v(),
                            surface.control_points().colwise() - move,
                            surface.weights());
   const double rounding =
-      kRounding * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm() +
-      kOfCoordinates * surface.control_points().cwiseAbs().maxCoeff();
+      kRelativeRounding * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm() +
+      4 * kEpsilon * surface.control_points().cwiseAbs().maxCoeff();
   Eigen::Matrix3Xd places;
   SurfaceEvaluator(local).Points(feet, places, pool);
   const Eigen::VectorXd at_feet = (points - places).colwise().norm();

@@ -130,14 +130,13 @@ StartData MakeStartData(const ShapeData& data,
                         Eigen::Index most,
                         std::uint64_t seed,
                         ThreadPool& pool) {
-  constexpr Eigen::Index kJudges = 500;
   StartData start;
   const auto part = [&](const ShapeData& of, Eigen::Index count) {
     const std::vector<Eigen::Index> chosen = SampleIndices(of.points.cols(), count, seed);
     return ShapeData{of.points(Eigen::all, chosen), of.weights(chosen)};
   };
   start.sample = part(data, most);
-  start.judges = part(start.sample, kJudges);
+  start.judges = part(start.sample, kShapeJudges);
   const Eigen::Matrix3Xd& points = start.sample.points;
   start.oriented = OrientedSamples(points, seed, pool);
   std::erase_if(start.oriented, [](const OrientedPoints& o) { return o.points.cols() < 8; });

@@ -9,11 +9,10 @@
 
 #include "batten/fitting/interpolate_curve.h"
 #include "batten/geometry/make_curve.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr double kExactEdge = 1e-9;  // of the size: points so near to a line or circle are on it
 
 // The arc through all points, counter-clockwise from the first to the last or all round.
 std::optional<ExactArc> ArcThrough(const Eigen::Matrix3Xd& points, bool closed) {
@@ -31,7 +30,7 @@ std::optional<ExactArc> ArcThrough(const Eigen::Matrix3Xd& points, bool closed) 
   for (const auto& p : points.colwise()) {
     const Eigen::Vector3d from = p - center;
     const double height = from.dot(normal);
-    if (std::hypot(height, (from - height * normal).norm() - radius) > kExactEdge) {
+    if (std::hypot(height, (from - height * normal).norm() - radius) > kRelativelyEqual) {
       return std::nullopt;
     }
   }
@@ -51,7 +50,7 @@ bool OnSegment(const Eigen::Matrix3Xd& points) {
   const Eigen::Vector3d from = points.col(0), way = points.rightCols<1>() - from;
   const double length = way.norm();
   return std::all_of(points.colwise().begin(), points.colwise().end(), [&](const auto& p) {
-    return (p - from).cross(way).norm() <= kExactEdge * length;
+    return (p - from).cross(way).norm() <= kRelativelyEqual * length;
   });
 }
 

@@ -9,8 +9,6 @@
 
 namespace batten::internal {
 
-inline constexpr int kFewLinks = 4;  // pairs of points: fewer are chance across a corner
-
 struct FoundPlaces {
   std::map<FacePair, BorderPlaces> of;  // on both shapes
   std::string refused;  // of faces that meet smoothly without a contact; empty: there are none

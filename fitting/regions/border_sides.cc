@@ -14,7 +14,7 @@ namespace {
 
 // 0 where as many points are on either side, or none.
 double SideOf(const RegionPoints& data, const Region& region, const BorderEdge& edge) {
-  constexpr double kNear = 4, kOff = 0.3;  // spacings
+  constexpr double kOff = 0.3;  // spacings
   const Eigen::Index count = edge.points.cols();
   double sum = 0;
   for (const Eigen::Index at : {count / 4, count / 2, 3 * count / 4}) {
@@ -26,7 +26,7 @@ double SideOf(const RegionPoints& data, const Region& region, const BorderEdge& 
         region.shape.TouchingNear(here).normal.cross(way).stableNormalized();
     for (const int point : region.points) {
       const Eigen::Vector3d off = data.points.col(point) - here;
-      if (off.squaredNorm() > std::pow(kNear * data.spacing, 2)) continue;
+      if (off.squaredNorm() > std::pow(kBorderReach * data.spacing, 2)) continue;
       const double side = off.dot(left);
       if (std::abs(side) > kOff * data.spacing) sum += side > 0 ? 1 : -1;
     }

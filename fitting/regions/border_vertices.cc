@@ -107,10 +107,9 @@ bool BorderVertices::EndBoth(const LooseEnd& one, const LooseEnd& other) {
 }
 
 bool BorderVertices::EndAt(const LooseEnd& end) {
-  constexpr double kNear = 4;  // spacings
   const auto [a, b] = end.faces;
   const Eigen::Vector3d& place = end.place;
-  const double reach = std::max(kNear * meets_.spacing(), meets_.BlurOf({a, b}, place));
+  const double reach = std::max(kBorderReach * meets_.spacing(), meets_.BlurOf({a, b}, place));
   const RegionPoints& data = meets_.data();
   std::set<int> thirds;
   for (int k = 0; k < static_cast<int>(data.size()); ++k) {

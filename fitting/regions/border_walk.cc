@@ -53,8 +53,8 @@ BorderWalk FollowBorder(const FaceMeets& meets,
                         const Eigen::Vector3d& way,
                         int start) {
   // Spacings, but for the sine of a turn and the share of a step.
-  constexpr double kStep = 0.5, kShort = 1.0 / 64, kLost = 4, kBeside = 1;
-  constexpr double kTurn = 0.15, kPassed = 0.2, kFading = 2 * kTangent;
+  constexpr double kStep = 0.5, kShort = 1.0 / 64, kLost = 4;
+  constexpr double kMostTurn = 0.15, kPassed = 0.2;
   constexpr std::size_t kMost = 100000;
   const double spacing = meets.spacing();
   BorderWalk walk{{from}, -1, false, way, from};
@@ -62,7 +62,7 @@ BorderWalk FollowBorder(const FaceMeets& meets,
   while (walk.points.size() < kMost) {
     const Eigen::Vector3d here = walk.points.back();
     const WalkEnd* const fade = FadeAhead(ends, here, walk.way);
-    const bool fading = fade != nullptr && meets.SineAt(faces, here) < kFading;
+    const bool fading = fade != nullptr && meets.SineAt(faces, here) < 2 * kTangent;
     // Across the border a place is known to noise over the sine.
     const double least =
         fading ? std::min(kTangent, meets.same() / (kPassed * (fade->place - here).norm()))
@@ -70,7 +70,7 @@ BorderWalk FollowBorder(const FaceMeets& meets,
     const auto next = PlaceOn(meets.Cutting(faces), here + step * walk.way, step, least);
     Eigen::Vector3d turned = next ? meets.TangentAt(faces, *next) : walk.way;
     if (turned.dot(walk.way) < 0) turned = -turned;
-    if (!next || turned.cross(walk.way).norm() > kTurn) {
+    if (!next || turned.cross(walk.way).norm() > kMostTurn) {
       step /= 2;
       if (step >= kShort * spacing) continue;
       if (fading) walk.end = fade->vertex;
@@ -97,7 +97,7 @@ BorderWalk FollowBorder(const FaceMeets& meets,
     walk.way = turned;
     step = std::min(kStep * spacing, 1.5 * step);
     const double far = FarFrom(places, *next);
-    if (far <= kBeside * spacing) walk.seen = *next;
+    if (far <= spacing) walk.seen = *next;
     const bool hidden = std::any_of(ends.begin(), ends.end(), [&](const WalkEnd& end) {
       const Eigen::Vector3d off = end.place - *next;
       return off.norm() <= end.reach && off.dot(walk.way) > 0;

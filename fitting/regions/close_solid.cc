@@ -8,6 +8,7 @@
 #include "fitting/regions/border_curve.h"
 #include "fitting/regions/border_repair.h"
 #include "fitting/regions/border_sides.h"
+#include "fitting/regions/settle_regions.h"
 #include "fitting/regions/solid_genus.h"
 #include "fitting/regions/solid_samples.h"
 
@@ -171,8 +172,7 @@ ClosedSolid CloseSolid(const RegionPoints& data,
                        double sigma,
                        double most_invented,
                        const Eigen::Vector3d& move) {
-  constexpr double kSameVertex = 4;  // standard deviations of the points, as shapes are nearer
-  const FaceMeets meets(data, labels, contacts, std::max(1e-8, kSameVertex * sigma));
+  const FaceMeets meets(data, labels, contacts, std::max(1e-8, kApart * sigma));
   FaceBorders borders = FindBorders(meets);
   if (borders.refused.empty()) RepairBorders(meets, borders);
   if (!borders.refused.empty()) return Refused(borders.refused);

@@ -10,18 +10,12 @@
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
-namespace {
-
-constexpr double kReach = 4;  // spacings: of a border from the points beside it
-
-}  // namespace
 
 std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& shapes,
                                        Eigen::Vector3d from,
                                        double reach,
                                        double least) {
   constexpr int kSteps = 30;
-  constexpr double kSettled = 1e-14;
   const Eigen::Vector3d start = from;
   const auto count = std::ssize(shapes);
   Eigen::MatrixXd normals(count, 3);
@@ -72,7 +66,7 @@ double FaceMeets::ReachOf(const FacePair& faces, const Eigen::Vector3d& near) co
   } else {
     most = std::max(parted(near, here.along), parted(near, here.Across()));
   }
-  return kReach * spacing() + std::min(kLargest, std::sqrt(same_ / most));
+  return kBorderReach * spacing() + std::min(kLargest, std::sqrt(same_ / most));
 }
 
 double FaceMeets::BesideOf(const FacePair& faces, const Eigen::Vector3d& place) const {
@@ -93,14 +87,14 @@ double FaceMeets::BlurOf(const std::vector<int>& faces, const Eigen::Vector3d& p
 std::optional<Eigen::Vector3d> FaceMeets::PlaceIn(const FacePair& faces,
                                                   const Eigen::Vector3d& near) const {
   const bool touch = contacts_.contains(faces);
-  return PlaceOn(Cutting(faces), near, touch ? ReachOf(faces, near) : kReach * spacing());
+  return PlaceOn(Cutting(faces), near, touch ? ReachOf(faces, near) : kBorderReach * spacing());
 }
 
 std::optional<Eigen::Vector3d> FaceMeets::Corner(const std::vector<int>& faces,
                                                  const Eigen::Vector3d& near,
                                                  double at_most) const {
   std::vector<const FittedSurface*> shapes;
-  double reach = std::max(kReach * spacing(), at_most);
+  double reach = std::max(kBorderReach * spacing(), at_most);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     shapes.push_back(&Shape(faces[i]));
     for (std::size_t j = 0; j < i; ++j) {

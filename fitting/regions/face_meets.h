@@ -18,6 +18,8 @@ using FacePair = std::pair<int, int>;  // ascending
 
 inline constexpr double kTangent = 0.14;  // sine: faces that meet under less have no sure border
 
+inline constexpr double kBorderReach = 4;  // spacings: of a border from the points beside it
+
 // The place on all of two shapes or more nearest to `from`, by Gauss–Newton steps; none where they
 // do not settle on it within `reach`, or the shapes are near to tangent: the sine of their angle,
 // of three the volume, is below `least`.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/rounding.h"
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/settle_regions.h"
@@ -20,7 +21,9 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kFarOff = 4.5;  // standard deviations: what counts in no sum
+// Squares of standard deviations: one normal case in a thousand is farther, of one dimension and of
+// two; one in a million, of one to five.
+constexpr double kFar[] = {10.83, 13.82}, kFarJoin[] = {23.93, 27.63, 30.66, 33.38, 35.89};
 
 using Freedoms = Eigen::Matrix<double, 7, 1>;
 
@@ -217,9 +220,6 @@ class RelationFinder {
 
   // Adds the relation where the covariances do not reject it and tell it.
   bool Test(RelationKind kind, int first, int second, const SmoothContact& contact = {}) {
-    // One normal case in a thousand is farther, of one dimension and of two; one in a million, of
-    // two to five.
-    constexpr double kFar[] = {10.83, 13.82}, kFarJoin[] = {23.93, 27.63, 30.66, 33.38, 35.89};
     const FittedSurface &a = faces_[std::size_t(first)].shape,
                         &b = faces_[std::size_t(second)].shape;
     const RelationGap gap(kind, a, contact);
@@ -244,7 +244,7 @@ class RelationFinder {
     double moves = 0;
     if (rejected(false)) {
       if (!joins || !(bias > 0) || rejected(true)) return false;
-      moves = kFarOff * bias;
+      moves = kFarPoint * bias;
     }
     FaceRelation relation{
         kind, first, second, off.norm(), std::sqrt(far * variance.trace()), contact, moves};
@@ -302,11 +302,10 @@ class ConstrainedStep {
     }
     // Some relations follow from others to within rounding; variances of those that do not may
     // differ by ten powers of ten.
-    constexpr double kFollows = 1e-12;
     const Eigen::VectorXd scale =
         schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> scaled;
-    scaled.setThreshold(kFollows);
+    scaled.setThreshold(kRelativeRounding);
     scaled.compute(scale.asDiagonal() * schur * scale.asDiagonal());
     const Eigen::VectorXd multipliers =
         scale.cwiseProduct(scaled.solve(scale.cwiseProduct(right)).eval());
@@ -370,7 +369,6 @@ const char* Name(RelationKind kind) {
 }
 
 std::vector<FaceJoin> SmoothJoins(const RegionPoints& data, const RegionLabels& labels) {
-  constexpr int kFewLinks = 4;  // fewer are chance across a corner
   std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> places;
   for (int k = 0; k < static_cast<int>(data.size()); ++k) {
     const int here = labels.label[std::size_t(k)];
@@ -414,7 +412,6 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
                                         const std::vector<FaceRelation>& relations,
                                         ThreadPool& pool) {
   constexpr int kMostSteps = 20;
-  constexpr double kTuning = 2.795, kSettled = 1e-14;
   std::vector<FittedSurface> shapes;
   std::vector<ShapeData> cores;
   std::vector<double> variances;
@@ -433,8 +430,9 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
     }
     std::vector<SurfaceForm> forms;
     for (std::size_t k = 0; k < shapes.size(); ++k) {
-      const double far = kFarOff * std::sqrt(variances[k]);
-      forms.push_back(FormOf(shapes[k], cores[k], {Loss::kTruncated, far / kTuning}, pool));
+      const double far = kFarPoint * std::sqrt(variances[k]);
+      forms.push_back(
+          FormOf(shapes[k], cores[k], {Loss::kTruncated, far / kTruncatedTuning}, pool));
     }
     const std::vector<Freedoms> steps =
         ConstrainedStep(shapes, relations, gaps).From(forms, variances);
@@ -453,7 +451,8 @@ double CostOf(const RegionPoints& data, const RegionFace& face, const FittedSurf
   const double sigma = SigmaOf(data, face);
   double cost = 0;
   for (const int point : face.core) {
-    const double off = std::min(kFarOff, std::abs(shape.Distance(data.points.col(point))) / sigma);
+    const double off =
+        std::min(kFarPoint, std::abs(shape.Distance(data.points.col(point))) / sigma);
     cost += off * off;
   }
   return cost;
@@ -465,13 +464,13 @@ std::vector<FaceRelation>::iterator WorstOf(const RegionPoints& data,
                                             const std::vector<RegionFace>& faces,
                                             const std::vector<FittedSurface>& shapes,
                                             std::vector<FaceRelation>& relations) {
-  constexpr double kMostCost = 35.89;  // of five dimensions
   std::vector<double> allowed(faces.size());
   for (const FaceRelation& relation : relations) {
     for (const int k : {relation.first, relation.second}) {
       const RegionFace& face = faces[std::size_t(k)];
       const double moves = relation.moves / SigmaOf(data, face);
-      allowed[std::size_t(k)] += kMostCost + double(face.core.size()) * moves * moves;
+      // Of five dimensions.
+      allowed[std::size_t(k)] += kFarJoin[4] + double(face.core.size()) * moves * moves;
     }
   }
   const auto left = [&](int face) {

@@ -211,7 +211,6 @@ FoundRegions AtTheirNoise(RegionPoints& data,
                           const Progress& progress,
                           ThreadPool& pool) {
   constexpr double kNearer = 0.7;  // of the noise assumed: regions at it have looser borders
-  constexpr double kAsManyPoints = 0.9;
   const double assumed = std::max(data.noise, tolerance / kFarFromShape);
   FoundRegions found{RegionsAt(data, assumed, progress, pool), assumed};
   found.sigma = SigmaOf(data, found.labels, assumed);
@@ -219,7 +218,7 @@ FoundRegions AtTheirNoise(RegionPoints& data,
   FoundRegions sharper{RegionsAt(data, found.sigma, progress, pool), found.sigma};
   sharper.sigma = SigmaOf(data, sharper.labels, found.sigma);
   const auto before = static_cast<double>(Explained(found.labels));
-  const bool as_many = static_cast<double>(Explained(sharper.labels)) >= kAsManyPoints * before;
+  const bool as_many = static_cast<double>(Explained(sharper.labels)) >= kAsMany * before;
   return as_many ? sharper : found;
 }
 

@@ -156,11 +156,10 @@ void DissolvePieces(const RegionPoints& data,
 std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
                                               const std::vector<int>& label,
                                               int fewest) {
-  constexpr double kSmooth = 0.35;  // sine between neighbours' normals, and rms of it about a point
   std::vector<std::vector<int>> pieces;
   std::vector<bool> seen(label.size());
   const auto open = [&](int k) {
-    return label[std::size_t(k)] == kNoRegion && !seen[std::size_t(k)] && data.turn[k] < kSmooth;
+    return label[std::size_t(k)] == kNoRegion && !seen[std::size_t(k)] && data.turn[k] < kSameSheet;
   };
   for (int k = 0; k < static_cast<int>(label.size()); ++k) {
     if (!open(k)) continue;
@@ -169,7 +168,7 @@ std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
     for (std::size_t i = 0; i < piece.size(); ++i) {
       for (const int other : data.Around(piece[i])) {
         if (!open(other)) continue;
-        if (data.normals.col(piece[i]).cross(data.normals.col(other)).norm() > kSmooth) continue;
+        if (data.normals.col(piece[i]).cross(data.normals.col(other)).norm() > kSameSheet) continue;
         seen[std::size_t(other)] = true;
         piece.push_back(other);
       }

@@ -14,9 +14,6 @@ namespace batten::internal {
 namespace {
 
 constexpr std::size_t kPatch = 32;  // points of a seed: enough for the seven freedoms of a torus
-constexpr std::size_t kLargePlane =
-    16 * kPatch;                     // points: a small one may be a piece of a round face
-constexpr double kSameSheet = 0.35;  // sine: neighbours whose normals turn by more lie over an edge
 constexpr double kAcross = 0.6;  // sine: beyond, a point on a shape is of a sheet that crosses it
 constexpr double kRoughSeed = 0.3;  // rms sine: a seed there has an edge among its neighbours
 
@@ -50,8 +47,9 @@ class RegionGrower {
       if (auto best = BestFrom(patch, flat)) {
         Take(std::move(*best));
       } else {
-        // What lies about a failed seed would fail like it, and so would the rest of a large plane.
-        if (flat.size() < kLargePlane) flat.clear();
+        // What lies about a failed seed would fail like it, and so would the rest of a large plane;
+        // a small one may be a piece of a round face.
+        if (flat.size() < 16 * kPatch) flat.clear();
         flat.insert(flat.end(), patch.begin(), patch.begin() + std::ssize(patch) / 4);
         for (const int point : flat) tried[std::size_t(point)] = true;
       }
@@ -162,7 +160,6 @@ class RegionGrower {
 
   // `flat` gets the points on the plane about the patch.
   std::optional<Grown> BestFrom(const std::vector<int>& patch, std::vector<int>& flat) const {
-    constexpr double kAsMany = 0.9;
     std::array<Grown, kSurfaceKinds.size()> grown;
     pool_.For(std::ssize(grown), 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (auto k = begin; k < end; ++k) {

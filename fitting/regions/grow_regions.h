@@ -14,6 +14,7 @@ namespace batten::internal {
 
 inline constexpr int kNoRegion = -1;
 inline constexpr int kFewestPoints = 30;  // of a region: four for each freedom of a torus
+inline constexpr int kFewLinks = 4;  // pairs of points of two regions: fewer are chance at a corner
 
 struct Region {
   FittedSurface shape;
@@ -26,9 +27,11 @@ struct RegionLabels {
   std::vector<int> label;  // kNoRegion: of none
 };
 
-// Distances up to so many standard deviations are noise: one normal error in two thousand is
-// larger.
-inline constexpr double kFarFromShape = 3.5;
+// Sine: neighbours whose normals turn by more lie over an edge.
+inline constexpr double kSameSheet = 0.35;
+
+// Points that a shape explains are as many as those of another from this share of them on.
+inline constexpr double kAsMany = 0.9;
 
 // Faces with more than so many times the noise of others have noise of their own: a scanner's
 // differs less from place to place.

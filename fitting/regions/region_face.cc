@@ -7,6 +7,8 @@
 #include "batten/fitting/poles.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/make_surface.h"
+#include "fitting/core/rounding.h"
+#include "fitting/primitives/shape_estimate.h"
 #include "fitting/primitives/surface_patch.h"
 #include "fitting/primitives/surface_primitive.h"
 
@@ -29,11 +31,12 @@ PointMask NoneOf(std::size_t count) {
 // Which edges of the patch are one point.
 Poles PolesOf(const ExactSurface& patch) {
   Poles poles;
-  constexpr double kAtPole = 1e-12;
   if (const auto* sphere = std::get_if<ExactSphere>(&patch)) {
     poles.turn = sphere->longitude.sweep;
-    if (sphere->latitude.lower <= kAllLatitudes.lower + kAtPole) poles.start = PoleKind::kSmooth;
-    if (sphere->latitude.upper >= kAllLatitudes.upper - kAtPole) poles.end = PoleKind::kSmooth;
+    if (sphere->latitude.lower <= kAllLatitudes.lower + kRelativeRounding)
+      poles.start = PoleKind::kSmooth;
+    if (sphere->latitude.upper >= kAllLatitudes.upper - kRelativeRounding)
+      poles.end = PoleKind::kSmooth;
   } else if (const auto* cone = std::get_if<ExactCone>(&patch)) {
     poles.turn = cone->angles.sweep;
     if (cone->radius_lower == 0) poles.start = PoleKind::kApex;
@@ -76,7 +79,6 @@ std::optional<RegionFace> FittedFace(const RegionPoints& data,
 }
 
 bool Determined(const RegionFace& face) {
-  constexpr double kVague = 1.0 / 3, kVagueAngle = 0.2;
   const PrimitiveSummary& p = face.numbers;
   const auto told = [&](const char* name, const std::optional<double>& value) {
     return !value || p.accuracy->Deviation(name) <= kVague * *value;

@@ -8,8 +8,10 @@
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/neighbours.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/unit_of.h"
 #include "fitting/neighbours/normals.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -68,9 +70,7 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   const double farthest = (cloud.origin().cwiseAbs() + data.middle.cwiseAbs()).maxCoeff();
   // Coordinates are rounded where they are read. Faces that CAD systems take for one, 1e-7 mm apart
   // over some 100 mm, are one.
-  constexpr double kOneFace = 1e-9;
-  constexpr double kStored = 4 * std::numeric_limits<double>::epsilon();
-  data.rounding = std::max(kOneFace, kStored * farthest / data.unit);
+  data.rounding = std::max(kRelativelyEqual, 4 * kEpsilon * farthest / data.unit);
   const NeighbourIndex index(data.points, pool);
   LinkNeighbours(index, std::numeric_limits<double>::infinity(), data);
   const CloudStatistics statistics =

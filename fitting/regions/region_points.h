@@ -12,6 +12,9 @@
 
 namespace batten::internal {
 
+// Of steps and distances in units: what rounding leaves of them.
+inline constexpr double kSettled = 1e-14;
+
 inline constexpr double kFarNeighbour = 4;  // spacings about a point: beyond is another sheet
 
 // (x − middle) / unit; lengths below are in units.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/primitives/surface_starts.h"
 
@@ -16,7 +17,6 @@ namespace batten::internal {
 namespace {
 
 constexpr std::size_t kFitPoints = 600, kJudges = 80;
-constexpr double kFarMember = 3.5;  // standard deviations: one normal error in two thousand
 
 StartData StartsOf(const RegionPoints& data, const std::vector<int>& members) {
   StartData start;
@@ -143,10 +143,10 @@ ShapeTest TestShape(const RegionPoints& data,
                     const std::vector<int>& members,
                     const FittedSurface& shape,
                     double sigma) {
-  constexpr double kLargest = 1.15, kDeviations = 3;
+  constexpr double kLargest = 1.15;
   ShapeTest test;
   if (members.empty()) return test;
-  const double most = kFarMember * sigma;
+  const double most = kFarFromShape * sigma;
   std::vector<double> off(static_cast<std::size_t>(data.size()),
                           std::numeric_limits<double>::quiet_NaN());
   double squares = 0;
@@ -167,9 +167,9 @@ ShapeTest TestShape(const RegionPoints& data,
     }
   }
   test.trend = pairs > 0 && squares > 0 ? shared / pairs / (squares / count) : 0;
-  const double chance = kDeviations / std::sqrt(2 * count);
+  const double chance = kThreeSigmas / std::sqrt(2 * count);
   const bool near = test.rms <= kLargest * (1 + chance) * sigma;
-  const bool even = test.trend <= data.most_trend + kDeviations / std::sqrt(std::max(1.0, pairs));
+  const bool even = test.trend <= data.most_trend + kThreeSigmas / std::sqrt(std::max(1.0, pairs));
   test.passed = near && (even || test.rms <= data.rounding);
   return test;
 }

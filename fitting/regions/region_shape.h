@@ -12,6 +12,10 @@
 
 namespace batten::internal {
 
+// Distances up to so many standard deviations are noise: one normal error in two thousand is
+// larger.
+inline constexpr double kFarFromShape = 3.5;
+
 // The shape of this kind that most of the points lie on to within `sigma`, from closed formulas
 // over the points and their normals, or from `before` where it is given. None where no start is a
 // surface. At most some hundreds of points count.

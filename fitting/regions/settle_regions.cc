@@ -13,9 +13,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kPrice = 0.3;     // of a neighbour of another region, in the units of (d/σ)²/2
-constexpr double kTurned = 2;      // price of a normal at right angles to the shape's
-constexpr double kFarPoint = 4.5;  // standard deviations: farther off, a point is of no region
+constexpr double kPrice = 0.3;  // of a neighbour of another region, in the units of (d/σ)²/2
+constexpr double kTurned = 2;   // price of a normal at right angles to the shape's
 constexpr int kMostSweeps = 30, kMostRounds = 4;
 
 // What a point pays for belonging to a region.
@@ -262,8 +261,7 @@ std::vector<int> CorePoints(const RegionPoints& data,
                             const RegionLabels& labels,
                             int region,
                             double sigma) {
-  constexpr double kApart = 4;  // standard deviations
-  constexpr int kRings = 4;     // of neighbours: as far as shapes of regions can be confused
+  constexpr int kRings = 4;  // of neighbours: as far as shapes of regions can be confused
   constexpr std::size_t kLeast = 16;
   const Region& own = labels.regions[std::size_t(region)];
   // Which other regions are near each member.

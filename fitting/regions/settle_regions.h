@@ -10,6 +10,12 @@
 
 namespace batten::internal {
 
+// Standard deviations from a shape: farther off, a point is of no region and counts in no sum.
+inline constexpr double kFarPoint = 4.5;
+
+// Standard deviations: shapes that are no farther apart can't be told from one another.
+inline constexpr double kApart = 4;
+
 // Every point chooses among its own and its neighbours' regions by (d/σ)²/2, the turn of its normal
 // and a price for each neighbour of another region, until none changes; regions fall into what
 // hangs together, and what is smaller than `fewest` points is left out; shapes are fitted again to

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "batten/geometry/frame.h"
 #include "fitting/regions/solid_samples.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr double kTurnOfCircle = 2 * std::numbers::pi;
 
 // Round a torus' axis and round its tube.
 Eigen::Vector2d AnglesOn(const TorusShape& torus, const Frame& frame, const Eigen::Vector3d& p) {
@@ -25,7 +23,6 @@ Eigen::Vector2d AnglesOn(const TorusShape& torus, const Frame& frame, const Eige
 // Whether the face is the torus less some discs, so that the handle is in it: no loop goes round,
 // and together they have the discs on their right.
 bool HasHandle(const TrimmedSolid& solid, const TrimmedSolidFace& face, const TorusShape& torus) {
-  constexpr int kPieces = 32;  // of an edge; neighbours less than half a turn apart
   const Frame frame(torus.center, torus.axis);
   double area = 0;
   for (const auto& loop : face.loops) {
@@ -33,20 +30,20 @@ bool HasHandle(const TrimmedSolid& solid, const TrimmedSolidFace& face, const To
     for (const TrimmedSolidCoedge& coedge : loop) {
       const TrimmedSolidEdge& edge = solid.edges[std::size_t(coedge.edge)];
       const double begin = edge.curve.basis().lower(), end = edge.curve.basis().upper();
-      for (int k = 0; k < kPieces; ++k) {
-        const double along = double(coedge.reversed ? kPieces - k : k) / kPieces;
+      for (int k = 0; k < kPiecesOfEdge; ++k) {
+        const double along = double(coedge.reversed ? kPiecesOfEdge - k : k) / kPiecesOfEdge;
         places.push_back(AnglesOn(torus, frame, edge.curve.At(begin + along * (end - begin))));
       }
     }
     Eigen::Vector2d at = places.front(), round = Eigen::Vector2d::Zero();
     for (std::size_t k = 1; k <= places.size(); ++k) {
       Eigen::Vector2d step = places[k % places.size()] - places[k - 1];
-      for (double& turn : step) turn -= kTurnOfCircle * std::round(turn / kTurnOfCircle);
+      for (double& turn : step) turn -= kTurn * std::round(turn / kTurn);
       area += (at[0] * step[1] - at[1] * step[0]) / 2;
       at += step;
       round += step;
     }
-    if (round.cwiseAbs().maxCoeff() > kTurnOfCircle / 2) return false;
+    if (round.cwiseAbs().maxCoeff() > kTurn / 2) return false;
   }
   return face.reversed ? area > 0 : area < 0;
 }

@@ -10,12 +10,12 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/geometry/frame.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr double kMostSamples = 20000;  // of a face; a thousandth of it is some twenty
-constexpr int kPieces = 32;             // of an edge: of a whole circle off by half a percent
 
 // The natural normal of a carrier near a place.
 struct NaturalNormal {
@@ -52,7 +52,7 @@ std::vector<LoopPiece> PiecesOf(const TrimmedSolid& solid, const TrimmedSolidFac
     for (const TrimmedSolidCoedge& coedge : loop) {
       const TrimmedSolidEdge& edge = solid.edges[std::size_t(coedge.edge)];
       const bool segment = edge.exact && std::holds_alternative<ExactLine>(*edge.exact);
-      const int count = segment ? 1 : kPieces;
+      const int count = segment ? 1 : kPiecesOfEdge;
       const double begin = edge.curve.basis().lower(), end = edge.curve.basis().upper();
       Eigen::Vector3d last = edge.curve.At(coedge.reversed ? end : begin);
       for (int k = 1; k <= count; ++k) {
@@ -78,9 +78,8 @@ bool OnTheLeft(const std::vector<LoopPiece>& pieces, const Eigen::Vector3d& plac
     const Eigen::Vector3d off = place - piece.from - along * piece.way;
     const double far = off.squaredNorm();
     const double left = piece.left.dot(off);
-    constexpr double kSame = 1e-9;
-    const bool tie = far <= (1 + kSame) * least && std::abs(left) > std::abs(side);
-    if (!(far < (1 - kSame) * least) && !tie) continue;
+    const bool tie = far <= (1 + kRelativelyEqual) * least && std::abs(left) > std::abs(side);
+    if (!(far < (1 - kRelativelyEqual) * least) && !tie) continue;
     least = far;
     side = left;
   }
@@ -240,7 +239,6 @@ std::vector<SolidSample> SampledSolid(const TrimmedSolid& solid, double step) {
 }
 
 SolidCover CoverOf(const std::vector<SolidSample>& samples, const Eigen::Matrix3Xd& points) {
-  constexpr int kSixth = 6;
   constexpr double kReach = 2;
   const Eigen::Vector3d middle = points.rowwise().mean();
   const Eigen::Matrix3Xd shown = points.colwise() - middle;
@@ -248,7 +246,7 @@ SolidCover CoverOf(const std::vector<SolidSample>& samples, const Eigen::Matrix3
   for (std::size_t k = 0; k < samples.size(); ++k)
     places.col(Eigen::Index(k)) = samples[k].place - middle;
   const NeighbourIndex index(shown), of_solid(places);
-  const int neighbours = std::min<int>(kSixth + 1, static_cast<int>(shown.cols()));
+  const int neighbours = std::min<int>(7, static_cast<int>(shown.cols()));
   const std::vector<int> around = index.Nearest(shown, neighbours);
   const auto reach = [&](Eigen::Index k) {
     const int sixth = around[std::size_t((k + 1) * neighbours - 1)];

@@ -10,6 +10,10 @@
 
 namespace batten::internal {
 
+// Pieces that an edge is cut into: a whole circle is off by half a percent, and neighbours are less
+// than half a turn apart.
+inline constexpr int kPiecesOfEdge = 32;
+
 struct SolidSample {
   Eigen::Vector3d place, outward;
   double area = 0;  // for which it stands

@@ -110,9 +110,8 @@ class JoinTurner {
     if (!shape) return false;
     const SmoothContact contact{ContactKind::kRound, near};
     const auto gap = ContactGap(contact, other, *shape);
-    constexpr double kFar = 3.5;    // standard deviations
     constexpr double kNear = 0.01;  // spacings: no kink that points show
-    const double most = kNear * data_.spacing + kFar * sigma_;
+    const double most = kNear * data_.spacing + kFarFromShape * sigma_;
     if (!gap || !(gap->norm() <= most)) return false;
     if (!touches) Take(face, *shape);
     relations_.push_back({RelationKind::kTangent, beside, face, gap->norm(), most, contact, most});

@@ -8,6 +8,7 @@
 
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/neighbours/nearest_sample.h"
 
@@ -102,7 +103,6 @@ double BaseProfile::Foot(const Eigen::Vector2d& place) const {
   const Eigen::Index nearest = NearestSample(
       samples_.col(0).data(), samples_.col(1).data(), samples_.rows(), place[0], place[1]);
   constexpr int kMostSteps = 8;
-  constexpr double kSettled = 1e-9;  // the next step would be of its square
   double s = sample_step_ * static_cast<double>(nearest);
   for (int step = 0; step < kMostSteps; ++step) {
     const Jet jet = At(s);
@@ -119,7 +119,8 @@ double BaseProfile::Foot(const Eigen::Vector2d& place) const {
     } else {
       s = std::clamp(s, 0.0, range_);
     }
-    if (std::abs(move) <= kSettled * range_) break;
+    // The next step would be of its square.
+    if (std::abs(move) <= kRelativelyEqual * range_) break;
   }
   return s;
 }

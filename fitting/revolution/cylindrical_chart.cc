@@ -7,16 +7,15 @@
 #include <utility>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/flattening/winding_number.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kClear = 2.2;    // reaches from the axis …
-constexpr double kFarOut = 0.5;   // … or of the median radius
-constexpr double kChartBand = 4;  // reaches
-constexpr double kClearDeviations = 3;
+constexpr double kClear = 2.2;      // reaches from the axis …
+constexpr double kFarOut = 0.5;     // … or of the median radius
 constexpr double kHole = 3;         // spacings; a smaller gap at the axis is no hole
 constexpr int kCountedAtPole = 32;  // points that tell the spacing there
 
@@ -121,8 +120,8 @@ std::optional<double> PoleAt(std::vector<NearAxis> points,
   }
   if (counted == kCountedAtPole) {
     const AxisPlace place = PlaceOfAxis(points, counted);
-    const bool clear = std::abs(place.along - of_profile.value_or(place.along)) >
-                       kClearDeviations * place.deviation;
+    const bool clear =
+        std::abs(place.along - of_profile.value_or(place.along)) > kThreeSigmas * place.deviation;
     if (!of_profile || clear) return place.along;
   }
   return of_profile ? *of_profile : points[0].along + way * points[0].r;
@@ -202,7 +201,7 @@ void AssignParameters(const CylindricalChart& chart,
   const Eigen::Index m = points.cols();
   std::vector<Cylindric> seen(static_cast<size_t>(m));
   const double middle = chart.way.start + chart.way.turn / 2;  // of the open range
-  pool.For(m, 1024, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(m, kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (auto k = begin; k < end; ++k) {
       const Eigen::Vector3d p = chart.frame.ToFrame(points.col(k));
       const double r = std::hypot(p[0], p[1]);

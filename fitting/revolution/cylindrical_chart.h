@@ -32,6 +32,9 @@ SamplesAboutAxis CylindricalCoordinates(const RevolutionSamples& round, const Ax
 // Computes the steps of the angle along the edges, each in (−π, π].
 std::vector<double> AngleSteps(const RevolutionSamples& round, const Eigen::VectorXd& angles);
 
+// Reaches across the way round in which ClosedFraction looks for nodes.
+inline constexpr double kChartBand = 4;
+
 // Range of the angle round the axis that a shape covers.
 struct WayRound {
   bool closed = false;

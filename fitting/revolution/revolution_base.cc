@@ -219,7 +219,6 @@ RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
                                        const RevolutionParameterizationOptions& options,
                                        ThreadPool& pool) {
   constexpr const char* kName = "torus";
-  constexpr double kLeastOfTube = std::numbers::pi;
   if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
   const RevolutionEstimate shape =
       cloud.shape ? *cloud.shape : FindRevolution(cloud.round, std::nullopt, pool);
@@ -243,7 +242,7 @@ RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
   const SamplesAboutAxis seen = CylindricalCoordinates(cloud.round, ring.frame);
   WayRound tube = FindWayAlong(cloud.round, ring, seen, options.least_closed);
   tube.closed = tube.closed || shape.closed_along;
-  if (!tube.closed && tube.turn < kLeastOfTube) {
+  if (!tube.closed && tube.turn < kTurn / 2) {
     return refused("less than half of a tube is there", ring.misfit);
   }
   CylindricalChart chart;

@@ -11,6 +11,9 @@
 
 namespace batten::internal {
 
+// Sizes of the nodes: spheres and tubes of a larger radius are none.
+inline constexpr double kFarAway = 1e3;
+
 // Nodes of a cloud, computed once for all bases that are tried over it.
 struct RevolutionSamples {
   SheetGraph graph;                                  // normals mostly point outwards

@@ -22,7 +22,6 @@ constexpr double kSpanInScatter = 6;  // least length of a span in rms distances
 constexpr double kBeyond = 5;         // reaches by which an open profile is extended
 constexpr int kStraight = 20;         // places on each straight extension
 constexpr double kEnd = 8;            // reaches from which its direction is fitted
-constexpr double kBand = 4;           // reaches
 constexpr double kSlip = 3;           // greatest error in reaches of steps along the profile
 constexpr double kClosedAlong = 0.5;  // of the places round the axis
 constexpr double kAsGood = 1.3;       // misfits of a preferred axis against the best one
@@ -109,7 +108,7 @@ Lengths IntegrateProfile(const RevolutionSamples& round, const SamplesAboutAxis&
     // The band is wide enough where the shape comes nearest to the axis.
     const double narrowest = seen.places.row(0).minCoeff();
     const double width =
-        std::min(kBand * seen.reach / std::max(narrowest, 1e-300), std::numbers::pi);
+        std::min(kChartBand * seen.reach / std::max(narrowest, 1e-300), std::numbers::pi);
     if (ClosedFraction(graph, lengths.known, slip, angles, width, 2 * std::numbers::pi) >=
         kClosedAlong) {
       std::vector<double> periods;

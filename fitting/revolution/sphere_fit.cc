@@ -141,7 +141,6 @@ class AxisSearch {
 
 FittedSphere FitSphere(const RevolutionSamples& round, ThreadPool& pool) {
   constexpr int kMostSteps = 20;
-  constexpr double kFarAway = 1e3;
   constexpr double kGentle = 1.7;  // of what they leave: Cauchy's weight is a half at 4 deviations
   const double unit = round.size > 0 ? round.size : 1;
   const ShapeData data{(round.nodes().places.colwise() - round.centre) / unit,

@@ -12,7 +12,6 @@ namespace batten::internal {
 
 Ring FitTorus(const RevolutionSamples& round, const AxisFrame& start, ThreadPool& pool) {
   constexpr int kMostSteps = 50;
-  constexpr double kFarAway = 1e3;  // sizes: a larger tube is none
   const double unit = round.size > 0 ? round.size : 1;
   const ShapeData data{(round.nodes().places.colwise() - round.centre) / unit,
                        Eigen::VectorXd::Ones(round.count())};

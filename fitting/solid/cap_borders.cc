@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/solid/crease_layout.h"
 #include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_topology.h"
 #include "geometry/subdivision/quad_topology.h"
@@ -157,13 +158,8 @@ std::vector<int> CapFaces(const QuadMesh& layout, const TriangleSurface& surface
   const std::vector<int> part = mesh.SmoothParts();
   std::map<int, std::pair<int, int>> votes;  // of each part: for a cap, and all
   for (int f = 0; f < mesh.faces(); ++f) {
-    const auto corner = layout.faces.col(f);
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : corner) middle += layout.vertices.col(v) / 4;
-    const Eigen::Vector3d one = layout.vertices.col(corner[2]) - layout.vertices.col(corner[0]);
-    const Eigen::Vector3d two = layout.vertices.col(corner[3]) - layout.vertices.col(corner[1]);
     auto& [caps, all] = votes[part[std::size_t(f)]];
-    caps += surface.caps[std::size_t(projector.TriangleNear(middle, one.cross(two)))];
+    caps += surface.caps[std::size_t(TriangleUnder(layout, f, projector))];
     ++all;
   }
   std::vector<int> faces;

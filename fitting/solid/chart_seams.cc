@@ -7,19 +7,13 @@
 #include <numbers>
 
 namespace batten::internal {
-namespace {
-
-constexpr int kUnnumbered = 0;  // of half-edges that are seams, while lines have no numbers yet
-
-}  // namespace
-
 ChartSeams::ChartSeams(const TriangleTopology& topology,
                        const std::vector<std::complex<double>>& planar_edges,
                        const std::vector<double>& crosses,
                        const std::vector<int>& held)
     : topology_(topology),
       turn_(std::size_t(topology.half_edges()), 0),
-      line_(std::size_t(topology.half_edges()), kUnnumbered),
+      line_(std::size_t(topology.half_edges()), 0),  // seams all, whose lines have no numbers yet
       forward_(std::size_t(topology.half_edges()), 1) {
   Comb(planar_edges, crosses);
   FindAnchors(held);

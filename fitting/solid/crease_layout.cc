@@ -18,6 +18,12 @@
 namespace batten::internal {
 namespace {
 
+Eigen::Vector3d MiddleOf(const QuadMesh& layout, int face) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const int v : layout.faces.col(face)) middle += layout.vertices.col(v) / 4;
+  return middle;
+}
+
 int PartsOf(const QuadTopology& mesh) { return 1 + std::ranges::max(mesh.SmoothParts()); }
 
 class CreaseLayer {
@@ -158,21 +164,14 @@ class CreaseLayer {
       if (along && !topology_.IsCrease(h)) continue;
       middle += along
                     ? Eigen::Vector3d(layout_.vertices.col(topology_.Origin(QuadTopology::Next(h))))
-                    : MiddleOf(h >> 2);
+                    : MiddleOf(layout_, h >> 2);
       ++count;
     }
-    constexpr double kShare = 0.6, kFair = 0.5;
     const Eigen::Vector3d at = layout_.vertices.col(v);
-    const Eigen::Vector3d wanted = at + kShare * (middle / count - at);
+    const Eigen::Vector3d wanted = at + kShareOfWay * (middle / count - at);
     const double before = LeastAbout(v);
     Place(v, along ? NearestOnCreases(surface_, creases_, wanted) : projector_.Nearest(wanted));
-    if (LeastAbout(v) < std::min(before, kFair)) Place(v, at);
-  }
-
-  Eigen::Vector3d MiddleOf(int face) const {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : layout_.faces.col(face)) middle += layout_.vertices.col(v) / 4;
-    return middle;
+    if (LeastAbout(v) < std::min(before, kFairSquareness)) Place(v, at);
   }
 
   double LeastAbout(int v) const {
@@ -256,6 +255,13 @@ void RefuseUneven(const QuadMesh& layout) {
   }
 }
 
+int TriangleUnder(const QuadMesh& layout, int face, const SurfaceProjector& projector) {
+  const auto corner = layout.faces.col(face);
+  const Eigen::Vector3d one = layout.vertices.col(corner[2]) - layout.vertices.col(corner[0]);
+  const Eigen::Vector3d two = layout.vertices.col(corner[3]) - layout.vertices.col(corner[1]);
+  return projector.TriangleNear(MiddleOf(layout, face), one.cross(two));
+}
+
 Eigen::Matrix2Xi CreasesBetweenFaces(const QuadMesh& layout,
                                      const TriangleSurface& surface,
                                      const SurfaceCreases& creases) {
@@ -265,13 +271,8 @@ Eigen::Matrix2Xi CreasesBetweenFaces(const QuadMesh& layout,
   std::vector<int> triangle;
   Eigen::Matrix3Xd middles(3, mesh.faces());
   for (int f = 0; f < mesh.faces(); ++f) {
-    const auto corner = layout.faces.col(f);
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : corner) middle += layout.vertices.col(v) / 4;
-    middles.col(f) = middle;
-    const Eigen::Vector3d one = layout.vertices.col(corner[2]) - layout.vertices.col(corner[0]);
-    const Eigen::Vector3d two = layout.vertices.col(corner[3]) - layout.vertices.col(corner[1]);
-    triangle.push_back(projector.TriangleNear(middle, one.cross(two)));
+    middles.col(f) = MiddleOf(layout, f);
+    triangle.push_back(TriangleUnder(layout, f, projector));
   }
   Eigen::Matrix2Xi found(2, 0);
   for (int h = 0; h < mesh.half_edges(); ++h) {

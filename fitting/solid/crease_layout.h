@@ -23,6 +23,9 @@ inline constexpr int kEvenRounds = 12;  // that make one even
 // Refuses a layout with a face that is not even, but for its caps.
 void RefuseUneven(const QuadMesh& layout);
 
+// The triangle of a surface under the middle of a face.
+int TriangleUnder(const QuadMesh& layout, int face, const SurfaceProjector& projector);
+
 // The creases of a layout near a surface: edges whose faces' middles the surface's creases part, as
 // far as about the faces.
 Eigen::Matrix2Xi CreasesBetweenFaces(const QuadMesh& layout,

@@ -38,14 +38,13 @@ Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
   return sizes * std::sqrt(count / faces);
 }
 
-constexpr double kFlat = 0;  // no angle is
-
+// Without angles that are flat or turned over.
 QuadMesh Improved(const QuadMesh& raw, const SurfaceProjector& projector) {
   QuadImprover improver(raw, projector);
   constexpr int kSmoothings = 4;
   improver.Smooth(kSmoothings);
   improver.Improve();
-  if (improver.LeastSquareness() < kFlat) throw RefusedData("a face is too uneven");
+  if (improver.LeastSquareness() < 0) throw RefusedData("a face is too uneven");
   return improver.Mesh();
 }
 

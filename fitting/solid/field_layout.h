@@ -10,6 +10,8 @@
 
 namespace batten::internal {
 
+inline constexpr int kFewestFaces = 60;  // coarser layouts seldom follow a shape
+
 // A layout of about so many faces, all of one size or smaller where the surface bends: the squares
 // of a grid onto which the surface is mapped along a smooth field of crosses. Few vertices have
 // other than four edges: those about which the crosses turn. Throws RefusedData where no layout of

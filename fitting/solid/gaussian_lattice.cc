@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -134,14 +135,13 @@ Eigen::VectorXcd RoundedWithin(const Eigen::MatrixXcd& quadratic, const Eigen::V
   const ReducedLattice lattice(quadratic, centre);
   Eigen::VectorXcd z = RoundedInTurn(lattice);
   Eigen::VectorXcd pull = lattice.quadratic * (z - lattice.centre);
-  constexpr double kGain = 1e-9;  // of a step's own cost: less is rounding
   for (bool moved = true; moved;) {
     moved = false;
     for (Eigen::Index k = 0; k < z.size(); ++k) {
       const double stiff = std::real(lattice.quadratic(k, k));
       const std::complex<double> step = -Rounded(pull[k] / stiff);
       const double gain = 2 * std::real(std::conj(step) * pull[k]) + std::norm(step) * stiff;
-      if (!(gain < -kGain * stiff)) continue;
+      if (!(gain < -kRelativelyEqual * stiff)) continue;  // of a step's own cost
       z[k] += step;
       pull += step * lattice.quadratic.col(k);
       moved = true;

@@ -4,7 +4,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "fitting/core/rounding.h"
 
 namespace batten::internal {
 namespace {
@@ -12,8 +13,7 @@ namespace {
 // Normals of triangles, less their noise.
 Eigen::Matrix3Xd MeanNormals(const TriangleSurface& surface, const TriangleTopology& topology) {
   constexpr int kRounds = 8;
-  constexpr double kWidth =
-      25 * (std::numbers::pi / 180);  // normals that differ by more hardly count
+  constexpr double kWidth = 25 * kOneDegree;  // normals that differ by more hardly count
   Eigen::Matrix3Xd normals(3, topology.triangles());
   Eigen::VectorXd areas(normals.cols());
   for (Eigen::Index t = 0; t < normals.cols(); ++t) {

@@ -101,13 +101,13 @@ QuadMesh PairedLayout(const TriangleSurface& surface,
   // A coarse layout cut finer has fewer extraordinary vertices, where its faces are fine enough for
   // the shape; a layout finer than asked for may be where those are not.
   for (const double coarse : {16.0, 4.0, 1.0, 0.6}) {
-    constexpr double kAny = -3;     // least of all squarenesses; the fit judges
     constexpr double kFewest = 40;  // faces of a coarse layout
     if (coarse > 1 && faces / coarse < kFewest) continue;
     Report(progress, "layout", 0.0);
     try {
+      // Any that is not cut: the fit judges.
       QuadMesh layout =
-          EvenLayout(surface, projector, faces / coarse, coarse > 1 ? kEven : kAny, progress);
+          EvenLayout(surface, projector, faces / coarse, coarse > 1 ? kEven : -HUGE_VAL, progress);
       for (double cut = coarse; cut > 1; cut /= 4) layout = Finer(layout, projector);
       return layout;
     } catch (const std::invalid_argument& fault) {

@@ -13,7 +13,7 @@ std::vector<int> FoldedPatches(const LimitStencils& stencils,
                                const Eigen::Matrix3Xd& control_points,
                                ThreadPool& pool) {
   constexpr std::array kPlaces = {0.02, 0.3, 0.65, 0.98};
-  constexpr auto kCount = int(kPlaces.size());
+  const auto count = int(kPlaces.size());
   constexpr double kLeast = 0.1;  // cosine: sound patches turn by less from sample to sample
   const LimitSurface surface(stencils, control_points);
   std::vector<char> folded(patches.size(), 0);
@@ -23,10 +23,10 @@ std::vector<int> FoldedPatches(const LimitStencils& stencils,
       const auto apart = [&](int one, int other) {
         return normals.col(one).dot(normals.col(other)) < kLeast;
       };
-      for (int i = 0; i < kCount; ++i) {
-        for (int j = 0; j < kCount; ++j) {
-          const int at = i * kCount + j;
-          if ((i > 0 && apart(at, at - kCount)) || (j > 0 && apart(at, at - 1)))
+      for (int i = 0; i < count; ++i) {
+        for (int j = 0; j < count; ++j) {
+          const int at = i * count + j;
+          if ((i > 0 && apart(at, at - count)) || (j > 0 && apart(at, at - 1)))
             folded[std::size_t(k)] = 1;
         }
       }

@@ -269,7 +269,6 @@ double QuadImprover::LeastSquarenessAbout(int v) const {
 
 // A vertex stays where it is if a face would become uneven.
 void QuadImprover::Smooth() {
-  constexpr double kShare = 0.6, kFair = 0.5;
   for (int v = 0; v < int(around_.size()); ++v) {
     if (around_[std::size_t(v)].empty() || Held(v)) continue;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -280,8 +279,8 @@ void QuadImprover::Smooth() {
     }
     const Eigen::Vector3d at = points_.col(v);
     const double before = LeastSquarenessAbout(v);
-    points_.col(v) = projector_.Nearest(at + kShare * (middle - at));
-    if (LeastSquarenessAbout(v) < std::min(before, kFair)) points_.col(v) = at;
+    points_.col(v) = projector_.Nearest(at + kShareOfWay * (middle - at));
+    if (LeastSquarenessAbout(v) < std::min(before, kFairSquareness)) points_.col(v) = at;
   }
 }
 

@@ -15,6 +15,10 @@ namespace batten::internal {
 
 using Quad = std::array<int, 4>;
 
+// Of the way to the middle that a vertex is moved at once, and the squareness from which on faces
+// may become less even by that.
+inline constexpr double kShareOfWay = 0.6, kFairSquareness = 0.5;
+
 // How far the angles of a quadrilateral are from right ones: 1 for a square, 0 and less where one
 // is flat or folded over.
 double Squareness(const Eigen::Matrix3Xd& points, const Quad& quad);

@@ -4,11 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/refused_data.h"
+#include "fitting/core/rounding.h"
 #include "fitting/neighbours/normals.h"
 #include "fitting/solid/solid_measurement.h"
 #include "fitting/solid/surface_refinement.h"
@@ -32,8 +34,7 @@ QuadMeshSummary CheckedLayout(const QuadMesh& layout) {
 }
 
 std::string Degrees(double radians) {
-  constexpr double kDegree = 57.29577951308232;
-  return NumberText(std::round(radians * kDegree * 100) / 100) + "°";
+  return NumberText(std::round(radians * (180 / std::numbers::pi) * 100) / 100) + "°";
 }
 
 // Normals of the cloud, or planes through neighbours where it has none.
@@ -61,10 +62,10 @@ void RefuseUnsound(const SolidModel& solid, const SolidAudit& audit, bool open) 
   if (audit.edge_angle > kSmooth) {
     throw RefusedData("faces meet at an angle of " + Degrees(audit.edge_angle) + " at an edge");
   }
-  constexpr double kGap = 1e-9;  // of the size; construction leaves rounding
   const double size =
       (solid.vertices.rowwise().maxCoeff() - solid.vertices.rowwise().minCoeff()).norm();
-  if (audit.gap > kGap * size) throw RefusedData("faces gape by " + NumberText(audit.gap));
+  if (audit.gap > kRelativelyEqual * size)
+    throw RefusedData("faces gape by " + NumberText(audit.gap));
 }
 
 SolidPoints Prepared(const PointCloud& cloud,

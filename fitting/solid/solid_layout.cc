@@ -53,8 +53,8 @@ QuadMesh WithCreases(const QuadMesh& layout, const TriangleSurface& surface) {
   if (creases.none()) return layout;
   QuadMesh creased = layout;
   creased.creases = CreasesBetweenFaces(layout, surface, creases);
-  constexpr int kRounds = 0;  // it stays as it is drawn beside them
-  return OntoCreases(creased, surface, creases, SurfaceProjector(surface), kRounds);
+  // In no rounds: it stays as it is drawn beside them.
+  return OntoCreases(creased, surface, creases, SurfaceProjector(surface), 0);
 }
 
 QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progress) {
@@ -108,8 +108,8 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
 }
 
 int LayoutFaces(Eigen::Index points) {
-  constexpr Eigen::Index kEach = 8, kLeast = 60, kMost = 2500;
-  return int(std::clamp(points / kEach, kLeast, kMost));
+  constexpr Eigen::Index kEach = 8, kMost = 2500;
+  return int(std::clamp<Eigen::Index>(points / kEach, kFewestFaces, kMost));
 }
 
 }  // namespace batten

@@ -8,6 +8,7 @@
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/solid_layout.h"
 #include "fitting/core/stage_clock.h"
+#include "fitting/solid/field_layout.h"
 #include "fitting/solid/solid_fitter.h"
 #include "fitting/solid/surface_fit.h"
 
@@ -74,10 +75,9 @@ SolidFit FitSolid(const PointCloud& cloud,
   };
   if (faces > 0) return finished(*fitted(layout_of(faces)));
   const int most = LayoutFaces(cloud.size() - MergeDuplicates(cloud).duplicates);
-  constexpr int kFewest = 60;  // coarser layouts seldom follow a shape
-  std::vector<int> counts;     // from the last on
+  std::vector<int> counts;  // from the last on
   for (const int coarse : {1, 3, 9}) {
-    if (coarse == 1 || (!options.smoothing && most / coarse >= kFewest)) {
+    if (coarse == 1 || (!options.smoothing && most / coarse >= kFewestFaces)) {
       counts.push_back(most / coarse);
     }
   }

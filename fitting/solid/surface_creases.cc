@@ -5,20 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "fitting/core/rounding.h"
 #include "fitting/solid/normal_jumps.h"
 #include "fitting/solid/triangle_topology.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 45 * kDegree;    // of a curve, at a corner
-constexpr double kStrong = 35 * kDegree;  // between normals, somewhere in each connected part
-constexpr double kWeak = 15 * kDegree;    // everywhere but where a crease is prolonged
+constexpr double kTurn = 45 * kOneDegree;    // of a curve, at a corner
+constexpr double kStrong = 35 * kOneDegree;  // between normals, somewhere in each connected part
+constexpr double kWeak = 15 * kOneDegree;    // everywhere but where a crease is prolonged
 
 constexpr std::size_t kEach = 6;  // edges of a crease for a corner, or noise makes them
 
@@ -126,7 +125,7 @@ Piece PieceFrom(int first, const MarkedEdges& creases, const std::vector<double>
 // Drops those that turn hither and thither, hardly jump, or end soon after they leave another; over
 // and over, for what they ended at may then go on.
 void DropPieces(double shortest, const std::vector<double>& jump, MarkedEdges& creases) {
-  constexpr double kLeast = 25 * kDegree;
+  constexpr double kLeast = 25 * kOneDegree;
   for (bool more = true; more;) {
     more = false;
     for (int h = 0; h < creases.topology().half_edges(); ++h) {
@@ -177,8 +176,8 @@ void DropParts(double shortest, const std::vector<double>& jump, MarkedEdges& cr
 
 // Creases go on from their ends over edges that still turn, straight on, until they meet another.
 void Prolong(const std::vector<double>& turn, MarkedEdges& creases) {
-  constexpr double kLeast = 8 * kDegree;
-  constexpr double kStraight = 40 * kDegree;
+  constexpr double kLeast = 8 * kOneDegree;
+  constexpr double kStraight = 40 * kOneDegree;
   const TriangleTopology& topology = creases.topology();
   std::vector<int> ends;
   for (int v = 0; v < topology.vertices(); ++v) {

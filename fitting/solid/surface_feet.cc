@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
@@ -16,7 +18,6 @@ constexpr int kGrid = 3;  // samples a patch in each direction
 constexpr int kCandidates =
     16;  // samples looked at: two walls nearer than a sample apart share them
 constexpr int kSteps = 12;
-constexpr std::ptrdiff_t kBlock = 256;  // points
 
 // Whether a normal agrees with that of a point.
 bool Agrees(const Eigen::Vector3d& normal, const Eigen::Vector3d& given, bool oriented) {
@@ -101,8 +102,8 @@ void DescendOverCreases(const FootGround& ground, const Eigen::Vector3d& q, Limi
       LimitFoot other;
       other.place = beyond;
       Descend(ground.surface, q, other);
-      constexpr double kNearer = 1 - 1e-9;
-      if ((other.point - q).squaredNorm() < kNearer * (best.point - q).squaredNorm()) best = other;
+      const double nearer = (1 - kRelativelyEqual) * (best.point - q).squaredNorm();
+      if ((other.point - q).squaredNorm() < nearer) best = other;
     }
     if (!((best.point - q).squaredNorm() < square)) return;
     foot = best;
@@ -126,7 +127,7 @@ struct Samples {
     const auto count = Eigen::Index(places.size());
     points.resize(3, count);
     normals.resize(3, count);
-    pool.For(count, kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    pool.For(count, kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t k = begin; k < end; ++k) {
         const SurfaceJet jet = ground.surface.JetAt(places[std::size_t(k)]);
         points.col(k) = jet.point;
@@ -154,7 +155,7 @@ std::vector<LimitFoot> FeetOn(const FootGround& ground,
     candidates = std::min<int>(kCandidates, static_cast<int>(samples->places.size()));
     nearest = NeighbourIndex(samples->points, pool).Nearest(points, candidates);
   }
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kSlowPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       LimitFoot& foot = feet[std::size_t(k)];
       const Eigen::Vector3d given = normals.cols() > 0 ? Eigen::Vector3d(normals.col(k))

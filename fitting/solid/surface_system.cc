@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
 
@@ -219,14 +221,15 @@ void SurfaceSystem::Assemble(const std::vector<SurfaceDemand>& demands,
   std::fill(shares_.begin(), shares_.end(), 0.0);
   right_ = Eigen::Matrix3Xd::Zero(3, vertices_);
   std::vector<Eigen::VectorXd> all_weights(demands.size());
-  constexpr std::ptrdiff_t kBlock = 256;
-  pool_.For(std::ptrdiff_t(demands.size()), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const LimitPlace& place = demands[std::size_t(k)].place;
-      if (!stencils_.Support(place.patch).empty())
-        all_weights[std::size_t(k)] = stencils_.WeightsAt(place, 1);
-    }
-  });
+  pool_.For(std::ptrdiff_t(demands.size()),
+            kSlowPointsPerTask,
+            [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+              for (std::ptrdiff_t k = begin; k < end; ++k) {
+                const LimitPlace& place = demands[std::size_t(k)].place;
+                if (!stencils_.Support(place.patch).empty())
+                  all_weights[std::size_t(k)] = stencils_.WeightsAt(place, 1);
+              }
+            });
   for (std::size_t k = 0; k < demands.size(); ++k) {
     const SurfaceDemand& demand = demands[k];
     const Eigen::VectorXd& weights = all_weights[k];

@@ -77,8 +77,7 @@ TriangleCurvature CurvatureOf(const TriangleSurface& surface,
 Eigen::VectorXd FaceSizes(const TriangleSurface& surface,
                           const TriangleTopology& topology,
                           double face_length) {
-  constexpr int kBeside = 4;
-  const TriangleCurvature curvature = CurvatureOf(surface, topology, kBeside);
+  const TriangleCurvature curvature = CurvatureOf(surface, topology, kCurvatureRounds);
   // Radians over a face: of gentle bends the size is that of faces in flat places.
   constexpr double kGentle = 0.2;
   constexpr double kSmallest = 0.5, kLargest = 1.6;  // of the middle one

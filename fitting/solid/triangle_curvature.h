@@ -8,6 +8,8 @@
 
 namespace batten::internal {
 
+inline constexpr int kCurvatureRounds = 4;  // that make means of noise
+
 // Of every triangle, in the mean of those about it.
 struct TriangleCurvature {
   // Half the difference of the principal curvatures times the square of the direction of the

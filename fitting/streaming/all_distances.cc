@@ -79,7 +79,7 @@ void AllDistances::Merge(PointSource& source) {
   source.Sum(all.numbers());
   const Extremes own = extremes();
   const std::vector<double> every = source.Gathered({own.begin(), own.end()});
-  for (std::size_t k = 0; k < every.size(); k += kExtremes) {
+  for (std::size_t k = 0; k < every.size(); k += own.size()) {
     const double* one = every.data() + k;
     if (one[0] > used.greatest()) farthest = Eigen::Vector3d(one[2], one[3], one[4]);
     used.set_greatest(std::max(used.greatest(), one[0]));

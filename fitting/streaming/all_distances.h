@@ -49,8 +49,7 @@ struct AllDistances {
   void Merge(PointSource& source);
 
   // What Merge adds beside the counts, as numbers and from them.
-  static constexpr std::size_t kExtremes = 11;
-  using Extremes = std::array<double, kExtremes>;
+  using Extremes = std::array<double, 11>;
   Extremes extremes() const;
   void set_extremes(const Extremes& extremes);
 

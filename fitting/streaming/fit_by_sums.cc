@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/streaming/stream_pipeline.h"
 
 namespace batten::internal {
@@ -18,9 +19,9 @@ class CloudSource : public PointSource {
  public:
   explicit CloudSource(const PointCloud& cloud) : cloud_(cloud) {}
   void Pass(const TakePoints& take) override {
-    constexpr Eigen::Index kPiece = 1 << 16;
-    for (Eigen::Index at = 0; at < cloud_.size(); at += kPiece)
-      take(cloud_.points().middleCols(at, std::min(kPiece, cloud_.size() - at)).colwise() +
+    const Eigen::Index piece = kPointsOfPiece;
+    for (Eigen::Index at = 0; at < cloud_.size(); at += piece)
+      take(cloud_.points().middleCols(at, std::min(piece, cloud_.size() - at)).colwise() +
            cloud_.origin());
   }
 

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 
 FootGuesses::FootGuesses(const NurbsSurface& surface,
@@ -14,9 +16,8 @@ FootGuesses::FootGuesses(const NurbsSurface& surface,
       surface_(surface, expected, sample, of_sample_.parameters, pool) {}
 
 PointDistances FootGuesses::DistancesOf(const Eigen::Matrix3Xd& points, ThreadPool& pool) const {
-  constexpr std::ptrdiff_t kBlock = 1024;
   Eigen::Matrix2Xd near(2, points.cols());
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const std::vector<int> nearest = index_.Nearest(points.middleCols(begin, end - begin), 1);
     for (std::ptrdiff_t k = begin; k < end; ++k)
       near.col(k) = of_sample_.parameters.col(nearest[static_cast<std::size_t>(k - begin)]);

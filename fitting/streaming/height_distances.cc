@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "batten/geometry/local_foot_points.h"
+#include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/surface_distances.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kOverPlane = 1e-9;  // of the extent: control points so far from their places
-constexpr int kMostCells = 8;        // across a disc; a wider one is not looked at
+constexpr int kMostCells = 8;  // across a disc; a wider one is not looked at
 
 // Coefficients of the derivative in u of a net v × u, and in v of its transpose.
 Eigen::MatrixXd Derivative(const Eigen::MatrixXd& net, const SplineBasis& basis, int order) {
@@ -70,7 +71,7 @@ std::unique_ptr<HeightDistances> HeightDistances::Of(const NurbsSurface& surface
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
   if (surface.trimmed() || surface.rational() || u.periodic() || v.periodic()) return nullptr;
   const Eigen::Matrix3Xd framed = plane.ToFrame(surface.control_points());
-  const double allowed = kOverPlane * (framed.cwiseAbs().maxCoeff() + u.upper() + v.upper());
+  const double allowed = kRelativelyEqual * (framed.cwiseAbs().maxCoeff() + u.upper() + v.upper());
   for (int i = 0; i < surface.size_u(); ++i) {
     for (int j = 0; j < surface.size_v(); ++j) {
       const auto at = framed.col(Eigen::Index{i} * surface.size_v() + j);
@@ -102,8 +103,7 @@ HeightDistances::HeightDistances(const NurbsSurface& surface,
     if (part == 3 && smooth) uu = GreatestOfCells(Derivative(in_u, u, 1), u, v, 2, 0);
     if (part == 4 && smooth) vv = GreatestOfCells(AcrossDerivative(in_v, v, 1), u, v, 0, 2);
   };
-  constexpr std::ptrdiff_t kParts = 5;
-  pool.For(kParts, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(5, 1, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (auto part = static_cast<int>(begin); part < end; ++part) work(part);
   });
   slopes_ = (slope_u.array().square() + slope_v.array().square()).sqrt();
@@ -140,8 +140,7 @@ PointDistances HeightDistances::To(const Eigen::Matrix3Xd& points, ThreadPool& p
   const Eigen::Matrix2Xd places = plane_.ToFrame(points).topRows<2>();
   auto feet = LocalFootPoints(evaluator_, points, places, pool);
   std::atomic<Eigen::Index> uncertified = 0;
-  constexpr std::ptrdiff_t kPointsAtOnce = 1024;
-  pool.For(points.cols(), kPointsAtOnce, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       if (SurelyNearest(places.col(k), std::abs(feet.distances[k]))) continue;
       const SurfaceFoot foot =

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/geometry/extend.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
@@ -64,8 +65,7 @@ void NearSurface::PlaceOverPlane(const Eigen::Matrix3Xd& points,
   placed.parameters.resize(2, points.cols());
   placed.offsets.resize(points.cols());
   placed.distances.resize(points.cols());
-  constexpr std::ptrdiff_t kBlock = 2048;
-  pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const Eigen::Index count = end - begin;
     const Eigen::Matrix3Xd local = base_.plane->ToFrame(points.middleCols(begin, count));
     const Eigen::Matrix2Xd places = local.topRows<2>();

@@ -8,8 +8,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-
 // One step of SplitMix64. [Steele, Lea & Flood 2014]
 std::uint64_t Mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
@@ -23,7 +21,9 @@ std::uint64_t BitsOf(double value) { return std::bit_cast<std::uint64_t>(value +
 }  // namespace
 
 PointSample::PointSample(Eigen::Index size, std::uint64_t seed)
-    : size_(static_cast<std::size_t>(size)), seed_(Mixed(seed)), limit_(kNoLimit) {}
+    : size_(static_cast<std::size_t>(size)),
+      seed_(Mixed(seed)),
+      limit_(std::numeric_limits<std::uint64_t>::max()) {}
 
 void PointSample::Add(const Eigen::Matrix3Xd& points) {
   for (Eigen::Index k = 0; k < points.cols(); ++k) {

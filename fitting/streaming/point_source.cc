@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten {
-namespace {
-
-constexpr Eigen::Index kPiece = 1 << 16;
-
-}  // namespace
 
 ArraySource::ArraySource(const Eigen::Matrix3Xd& points) : points_(points) {
   if (!points.allFinite())
@@ -17,8 +14,9 @@ ArraySource::ArraySource(const Eigen::Matrix3Xd& points) : points_(points) {
 }
 
 void ArraySource::Pass(const TakePoints& take) {
-  for (Eigen::Index at = 0; at < points_.cols(); at += kPiece)
-    take(points_.middleCols(at, std::min(kPiece, points_.cols() - at)));
+  const Eigen::Index piece = internal::kPointsOfPiece;
+  for (Eigen::Index at = 0; at < points_.cols(); at += piece)
+    take(points_.middleCols(at, std::min(piece, points_.cols() - at)));
 }
 
 }  // namespace batten

@@ -22,7 +22,6 @@ namespace {
 // difference between surfaces is a hundredth of it (of a wave two cells long); fewer hide more.
 constexpr double kPlacesOfControlPoint = 40, kPlacesToAsk = 80;
 constexpr int kRounds = 3;
-constexpr double kRoomInSpacings = 4;  // of the sample, beyond its edges
 
 // The prepared cloud of means of places: each is as sure as its points are many.
 PreparedCloud PreparedMeans(const NearSurface& near,
@@ -55,6 +54,16 @@ double Unknowns(const NurbsSurface& surface) {
 }
 
 }  // namespace
+
+std::optional<double> ToleranceOfShape(const std::optional<double>& tolerance,
+                                       double noise,
+                                       double count) {
+  if (!tolerance) return std::nullopt;
+  constexpr double kLeastShare = 1.0 / 3;
+  const double greatest = noise * std::sqrt(2 * std::log(count));
+  return *tolerance > greatest ? std::max(*tolerance - greatest, kLeastShare * *tolerance)
+                               : *tolerance;
+}
 
 void RefuseWhatNeedsAllPoints(const SurfaceFitOptions& options) {
   const auto refuse = [](const char* field) {
@@ -149,17 +158,12 @@ bool StreamPipeline::IsFar(const NearSurface& near, const PlacesFit& fit) {
          kCounts * fit.sums.noise * std::sqrt(Unknowns(surface) / fit.sums.means.used);
 }
 
-// Over places every outlier is gone. Means must keep what noise leaves of the tolerance: the
-// greatest of m normal errors is about √(2 ln m) of them; where that is more, it can't be kept.
+// Over places every outlier is gone. Means must keep what noise leaves of the tolerance.
 SurfaceFitOptions StreamPipeline::OptionsOfPlaces(double noise) const {
   SurfaceFitOptions options = options_;
   options.keep_outliers = true;
   options.loss = Loss::kNone;
-  if (!options.tolerance) return options;
-  constexpr double kLeastShare = 1.0 / 3;
-  const double greatest = noise * std::sqrt(2 * std::log(look_.count));
-  if (*options.tolerance > greatest)
-    options.tolerance = std::max(*options.tolerance - greatest, kLeastShare * *options.tolerance);
+  options.tolerance = ToleranceOfShape(options.tolerance, noise, look_.count);
   return options;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,15 @@ namespace batten::internal {
 
 // Throws std::invalid_argument naming the option that needs all points in memory.
 void RefuseWhatNeedsAllPoints(const SurfaceFitOptions& options);
+
+// How far the surface that points are placed by goes on beyond the sample, in its spacings.
+inline constexpr double kRoomInSpacings = 4;
+
+// What noise leaves of the tolerance for the shape: the greatest of m normal errors is about
+// √(2 ln m) of them. All of it where that is more: it can't be kept.
+std::optional<double> ToleranceOfShape(const std::optional<double>& tolerance,
+                                       double noise,
+                                       double count);
 
 // How much is held, and when the pipeline stops.
 struct StreamLimits {

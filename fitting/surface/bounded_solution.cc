@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "batten/fitting/robust_loss.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/surface/coefficient_bounds.h"
 #include "fitting/surface/data_box.h"
@@ -15,14 +17,14 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kOfNoise = 3;           // slack of the bounds in standard deviations …
-constexpr double kOfSpacing = 1;         // … and in spacings: points may as well lie so far apart
+// Slack of the bounds in spacings, beside three standard deviations: points may as well lie so far
+// apart.
+constexpr double kOfSpacing = 1;
 constexpr double kCostOfHolding = 1.44;  // of the sum of squares, in a box
-constexpr double kRounding = 1e-9;       // of an interval
 // A coefficient that the points do not ask for costs nothing when held, but for chance: so many
-// times its share of the variance. Of points followed to so many times their noise, bounds and
-// boxes that cost more, and more than a share of what the unknowns cost by chance, are too narrow.
-constexpr double kOfChance = 6, kOfFreedom = 0.2, kAtNoise = 1.5;
+// times its share of the variance. Of points followed to their noise, bounds and boxes that cost
+// more, and more than a share of what the unknowns cost by chance, are too narrow.
+constexpr double kOfChance = 6, kOfFreedom = 0.2;
 constexpr int kWidenings = 3;  // each time twice as wide
 
 // Relative fairness of the smooth shape that bounds are about: it bends over some three cells,
@@ -71,7 +73,8 @@ class ActiveSet {
       const double height = bounds_.HeightOf(net_, k);
       const double inside = std::clamp(height, bounds_.low[k], bounds_.high[k]);
       // What was just released is at its bound but for rounding.
-      if (!(std::abs(height - inside) > kRounding * (bounds_.high[k] - bounds_.low[k]))) continue;
+      if (!(std::abs(height - inside) > kRelativelyEqual * (bounds_.high[k] - bounds_.low[k])))
+        continue;
       bounds_.SetHeight(net_, k, inside);
       held_[static_cast<size_t>(k)] = height < inside ? -1 : 1;
       any = true;
@@ -140,22 +143,6 @@ class ActiveSet {
   ThreadPool& pool_;
 };
 
-// Σ w |S − z|²
-double SquaresOf(const FittingProblem& problem,
-                 const Eigen::MatrixXd& coefficients,
-                 ThreadPool& pool) {
-  const Eigen::VectorXd squares =
-      (EvaluateAt(problem, coefficients, pool) - problem.data().values).colwise().squaredNorm();
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
-}
-
-// Of all data.
-double Weight(const FittingProblem& problem) {
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
-}
-
 // Bounds by data nearby, where these leave cells without data.
 void HoldCoefficients(const FittingProblem& problem,
                       const PenalisedSystem& system,
@@ -175,7 +162,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       .norm()
                       .transpose());
   CoefficientBounds bounds =
-      BoundsFromData(problem, smooth, measured, kOfNoise * noise + kOfSpacing * spacing, pool);
+      BoundsFromData(problem, smooth, measured, kThreeSigmas * noise + kOfSpacing * spacing, pool);
   const double squares = solution.residual_squares;
   const Eigen::MatrixXd free = solution.coefficients;
   for (int time = 0; bounds.Leaves(free); ++time) {
@@ -214,7 +201,7 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
   bounded.solution.residual_squares = SquaresOf(problem, bounded.solution.coefficients, pool);
   if (!Acts(Rule::kBounds)) return bounded;
-  const double all = Weight(problem), squares = bounded.solution.residual_squares;
+  const double all = WeightOf(problem), squares = bounded.solution.residual_squares;
   const bool at_noise = squares <= kAtNoise * kAtNoise * noise * noise * all;
   HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, at_noise, bounded);
   const double limit = at_noise

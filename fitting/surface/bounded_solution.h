@@ -10,6 +10,8 @@
 
 namespace batten::internal {
 
+inline constexpr double kAtNoise = 1.5;  // rms errors up to so many times the noise are noise
+
 struct BoundedSolution {
   LinearSolution solution;
   int held = 0;         // coefficients at a bound

@@ -202,8 +202,7 @@ std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
     held.wanted.insert(held.wanted.end(), now.wanted.begin(), now.wanted.end());
     return !now.at.empty();
   };
-  const Eigen::VectorXd& weights = problem.data().weights;
-  const double all = weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+  const double all = WeightOf(problem);
   double share = kFirstShare;
   bool outside = true;
   for (int round = 0; outside && round < kRoundsOfData; ++round, share *= 10) {
@@ -217,12 +216,22 @@ std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
     inside = SolveLinear(problem.WithSmoothing(fairness), pool);
     outside = leaves();
   }
-  const Eigen::VectorXd squares =
-      (EvaluateAt(problem, inside.coefficients, pool) - problem.data().values)
-          .colwise()
-          .squaredNorm();
-  inside.residual_squares = weights.size() > 0 ? weights.dot(squares) : squares.sum();
+  inside.residual_squares = SquaresOf(problem, inside.coefficients, pool);
   return inside;
+}
+
+double SquaresOf(const FittingProblem& problem,
+                 const Eigen::MatrixXd& coefficients,
+                 ThreadPool& pool) {
+  const Eigen::VectorXd squares =
+      (EvaluateAt(problem, coefficients, pool) - problem.data().values).colwise().squaredNorm();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
+}
+
+double WeightOf(const FittingProblem& problem) {
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
 }
 
 double BeyondBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points) {

@@ -25,6 +25,12 @@ std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         ThreadPool& pool,
                                         double grown = 1);
 
+// Σ w |S − z|² over all data.
+double SquaresOf(const FittingProblem& problem,
+                 const Eigen::MatrixXd& coefficients,
+                 ThreadPool& pool);
+double WeightOf(const FittingProblem& problem);  // Σ w
+
 // How far a surface in space leaves the box of points (along their principal axes), over its
 // diagonal; zero up to a fifth. O(control points).
 double BeyondBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points);

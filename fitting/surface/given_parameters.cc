@@ -15,14 +15,13 @@
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kNarrowestRange = 1e-12;  // of the parameters' size: room for knots between them
 constexpr double kLineSquared = 1e-13;  // share of the spread across a line: rounding of the sums
-constexpr double kLeastSize = 1e-100;   // squares of smaller numbers vanish
 constexpr int kScalingDegree = 3, kScalingSpans = 2;
 constexpr double kFlattest = 1e-3;  // ratio of lengths beyond which scaling gives up
 
@@ -42,8 +41,9 @@ Side RangeOf(const Eigen::RowVectorXd& parameters, const char* name) {
     throw RefusedData(std::string("the given parameters ") + name +
                       " are all equal: a surface needs columns u and v");
   }
+  // Room for knots between them.
   if (!(side.high - side.low >
-        kNarrowestRange * std::max(std::abs(side.low), std::abs(side.high)))) {
+        kRelativeRounding * std::max(std::abs(side.low), std::abs(side.high)))) {
     throw RefusedData(std::string("the given parameters ") + name +
                       " hardly differ against their size: subtract an origin from them");
   }

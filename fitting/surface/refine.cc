@@ -87,12 +87,11 @@ class Refinement {
 
  private:
   LinearSolution Solve() const {
-    constexpr int kOnce = 1;  // one of many solves
     return SolveWithinBounds(problem_,
                              points_.cols(),
                              options_.spacing,
                              pool_,
-                             kOnce,
+                             1,  // round: it is one of many solves
                              options_.held_rms,
                              options_.noise)
         .solution;

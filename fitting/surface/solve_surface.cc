@@ -62,8 +62,7 @@ constexpr int kRoundsOfBounds = 3;
 // The rms error that holding a surface in the box of its points may leave: any where it is not to
 // be trimmed to them.
 double HeldRms(const FitContext& context) {
-  constexpr double kOfNoise = 1.5;
-  return context.options().trim == Trimming::kNone ? HUGE_VAL : kOfNoise * context.noise();
+  return context.options().trim == Trimming::kNone ? HUGE_VAL : kAtNoise * context.noise();
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,7 +15,9 @@
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
 #include "fitting/core/mask_indices.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/joint/moved_terms.h"
 #include "fitting/least_squares/residual_structure.h"
 #include "fitting/surface/data_box.h"
@@ -27,7 +28,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kMeasuredSmoothing = 1e-4, kSmoothingOfFreeKnots = 1e-7;
+constexpr double kSmoothingOfFreeKnots = 1e-7;
 constexpr double kFewPoints = 12;  // to a control point
 constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
 constexpr double kFairnessToHold = 0.1, kStepOfHolding = 100;
@@ -35,7 +36,6 @@ constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint 
 constexpr double kFollowsNoise = 0.8;      // residuals over noise; below: a warning of overfitting
 constexpr double kSharedAtMost = 2.5;      // residuals over noise; above: they are shape
 constexpr double kStructured = 0.15;  // share of the residuals' variance that is smooth in a cell
-constexpr double kExact = 1e-9;       // of the cloud's size: residuals below are rounding
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
 constexpr double kEmptyToWarn = 0.05;  // share of the area
@@ -101,7 +101,7 @@ bool JointOptimizationReducesError(const SurfaceFitOptions& options,
 
 // The size of residuals due to rounding of the coordinates alone.
 double RoundingOf(const InputSummary& input) {
-  return kExact * (input.box_max - input.box_min).norm();
+  return kRelativelyEqual * (input.box_max - input.box_min).norm();
 }
 
 // Adds warnings where the user's options conflict with the noise of the points.
@@ -189,7 +189,6 @@ double FairnessOfFreePoints(Eigen::Index points, int unknowns) {
 
 // Scatters the used points' parameters to columns of all points, NaN for the others.
 Eigen::Matrix2Xd PlacesOf(const PointMask& used, const Eigen::Matrix2Xd& of_used) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Eigen::Matrix2Xd places = Eigen::Matrix2Xd::Constant(2, used.size(), kNone);
   Eigen::Index next = 0;
   for (Eigen::Index k = 0; k < used.size() && next < of_used.cols(); ++k) {
@@ -289,7 +288,7 @@ void OptimiseWhereItPays(SurfaceState& draft,
       draft.surface.basis_u(),
       draft.surface.basis_v(),
       std::move(data),
-      options.smoothing.value_or(optimize.free.knots ? kSmoothingOfFreeKnots : kMeasuredSmoothing));
+      options.smoothing.value_or(optimize.free.knots ? kSmoothingOfFreeKnots : kSurfaceSmoothing));
   const auto optimise = [&] {
     return Optimize(
         problem, draft.surface.control_points(), draft.surface.weights(), optimize, pool);

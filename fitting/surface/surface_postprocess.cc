@@ -17,6 +17,7 @@
 #include "batten/geometry/reverse.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/constraints/symmetric_net.h"
+#include "fitting/core/rounding.h"
 #include "fitting/linear/coefficient_order.h"
 #include "fitting/primitives/snap.h"
 #include "fitting/surface/base_borders.h"
@@ -33,7 +34,6 @@ void SnapToShape(FittedState& fitted,
                  const PointCloud& cloud,
                  const SurfaceFitOptions& options,
                  ThreadPool& pool) {
-  constexpr double kRounding = 1e-12;  // of the size
   SurfaceState& draft = fitted.draft;
   const Eigen::VectorXd distances =
       DistancesFrom(draft.surface, draft.used.points(), draft.parameters, pool).distances;
@@ -49,7 +49,7 @@ void SnapToShape(FittedState& fitted,
       SnapToPrimitive(draft.used.points(),
                       weights,
                       {squares, static_cast<double>(unknowns), options.tolerance},
-                      kRounding,
+                      kRelativeRounding,
                       options.seed,
                       pool);
   GeometrySummary& geometry = fitted.report.geometry;
@@ -71,10 +71,9 @@ void SnapToShape(FittedState& fitted,
 }
 
 void MakeNetSymmetric(NurbsSurface& surface, const CloudSymmetry& symmetry) {
-  constexpr double kSame = 1e-9;  // of the domain
   const auto& [plane, twins, direction] = symmetry;
   const SplineBasis basis = direction == Direction::kU ? surface.basis_u() : surface.basis_v();
-  const double low = basis.lower(), high = basis.upper(), near = kSame * (high - low);
+  const double low = basis.lower(), high = basis.upper(), near = kRelativelyEqual * (high - low);
   std::vector<double> missing;
   for (const KnotMultiplicity& one : DomainKnots(basis)) {
     const double image = low + high - one.knot;

@@ -15,6 +15,7 @@
 #include "batten/fitting/trim_to_points.h"
 #include "batten/geometry/split.h"
 #include "fitting/core/box_excursion.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/streaming/sample_warnings.h"
 #include "fitting/streaming/stream_pipeline.h"
@@ -30,8 +31,7 @@ constexpr double kPointsToCell = 4;   // of the finest net: fewer, and cross-val
 constexpr double kCellsOfTile = 128;  // of the finest net along a tile whose number is chosen
 constexpr int kCoarsestCells = 4;     // along a tile on the coarsest level, at least
 constexpr int kMostLevels = 5;
-constexpr int kMostOfSample = 5000;    // control points of the surface near all points
-constexpr double kRoomInSpacings = 4;  // of the sample, beyond its edges
+constexpr int kMostOfSample = 5000;  // control points of the surface near all points
 constexpr int kPassesForTolerance = 3;
 constexpr double kEmptyToTell = 0.05;  // share of the cells without points
 
@@ -91,15 +91,6 @@ TileAxes AxesOf(const Parameterization& base,
   while (level < kMostLevels && (of_tile >> (level + 1)) >= kCoarsestCells) ++level;
   return {TileAxis::Of(base.length_u, count_u, (cells_u / count_u) >> level, level),
           TileAxis::Of(base.length_v, count_v, (cells_v / count_v) >> level, level)};
-}
-
-// What is left of the tolerance for the shape: see StreamPipeline::OptionsOfPlaces.
-std::optional<double> Budget(const std::optional<double>& tolerance, double noise, double count) {
-  if (!tolerance) return std::nullopt;
-  constexpr double kLeastShare = 1.0 / 3;
-  const double greatest = noise * std::sqrt(2 * std::log(count));
-  return *tolerance > greatest ? std::max(*tolerance - greatest, kLeastShare * *tolerance)
-                               : *tolerance;
 }
 
 // Numbers of the points of each tile, as they are measured.
@@ -262,7 +253,7 @@ class TilePipeline {
         axes_->v,
         TileSearchOptions{
             options_.smoothing.value_or(kSurfaceSmoothing),
-            Budget(options_.tolerance, pipeline_.sample().noise, pipeline_.look().count),
+            ToleranceOfShape(options_.tolerance, pipeline_.sample().noise, pipeline_.look().count),
             options_.progress},
         pool_);
     return search_->Solved();
@@ -319,8 +310,7 @@ class TilePipeline {
     if (net.regularised)
       report.warnings.push_back(
           "the points do not determine every control point: fairness was raised");
-    constexpr double kSolved = 1e-9;
-    if (net.residual > kSolved)
+    if (net.residual > kRelativelyEqual)
       report.warnings.push_back("the equations hold to " + RoundedText(net.residual) +
                                 " of their right-hand side only: parts without points are large");
     return report;

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include "batten/fitting/refused_data.h"
 #include "geometry/evaluation/evaluation_table.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -71,8 +71,7 @@ TileDomain FindDomain(StreamPipeline& pipeline,
                       ThreadPool& pool) {
   const SampleFit& sample = pipeline.sample();
   const double limit = sample.LimitOf(near.Place(sample.cloud.points(), pool).distances, options);
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(kInfinite), high = -low;
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(kInfinity), high = -low;
   const auto extend = [&](const Eigen::Matrix3Xd& points) {
     const PlacedPoints placed = near.Place(pipeline.Local(points), pool);
     for (Eigen::Index k = 0; k < points.cols(); ++k) {

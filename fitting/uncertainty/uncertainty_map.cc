@@ -2,16 +2,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "batten/fitting/uncertainty.h"
 #include "batten/geometry/trim_region.h"
+#include "fitting/core/rounding.h"
 
 namespace batten {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPerSpan = 3, kFewest = 24, kMostOfSurface = 160, kMostOfCurve = 2000;
 
 // Middles of equal parts of the domain, some in every knot span.
@@ -47,7 +46,8 @@ UncertaintyMap MapUncertainty(const Uncertainty& of, const NurbsSurface& surface
   }
   map.places = of.At(places);
   for (Eigen::Index k = 0; k < places.cols(); ++k) {
-    if (!(map.areas[k] > 0)) map.places[static_cast<size_t>(k)] = {kNone, kNone, kNone};
+    if (!(map.areas[k] > 0))
+      map.places[static_cast<size_t>(k)] = {internal::kNone, internal::kNone, internal::kNone};
   }
   return map;
 }

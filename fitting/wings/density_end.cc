@@ -8,14 +8,15 @@
 #include <numbers>
 #include <vector>
 
+#include "fitting/core/shared_constants.h"
+
 namespace batten::internal {
 namespace {
 
 constexpr int kBinsPerFunction = 4;  // of the first guess
 constexpr size_t kRank = 3;          // from the outermost point of a bin
 constexpr double kStray = 1e-4;      // density beyond the end: strays do not pull it out
-constexpr int kMostSteps = 60;
-constexpr double kDone = 1e-4;  // noises: a smaller step ends the search
+constexpr double kDone = 1e-4;       // noises: a smaller step ends the search
 constexpr double kFewestPerFunction = 20;
 
 // The end by the outermost points of bins.
@@ -89,7 +90,7 @@ std::optional<Eigen::VectorXd> EndOfPoints(const EndingPoints& points,
   Eigen::VectorXd end = *first;
   double damping = 1e-3;
   Likelihood here = at(end, true);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostIterations; ++step) {
     Eigen::MatrixXd matrix = here.curvature;
     const double scale = matrix.trace() / static_cast<double>(functions) +
                          static_cast<double>(reach.size()) / (window * window);

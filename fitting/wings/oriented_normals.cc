@@ -11,8 +11,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kOfPlane = 13, kOfGraph = 9;  // neighbours, the point itself included
-constexpr double kMostRoughness = 0.5;      // counted in the cost of an edge of the tree
+constexpr double kMostRoughness = 0.5;  // counted in the cost of an edge of the tree
 
 struct TreeEdge {
   double cost;

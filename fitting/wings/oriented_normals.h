@@ -10,6 +10,9 @@
 
 namespace batten::internal {
 
+// Neighbours that give a point's plane, and those that it is linked with; itself included.
+inline constexpr int kOfPlane = 13, kOfGraph = 9;
+
 // Neighbours of every point, itself first: count · k indices, as NeighbourIndex::Nearest.
 struct Neighbourhoods {
   std::vector<int> nearest;

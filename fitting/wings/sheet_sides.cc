@@ -17,7 +17,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kNeighbours = 13;           // the point itself included
 constexpr int kSpacingOf = 6;             // the neighbour whose distance is the unit of length h
 constexpr double kFlatEnough = 0.35;      // roughness of the core [measured: prototype]
 constexpr double kTurned = 0.5;           // cosine to a neighbour's normal: less is another sheet
@@ -193,10 +192,9 @@ std::vector<std::vector<Eigen::Index>> CoreParts(const OrientedNormals& oriented
   }
   // Links both ways, so that parts do not depend on the order.
   std::vector<std::vector<int>> links(static_cast<size_t>(count));
-  constexpr int kLinks = 9;
   for (Eigen::Index k = 0; k < count; ++k) {
     if (!open[static_cast<size_t>(k)]) continue;
-    for (int j = 1; j < std::min(kLinks, around.k); ++j) {
+    for (int j = 1; j < std::min(kOfGraph, around.k); ++j) {
       const int other = around.At(k, j);
       if (!open[static_cast<size_t>(other)] || !agree(k, other)) continue;
       links[static_cast<size_t>(k)].push_back(other);
@@ -247,7 +245,7 @@ SheetSides TellSidesApart(const Eigen::Matrix3Xd& points,
     sides.failure_reason = "too few points to tell the sides of a thin section apart";
     return sides;
   }
-  const Neighbourhoods around{index.Nearest(points, kNeighbours), kNeighbours};
+  const Neighbourhoods around{index.Nearest(points, kOfPlane), kOfPlane};
   std::vector<double> distances(static_cast<size_t>(count));
   for (Eigen::Index k = 0; k < count; ++k)
     distances[static_cast<size_t>(k)] =

@@ -14,7 +14,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr int kPowers = 4;              // of a line's polynomial
 constexpr int kReweightings = 6;        // of a line's fit
 constexpr double kFar = 3;              // scales: a place that counts a tenth
 constexpr Eigen::Index kFewest = 30;    // points of an end
@@ -80,8 +79,8 @@ WingLine LineThrough(const Eigen::Matrix3Xd& points,
 }  // namespace
 
 WingLine::WingLine(const Eigen::VectorXd& v, const Eigen::Matrix3Xd& places)
-    : coefficients_(Eigen::Matrix3Xd::Zero(3, kPowers)) {
-  Eigen::MatrixX4d rows(v.size(), kPowers);
+    : coefficients_(Eigen::Matrix3Xd::Zero(3, 4)) {
+  Eigen::MatrixX4d rows(v.size(), 4);
   for (Eigen::Index k = 0; k < v.size(); ++k) rows.row(k) = Powers(v[k]);
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(v.size());
   for (int round = 0; round < kReweightings; ++round) {
@@ -102,7 +101,7 @@ Eigen::Matrix3Xd WingLine::BezierPoints(double from, double to) const {
   // Interpolation at thirds.
   Eigen::Matrix4d bernstein;
   Eigen::Matrix<double, 4, 3> places;
-  for (int k = 0; k < kPowers; ++k) {
+  for (int k = 0; k < 4; ++k) {
     const double t = k / 3.0, s = 1 - t;
     bernstein.row(k) << s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t;
     places.row(k) = At(from + (to - from) * t).transpose();
