@@ -7,6 +7,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/point_cloud.h"
+#include "batten/fitting/point_mask.h"
 #include "batten/geometry/thread_pool.h"
 
 namespace batten::internal {
