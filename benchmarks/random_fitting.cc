@@ -13,7 +13,6 @@
 #include <exception>
 #include <functional>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -22,6 +21,7 @@
 #include "batten/fitting/fit_curve.h"
 #include "batten/fitting/fit_surface.h"
 #include "batten/geometry/foot_point.h"
+#include "draw.h"
 
 using namespace batten;
 using namespace batten::internal;
@@ -30,22 +30,6 @@ namespace batten::internal {
 namespace {
 
 using std::numbers::pi;
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : engine_(0x9e3779b97f4a7c15u * (seed + 1)) {}
-  double Between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(engine_);
-  }
-  double Normal() { return std::normal_distribution<double>(0, 1)(engine_); }
-  template <size_t N>
-  double OneOf(const double (&values)[N]) {
-    return values[std::uniform_int_distribution<size_t>(0, N - 1)(engine_)];
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 using Sheet = std::function<Eigen::Vector3d(double, double)>;  // of the unit square
 using Curve = std::function<Eigen::Vector3d(double)>;          // of 0 … 1

@@ -16,12 +16,12 @@
 #include <functional>
 #include <map>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "ablation.h"
 #include "batten/fitting/curve_components.h"
+#include "draw.h"
 
 using namespace batten;
 
@@ -29,24 +29,6 @@ namespace batten::internal {
 namespace {
 
 using std::numbers::pi;
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : engine_(0x9e3779b97f4a7c15u * (seed + 7)) {}
-  double Between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(engine_);
-  }
-  int Whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
-  double Normal() { return std::normal_distribution<double>(0, 1)(engine_); }
-  template <size_t N>
-  double OneOf(const double (&values)[N]) {
-    return values[static_cast<size_t>(Whole(0, int(N) - 1))];
-  }
-  std::mt19937_64& engine() { return engine_; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 struct Curve {
   std::function<Eigen::Vector3d(double)> at;  // of 0 … 1, of size about 1

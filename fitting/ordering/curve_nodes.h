@@ -40,8 +40,8 @@ CurveScale ScaleOfCurves(const Eigen::Matrix3Xd& points);
 
 // Returns nodes no two of which are nearer than `radius`. Where the noise exceeds the spacing of
 // the points, each has moved to the middle of the points around it (mean shift across the direction
-// in which they run); else they are points of the cloud. Those between curves, with far fewer points
-// around than the next, are left out. O(m log m).
+// in which they run); else they are points of the cloud. Those between curves, with far fewer
+// points around than the next, are left out. O(m log m).
 Eigen::Matrix3Xd CurveNodes(const Eigen::Matrix3Xd& points,
                             double noise,
                             double radius,

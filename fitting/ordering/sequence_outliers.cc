@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
@@ -15,9 +16,9 @@ namespace {
 constexpr Eigen::Index kFewestOfSequence = 8;
 constexpr Eigen::Index kRunBlock = 8;    // steps are alike over three of them
 constexpr double kStepQuantile = 0.3;    // of lengths half of which may lead to outliers and back
-constexpr double kLeavingNoisy = 4;      // where noise turns it about;
-constexpr double kSkippingSmooth = 1.3;  // each point left out
-constexpr double kSkippingNoisy = 4;
+constexpr double kLeavingNoisy = 4;      // steps that leaving the line costs where noise turns it;
+constexpr double kSkippingSmooth = 1.3;  // each point left out, where it hardly turns …
+constexpr double kSkippingNoisy = 4;     // … and where noise turns it
 constexpr Eigen::Index kTurnBlock = 16;
 constexpr double kTurnQuantile = 0.14;  // three in a row are rarely free of outliers
 constexpr double kNoisyTurn = 0.3;
@@ -201,9 +202,8 @@ bool TurnsAsACurve(const Line& line, Eigen::Index from, Eigen::Index to) {
   return sharp <= 1;
 }
 
-// Whether points between `from` and `to` may be outliers: they are left and joined by longer steps
-// than those beside; not many in a row are near each other (a part of the curve at the end of long
-// steps).
+// Whether points between `from` and `to` may be outliers: not many in a row are near each other (a
+// part of the curve at the end of long steps).
 bool MayBeOutliers(const Line& line, Eigen::Index from, Eigen::Index to, double usual) {
   Eigen::Index near_each_other = 1;
   for (Eigen::Index k = from; k < to; ++k) {
@@ -397,10 +397,11 @@ PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed) {
   if (HasNoOutliers(points)) return PointMask::Constant(points.cols(), false);
   Line line{points, {}, closed};
   for (Eigen::Index k = 0; k < points.cols(); ++k) line.kept.push_back(k);
-  for (Eigen::Index before = -1; line.size() != before && line.size() >= kFewestOfSequence;) {
-    before = line.size();
+  for (int round = 0; round < kRobustRounds && line.size() >= kFewestOfSequence; ++round) {
+    const Eigen::Index before = line.size();
     line.Remove(LeftOut(line));
     if (line.size() >= kFewestOfSequence) line.Remove(OffTheLine(line));
+    if (line.size() == before) break;
   }
   PointMask sequence_outliers = PointMask::Constant(points.cols(), true);
   for (const Eigen::Index k : line.kept) sequence_outliers[k] = false;
