@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
-#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kFewestOfSequence = 8;
+constexpr int kRounds = 10;              // three are enough but where a third are outliers
 constexpr Eigen::Index kRunBlock = 8;    // steps are alike over three of them
 constexpr double kStepQuantile = 0.3;    // of lengths half of which may lead to outliers and back
 constexpr double kLeavingNoisy = 4;      // steps that leaving the line costs where noise turns it;
@@ -397,7 +397,7 @@ PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed) {
   if (HasNoOutliers(points)) return PointMask::Constant(points.cols(), false);
   Line line{points, {}, closed};
   for (Eigen::Index k = 0; k < points.cols(); ++k) line.kept.push_back(k);
-  for (int round = 0; round < kRobustRounds && line.size() >= kFewestOfSequence; ++round) {
+  for (int round = 0; round < kRounds && line.size() >= kFewestOfSequence; ++round) {
     const Eigen::Index before = line.size();
     line.Remove(LeftOut(line));
     if (line.size() >= kFewestOfSequence) line.Remove(OffTheLine(line));

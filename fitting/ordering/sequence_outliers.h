@@ -20,7 +20,7 @@ namespace batten::internal {
 //      programming.
 //  (2) Of the others, those that lie off the chords over them, off the lines of the points before
 //      and of those behind, each by far more than their neighbours do.
-// Both three times at most, each without the outliers found before. O(m).
+// Both ten times at most, each without the outliers found before. O(m).
 PointMask FindSequenceOutliers(const Eigen::Matrix3Xd& points, bool closed);
 
 }  // namespace batten::internal
