@@ -12,6 +12,7 @@
 #include "batten/geometry/nurbs_curve.h"
 #include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
@@ -114,6 +115,7 @@ double NearestAlong(const SurfaceEvaluator& surface,
     } else {
       step /= 2;
     }
+    if (std::abs(step) <= kRelativeRounding * (basis.upper() - basis.lower())) break;
     const double next = basis.Clamp(best + step);
     if (next == free || next == best) break;
     free = next;

@@ -184,7 +184,8 @@ const ShapeData& ShapeFitter::Counting(const ShapeFit& fit) {
 }
 
 void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit) {
-  const SurfaceMinimum minimum = Minimised(start, data_, loss, kMostIterations, pool_);
+  constexpr int kMostSteps = 200;  // more are of a shape that its points hardly determine
+  const SurfaceMinimum minimum = Minimised(start, data_, loss, kMostSteps, pool_);
   fit.local = minimum.shape;
   fit.steps += minimum.steps;
   fit.distances = SurfaceDistances(fit.local, data_.points, pool_);

@@ -123,12 +123,16 @@ struct FootPointsOf {
       const double out = s.major + on_tube[0];
       return (at - Eigen::Vector3d(out * about[0], out * about[1], on_tube[1])).squaredNorm();
     };
+    // Beyond an end of the round, in the plane of its end.
+    const auto on_side = [&](const Eigen::Vector3d& at, const Eigen::Vector2d& side) {
+      const double u = round(side[0], side[1]);
+      return Eigen::Vector2d(u, tube(at.head<2>().dot(round.At(u)) - s.major, at[2]));
+    };
     return InFrame(s.frame, [&](const Eigen::Vector3d& at) {
-      const double out = at.head<2>().norm();
-      const Eigen::Vector2d here(round(at[0], at[1]), tube(out - s.major, at[2]));
+      const Eigen::Vector2d here = on_side(at, at.head<2>());
       if (!(s.minor > s.major)) return here;
       // A spindle's tube goes on across the axis.
-      const Eigen::Vector2d across(round(-at[0], -at[1]), tube(-out - s.major, at[2]));
+      const Eigen::Vector2d across = on_side(at, -at.head<2>());
       return off(at, across) < off(at, here) ? across : here;
     });
   }

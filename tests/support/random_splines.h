@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/QR>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -147,10 +147,13 @@ class RandomSplines {
 
   // A turn, perhaps with a reflection.
   Eigen::Matrix3d Orthogonal() {
-    const Eigen::Matrix3d random{{Real(-1, 1), Real(-1, 1), Real(-1, 1)},
-                                 {Real(-1, 1), Real(-1, 1), Real(-1, 1)},
-                                 {Real(-1, 1), Real(-1, 1), Real(-1, 1)}};
-    return Eigen::HouseholderQR<Eigen::Matrix3d>(random).householderQ();
+    Eigen::Matrix3d axes{{Real(-1, 1), Real(-1, 1), Real(-1, 1)},
+                         {Real(-1, 1), Real(-1, 1), Real(-1, 1)},
+                         {Real(-1, 1), Real(-1, 1), Real(-1, 1)}};
+    axes.col(0).normalize();
+    axes.col(1) = axes.col(0).cross(axes.col(1)).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1)) * (axes(2, 2) < 0 ? -1 : 1);
+    return axes;
   }
 
  private:

@@ -64,28 +64,53 @@ ExactTorus RandomSpindle(int trial, RandomSplines& random) {
           std::array{inner, outer, both, part}[static_cast<size_t>(trial % 4)]};
 }
 
+// Of points up to `off` from places that keep the share `margin` of each angle from its ends.
+void ExpectNoPlaceNearer(const ExactTorus& torus,
+                         const Dense& dense,
+                         double margin,
+                         double off,
+                         RandomSplines& random,
+                         ThreadPool& pool) {
+  const NurbsSurface surface = ToNurbs(torus);
+  Eigen::Matrix3Xd points(3, 60);
+  for (auto p : points.colwise()) {
+    p = At(torus,
+           torus.round.start + random.Real(margin, 1 - margin) * torus.round.sweep,
+           torus.tube.start + random.Real(margin, 1 - margin) * torus.tube.sweep) +
+        random.Vector(off);
+  }
+  const Eigen::Matrix2Xd feet = FootPointsOn(torus, points, pool);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const double distance = (points.col(k) - surface.At(feet(0, k), feet(1, k))).norm();
+    EXPECT_LE(distance, dense.DistanceFrom(points.col(k)) + kRounding) << k;
+  }
+}
+
 TEST(SurfaceFootPointsTest, OfASpindleNoPlaceIsNearer) {
   RandomSplines random(5);
   ThreadPool pool(1);
   for (int trial = 0; trial < 24; ++trial) {
     SCOPED_TRACE("seed 5, trial " + std::to_string(trial));
     const ExactTorus torus = RandomSpindle(trial, random);
-    const NurbsSurface surface = ToNurbs(torus);
     const Dense dense(torus);
-    Eigen::Matrix3Xd points(3, 60);
-    for (auto p : points.colwise()) {
-      p = At(torus,
-             torus.round.start + random.Real(0.1, 0.9) * torus.round.sweep,
-             torus.tube.start + random.Real(0.1, 0.9) * torus.tube.sweep) +
-          random.Vector(0.02);
-    }
-    const Eigen::Matrix2Xd feet = FootPointsOn(torus, points, pool);
-    for (Eigen::Index k = 0; k < points.cols(); ++k) {
-      const double distance = (points.col(k) - surface.At(feet(0, k), feet(1, k))).norm();
-      EXPECT_LE(distance, dense.DistanceFrom(points.col(k)) + kRounding) << k;
-    }
+    ExpectNoPlaceNearer(torus, dense, 0.1, 0.02, random, pool);
     const double of_steps = 2.0 / Dense::kSteps;  // midpoints beside the kinks at the axis
     EXPECT_NEAR(AreaOf(torus), dense.area, of_steps * dense.area);
+  }
+}
+
+// Also beside the ends of its angles, where the feet are on its edges.
+TEST(SurfaceFootPointsTest, OfAPieceOfARingNoPlaceIsNearer) {
+  RandomSplines random(7);
+  ThreadPool pool(1);
+  for (int trial = 0; trial < 24; ++trial) {
+    SCOPED_TRACE("seed 7, trial " + std::to_string(trial));
+    const ExactTorus torus{Frame(random.Vector(1), random.Orthogonal().col(0)),
+                           1,
+                           random.Real(0.1, 0.9),
+                           {random.Real(0, 6), random.Real(0.5, 3)},
+                           {random.Real(0, 6), random.Real(0.5, 4)}};
+    ExpectNoPlaceNearer(torus, Dense(torus), -0.1, 0.1, random, pool);
   }
 }
 
