@@ -71,7 +71,7 @@ py::array CurvePoints(const Body& body, const Doubles& u, int threads) {
   return points;
 }
 
-py::array Points(const Body& body, const Doubles& u, const std::optional<Doubles>& v, int threads) {
+py::array PointsAt(const Body& body, const Doubles& u, const std::optional<Doubles>& v, int threads) {
   if (!body.is_surface()) {
     return body.dimension() == 2 ? CurvePoints<2>(body, u, threads)
                                  : CurvePoints<3>(body, u, threads);
@@ -291,7 +291,7 @@ py::tuple Closest(const BodyPtr& body, const Doubles& array, int threads) {
 }  // namespace
 
 void BindEvaluation(py::module_& m) {
-  m.def("points", &Points);
+  m.def("points", &PointsAt);
   m.def("derivatives", &Derivatives);
   m.def("normals", &Normals);
   m.def("curvatures", &Curvatures);

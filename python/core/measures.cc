@@ -69,7 +69,7 @@ double AreaOf(const Body& body, const std::optional<std::array<double, 4>>& box)
   return box ? Area(surface, (*box)[0], (*box)[1], (*box)[2], (*box)[3]) : Area(surface);
 }
 
-py::object Range(const Body& body) {
+py::object CurvatureRangeOf(const Body& body) {
   const auto range = std::visit(
       [](const auto& shape) {
         const py::gil_scoped_release released;
@@ -232,7 +232,7 @@ void BindMeasures(py::module_& m) {
   m.def("length", &Length);
   m.def("parameters_at_lengths", &AtLength);
   m.def("area", &AreaOf);
-  m.def("curvature_range", &Range);
+  m.def("curvature_range", &CurvatureRangeOf);
   m.def("closed", [](const Body& b, Name d, double tolerance) {
     return InDirection(
         b, d, [&](const auto& shape, auto... along) { return Closed(shape, along..., tolerance); });

@@ -14,7 +14,7 @@
 namespace batten::python {
 namespace {
 
-using Box = std::array<std::array<double, 2>, 2>;
+using Region = std::array<std::array<double, 2>, 2>;
 
 std::vector<double> Row(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
@@ -25,7 +25,7 @@ auto WithCurve(const Body& body, Function f) {
   return f(std::get<NurbsCurve<3>>(body.geometry()));
 }
 
-Box BoxOf(const ParameterBox& box) { return {{{box.u0, box.u1}, {box.v0, box.v1}}}; }
+Region BoxOf(const ParameterBox& box) { return {{{box.u0, box.u1}, {box.v0, box.v1}}}; }
 
 // (kind, closed, curve, on first, on second, deviation) of each branch; (point, first, second, on a
 // branch) of each touch; (first, second, point) of each overlap; the tolerance.
