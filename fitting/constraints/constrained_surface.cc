@@ -25,11 +25,7 @@ namespace batten::internal {
 namespace {
 
 constexpr double kMissedAngle = 1e-6;
-constexpr double kMissedAlong = 1e-4;    // along an edge: what thinning may leave, and some
-constexpr double kFirmSmoothing = 1e-7;  // from here on what is singular stays singular
-constexpr double kLeastSmoothing = 1e-12;
-constexpr double kSingularInJitters = 16;
-constexpr int kAttempts = 16;
+constexpr double kMissedAlong = 1e-4;  // along an edge: what thinning may leave, and some
 
 // Replaces rows and columns by those of the identity times `pivot`.
 void Pin(BlockBandedMatrix& matrix, const std::vector<Eigen::Index>& rows, double pivot) {
@@ -400,11 +396,10 @@ ConstrainedSolution ConstrainedSystem::Solve(const FittingProblem& problem,
   const EdgeEnergy energy = EnergyOf(parts_->edges, problem.energy());
   const std::vector<Eigen::Index> pinned = parts_->PinnedRows(system);
   double smoothing = problem.smoothing();
-  for (int attempt = 0; attempt <= kAttempts; ++attempt) {
-    BlockBandedMatrix matrix = system.Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5)));
+  for (int attempt = 0; attempt <= PenalisedSystem::kAttempts; ++attempt) {
+    BlockBandedMatrix matrix = system.Matrix(smoothing, PenalisedSystem::JittersOf(attempt));
     Pin(matrix, pinned, matrix.Trace() / matrix.size());
-    if (matrix.Factor() && (smoothing >= kFirmSmoothing ||
-                            matrix.SmallestPivot() > kSingularInJitters * system.jitter())) {
+    if (matrix.Factor() && system.Determines(smoothing, matrix.SmallestPivot())) {
       BorderedSolution solution = internal::Solve(
           parts_->Assembled(data, system, energy, system.Lambda(smoothing)), matrix);
       parts_->Meet(solution, system);
@@ -433,7 +428,7 @@ ConstrainedSolution ConstrainedSystem::Solve(const FittingProblem& problem,
         return result;
       }
     }
-    smoothing = std::max(10 * smoothing, kLeastSmoothing);
+    smoothing = PenalisedSystem::Raised(smoothing);
   }
   Reject("SolveConstrained",
          "the points do not determine the control points: too few carry weight, or the degree is "

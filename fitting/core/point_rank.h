@@ -3,9 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 
@@ -25,8 +25,7 @@ inline int PointRank(const Eigen::Ref<const Eigen::MatrixXd>& points) {
     scatter.noalias() += p * p.transpose();
   }
   scatter -= sum * sum.transpose() / static_cast<double>(points.cols());
-  const Eigen::VectorXd spreads =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd spreads = EigenOf(scatter).values;
   return static_cast<int>((spreads.array() > kRelativeRounding * spreads.maxCoeff()).count());
 }
 

@@ -10,6 +10,7 @@
 
 #include "batten/geometry/foot_point.h"
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 namespace {
@@ -88,13 +89,12 @@ struct Step {
       if (left.cols() == 0) break;
       const Eigen::MatrixXd seen = left.transpose() * form.matrix * left;
       const Eigen::VectorXd pull = left.transpose() * (form.right - form.matrix * step);
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(seen);
-      const double least =
-          kSeen * std::max(form.matrix.trace() / 6, solver.eigenvalues().maxCoeff());
+      const internal::SymmetricEigen eigen = internal::EigenOf(seen);
+      const double least = kSeen * std::max(form.matrix.trace() / 6, eigen.values.maxCoeff());
       std::vector<Eigen::Index> open;
       for (Eigen::Index k = 0; k < seen.cols(); ++k) {
-        const Eigen::VectorXd v = solver.eigenvectors().col(k);
-        const double eigenvalue = solver.eigenvalues()[k];
+        const Eigen::VectorXd v = eigen.vectors.col(k);
+        const double eigenvalue = eigen.values[k];
         if (!(eigenvalue > least)) {
           open.push_back(k);
           continue;
@@ -104,7 +104,7 @@ struct Step {
         covariance += way * way.transpose() / eigenvalue;
         ++determined;
       }
-      left = (left * solver.eigenvectors()(Eigen::all, open)).eval();
+      left = (left * eigen.vectors(Eigen::all, open)).eval();
     }
   }
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/knots/knot_descent.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,8 @@
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
 #include <ceres/ceres.h>
+
+#include "geometry/numeric/dense_solvers.h"
 #pragma GCC diagnostic pop
 
 namespace batten::internal {
@@ -79,15 +80,12 @@ void Compress(const Eigen::MatrixXd& H,
       H.diagonal().unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   const Eigen::MatrixXd unit =
       scale.cwiseInverse().asDiagonal() * H * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(unit);
+  const auto [values, vectors] = EigenOf(unit);
   const Eigen::VectorXd roots =
-      solver.eigenvalues()
-          .cwiseMax(kRoundedEigenvalue * std::max(1.0, solver.eigenvalues()[n - 1]))
-          .cwiseSqrt();
-  rows.topRows(n) = roots.asDiagonal() * solver.eigenvectors().transpose() * scale.asDiagonal();
+      values.cwiseMax(kRoundedEigenvalue * std::max(1.0, values[n - 1])).cwiseSqrt();
+  rows.topRows(n) = roots.asDiagonal() * vectors.transpose() * scale.asDiagonal();
   rows.row(n).setZero();
-  Eigen::VectorXd r =
-      (solver.eigenvectors().transpose() * g.cwiseQuotient(scale)).cwiseQuotient(roots);
+  Eigen::VectorXd r = (vectors.transpose() * g.cwiseQuotient(scale)).cwiseQuotient(roots);
   const double explained = r.squaredNorm();
   if (explained > cost) r *= std::sqrt(cost / explained);
   Eigen::Map<Eigen::VectorXd>(residuals, n) = r;

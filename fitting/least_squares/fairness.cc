@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/least_squares/fairness.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "fitting/linear/coefficient_order.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -25,9 +25,9 @@ Quadrature::Quadrature(int count) {
   for (int k = 1; k < count; ++k) {
     jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(jacobi);
-  nodes = solver.eigenvalues();
-  weights = 2 * solver.eigenvectors().row(0).array().square().transpose();
+  const internal::SymmetricEigen eigen = internal::EigenOf(jacobi);
+  nodes = eigen.values;
+  weights = 2 * eigen.vectors.row(0).array().square().transpose();
 }
 
 Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {

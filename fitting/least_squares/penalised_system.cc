@@ -20,7 +20,6 @@ constexpr double kSingularInJitters = 16;
 // undetermined are in its null space.
 constexpr double kFirmSmoothing = 1e-7;
 
-constexpr int kAttempts = 16;
 constexpr double kLeastSmoothing = 1e-12;
 
 const SplineBasis* Pointer(const std::optional<SplineBasis>& basis) {
@@ -81,8 +80,7 @@ BlockBandedMatrix PenalisedSystem::Matrix(double smoothing, double jitters) cons
 PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* pool) const {
   const double asked = smoothing;
   for (int attempt = 0; attempt <= kAttempts; ++attempt) {
-    // High degrees need more jitter than the rounding unit.
-    TiedSystem matrix(Matrix(smoothing, std::pow(30.0, std::max(0, attempt - 5))), ties_);
+    TiedSystem matrix(Matrix(smoothing, JittersOf(attempt)), ties_);
     if (matrix.Factor(pool) && Determines(smoothing, matrix.SmallestPivot())) {
       Eigen::MatrixXd rows = rhs();
       matrix.Solve(rows);
@@ -99,11 +97,17 @@ PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* p
         return solution;
       }
     }
-    smoothing = std::max(10 * smoothing, kLeastSmoothing);
+    smoothing = Raised(smoothing);
   }
   throw std::invalid_argument(
       "the points do not determine the control points: too few carry weight, or the degree is too "
       "high for them");
+}
+
+double PenalisedSystem::JittersOf(int attempt) { return std::pow(30.0, std::max(0, attempt - 5)); }
+
+double PenalisedSystem::Raised(double smoothing) {
+  return std::max(10 * smoothing, kLeastSmoothing);
 }
 
 bool PenalisedSystem::Determines(double smoothing, double least_pivot, double margin) const {

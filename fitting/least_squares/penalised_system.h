@@ -55,8 +55,13 @@ class PenalisedSystem {
   // jitter determines, by `margin` times as much as Solve asks for.
   bool Determines(double smoothing, double least_pivot, double margin = 1) const;
 
+  // Where it is singular, more is tried so often: jitters, of which high degrees need more than the
+  // rounding unit, and smoothing.
+  static constexpr int kAttempts = 16;
+  static double JittersOf(int attempt);
+  static double Raised(double smoothing);
+
   double Lambda(double smoothing) const { return smoothing * unit_; }
-  double jitter() const { return jitter_; }
   double squares() const { return equations_.squares(); }  // Σ w |z|²
   const Eigen::MatrixXd& rhs() const { return equations_.rhs(); }
   bool u_outside() const { return u_outside_; }

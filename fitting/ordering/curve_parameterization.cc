@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/curve_parameterization.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "batten/geometry/knot_vectors.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -41,18 +40,12 @@ Eigen::MatrixXd Whitened(const Eigen::MatrixXd& points, bool closed, double roun
   // A closed curve's first point, which is there twice, counts once.
   const Eigen::MatrixXd once = points.leftCols(points.cols() - (closed ? 1 : 0));
   const Eigen::VectorXd mean = once.rowwise().mean();
-  const Eigen::Index d = points.rows();
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::max(d, once.cols()), d);
-  rows.topRows(once.cols()) = (once.colwise() - mean).transpose();
-  const Eigen::MatrixXd qr = Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR();
-  const Eigen::MatrixXd r = qr.topRows(d).triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
-  const Eigen::VectorXd spread = svd.singularValues();
+  const auto [spread, axes] = SingularValuesOf((once.colwise() - mean).transpose());
   const double least =
       std::max(kFlattest * spread[0], rounding * std::sqrt(static_cast<double>(once.cols())));
   Eigen::Index wide = 1;
-  while (wide < d && spread[wide] > least) ++wide;
-  return spread.head(wide).cwiseInverse().asDiagonal() * svd.matrixV().leftCols(wide).transpose() *
+  while (wide < spread.size() && spread[wide] > least) ++wide;
+  return spread.head(wide).cwiseInverse().asDiagonal() * axes.leftCols(wide).transpose() *
          (points.colwise() - mean);
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/algebraic_fits.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -68,9 +69,7 @@ FittedSurface AlgebraicConeFit(const Eigen::Matrix3Xd& points, const Axis& axis)
   const Eigen::Matrix2Xd meridian = MeridianOf(points, axis);
   const Eigen::Vector2d mean = meridian.rowwise().mean();
   const Eigen::Matrix2Xd from = meridian.colwise() - mean;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      Eigen::Matrix2d(from * from.transpose()));
-  const Eigen::Vector2d normal = solver.eigenvectors().col(0);
+  const Eigen::Vector2d normal = EigenOf(from * from.transpose()).vectors.col(0);
   return Turned(SurfaceKind::kCone, axis, mean, std::atan2(normal[1], normal[0]), points.col(0));
 }
 

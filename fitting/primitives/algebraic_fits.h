@@ -4,11 +4,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "fitting/primitives/fitted_surface.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 
@@ -39,7 +39,7 @@ struct AlgebraicRound {
       row << (x.col(k).squaredNorm() - mean) / (2 * root), x.col(k);
       moments += weights[k] * row * row.transpose();
     }
-    Row v = Eigen::SelfAdjointEigenSolver<Moments>(moments).eigenvectors().col(0);
+    Row v = EigenOf(moments).vectors.col(0);
     if (v[0] < 0) v = -v;
     const double a = v[0] / (2 * root), d = -a * mean;
     const Eigen::Matrix<double, Dim, 1> b = v.template tail<Dim>();

@@ -5,6 +5,7 @@
 
 #include "fitting/primitives/shape_descent.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -51,8 +52,8 @@ FittedLine LineOf(const FittedLine& from, const Moments& moments, bool plane) {
   FittedLine line;
   line.point = from.point + mean;
   if (plane) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(inertia.topLeftCorner<2, 2>());
-    line.direction << axes.eigenvectors().col(1), 0;
+    const SymmetricEigen axes = EigenOf(inertia.topLeftCorner<2, 2>());
+    line.direction << axes.vectors.col(1), 0;
   } else {
     line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvectors().col(2);
   }

@@ -2,10 +2,11 @@
 #include "fitting/primitives/local_bend.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <numeric>
 #include <optional>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -30,18 +31,18 @@ std::optional<Bend> BendNear(const Eigen::Vector3d& middle,
     const double x = local(0, k), y = local(1, k);
     design.row(k) << 1, x, y, x * x / 2, x * y, y * y / 2;
   }
-  const Eigen::VectorXd c = design.colPivHouseholderQr().solve(local.row(2).transpose());
+  const Eigen::VectorXd c = LeastSquares(design, local.row(2).transpose());
   if (!c.allFinite()) return std::nullopt;
   const Eigen::Matrix2d hessian{{c[3], c[4]}, {c[4], c[5]}};
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal(hessian);
+  const SymmetricEigen principal = EigenOf(hessian);
   Bend bend;
   bend.normal = (axes * Eigen::Vector3d(-c[1], -c[2], 1)).normalized();
   bend.point = middle + c[0] * axes.col(2);
   for (int i = 0; i < 2; ++i) {
-    Eigen::Vector3d direction = axes.leftCols<2>() * principal.eigenvectors().col(i);
+    Eigen::Vector3d direction = axes.leftCols<2>() * principal.vectors.col(i);
     direction -= direction.dot(bend.normal) * bend.normal;
     bend.directions[i] = direction.normalized();
-    bend.curvatures[i] = -principal.eigenvalues()[i];
+    bend.curvatures[i] = -principal.values[i];
   }
   return bend;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/shape_scores.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "fitting/primitives/surface_distance.h"
 #include "fitting/primitives/surface_minimum.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -159,13 +159,12 @@ FreedomCovariance CovarianceOf(const FittedSurface& shape,
   FreedomCovariance result;
   Eigen::VectorXd unit = a.diagonal().cwiseSqrt();
   for (double& value : unit) value = value > 0 ? 1 / value : 1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      Eigen::MatrixXd(unit.asDiagonal() * a * unit.asDiagonal()));
+  const SymmetricEigen eigen = EigenOf(unit.asDiagonal() * a * unit.asDiagonal());
   constexpr double kFree = 1e-14;  // rounding of the sums
-  const Eigen::VectorXd lambda = solver.eigenvalues().cwiseMax(kFree);
-  result.determined = solver.eigenvalues().minCoeff() > kFree;
+  const Eigen::VectorXd lambda = eigen.values.cwiseMax(kFree);
+  result.determined = eigen.values.minCoeff() > kFree;
   const Eigen::MatrixXd whiten = lambda.cwiseSqrt().cwiseInverse().asDiagonal() *
-                                 solver.eigenvectors().transpose() * unit.asDiagonal();
+                                 eigen.vectors.transpose() * unit.asDiagonal();
   Scores scores(shape, data, loss, pool);
   scores.Gather(whiten);
   const Sums& sums = scores.sums();
@@ -188,9 +187,9 @@ FreedomCovariance CovarianceOf(const FittedSurface& shape,
     if (!(moments.mean > 1 + kSignificant * moments.spread)) continue;
     if (!(moments.mean > result.inflation)) continue;
     result.inflation = moments.mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spread(moments.matrix);
-    white = spread.eigenvectors() * spread.eigenvalues().cwiseMax(moments.mean).asDiagonal() *
-            spread.eigenvectors().transpose();
+    const SymmetricEigen spread = EigenOf(moments.matrix);
+    white = spread.vectors * spread.values.cwiseMax(moments.mean).asDiagonal() *
+            spread.vectors.transpose();
   }
   result.covariance = variance / (slope * slope) * whiten.transpose() * white * whiten;
   return result;

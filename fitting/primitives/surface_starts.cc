@@ -3,7 +3,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "fitting/primitives/algebraic_fits.h"
 #include "fitting/primitives/local_bend.h"
 #include "fitting/primitives/normal_axes.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -209,7 +209,7 @@ std::vector<FittedSurface> StartsFromCylinder(SurfaceKind kind,
     design.row(k) << 1, c, s, h * c, h * s, h * h / 2 * c, h * h / 2 * s;
     residuals[k] = std::hypot(from.dot(b), from.dot(cylinder.normal)) - std::abs(radius);
   }
-  const Eigen::VectorXd bend = design.colPivHouseholderQr().solve(residuals);
+  const Eigen::VectorXd bend = LeastSquares(design, residuals);
   if (!bend.allFinite()) return starts;
   const Eigen::Vector2d curve = bend.tail<2>();
   const double size = std::max(curve.norm(), 1e-6);

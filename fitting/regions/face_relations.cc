@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +16,7 @@
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/settle_regions.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -284,7 +284,8 @@ class ConstrainedStep {
     for (std::size_t k = 0; k < shapes_.size(); ++k) {
       const int n = FreedomsOf(shapes_[k].kind);
       const Eigen::MatrixXd matrix = forms[k].matrix.topLeftCorner(n, n) / variances[k];
-      inverses.push_back(matrix.completeOrthogonalDecomposition().pseudoInverse());
+      inverses.push_back(LeastNormSolution(
+          matrix, Eigen::MatrixXd::Identity(n, n), n * std::numeric_limits<double>::epsilon()));
       plain.push_back(inverses.back() * forms[k].gradient.head(n) / variances[k]);
     }
     Linearise();
@@ -304,11 +305,11 @@ class ConstrainedStep {
     // differ by ten powers of ten.
     const Eigen::VectorXd scale =
         schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> scaled;
-    scaled.setThreshold(kRelativeRounding);
-    scaled.compute(scale.asDiagonal() * schur * scale.asDiagonal());
     const Eigen::VectorXd multipliers =
-        scale.cwiseProduct(scaled.solve(scale.cwiseProduct(right)).eval());
+        scale.cwiseProduct(LeastNormSolution(scale.asDiagonal() * schur * scale.asDiagonal(),
+                                             scale.cwiseProduct(right),
+                                             kRelativeRounding)
+                               .col(0));
     std::vector<Freedoms> steps(shapes_.size(), Freedoms::Zero());
     for (std::size_t k = 0; k < shapes_.size(); ++k) steps[k].head(plain[k].size()) = -plain[k];
     for (const Block& one : blocks_) {

@@ -2,13 +2,13 @@
 #include "fitting/regions/turned_joins.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "fitting/regions/region_shape.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -61,8 +61,7 @@ std::optional<FittedSurface> Round(const Eigen::Matrix2Xd& profile,
   const Eigen::Matrix2Xd off = profile.colwise() - mean;
   Eigen::MatrixX3d system(off.cols(), 3);
   system << 2 * off.transpose(), Eigen::VectorXd::Ones(off.cols());
-  const Vector3d solved =
-      system.colPivHouseholderQr().solve(off.colwise().squaredNorm().transpose().eval());
+  const Vector3d solved = LeastSquares(system, off.colwise().squaredNorm().transpose());
   const Vector2d center = mean + solved.head<2>();
   const double radius = std::sqrt(solved[2] + solved.head<2>().squaredNorm());
   if (!std::isfinite(radius) || !(center[1] > 0)) return std::nullopt;

@@ -2,9 +2,10 @@
 #include "fitting/solid/triangle_curvature.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -56,7 +57,7 @@ TriangleCurvature CurvatureOf(const TriangleSurface& surface,
       along[k] = (normals.col(to) - normals.col(from))
                      .dot(surface.vertices.col(to) - surface.vertices.col(from));
     }
-    const Eigen::Vector3d form = rows.colPivHouseholderQr().solve(along);
+    const Eigen::Vector3d form = LeastSquares(rows, along);
     const bool found = form.allFinite();
     curvature.difference[t] = found ? Complex((form[0] - form[2]) / 2, form[1]) : 0;
     curvature.mean[t] = found ? (form[0] + form[2]) / 2 : 0;

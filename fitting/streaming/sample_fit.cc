@@ -8,8 +8,8 @@
 
 #include "batten/fitting/robust_loss.h"
 #include "fitting/cloud/residual_outliers.h"
-#include "fitting/core/shared_constants.h"
 #include "fitting/surface/fit_over_base.h"
+#include "fitting/surface/inlier_classification.h"
 
 namespace batten::internal {
 namespace {
@@ -17,7 +17,6 @@ namespace {
 // Where the sample has no outliers, points are none up to so many times its greatest distance: that
 // of 10^12 normal errors is 1.7 times that of 10^5.
 constexpr double kBeyondSample = 4;
-constexpr double kMisses = 3, kBeyondStructure = 2, kLeastScale = 1e-3;  // as ClassifyInliers has
 
 }  // namespace
 
@@ -27,10 +26,7 @@ double SampleFit::LimitOf(const Eigen::VectorXd& distances,
                           const SurfaceFitOptions& options) const {
   if (options.keep_outliers) return std::numeric_limits<double>::infinity();
   const double scale = options.loss_scale.value_or(RobustScale(distances));
-  const bool misses = scale > kMisses * noise;
-  const double least = std::max({kTukeyTuning * scale,
-                                 (misses ? kBeyondStructure : kLeastScale) * spacing,
-                                 options.tolerance.value_or(0)});
+  const double least = LeastOutlierDistance(scale, noise, spacing, options);
   return std::min(OutlierThreshold(distances, least),
                   std::max(least, kBeyondSample * distances.cwiseAbs().maxCoeff()));
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/data_box.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "batten/geometry/surface_evaluator.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -53,8 +52,7 @@ Box BoxOf(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& kept) 
   const Eigen::MatrixXd used = values(Eigen::all, kept);
   const Eigen::VectorXd mean = used.rowwise().mean();
   const Eigen::MatrixXd off = used.colwise() - mean;
-  if (d > 1)
-    box.axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(off * off.transpose()).eigenvectors();
+  if (d > 1) box.axes = internal::EigenOf(off * off.transpose()).vectors;
   const Eigen::MatrixXd along = box.axes.transpose() * used;
   box.low = along.rowwise().minCoeff();
   box.high = along.rowwise().maxCoeff();
@@ -70,11 +68,9 @@ bool Counts(const FittingData& data, Eigen::Index k) {
 Eigen::Vector3d PlaneThrough(const Eigen::Matrix2Xd& places, const Eigen::VectorXd& heights) {
   constexpr double kOnALine = 0.01;  // breadth over length
   const Eigen::Vector2d middle = places.rowwise().mean();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rows;
-  rows.setThreshold(kOnALine);
-  rows.compute((places.colwise() - middle).transpose());
   const double mean = heights.mean();
-  const Eigen::Vector2d slopes = rows.solve((heights.array() - mean).matrix());
+  const Eigen::Vector2d slopes = internal::LeastNormSolution(
+      (places.colwise() - middle).transpose(), (heights.array() - mean).matrix(), kOnALine);
   return {mean - slopes.dot(middle), slopes[0], slopes[1]};
 }
 

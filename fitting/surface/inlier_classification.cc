@@ -164,8 +164,7 @@ class InlierPasses {
                                    .loss_scale = options_.loss_scale,
                                    .progress = options_.progress};
     // Exact points that are off by so little are good: it is the surface that misses them.
-    if (!options_.loss)
-      reweighting.least_scale = kLeastScale * context_.spacing() / kTukeyTuning;
+    if (!options_.loss) reweighting.least_scale = kLeastScale * context_.spacing() / kTukeyTuning;
     Take(Reweighted(
         found_.problem,
         reweighting,
@@ -188,12 +187,7 @@ class InlierPasses {
 
   // The outlier threshold for distances from a surface with this scale.
   double FarthestGood(double scale) const {
-    // A surface that misses the shape can identify only outliers far beyond the structure between
-    // points.
-    const bool misses = scale > kMisses * context_.noise();
-    return std::max({kTukeyTuning * scale,
-                     (misses ? kBeyondStructure : kLeastScale) * context_.spacing(),
-                     options_.tolerance.value_or(0)});
+    return LeastOutlierDistance(scale, context_.noise(), context_.spacing(), options_);
   }
 
   // Whether points are few, with a small share of the sum of squares of the last distances.
@@ -257,6 +251,16 @@ class InlierPasses {
 };
 
 }  // namespace
+
+double LeastOutlierDistance(double scale,
+                            double noise,
+                            double spacing,
+                            const SurfaceFitOptions& options) {
+  const bool misses = scale > kMisses * noise;
+  return std::max({kTukeyTuning * scale,
+                   (misses ? kBeyondStructure : kLeastScale) * spacing,
+                   options.tolerance.value_or(0)});
+}
 
 ClassifiedPoints ClassifyInliers(FitContext& context) {
   const bool robust = StartsRobust(context);

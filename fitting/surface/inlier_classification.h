@@ -19,6 +19,14 @@ struct ClassifiedPoints {
   std::vector<RoundSummary> rounds = {};
 };
 
+// The least distance from a surface, whose residuals have this scale, that an outlier is apart. A
+// surface that misses the shape, by the noise, can identify only outliers far beyond the structure
+// between points.
+double LeastOutlierDistance(double scale,
+                            double noise,
+                            double spacing,
+                            const SurfaceFitOptions& options);
+
 // Classifies inliers by their neighbours before there is a surface, then by their distance from it,
 // until the classification is stable: at most five passes. The bases are chosen anew each time, or
 // taken from the options; weights are those of the loss where outliers were found or one is asked

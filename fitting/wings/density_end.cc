@@ -2,13 +2,13 @@
 #include "fitting/wings/density_end.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -41,7 +41,7 @@ std::optional<Eigen::VectorXd> FirstEnd(const EndingPoints& points) {
   if (std::ssize(outer) < 2 * functions) return std::nullopt;
   const Eigen::MatrixXd rows = points.along(outer, Eigen::all);
   const Eigen::VectorXd values = points.reach(outer);
-  return rows.colPivHouseholderQr().solve(values).eval();
+  return LeastSquares(rows, values);
 }
 
 struct Likelihood {

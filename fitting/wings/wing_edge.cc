@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/wings/wing_edge.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "fitting/wings/density_end.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -49,7 +49,7 @@ bool MoveEdge(const WingPlaces& at, double spacing, double noise, WingFrame& fra
     rows.row(r) << ending.along.row(i), before, before * at.SideOf(k);
     heights[r] = at.At(k).above * frame.ChordAt(at.At(k).v);
   }
-  const Eigen::VectorXd lines = rows.colPivHouseholderQr().solve(heights);
+  const Eigen::VectorXd lines = LeastSquares(rows, heights);
   Eigen::VectorXd v(kEdgeSamples);
   Eigen::Matrix3Xd moved(3, kEdgeSamples);
   for (int s = 0; s < kEdgeSamples; ++s) {
@@ -84,7 +84,7 @@ EdgeWedge WedgeAtEdge(const WingPlaces& at, const WingFrame& frame, double noise
     heights[r] = at.At(k).above;
     middle += before / static_cast<double>(rows.rows());
   }
-  const Eigen::Vector4d line = rows.colPivHouseholderQr().solve(heights);
+  const Eigen::Vector4d line = LeastSquares(rows, heights);
   return {line[0] / (line[0] + line[1] * middle), line[1]};
 }
 

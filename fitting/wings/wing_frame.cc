@@ -3,13 +3,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "batten/fitting/statistics.h"
 #include "fitting/core/mask_indices.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -86,7 +86,7 @@ WingLine::WingLine(const Eigen::VectorXd& v, const Eigen::Matrix3Xd& places)
   for (int round = 0; round < kReweightings; ++round) {
     const Eigen::MatrixX4d weighted = weights.asDiagonal() * rows;
     const Eigen::MatrixX3d values = weights.asDiagonal() * places.transpose();
-    coefficients_ = weighted.colPivHouseholderQr().solve(values).transpose();
+    coefficients_ = LeastSquares(weighted, values).transpose();
     const Eigen::VectorXd off =
         (places - coefficients_ * rows.transpose()).colwise().norm().transpose();
     const double scale = Median(std::vector<double>(off.begin(), off.end()));
@@ -106,7 +106,7 @@ Eigen::Matrix3Xd WingLine::BezierPoints(double from, double to) const {
     bernstein.row(k) << s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t;
     places.row(k) = At(from + (to - from) * t).transpose();
   }
-  return bernstein.colPivHouseholderQr().solve(places).transpose();
+  return LeastSquares(bernstein, places).transpose();
 }
 
 Eigen::Matrix3d WingFrame::AxesAt(double v) const {

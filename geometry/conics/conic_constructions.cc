@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "batten/geometry/conic_arc.h"
 #include "geometry/numeric/conic_fit.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -79,7 +78,7 @@ Lifted<Dim> Crossing(const char* function,
   if ((T2 - T2.dot(T0) * T0).norm() <= kParallel) return Lift<Dim>(T0, 0);
   Eigen::Matrix<double, Dim, 2> lines;
   lines << T0, -T2;
-  const Eigen::Vector2d at = lines.colPivHouseholderQr().solve(chord);
+  const Eigen::Vector2d at = internal::LeastSquares(lines, chord);
   const double gap = (lines * at - chord).norm();
   RequireThat(
       gap <= kMiss * chord.norm(),
@@ -100,7 +99,7 @@ Eigen::Vector3d Coordinates(const Eigen::Matrix<double, Dim + 1, 3>& columns,
   target[Dim] *= scale;
   const Eigen::Vector3d norms = scaled.colwise().norm().transpose();
   for (int i = 0; i < 3; ++i) scaled.col(i) /= norms[i];
-  const Eigen::Vector3d b = scaled.colPivHouseholderQr().solve(target);
+  const Eigen::Vector3d b = internal::LeastSquares(scaled, target);
   if (gap) *gap = (scaled * b - target).norm();
   return b.cwiseQuotient(norms);
 }
@@ -172,10 +171,9 @@ Eigen::Vector3d MiddleColumn(const ImplicitConic& local,
 // The plane of points: its frame, and how far they are off it.
 template <int Dim>
 Eigen::Matrix<double, Dim, 2> PlaneOf(const Eigen::Matrix<double, Dim, 5>& centred, double* off) {
-  const Eigen::JacobiSVD<Eigen::Matrix<double, Dim, Eigen::Dynamic>> svd(centred,
-                                                                         Eigen::ComputeFullU);
-  *off = Dim > 2 ? svd.singularValues()[Dim - 1] : 0;
-  return svd.matrixU().template leftCols<2>();
+  const internal::SingularValues spread = internal::SingularValuesOf(centred.transpose());
+  *off = Dim > 2 ? spread.values[Dim - 1] : 0;
+  return spread.v.leftCols(2);
 }
 
 void RequireNoThreeOnALine(const Eigen::Matrix2Xd& points, double size) {

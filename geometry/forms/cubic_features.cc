@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "geometry/bezier/bernstein.h"
 #include "geometry/bezier/spline_pieces.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -172,9 +172,9 @@ std::vector<CubicFeatures> FeaturesOfCubic(const NurbsCurve<Dim>& curve, double 
     for (int i = 0; i < 4; ++i) points.col(i) = piece.points.col(i).head<3>() / piece.points(3, i);
     const Eigen::Vector3d middle = points.rowwise().mean();
     const Eigen::Matrix<double, 3, 4> centred = points.colwise() - middle;
-    const Eigen::JacobiSVD<Eigen::Matrix<double, 3, 4>> svd(centred, Eigen::ComputeFullU);
+    const internal::SingularValues spread = internal::SingularValuesOf(centred.transpose());
     const double size = centred.colwise().norm().maxCoeff();
-    const Eigen::Vector3d extent = svd.singularValues();
+    const Eigen::Vector3d extent = spread.values;
     if (!(extent[1] > tolerance * size)) {
       features.kind = CubicKind::kLine;
     } else if (extent[2] > tolerance * size) {
@@ -182,7 +182,7 @@ std::vector<CubicFeatures> FeaturesOfCubic(const NurbsCurve<Dim>& curve, double 
       features.torsion = TorsionOf(piece.points);
     } else {
       Plane4 plane;
-      plane.topRows<2>() = svd.matrixU().leftCols<2>().transpose() * centred / size;
+      plane.topRows<2>() = spread.v.leftCols(2).transpose() * centred / size;
       for (int i = 0; i < 4; ++i) plane.col(i).head<2>() *= piece.points(3, i);
       plane.row(2) = piece.points.row(3);
       AddPlaneFeatures(plane, 1, tolerance, features);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/numeric/dense_solvers.h"
+
 namespace batten::internal {
 namespace {
 
@@ -192,10 +194,10 @@ Eigen::Vector3d PairContact::Second(const Eigen::Vector4d& at) const {
 
 bool PairContact::Coincident(const Eigen::Vector4d& at) const {
   const System system = SystemAt(at, nullptr);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(system.matrix));
+  const Eigen::VectorXd changes = SingularValuesOf(system.matrix).values;
   // Two directions in which nothing changes.
   constexpr double kNothing = 1e-6;
-  return svd.singularValues()[2] <= kNothing * svd.singularValues()[0];
+  return changes[2] <= kNothing * changes[0];
 }
 
 MeetPoint PairContact::PointAt(const Eigen::Vector4d& at) const {
@@ -214,9 +216,8 @@ MeetPoint PairContact::PointAt(const Eigen::Vector4d& at) const {
   p.sine = std::min(1.0, across.norm());
   if (kind_ == MeetKind::kTouching) {
     const System system = SystemAt(at, nullptr);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(system.matrix),
-                                                Eigen::ComputeFullV);
-    const Eigen::Vector4d direction = widths_.cwiseProduct(svd.matrixV().col(3));
+    const Eigen::Vector4d direction =
+        widths_.cwiseProduct(SingularValuesOf(system.matrix).v.col(3));
     p.tangent = a.du * direction[0] + a.dv * direction[1];
   } else {
     p.regular = p.sine > kLeastContactSine;

@@ -2,12 +2,12 @@
 #include "geometry/joining/hole_sides.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/nurbs/homogeneous.h"
 
 namespace batten::internal {
@@ -70,7 +70,7 @@ NurbsCurve<3> HoleSide::Spline(int spans,
   const Eigen::MatrixXd rest =
       points - values.col(0) * start.transpose() - values.col(size - 1) * end.transpose();
   control.middleCols(1, size - 2) =
-      values.middleCols(1, size - 2).colPivHouseholderQr().solve(rest).transpose();
+      internal::LeastSquares(values.middleCols(1, size - 2), rest).transpose();
   return NurbsCurve<3>(basis, std::move(control));
 }
 

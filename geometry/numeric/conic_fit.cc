@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/numeric/conic_fit.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -15,9 +15,7 @@ PlaneConic Framed(const Eigen::Matrix2Xd& points) {
   PlaneConic conic;
   conic.origin = points.rowwise().mean();
   const Eigen::MatrixXd spread = (points.colwise() - conic.origin).transpose();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(spread);
-  const Eigen::Matrix2d r = qr.matrixQR().topRows<2>().triangularView<Eigen::Upper>();
-  conic.axes = Eigen::JacobiSVD<Eigen::Matrix2d>(r, Eigen::ComputeFullV).matrixV();
+  conic.axes = SingularValuesOf(spread).v;
   conic.stretch = (spread * conic.axes).cwiseAbs().colwise().maxCoeff().transpose();
   for (double& s : conic.stretch) {
     if (!(s > 0)) s = 1;
@@ -72,15 +70,7 @@ double TurnedParabola(PlaneConic& conic,
 }  // namespace
 
 Eigen::VectorXd NullVector(const Eigen::MatrixXd& design) {
-  const Eigen::Index n = design.cols();
-  Eigen::MatrixXd padded = design;
-  if (design.rows() < n) {
-    padded = Eigen::MatrixXd::Zero(n, n);
-    padded.topRows(design.rows()) = design;
-  }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(padded);
-  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  return Eigen::JacobiSVD<Eigen::MatrixXd>(r, Eigen::ComputeFullV).matrixV().col(n - 1);
+  return SingularValuesOf(design).v.rightCols(1);
 }
 
 // The root of F + |∇F| s + H s² nearest to zero, H the second-order term along the gradient.

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/Geometry>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "batten/geometry/classify_shape.h"
-#include "geometry/numeric/conic_fit.h"
-#include "geometry/shapes/local_points.h"
 #include "geometry/bezier/steady_sections.h"
+#include "geometry/numeric/conic_fit.h"
+#include "geometry/numeric/dense_solvers.h"
+#include "geometry/shapes/local_points.h"
 
 namespace batten {
 using namespace internal;
@@ -37,9 +36,7 @@ struct Spread {
 
   explicit Spread(const Eigen::Matrix3Xd& samples) : middle(samples.rowwise().mean()) {
     const Eigen::MatrixXd centred = (samples.colwise() - middle).transpose();
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(centred);
-    const Eigen::Matrix3d r = qr.matrixQR().topRows<3>().triangularView<Eigen::Upper>();
-    axes = Eigen::JacobiSVD<Eigen::Matrix3d>(r, Eigen::ComputeFullV).matrixV();
+    axes = internal::SingularValuesOf(centred).v;
     if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
     // Seen from the tip of the last axis the curve turns left.
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();

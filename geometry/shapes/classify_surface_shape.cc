@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/Geometry>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,11 +8,12 @@
 #include <vector>
 
 #include "batten/geometry/classify_shape.h"
+#include "geometry/bezier/steady_sections.h"
 #include "geometry/numeric/conic_fit.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/nurbs/homogeneous.h"
 #include "geometry/shapes/local_points.h"
 #include "geometry/shapes/revolved_circle.h"
-#include "geometry/bezier/steady_sections.h"
 
 namespace batten {
 using namespace internal;
@@ -209,10 +208,7 @@ class Classifier {
   SurfaceShape Sphere() const {
     const Eigen::Vector3d middle = samples_.points().rowwise().mean();
     const Eigen::Matrix3Xd centred = samples_.points().colwise() - middle;
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(centred.transpose());
-    const Eigen::Matrix3d r = qr.matrixQR().topRows<3>().triangularView<Eigen::Upper>();
-    const Eigen::Matrix3d axes =
-        Eigen::JacobiSVD<Eigen::Matrix3d>(r, Eigen::ComputeFullV).matrixV();
+    const Eigen::Matrix3d axes = internal::SingularValuesOf(centred.transpose()).v;
     const Eigen::Matrix3Xd turned = axes.transpose() * centred;
     Eigen::Vector3d stretch = turned.rowwise().lpNorm<Eigen::Infinity>();
     for (double& s : stretch) {

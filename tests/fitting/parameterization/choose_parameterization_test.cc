@@ -17,6 +17,7 @@
 namespace batten::internal::choose_parameterization_test {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 ParameterizationChoice Choose(const Eigen::Matrix3Xd& points,
                               BaseShape shape = BaseShape::kAuto,
@@ -146,6 +147,21 @@ TEST(ChooseBaseTest, RefusesPartsFarApartWhateverTheBase) {
       }
     }
   }
+}
+
+// Lines of a scanner far apart for their points, pieces with gaps between them, and strays are none.
+TEST(ChooseBaseTest, RefusesNoPartsThatAreNotFarApart) {
+  Eigen::Matrix3Xd lines(3, 40 * 60);
+  for (Eigen::Index k = 0; k < lines.cols(); ++k)
+    lines.col(k) << static_cast<double>(k % 60), 30.0 * static_cast<double>(k / 60), 0;
+  EXPECT_EQ(RefusalOf(lines, BaseShape::kPlane), "");
+  Eigen::Matrix3Xd pieces = NoisyPoints(FlatSheet(1, 1)).points;
+  for (auto p : pieces.colwise()) p[0] = 1.5 * p[0] + std::floor(3 * p[0]);
+  EXPECT_EQ(RefusalOf(pieces, BaseShape::kPlane), "");
+  Eigen::Matrix3Xd strays = NoisyPoints(FlatSheet(1, 1)).points;
+  for (Eigen::Index k = 0; k < strays.cols(); k += 8)
+    strays.col(k).head<2>() += Eigen::Vector2d(40 + k, 3 * k % 700);
+  EXPECT_THAT(RefusalOf(strays, BaseShape::kPlane), Not(HasSubstr("far apart")));
 }
 
 TEST(ChooseBaseTest, TakesTheBaseItIsTold) {
