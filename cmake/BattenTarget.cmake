@@ -18,12 +18,19 @@ set(BATTEN_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/batten)
 # Lines of source that one unity file takes at most: a translation unit stays under a minute.
 set(BATTEN_UNITY_LINES 4500)
 
+# Rooms whose lines take twice as long as others': so many small matrices of fixed sizes are worked with.
+set(BATTEN_DENSE_ROOMS primitives ordering flattening regions interpolation intersection)
+
 # batten_unite(TARGET NAME source...): compiles the sources of one room in a few translation units, in alphabetical
 # order, so that the headers of Eigen are read and its templates instantiated once for all of them. Kernels
 # (*_kernel.cc, *_kernels.cc) stay alone: what is inlined into them depends on nothing else.
 function(batten_unite TARGET NAME)
   set(group 0)
-  set(lines ${BATTEN_UNITY_LINES})
+  set(most ${BATTEN_UNITY_LINES})
+  if(NAME IN_LIST BATTEN_DENSE_ROOMS)
+    math(EXPR most "${most} / 2")
+  endif()
+  set(lines ${most})
   foreach(source IN LISTS ARGN)
     if(source MATCHES "_kernels?\\.cc$")
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
@@ -32,7 +39,7 @@ function(batten_unite TARGET NAME)
     file(STRINGS ${source} text)
     list(LENGTH text length)
     math(EXPR lines "${lines} + ${length}")
-    if(lines GREATER BATTEN_UNITY_LINES)
+    if(lines GREATER most)
       math(EXPR group "${group} + 1")
       set(lines ${length})
     endif()
