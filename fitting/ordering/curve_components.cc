@@ -123,7 +123,7 @@ CurveComponents ByNeighbourhood(const PointCloud& cloud,
     throw std::invalid_argument(
         "no curve is found in the points: " + std::to_string(found.outliers.size()) + " of " +
         std::to_string(cloud.size()) +
-        " lie far from every line of neighbours, as points of a surface do (batten fit surface)");
+        " lie far from every line of neighbours, as points of a surface do: fit a surface to them");
   }
   if (!found.outliers.empty()) {
     result.warnings.push_back(std::to_string(found.outliers.size()) +
