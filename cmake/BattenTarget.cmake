@@ -18,8 +18,8 @@ set(BATTEN_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/batten)
 # Lines of source that one unity file takes at most: a translation unit stays under a minute.
 set(BATTEN_UNITY_LINES 4500)
 
-# Rooms whose lines take twice as long as others': so many small matrices of fixed sizes are worked with.
-set(BATTEN_DENSE_ROOMS primitives ordering flattening regions interpolation intersection)
+# Rooms whose lines take two to five times as long as others': small matrices of fixed sizes, or bindings.
+set(BATTEN_DENSE_ROOMS python primitives ordering flattening regions interpolation intersection)
 
 # batten_unite(TARGET NAME source...): compiles the sources of one room in a few translation units, in alphabetical
 # order, so that the headers of Eigen are read and its templates instantiated once for all of them. Kernels
@@ -28,7 +28,7 @@ function(batten_unite TARGET NAME)
   set(group 0)
   set(most ${BATTEN_UNITY_LINES})
   if(NAME IN_LIST BATTEN_DENSE_ROOMS)
-    math(EXPR most "${most} / 2")
+    math(EXPR most "${most} / 3")
   endif()
   set(lines ${most})
   foreach(source IN LISTS ARGN)

@@ -10,9 +10,9 @@
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
 #include <ceres/ceres.h>
+#pragma GCC diagnostic pop
 
 #include "geometry/numeric/dense_solvers.h"
-#pragma GCC diagnostic pop
 
 namespace batten::internal {
 namespace {

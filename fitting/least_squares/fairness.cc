@@ -25,7 +25,7 @@ Quadrature::Quadrature(int count) {
   for (int k = 1; k < count; ++k) {
     jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
   }
-  const internal::SymmetricEigen eigen = internal::EigenOf(jacobi);
+  const SymmetricEigen eigen = EigenOf(jacobi);
   nodes = eigen.values;
   weights = 2 * eigen.vectors.row(0).array().square().transpose();
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/parameterization/choose_parameterization.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,14 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/neighbours.h"
-#include "batten/fitting/point_mask.h"
 #include "batten/fitting/refused_data.h"
 #include "fitting/cloud/connected_points.h"
 #include "fitting/core/rules.h"
 #include "fitting/parameterization/base_attempt.h"
 #include "fitting/parameterization/base_comparison.h"
 #include "fitting/parameterization/closed_bases.h"
+#include "fitting/parameterization/connected_components.h"
 #include "fitting/parameterization/open_bases.h"
 #include "fitting/parameterization/pole_kinds.h"
 #include "fitting/parameterization/wing_candidate.h"
@@ -218,39 +216,23 @@ class BaseContest {
 };
 
 // Refuses parts that lie much farther from one another than they are wide: a surface of both is
-// empty nearly everywhere. Nearer ones get an outline each. Strays are no parts.
-void RefuseParts(const BaseInput& input) {
-  constexpr Eigen::Index kSample = 20000;  // parts so far apart are as clear in some of the points
-  const Eigen::Matrix3Xd inliers = input.inliers();
-  const Eigen::Matrix3Xd points =
-      inliers(Eigen::all, SampleIndices(inliers.cols(), kSample, input.options.seed));
-  struct Part {
-    Eigen::Index points = 0;
-    Eigen::AlignedBox3d box;
-  };
-  std::vector<Part> parts(static_cast<size_t>(points.cols()));
-  const std::vector<Eigen::Index> roots =
-      ConnectedPoints(points, NeighbourIndex(points, input.pool), input.pool);
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    Part& part = parts[static_cast<size_t>(roots[static_cast<size_t>(k)])];
-    ++part.points;
-    part.box.extend(points.col(k));
-  }
-  const double least = std::max(static_cast<double>(kLeastPartPoints),
-                                kLeastPartShare * static_cast<double>(points.cols()));
+// empty nearly everywhere. Nearer ones get an outline each.
+void RefuseParts(const BaseInput& input, const PlaneBase& plane) {
+  const Eigen::Matrix3Xd points = input.inliers();
+  const double apart = DetachedFraction(plane.ToFrame(points).topRows<2>(), input.options.seed);
+  if (apart <= kApartToRefuse) return;
+  std::vector<Eigen::AlignedBox3d> parts(static_cast<size_t>(points.cols()));
   Eigen::AlignedBox3d whole;
-  double all = 0, largest = 0, squares = 0;
-  for (const Part& part : parts) {
-    const auto count = static_cast<double>(part.points);
-    if (count < least) continue;
-    all += count;
-    largest = std::max(largest, count);
-    squares += part.box.diagonal().squaredNorm();
-    whole.extend(part.box);
+  const std::vector<Eigen::Index> roots = ConnectedPoints(points, input.index(), input.pool);
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    whole.extend(points.col(k));
+    parts[static_cast<size_t>(roots[static_cast<size_t>(k)])].extend(points.col(k));
   }
-  if (all - largest <= kApartToRefuse * all) return;
+  double squares = 0;
+  for (const Eigen::AlignedBox3d& part : parts)
+    if (!part.isEmpty()) squares += part.diagonal().squaredNorm();
   if (whole.diagonal().squaredNorm() <= kFarApart * kFarApart * squares) return;
-  throw RefusedData(Percent(1 - largest / all) +
+  throw RefusedData(Percent(apart) +
                         " of the points lie far apart from the others: a surface is one piece; "
                         "fit one part of the cloud at a time",
                     Remedy::kFitPart);
@@ -284,7 +266,7 @@ ParameterizationChoice ChooseBase(const PointCloud& cloud,
                                         input.margin(),
                                         {.seed = options.seed},
                                         pool);
-  RefuseParts(input);
+  RefuseParts(input, plane);
   BaseContest contest(input);
   for (const BaseMethod& candidate : CandidatesFor(input, plane)) contest.Try(candidate);
   ParameterizationChoice choice = contest.Result();

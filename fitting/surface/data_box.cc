@@ -52,7 +52,7 @@ Box BoxOf(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& kept) 
   const Eigen::MatrixXd used = values(Eigen::all, kept);
   const Eigen::VectorXd mean = used.rowwise().mean();
   const Eigen::MatrixXd off = used.colwise() - mean;
-  if (d > 1) box.axes = internal::EigenOf(off * off.transpose()).vectors;
+  if (d > 1) box.axes = EigenOf(off * off.transpose()).vectors;
   const Eigen::MatrixXd along = box.axes.transpose() * used;
   box.low = along.rowwise().minCoeff();
   box.high = along.rowwise().maxCoeff();
@@ -69,7 +69,7 @@ Eigen::Vector3d PlaneThrough(const Eigen::Matrix2Xd& places, const Eigen::Vector
   constexpr double kOnALine = 0.01;  // breadth over length
   const Eigen::Vector2d middle = places.rowwise().mean();
   const double mean = heights.mean();
-  const Eigen::Vector2d slopes = internal::LeastNormSolution(
+  const Eigen::Vector2d slopes = LeastNormSolution(
       (places.colwise() - middle).transpose(), (heights.array() - mean).matrix(), kOnALine);
   return {mean - slopes.dot(middle), slopes[0], slopes[1]};
 }

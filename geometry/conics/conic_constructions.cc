@@ -78,7 +78,7 @@ Lifted<Dim> Crossing(const char* function,
   if ((T2 - T2.dot(T0) * T0).norm() <= kParallel) return Lift<Dim>(T0, 0);
   Eigen::Matrix<double, Dim, 2> lines;
   lines << T0, -T2;
-  const Eigen::Vector2d at = internal::LeastSquares(lines, chord);
+  const Eigen::Vector2d at = LeastSquares(lines, chord);
   const double gap = (lines * at - chord).norm();
   RequireThat(
       gap <= kMiss * chord.norm(),
@@ -99,7 +99,7 @@ Eigen::Vector3d Coordinates(const Eigen::Matrix<double, Dim + 1, 3>& columns,
   target[Dim] *= scale;
   const Eigen::Vector3d norms = scaled.colwise().norm().transpose();
   for (int i = 0; i < 3; ++i) scaled.col(i) /= norms[i];
-  const Eigen::Vector3d b = internal::LeastSquares(scaled, target);
+  const Eigen::Vector3d b = LeastSquares(scaled, target);
   if (gap) *gap = (scaled * b - target).norm();
   return b.cwiseQuotient(norms);
 }
@@ -171,7 +171,7 @@ Eigen::Vector3d MiddleColumn(const ImplicitConic& local,
 // The plane of points: its frame, and how far they are off it.
 template <int Dim>
 Eigen::Matrix<double, Dim, 2> PlaneOf(const Eigen::Matrix<double, Dim, 5>& centred, double* off) {
-  const internal::SingularValues spread = internal::SingularValuesOf(centred.transpose());
+  const SingularValues spread = SingularValuesOf(centred.transpose());
   *off = Dim > 2 ? spread.values[Dim - 1] : 0;
   return spread.v.leftCols(2);
 }

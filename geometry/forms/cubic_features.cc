@@ -172,7 +172,7 @@ std::vector<CubicFeatures> FeaturesOfCubic(const NurbsCurve<Dim>& curve, double 
     for (int i = 0; i < 4; ++i) points.col(i) = piece.points.col(i).head<3>() / piece.points(3, i);
     const Eigen::Vector3d middle = points.rowwise().mean();
     const Eigen::Matrix<double, 3, 4> centred = points.colwise() - middle;
-    const internal::SingularValues spread = internal::SingularValuesOf(centred.transpose());
+    const SingularValues spread = SingularValuesOf(centred.transpose());
     const double size = centred.colwise().norm().maxCoeff();
     const Eigen::Vector3d extent = spread.values;
     if (!(extent[1] > tolerance * size)) {

@@ -69,8 +69,7 @@ NurbsCurve<3> HoleSide::Spline(int spans,
   control.col(size - 1) = end;
   const Eigen::MatrixXd rest =
       points - values.col(0) * start.transpose() - values.col(size - 1) * end.transpose();
-  control.middleCols(1, size - 2) =
-      internal::LeastSquares(values.middleCols(1, size - 2), rest).transpose();
+  control.middleCols(1, size - 2) = LeastSquares(values.middleCols(1, size - 2), rest).transpose();
   return NurbsCurve<3>(basis, std::move(control));
 }
 

@@ -7,7 +7,8 @@
 
 namespace batten::internal {
 
-// X of the least |A X − B|, by Householder's QR with pivots; where A lacks rank, a basic solution.
+// X of the least |A X − B|, by Householder's QR with pivots. The columns of A are independent:
+// where they hardly are, X is rounding of any size, and where one is zero it may not be finite.
 Eigen::MatrixXd LeastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 // The smallest of all X of the least |A X − B|. A lacks rank where pivots of its QR are below

@@ -36,7 +36,7 @@ struct Spread {
 
   explicit Spread(const Eigen::Matrix3Xd& samples) : middle(samples.rowwise().mean()) {
     const Eigen::MatrixXd centred = (samples.colwise() - middle).transpose();
-    axes = internal::SingularValuesOf(centred).v;
+    axes = SingularValuesOf(centred).v;
     if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
     // Seen from the tip of the last axis the curve turns left.
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();

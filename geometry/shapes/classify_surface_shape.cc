@@ -208,7 +208,7 @@ class Classifier {
   SurfaceShape Sphere() const {
     const Eigen::Vector3d middle = samples_.points().rowwise().mean();
     const Eigen::Matrix3Xd centred = samples_.points().colwise() - middle;
-    const Eigen::Matrix3d axes = internal::SingularValuesOf(centred.transpose()).v;
+    const Eigen::Matrix3d axes = SingularValuesOf(centred.transpose()).v;
     const Eigen::Matrix3Xd turned = axes.transpose() * centred;
     Eigen::Vector3d stretch = turned.rowwise().lpNorm<Eigen::Infinity>();
     for (double& s : stretch) {

@@ -149,12 +149,31 @@ TEST(ChooseBaseTest, RefusesPartsFarApartWhateverTheBase) {
   }
 }
 
-// Lines of a scanner far apart for their points, pieces with gaps between them, and strays are none.
+// Few points make parts as well as many do.
+TEST(ChooseBaseTest, RefusesPartsOfFewPointsFarApart) {
+  for (const Eigen::Index count : {12, 20, 29}) {
+    SCOPED_TRACE(count);
+    Eigen::Matrix3Xd points = NoisyPoints(FlatSheet(1, 1)).points.leftCols(3 * count).eval();
+    points.rightCols(count).colwise() += Eigen::Vector3d(30, 9, 0.1);
+    EXPECT_THAT(RefusalOf(points, BaseShape::kPlane),
+                HasSubstr("33 % of the points lie far apart"));
+  }
+}
+
+// Lines of a scanner and stations of a hull far apart for their points, pieces with gaps between
+// them, and strays are none.
 TEST(ChooseBaseTest, RefusesNoPartsThatAreNotFarApart) {
-  Eigen::Matrix3Xd lines(3, 40 * 60);
-  for (Eigen::Index k = 0; k < lines.cols(); ++k)
-    lines.col(k) << static_cast<double>(k % 60), 30.0 * static_cast<double>(k / 60), 0;
-  EXPECT_EQ(RefusalOf(lines, BaseShape::kPlane), "");
+  struct Lines {
+    int count, points;
+    double step, gap;
+  };
+  for (const Lines& lines : {Lines{40, 60, 1, 30}, {26, 35, 0.05, 1.58}, {27, 24, 0.07, 1.39}}) {
+    SCOPED_TRACE(std::to_string(lines.count) + " lines " + std::to_string(lines.gap) + " apart");
+    Eigen::Matrix3Xd points(3, lines.count * lines.points);
+    for (int k = 0; k < points.cols(); ++k)
+      points.col(k) << lines.step * (k % lines.points), lines.gap * (k / lines.points), 0;
+    EXPECT_EQ(RefusalOf(points, BaseShape::kPlane), "");
+  }
   Eigen::Matrix3Xd pieces = NoisyPoints(FlatSheet(1, 1)).points;
   for (auto p : pieces.colwise()) p[0] = 1.5 * p[0] + std::floor(3 * p[0]);
   EXPECT_EQ(RefusalOf(pieces, BaseShape::kPlane), "");
