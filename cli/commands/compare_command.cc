@@ -22,7 +22,9 @@
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/stage_clock.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -114,11 +116,9 @@ std::string ProfileWords(const ProfileVerdict& verdict) {
 }
 
 // The same shape with its control points moved.
-template <typename Curve>
-Curve Moved(const Curve& curve, const Eigen::Vector3d& shift) {
-  return Curve(curve.basis(),
-               curve.control_points().colwise() + shift.head<Curve::Point::RowsAtCompileTime>(),
-               curve.weights());
+template <int Dim>
+NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve, const Eigen::Vector3d& shift) {
+  return Translated(curve, shift.head<Dim>());
 }
 NurbsSurface Moved(const NurbsSurface& surface, const Eigen::Vector3d& shift) {
   return surface.Translated(shift);
@@ -208,17 +208,11 @@ InputSummary InputOf(const CompareArguments& a,
   statistics.seed = a.work.seed;
   const CloudStatistics measured = MeasureCloud(
       merged.cloud.points(), NeighbourIndex(merged.cloud.points()), statistics, pool, progress);
-  InputSummary input;
+  InputSummary input = SummariseInput(cloud, merged.duplicates, measured.spacing, measured.noise);
   input.files = a.clouds;
   input.points = file.points_in_file - file.filtered;
   input.used = cloud.size();
   input.non_finite = file.non_finite;
-  input.duplicates = merged.duplicates;
-  input.spacing = measured.spacing;
-  input.noise = measured.noise;
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  input.origin = cloud.origin();
   return input;
 }
 

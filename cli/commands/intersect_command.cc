@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -29,6 +28,7 @@
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -57,13 +57,6 @@ template <typename Shape>
 double SizeOf(const Shape& shape) {
   const auto& points = shape.control_points();
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
-template <int Dim>
-NurbsCurve<3> InSpace(const NurbsCurve<Dim>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.control_points().cols());
-  points.topRows<Dim>() = curve.control_points();
-  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
 }
 
 // The places at both ends, over all parts.

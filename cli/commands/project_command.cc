@@ -22,6 +22,7 @@
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/terminal.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -53,8 +54,7 @@ Foot ToFoot(const SurfaceFoot& foot, size_t index) {
 template <int Dim>
 NurbsCurve<Dim> MovedBack(const NurbsCurve<Dim>& curve, const Eigen::Vector3d& shift) {
   if (shift.isZero(0)) return curve;
-  return NurbsCurve<Dim>(
-      curve.basis(), curve.control_points().colwise() + shift.head<Dim>(), curve.weights());
+  return Translated(curve, shift.head<Dim>());
 }
 NurbsSurface MovedBack(const NurbsSurface& surface, const Eigen::Vector3d& shift) {
   return shift.isZero(0) ? surface : surface.Translated(shift);

@@ -43,12 +43,6 @@ struct PointStatistics {
   int nearest = 0;           // that point
 };
 
-Eigen::Matrix3Xd PointsAt(const Eigen::Matrix3Xd& points, std::span<const int> chosen) {
-  Eigen::Matrix3Xd picked(3, std::ssize(chosen));
-  for (Eigen::Index i = 0; i < picked.cols(); ++i) picked.col(i) = points.col(chosen[i]);
-  return picked;
-}
-
 // The statistics of the points asked for, and reaches of all.
 class NeighbourStatistics {
  public:
@@ -99,7 +93,7 @@ class NeighbourStatistics {
     }
     if (unknown.empty()) return reaches;
     const int k = kReachNeighbour + 1;
-    const std::vector<int> near = index_.Nearest(PointsAt(points_, unknown), k);
+    const std::vector<int> near = index_.Nearest(points_(Eigen::all, unknown), k);
     auto row = near.begin();
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (rank_[chosen[i]] >= 0) continue;
@@ -113,7 +107,7 @@ class NeighbourStatistics {
   void Measure(std::ptrdiff_t begin, std::ptrdiff_t end) {
     const std::span<const int> chosen(asked_.data() + begin, static_cast<size_t>(end - begin));
     const int k = static_cast<int>(std::min<Eigen::Index>(kPlaneNeighbours + 1, points_.cols()));
-    const std::vector<int> near = index_.Nearest(PointsAt(points_, chosen), k);
+    const std::vector<int> near = index_.Nearest(points_(Eigen::all, chosen), k);
     Eigen::Matrix3Xd local(3, k - 1);
     for (std::ptrdiff_t i = begin; i < end; ++i) {
       const int point = asked_[i];
@@ -152,15 +146,6 @@ Usual UsualOf(const NeighbourStatistics& standings, const PointMask& sampled, do
     reaches.emplace_back(standings[i].reach, weight);
   }
   return {WeightedMedian(std::move(scales)), WeightedMedian(std::move(reaches))};
-}
-
-// Points relative to a place.
-Eigen::Matrix3Xd Around(const Eigen::Matrix3Xd& points,
-                        const Eigen::Vector3d& place,
-                        const std::vector<int>& chosen) {
-  Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(chosen.size()));
-  for (Eigen::Index j = 0; j < local.cols(); ++j) local.col(j) = points.col(chosen[j]) - place;
-  return local;
 }
 
 // The points nearest to a place, one less than `count` without one of them.
@@ -274,7 +259,7 @@ class OutlierClassifier {
     std::copy_n(near.begin(), kReachNeighbour, nearest);
     const double reach = standing.nearest_reach;
     if (standing.reach > kSparser * reach) return false;
-    const LocalQuadric quadric = LocalQuadric::MostAgreeOn(Around(points_, p, near));
+    const LocalQuadric quadric = LocalQuadric::MostAgreeOn(points_(Eigen::all, near).colwise() - p);
     const double scale = quadric.scale_of_most();
     if (scale > std::max(usual_scale_, kFlat * reach)) return false;
     return std::abs(quadric.Offset(Eigen::Vector3d::Zero())) <=
@@ -301,7 +286,7 @@ class OutlierClassifier {
     for (const int point : index_.order()) {
       if (inliers_[point]) list.push_back(point);
     }
-    const NeighbourIndex index(PointsAt(points_, list), pool);
+    const NeighbourIndex index(points_(Eigen::all, list), pool);
     pool.For(std::ssize(deep), 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       for (std::ptrdiff_t i = begin; i < end; ++i) {
         const int place = candidates[deep[i]];
@@ -337,10 +322,10 @@ class OutlierClassifier {
     // Beside an edge it belongs to the neighbourhood of some point farther away.
     bool judged = false;
     for (const int other : kOthers) {
-      const LocalQuadric quadric = LocalQuadric::MostAgreeOn(
-          Around(points_,
-                 p,
-                 NearestOthers(index_, points_.col(near[other]), point, kQuadricNeighbours + 1)));
+      const std::vector<int> others =
+          NearestOthers(index_, points_.col(near[other]), point, kQuadricNeighbours + 1);
+      const LocalQuadric quadric =
+          LocalQuadric::MostAgreeOn(points_(Eigen::all, others).colwise() - p);
       const double leverage = quadric.Leverage(Eigen::Vector3d::Zero());
       if (leverage > kMostNeighbourLeverage) continue;
       judged = true;

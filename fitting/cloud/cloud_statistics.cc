@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "batten/fitting/statistics.h"
@@ -22,15 +23,6 @@ constexpr double kClearlyLess = 0.7;
 constexpr double kOnALine = 0.2;    // breadth over length: such balls see one scan line
 constexpr double kNearlyAll = 0.1;  // share of the balls that may be as narrow
 constexpr double kThick = 0.2;      // deviation over radius; above, larger balls are used
-
-Eigen::Matrix3Xd Neighbourhood(const Eigen::Matrix3Xd& points,
-                               const Eigen::Vector3d& centre,
-                               const int* neighbours,
-                               int count) {
-  Eigen::Matrix3Xd local(3, count);
-  for (int j = 0; j < count; ++j) local.col(j) = points.col(neighbours[j]) - centre;
-  return local;
-}
 
 // Median distance of numbers from their median.
 double MedianDeviation(std::vector<double> numbers) {
@@ -79,12 +71,11 @@ BallNoise NoiseAt(const Eigen::Matrix3Xd& points,
                   ThreadPool& pool) {
   std::vector<double> deviations(samples.size()), radii(samples.size()), breadths(samples.size());
   pool.For(static_cast<std::ptrdiff_t>(samples.size()), 64, [&](auto begin, auto end) {
-    Eigen::Matrix3Xd queries(3, end - begin);
-    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(samples[i]);
-    const std::vector<int> near = index.Nearest(queries, k);
+    const std::span some(samples.begin() + begin, samples.begin() + end);
+    const std::vector<int> near = index.Nearest(points(Eigen::all, some), k);
     for (auto i = begin; i < end; ++i) {
-      const Eigen::Matrix3Xd local =
-          Neighbourhood(points, points.col(samples[i]), near.data() + (i - begin) * k, k);
+      const std::span around(near.begin() + (i - begin) * k, static_cast<size_t>(k));
+      const Eigen::Matrix3Xd local = points(Eigen::all, around).colwise() - points.col(samples[i]);
       deviations[i] = LocalQuadric(local).deviation();
       radii[i] = local.col(k - 1).norm();
       breadths[i] = BreadthOf(local);
@@ -151,9 +142,8 @@ CloudStatistics MeasureCloud(const Eigen::Matrix3Xd& points,
       static_cast<int>(std::min<Eigen::Index>(std::clamp<Eigen::Index>(m / 4, 3, 16), m - 1));
   std::vector<double> radii(samples.size());
   pool.For(static_cast<std::ptrdiff_t>(samples.size()), 64, [&](auto begin, auto end) {
-    Eigen::Matrix3Xd queries(3, end - begin);
-    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(samples[i]);
-    const std::vector<int> near = index.Nearest(queries, around + 1);
+    const std::span some(samples.begin() + begin, samples.begin() + end);
+    const std::vector<int> near = index.Nearest(points(Eigen::all, some), around + 1);
     for (auto i = begin; i < end; ++i) {
       const int farthest = near[(i - begin) * (around + 1) + around];
       radii[i] = (points.col(farthest) - points.col(samples[i])).norm();

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "fitting/cloud/cloud_constants.h"
 #include "fitting/core/mask_indices.h"
 #include "fitting/core/shared_constants.h"
+#include "fitting/neighbours/signed_sets.h"
 
 namespace batten::internal {
 namespace {
@@ -24,36 +24,13 @@ constexpr double kPartCell = 2;     // spacings: what lies in touching cells is 
 constexpr double kMostOfAll = 0.8;  // a part of so many of the others has clutter beside it …
 constexpr double kOfTheLargest = 0.1;  // … in parts of at most so many of its points
 
-class Sets {
- public:
-  explicit Sets(Eigen::Index count) : parents_(static_cast<size_t>(count)) {
-    std::iota(parents_.begin(), parents_.end(), Eigen::Index{0});
-  }
-  Eigen::Index Find(Eigen::Index k) {
-    while (parents_[static_cast<size_t>(k)] != k) {
-      Eigen::Index& parent = parents_[static_cast<size_t>(k)];
-      parent = parents_[static_cast<size_t>(parent)];
-      k = parent;
-    }
-    return k;
-  }
-  void Join(Eigen::Index a, Eigen::Index b) {
-    a = Find(a);
-    b = Find(b);
-    parents_[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<Eigen::Index> parents_;
-};
-
 // By their cells, in the order of x, y and z.
-void JoinCells(const Eigen::Matrix3Xd& points, double side, Sets& sets) {
+void JoinCells(const Eigen::Matrix3Xd& points, double side, SignedSets& sets) {
   using Cell = std::array<std::int64_t, 3>;
   const Eigen::Vector3d corner = points.rowwise().minCoeff();
-  std::vector<std::pair<Cell, Eigen::Index>> firsts;
+  std::vector<std::pair<Cell, int>> firsts;
   firsts.reserve(static_cast<size_t>(points.cols()));
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+  for (int k = 0; k < points.cols(); ++k) {
     const Eigen::Vector3d at = ((points.col(k) - corner) / side).array().floor();
     firsts.push_back({{static_cast<std::int64_t>(at[0]),
                        static_cast<std::int64_t>(at[1]),
@@ -75,10 +52,9 @@ void JoinCells(const Eigen::Matrix3Xd& points, double side, Sets& sets) {
     for (std::int64_t dx = -1; dx <= 0; ++dx) {
       for (std::int64_t dy = -1; dy <= (dx < 0 ? 1 : 0); ++dy) {
         const std::int64_t above = dx == 0 && dy == 0 ? cell[2] - 1 : cell[2] + 1;
-        auto other = std::lower_bound(
-            firsts.begin(),
-            firsts.end(),
-            std::pair(Cell{cell[0] + dx, cell[1] + dy, cell[2] - 1}, Eigen::Index{0}));
+        auto other = std::lower_bound(firsts.begin(),
+                                      firsts.end(),
+                                      std::pair(Cell{cell[0] + dx, cell[1] + dy, cell[2] - 1}, 0));
         for (; other != firsts.end() && other->first[0] == cell[0] + dx &&
                other->first[1] == cell[1] + dy && other->first[2] <= above;
              ++other) {
@@ -106,14 +82,12 @@ Neighbourhoods NeighbourhoodsOf(const Eigen::Matrix3Xd& points,
   around.nearest.resize(static_cast<size_t>(count) * static_cast<size_t>(around.each));
   around.spacing.resize(count);
   pool.For(count, kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    Eigen::Matrix3Xd queries(3, end - begin);
-    for (std::ptrdiff_t k = begin; k < end; ++k)
-      queries.col(k - begin) = points.col(some[static_cast<size_t>(k)]);
-    const std::vector<int> found = index.Nearest(queries, around.each);
+    const std::span asked(some.begin() + begin, some.begin() + end);
+    const std::vector<int> found = index.Nearest(points(Eigen::all, asked), around.each);
     std::copy(found.begin(), found.end(), around.nearest.begin() + begin * around.each);
     for (std::ptrdiff_t k = begin; k < end; ++k) {
       const int last = around.nearest[static_cast<size_t>((k + 1) * around.each - 1)];
-      const double radius = (points.col(last) - queries.col(k - begin)).norm();
+      const double radius = (points.col(last) - points.col(asked[k - begin])).norm();
       around.spacing[k] = radius * std::sqrt(std::numbers::pi / kPartNeighbours);
     }
   });
@@ -136,9 +110,13 @@ std::pair<Eigen::Index, Eigen::Index> Largest(const std::vector<Eigen::Index>& r
   return {most - sizes.begin(), *most};
 }
 
-std::vector<Eigen::Index> RootsOf(Sets& sets, Eigen::Index count) {
-  std::vector<Eigen::Index> roots(static_cast<size_t>(count));
-  for (Eigen::Index k = 0; k < count; ++k) roots[static_cast<size_t>(k)] = sets.Find(k);
+// The least index of each one's set.
+std::vector<Eigen::Index> RootsOf(SignedSets& sets, int count) {
+  std::vector<Eigen::Index> firsts(static_cast<size_t>(count), -1), roots;
+  for (int k = 0; k < count; ++k) {
+    Eigen::Index& first = firsts[static_cast<size_t>(sets.Find(k).first)];
+    roots.push_back(first < 0 ? first = k : first);
+  }
   return roots;
 }
 
@@ -157,7 +135,7 @@ void JoinNeighbours(const Eigen::Matrix3Xd& points,
                     const std::vector<Eigen::Index>& some,
                     const Neighbourhoods& around,
                     double spacing,
-                    Sets& sets) {
+                    SignedSets& sets) {
   std::vector<std::ptrdiff_t> rows(static_cast<size_t>(points.cols()), -1);
   for (std::ptrdiff_t i = 0; i < std::ssize(some); ++i)
     rows[static_cast<size_t>(some[static_cast<size_t>(i)])] = i;
@@ -172,7 +150,8 @@ void JoinNeighbours(const Eigen::Matrix3Xd& points,
       if (row < 0 || std::ranges::find(neighbours(row), k) == neighbours(row).end()) continue;
       const double reach =
           kPartReach * std::max(spacing, std::min(around.spacing[i], around.spacing[row]));
-      if ((points.col(other) - points.col(k)).norm() <= reach) sets.Join(k, other);
+      if ((points.col(other) - points.col(k)).norm() <= reach)
+        sets.Join(static_cast<int>(k), other);
     }
   }
 }
@@ -182,8 +161,8 @@ void JoinNeighbours(const Eigen::Matrix3Xd& points,
 std::vector<Eigen::Index> ConnectedPoints(const Eigen::Matrix3Xd& points,
                                           const NeighbourIndex& index,
                                           ThreadPool& pool) {
-  const Eigen::Index count = points.cols();
-  Sets sets(count);
+  const auto count = static_cast<int>(points.cols());
+  SignedSets sets(count);
   const double spacing = SpacingOf(points, index, pool);
   // Cells are numbered by 64 bits.
   const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <vector>
 
 #include "batten/fitting/point_mask.h"
@@ -14,6 +13,7 @@
 namespace batten::internal {
 namespace {
 
+constexpr int kSamples = 600;
 constexpr int kAround = 120;
 constexpr double kTwoHeights = 1.6;
 constexpr double kMostSkewness = 1.5;       // a fifth of the points on one of the sheets
@@ -55,9 +55,9 @@ double ExcessBesideTheirLike(const Eigen::Matrix3Xd& local,
   return static_cast<double>(same) / all - above * above - (1 - above) * (1 - above);
 }
 
-bool Layered(const Eigen::Matrix3Xd& local, const std::optional<Eigen::Vector3d>& heights) {
+bool Layered(const Eigen::Matrix3Xd& local) {
   const LocalQuadric quadric =
-      heights ? LocalQuadric::Over({local.rowwise().mean(), *heights}, local) : LocalQuadric(local);
+      LocalQuadric::Over({local.rowwise().mean(), Eigen::Vector3d::UnitZ()}, local);
   const Eigen::ArrayXd residuals = quadric.residuals().array();
   const Shape shape = ShapeOf(residuals);
   if (shape.kurtosis - shape.skewness * shape.skewness > kTwoHeights) return false;
@@ -74,19 +74,16 @@ bool Layered(const Eigen::Matrix3Xd& local, const std::optional<Eigen::Vector3d>
 
 double DoubleLayerFraction(const Eigen::Matrix3Xd& points,
                            const NeighbourIndex& index,
-                           const LayerTestOptions& options,
+                           std::uint64_t seed,
                            ThreadPool& pool) {
   if (points.cols() < 2 * kAround) return 0;
-  const std::vector<Eigen::Index> samples =
-      SampleIndices(points.cols(), options.samples, options.seed);
+  const std::vector<Eigen::Index> samples = SampleIndices(points.cols(), kSamples, seed);
   std::vector<char> layered(samples.size());
   pool.For(std::ssize(samples), 16, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    Eigen::Matrix3Xd local(3, kAround);
     for (std::ptrdiff_t i = begin; i < end; ++i) {
       const Eigen::Vector3d centre = points.col(samples[i]);
       const std::vector<int> near = index.Nearest(centre, kAround);
-      for (int j = 0; j < kAround; ++j) local.col(j) = points.col(near[j]) - centre;
-      layered[i] = static_cast<char>(Layered(local, options.heights));
+      layered[i] = static_cast<char>(Layered(points(Eigen::all, near).colwise() - centre));
     }
   });
   return static_cast<double>(std::count(layered.begin(), layered.end(), 1)) /

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
@@ -40,8 +41,8 @@ Circles CirclesOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, T
                   std::vector<double>(order.size()),
                   std::vector<double>(order.size())};
   pool.For(count, 512, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    Eigen::Matrix3Xd queries(3, end - begin);
-    for (auto i = begin; i < end; ++i) queries.col(i - begin) = points.col(order[i]);
+    const Eigen::Matrix3Xd queries =
+        points(Eigen::all, std::span(order.begin() + begin, order.begin() + end));
     const std::vector<int> near =
         index.Nearest(queries, kReachNeighbour + 1);  // the point itself first
     for (auto i = begin; i < end; ++i) {
@@ -123,11 +124,6 @@ PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
   }
   if (many_strays) LeaveOutGroups(points, company, pool);
   return company;
-}
-
-PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask) {
-  ThreadPool alone(1);
-  return NonIsolatedPoints(points, mask, alone);
 }
 
 }  // namespace batten::internal

@@ -22,10 +22,9 @@ inline constexpr double kManyStrays = 0.01;
 // fewer than thirty points, or a thousandth, that are connected with no others. Density may vary;
 // points on edges and corners are kept. Below fifty points all are kept. [Breunig et al. 2000, the
 // local outlier factor, with medians] O(m log m).
-PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points, const PointMask& mask);
 PointMask NonIsolatedPoints(const Eigen::Matrix3Xd& points,
                             const PointMask& mask,
                             ThreadPool& pool,
-                            bool many_strays = false);
+                            bool many_strays);
 
 }  // namespace batten::internal

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/neighbours.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -37,12 +38,6 @@ Neighbourhood NeighbourhoodOf(Eigen::Index point,
       ++neighbourhood.nearly_equal;
   }
   return neighbourhood;
-}
-
-Eigen::Matrix3Xd InPlane(const Eigen::Matrix2Xd& places) {
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, places.cols());
-  plan.topRows<2>() = places;
-  return plan;
 }
 
 std::vector<Eigen::Index> Beyond(const Eigen::VectorXd& distances, double limit) {
@@ -76,7 +71,7 @@ PointMask ResidualInliers(const Eigen::Matrix2Xd& places,
   const std::vector<Eigen::Index> candidates = Beyond(distances, limit);
   PointMask close = PointMask::Constant(distances.size(), true);
   if (candidates.empty()) return close;
-  const Eigen::Matrix3Xd plan = InPlane(places);
+  const Eigen::Matrix3Xd plan = PointsInSpace(places);
   const NeighbourIndex index(plan, pool);
   pool.For(static_cast<std::ptrdiff_t>(candidates.size()),
            64,

@@ -13,7 +13,9 @@
 #include "batten/geometry/remove_knots.h"
 #include "batten/geometry/reverse.h"
 #include "fitting/constraints/polynomial_curve.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -23,14 +25,6 @@ constexpr double kOfSpacing = 0.5;      // between samples
 constexpr double kFarFromPoints = 0.5;  // of the cloud's size: a curve of another place
 constexpr double kAlong = 5;            // spacings: a neighbour's edge beside the points
 constexpr double kFollows = 1e-10;      // of the size: what a cubic in place of a conic is off by
-
-NurbsCurve<3> Moved(const NurbsCurve<3>& curve, const Eigen::Vector3d& shift) {
-  return NurbsCurve<3>(curve.basis(), curve.control_points().colwise() + shift, curve.weights());
-}
-
-double SizeOf(const Eigen::Matrix3Xd& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
 
 // The mean distance of a curve's places from their nearest points.
 double DistanceFrom(const NurbsCurve<3>& curve,
@@ -77,7 +71,7 @@ BoundaryEdge EdgeAlong(const NurbsSurface& neighbour,
       best = BoundaryEdge{std::move(edge), NeighbourEdge{neighbour, direction, upper}, name};
     }
   }
-  if (best && least <= std::max(kAlong * spacing, kFollows * SizeOf(points))) return *best;
+  if (best && least <= std::max(kAlong * spacing, kFollows * BoxDiagonal(points))) return *best;
   throw RefusedData("boundary " + name + ": no edge of this surface runs along the points" +
                     (best ? ": the nearest is " + RoundedText(least) + " away, " +
                                 RoundedText(kAlong) + " spacings are allowed"
@@ -93,16 +87,16 @@ std::vector<BoundaryEdge> BoundaryEdges(const SurfaceFitOptions& options,
                                         const NeighbourIndex& index,
                                         double spacing) {
   std::vector<BoundaryEdge> sides;
-  const double size = SizeOf(points);
+  const double size = BoxDiagonal(points);
   for (const BoundaryCondition& condition : options.boundary) {
     const auto* curve = std::get_if<NurbsCurve<3>>(&condition.shape);
-    BoundaryEdge side = curve != nullptr
-                            ? BoundaryEdge{Moved(*curve, -origin), std::nullopt, condition.name}
-                            : EdgeAlong(std::get<NurbsSurface>(condition.shape).Translated(-origin),
-                                        condition.name,
-                                        points,
-                                        index,
-                                        spacing);
+    BoundaryEdge side =
+        curve != nullptr ? BoundaryEdge{Translated(*curve, -origin), std::nullopt, condition.name}
+                         : EdgeAlong(std::get<NurbsSurface>(condition.shape).Translated(-origin),
+                                     condition.name,
+                                     points,
+                                     index,
+                                     spacing);
     side.curve = Clamped(side.curve);
     RequireOpen(side.curve, side.name, size);
     const double distance = DistanceFrom(side.curve, points, index);

@@ -150,9 +150,8 @@ class Conditioner {
         throw std::invalid_argument("point " + std::to_string(k + 1) +
                                     " of those to be met does not lie on the sheet of the points");
       }
-      MetPoint point{options_.meet->World(k) - cloud_.origin(),
-                     std::nullopt,
-                     result.choice.base.parameters.col(at)};
+      const Eigen::Vector2d uv = result.choice.base.parameters.col(at);
+      FixedPoint point{uv[0], uv[1], options_.meet->World(k) - cloud_.origin()};
       const bool has = options_.meet->normals().cols() > 0 &&
                        !options_.meet->normals().col(k).isZero(0);  // zero: none
       if (has) point.normal = options_.meet->normals().col(k);
@@ -209,10 +208,7 @@ SurfaceConstraints ConstraintsOf(const SurfaceConditions& conditions) {
     }
     constraints.edges.push_back(std::move(edge));
   }
-  for (const MetPoint& point : conditions.points) {
-    constraints.points.push_back(
-        {point.parameters[0], point.parameters[1], point.place, point.normal});
-  }
+  constraints.points = conditions.points;
   return constraints;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "fitting/constraints/coons_parameterization.h"
@@ -12,18 +11,10 @@
 
 namespace batten::internal {
 
-// A point that the surface meets exactly at given parameters, or a tangent plane there, or both; in
-// the cloud's local coordinates.
-struct MetPoint {
-  Eigen::Vector3d place;
-  std::optional<Eigen::Vector3d> normal;
-  Eigen::Vector2d parameters;
-};
-
-// The interpolation conditions of a surface over a base.
+// The interpolation conditions of a surface over a base, in the cloud's local coordinates.
 struct SurfaceConditions {
   std::vector<PlacedBoundary> sides;
-  std::vector<MetPoint> points;
+  std::vector<FixedPoint> points;
   bool any() const { return !sides.empty() || !points.empty(); }
 };
 

@@ -2,7 +2,6 @@
 // Linear least squares for a surface under exact equality constraints.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "batten/fitting/fitting_problem.h"
@@ -13,11 +12,7 @@
 namespace batten::internal {
 
 struct ConstrainedSolution {
-  NurbsSurface surface;         // over the bases' knots and those the edges need
-  double residual_squares = 0;  // Σ w |S − z|²
-  int unknowns = 0;             // degrees of freedom: three for each free control point
-  bool regularised = false;     // smoothing was raised to solve the system
-  double angle_gap = 0;         // the largest measured to tangent planes along edges; radians
+  NurbsSurface surface;                  // over the bases' knots and those the edges need
   std::vector<MissedConstraint> missed;  // contradicting constraints, and by how much
 };
 
@@ -30,33 +25,11 @@ struct ConstrainedSolution {
 // conditions are left out; of contradicting ones (in the order corners, points as given) the
 // earlier are met and the solution says by how much each other is missed.
 //
-// The system is built once for bases and constraints and solved for any data, weights, parameters
-// and smoothing over these bases, from any thread.
-class ConstrainedSystem {
- public:
-  // `centre` is a point near the data, so that far origins cost no digits. Throws
-  // std::invalid_argument as edge_rows.h says, and where points lie outside the domain or are not
-  // finite, or a normal is zero.
-  ConstrainedSystem(const SplineBasis& basis_u,
-                    const SplineBasis& basis_v,
-                    const SurfaceConstraints& constraints,
-                    const Eigen::Vector3d& centre);
-  ~ConstrainedSystem();
-  ConstrainedSystem(ConstrainedSystem&&) noexcept;
-  ConstrainedSystem& operator=(ConstrainedSystem&&) noexcept;
-
-  // Throws std::invalid_argument unless the problem is of points in space over these bases, without
-  // poles, and where the points do not determine the control points.
-  // O(m + n · min(n_u, n_v)² + n · min(n_u, n_v) · t) with t coefficients along tangent fields and
-  // conditions.
-  ConstrainedSolution Solve(const FittingProblem& problem, ThreadPool& pool) const;
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
-};
-
-// Builds the system and solves it once.
+// Throws std::invalid_argument as edge_rows.h says, unless the problem is of points in space, where
+// fixed points lie outside the domain or are not finite, or a normal is zero, and where the points
+// do not determine the control points.
+// O(m + n · min(n_u, n_v)² + n · min(n_u, n_v) · t) with t coefficients along tangent fields and
+// conditions.
 ConstrainedSolution SolveConstrained(const FittingProblem& problem,
                                      const SurfaceConstraints& constraints,
                                      ThreadPool& pool);

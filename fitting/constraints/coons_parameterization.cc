@@ -21,6 +21,7 @@
 #include "fitting/core/shared_constants.h"
 #include "fitting/outline/four_sides.h"
 #include "fitting/outline/outline_in_box.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -270,10 +271,10 @@ bool TakeFourSides(const Outline& outline,
   if (outline.loops.empty()) return false;
   const OutlineCurve outer = WithClearCorners(outline.loops.front());
   if (const auto sides = FourSides(outer)) {
-    for (const OutlineSide& side : *sides) {
-      const double a = side.curve.basis().lower(), b = side.curve.basis().upper();
+    for (const NurbsCurve<2>& side : *sides) {
+      const double a = side.basis().lower(), b = side.basis().upper();
       ring.sides.push_back(
-          Smoothed([&](double s) { return side.curve.At(a + s * (b - a)); }, spacing, pool));
+          Smoothed([&](double s) { return side.At(a + s * (b - a)); }, spacing, pool));
     }
     return true;
   }
@@ -451,7 +452,7 @@ PlacedBoundaries ParameterizeByCoons(Parameterization& base,
     const BoundaryEdge& side = given[static_cast<size_t>(ring.given[k])].side;
     around[k] = ring.turned[k] ? Turned(side) : side;
   }
-  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const double size = BoxDiagonal(points);
   CloseCorners(around, size, laid.warnings);
   const FourSidedMap map(SidesOf(ring));
   if (!map.one_to_one()) {

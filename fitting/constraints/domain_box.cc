@@ -5,12 +5,11 @@
 
 #include "batten/fitting/refused_data.h"
 #include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
-
-constexpr Eigen::Index kFewestPoints = 4;
 
 // Turns the plane's axes to the coordinate axes where its normal is one of them, so that the box is
 // one of coordinates.
@@ -54,7 +53,7 @@ void TakeDomain(Parameterization& base,
       reached[k] = false;
     place = inside;
   }
-  if (reached.count() >= kFewestPoints) return;
+  if (reached.count() >= kFewestSurfacePoints) return;
   throw RefusedData("the domain holds " + std::to_string(reached.count()) +
                     " points; over this base they lie in [" + NumberText(corner[0]) + ", " +
                     NumberText(corner[0] + old[0]) + "] × [" + NumberText(corner[1]) + ", " +

@@ -9,7 +9,7 @@
 #include "fitting/constraints/edge_products.h"
 #include "fitting/constraints/local_projection.h"
 #include "fitting/core/rounding.h"
-#include "fitting/linear/coefficient_order.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -52,12 +52,12 @@ EdgeRow TangentRow(const ReadyEdge& edge,
                    const RefinedEdgeBasis& along,
                    const RefinedEdgeBasis& across,
                    int first) {
-  const int distinct = DistinctCount(along.coarse);
+  const int count = along.coarse.size();
   EdgeRow row{AlongU(edge.edge),
               index,
               FunctionAt(across.coarse, edge.edge.upper, 1),
               first,
-              2 * distinct,
+              2 * count,
               {}};
   const double sign = edge.edge.upper ? -1 : 1;
   const auto products = EdgeProducts(along.coarse, along.fine, edge, SpeedOf(edge.curve));
@@ -67,8 +67,8 @@ EdgeRow TangentRow(const ReadyEdge& edge,
     for (int i = 0; i < along.fine.size(); ++i) {
       for (const size_t which : {d, d + 3}) {
         for (Sparse::InnerIterator it(products[which], i); it; ++it) {
-          const int m = DistinctIndex(along.coarse, static_cast<int>(it.col()));
-          entries.emplace_back(i, which == d ? m : distinct + m, sign * it.value());
+          const auto m = static_cast<int>(it.col());
+          entries.emplace_back(i, which == d ? m : count + m, sign * it.value());
         }
       }
       entries.emplace_back(i, row.count, curve(static_cast<Eigen::Index>(d), i));
@@ -89,8 +89,7 @@ Eigen::Vector3d EndOf(const ReadyEdge& edge, bool upper) {
 void CloseCorners(std::vector<ReadyEdge>& edges) {
   double size = 0;
   for (const ReadyEdge& edge : edges) {
-    const Eigen::Matrix3Xd& points = edge.curve.control_points();
-    size = std::max(size, (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
+    size = std::max(size, BoxDiagonal(edge.curve.control_points()));
   }
   for (ReadyEdge& row : edges) {
     for (ReadyEdge& column : edges) {
@@ -220,18 +219,14 @@ void CheckEdges(const SplineBasis& basis_u,
                 const SplineBasis& basis_v,
                 const std::vector<FixedEdge>& edges) {
   for (size_t k = 0; k < edges.size(); ++k) {
-    const SplineBasis& across = AlongU(edges[k].edge) ? basis_v : basis_u;
-    if (across.periodic())
-      Reject("SurfaceConstraints",
-             NameOf(edges[k].edge) + " does not exist: the surface is closed there");
     for (size_t other = 0; other < k; ++other) {
       if (edges[k].edge == edges[other].edge)
         Reject("SurfaceConstraints", NameOf(edges[k].edge) + " is given twice");
     }
   }
   for (const SplineBasis* basis : {&basis_u, &basis_v}) {
-    if (!edges.empty() && !basis->clamped() && !basis->periodic())
-      Reject("SurfaceConstraints", "a basis with fixed edges must be clamped or periodic");
+    if (!edges.empty() && !basis->clamped())
+      Reject("SurfaceConstraints", "a basis with fixed edges must be clamped");
   }
 }
 

@@ -54,8 +54,8 @@ struct EdgeRows {
 
 // Builds the rows, with coordinates about the centre. Edges whose ends at a corner are less than
 // 1e-9 of the edges' size apart meet in the middle. Throws std::invalid_argument, naming the edges,
-// where they are further apart, an edge is given twice or does not exist (its direction is
-// periodic), a basis is neither clamped nor periodic, or has too few functions for the conditions.
+// where they are further apart, an edge is given twice, a basis is not clamped, or has too few
+// functions for the conditions.
 EdgeRows EdgeRowsOf(const SplineBasis& basis_u,
                     const SplineBasis& basis_v,
                     const std::vector<FixedEdge>& edges,

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "fitting/constraints/edge_values.h"
-#include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -22,12 +21,6 @@ struct Functional {
   double scale;  // of all coarse functions, inner or not
 };
 
-// The coarse control point that stands for (i, j); periodic ones repeat.
-Eigen::Index PlaceOf(const EdgeRows& edges, int i, int j) {
-  return Eigen::Index{DistinctIndex(edges.u.coarse, i)} * edges.v.coarse.size() +
-         DistinctIndex(edges.v.coarse, j);
-}
-
 Functional FunctionalAt(const EdgeRows& edges, double u, double v, int order_u, int order_v) {
   AxisValues at_u(edges.u, u, order_u), at_v(edges.v, v, order_v);
   Functional result{{}, Eigen::MatrixXd::Zero(3, edges.unknowns), Eigen::Vector3d::Zero(), 0};
@@ -36,7 +29,7 @@ Functional FunctionalAt(const EdgeRows& edges, double u, double v, int order_u, 
       const double value = at_u.Coarse(i) * at_v.Coarse(j);
       result.scale += value * value;
       if (edges.taken_u[static_cast<size_t>(i)] || edges.taken_v[static_cast<size_t>(j)]) continue;
-      result.inner.emplace_back(PlaceOf(edges, i, j), value);
+      result.inner.emplace_back(Eigen::Index{i} * edges.v.coarse.size() + j, value);
     }
   }
   result.scale = std::sqrt(result.scale);
@@ -45,58 +38,6 @@ Functional FunctionalAt(const EdgeRows& edges, double u, double v, int order_u, 
   });
   return result;
 }
-
-// Collects equations.
-class Builder {
- public:
-  explicit Builder(int unknowns) : unknowns_(unknowns) {}
-
-  int AddFunctional(const Functional& functional) {
-    for (const auto& [place, value] : functional.inner) {
-      entries_.emplace_back(place, functionals_, value);
-    }
-    return functionals_++;
-  }
-  void AddRow(int functional,
-              const Eigen::Vector3d& direction,
-              const Eigen::RowVectorXd& unknowns,
-              double right,
-              double scale) {
-    rows_.push_back({functional, direction, unknowns, right, scale});
-  }
-  Eigen::Index rows() const { return static_cast<Eigen::Index>(rows_.size()); }
-
-  LinearConstraints Take(Eigen::Index net_size, std::vector<ConditionBlock> blocks) const {
-    LinearConstraints result;
-    result.functionals.resize(net_size, functionals_);
-    result.functionals.setFromTriplets(entries_.begin(), entries_.end());
-    result.directions.resize(3, rows());
-    result.unknowns.resize(rows(), unknowns_);
-    result.right.resize(rows());
-    result.scales.resize(rows());
-    for (Eigen::Index k = 0; k < rows(); ++k) {
-      const Row& row = rows_[static_cast<size_t>(k)];
-      result.functional.push_back(row.functional);
-      result.directions.col(k) = row.direction;
-      result.unknowns.row(k) = row.unknowns;
-      result.right[k] = row.right;
-      result.scales[k] = row.scale;
-    }
-    result.blocks = std::move(blocks);
-    return result;
-  }
-
- private:
-  struct Row {
-    int functional;
-    Eigen::Vector3d direction;
-    Eigen::RowVectorXd unknowns;
-    double right, scale;
-  };
-  int unknowns_, functionals_ = 0;
-  std::vector<Row> rows_;
-  std::vector<Eigen::Triplet<double>> entries_;
-};
 
 void CheckPoint(const FixedPoint& point, const EdgeRows& edges, const std::string& name) {
   const SplineBasis &u = edges.u.coarse, &v = edges.v.coarse;
@@ -151,17 +92,42 @@ LinearConstraints ConditionsOf(const EdgeRows& edges,
                                const std::vector<FixedPoint>& points,
                                const Eigen::Vector3d& centre) {
   using Kind = ConditionBlock::Kind;
-  Builder builder(edges.unknowns);
-  std::vector<ConditionBlock> blocks;
+  Eigen::Index most = 3 * std::ssize(edges.corners);
+  for (const FixedPoint& point : points) most += (point.place ? 3 : 0) + (point.normal ? 2 : 0);
+  LinearConstraints result;
+  result.directions.resize(3, most);
+  result.unknowns.resize(most, edges.unknowns);
+  result.right.resize(most);
+  result.scales.resize(most);
+  std::vector<Eigen::Triplet<double>> entries;
+  int functionals = 0;
+  const auto add_functional = [&](const Functional& functional) {
+    for (const auto& [place, value] : functional.inner)
+      entries.emplace_back(place, functionals, value);
+    return functionals++;
+  };
+  const auto rows = [&] { return std::ssize(result.functional); };
+  const auto add_row = [&](int functional,
+                           const Eigen::Vector3d& direction,
+                           const Eigen::RowVectorXd& unknowns,
+                           double right,
+                           double scale) {
+    const Eigen::Index k = rows();
+    result.functional.push_back(functional);
+    result.directions.col(k) = direction;
+    result.unknowns.row(k) = unknowns;
+    result.right[k] = right;
+    result.scales[k] = scale;
+  };
   for (const CornerCondition& corner : edges.corners) {
-    blocks.push_back({corner.length > 0 ? Kind::kCornerPlane : Kind::kTwist,
-                      corner.name,
-                      builder.rows(),
-                      3,
-                      corner.length,
-                      0});
+    result.blocks.push_back({corner.length > 0 ? Kind::kCornerPlane : Kind::kTwist,
+                             corner.name,
+                             rows(),
+                             3,
+                             corner.length,
+                             0});
     for (int d = 0; d < 3; ++d) {
-      builder.AddRow(-1, Eigen::Vector3d::Zero(), corner.unknowns.row(d), -corner.given[d], 1);
+      add_row(-1, Eigen::Vector3d::Zero(), corner.unknowns.row(d), -corner.given[d], 1);
     }
   }
   for (size_t k = 0; k < points.size(); ++k) {
@@ -171,30 +137,33 @@ LinearConstraints ConditionsOf(const EdgeRows& edges,
                              NumberText(point.v) + ")";
     CheckPoint(point, edges, name);
     if (point.place) {
-      blocks.push_back({Kind::kPlace, "the place of " + name, builder.rows(), 3, 0, index});
+      result.blocks.push_back({Kind::kPlace, "the place of " + name, rows(), 3, 0, index});
       const Functional value = FunctionalAt(edges, point.u, point.v, 0, 0);
-      const int f = builder.AddFunctional(value);
+      const int f = add_functional(value);
       for (int d = 0; d < 3; ++d) {
-        builder.AddRow(f,
-                       Eigen::Vector3d::Unit(d),
-                       value.unknowns.row(d),
-                       (*point.place - centre - value.given)[d],
-                       value.scale);
+        add_row(f,
+                Eigen::Vector3d::Unit(d),
+                value.unknowns.row(d),
+                (*point.place - centre - value.given)[d],
+                value.scale);
       }
     }
     if (!point.normal) continue;
-    blocks.push_back({Kind::kNormal, "the normal of " + name, builder.rows(), 2, 0, index});
+    result.blocks.push_back({Kind::kNormal, "the normal of " + name, rows(), 2, 0, index});
     const Eigen::Vector3d normal = point.normal->normalized();
     for (int along_v = 0; along_v < 2; ++along_v) {
       const Functional slope = FunctionalAt(edges, point.u, point.v, 1 - along_v, along_v);
-      builder.AddRow(builder.AddFunctional(slope),
-                     normal,
-                     normal.transpose() * slope.unknowns,
-                     -normal.dot(slope.given),
-                     slope.scale);
+      add_row(add_functional(slope),
+              normal,
+              normal.transpose() * slope.unknowns,
+              -normal.dot(slope.given),
+              slope.scale);
     }
   }
-  return builder.Take(Eigen::Index{edges.u.coarse.size()} * edges.v.coarse.size(), blocks);
+  result.functionals.resize(Eigen::Index{edges.u.coarse.size()} * edges.v.coarse.size(),
+                            functionals);
+  result.functionals.setFromTriplets(entries.begin(), entries.end());
+  return result;
 }
 
 }  // namespace batten::internal

@@ -8,25 +8,15 @@
 namespace batten::internal {
 namespace {
 
-// The longest span of the domain on which a function acts, as an index into `spans`, and the
-// function's index there: around a periodic basis it acts at both ends, under two.
-struct Place {
-  size_t span = 0;
-  int function = 0;
-};
-
-Place PlaceOf(const SplineBasis& basis, const std::vector<int>& spans, int i) {
-  const int p = basis.degree(), round = basis.size() - p;
-  Place best;
+// The longest span of the domain on which a function acts, as an index into `spans`.
+size_t LongestSpan(const SplineBasis& basis, const std::vector<int>& spans, int i) {
+  size_t best = 0;
   double longest = -1;
   for (size_t s = 0; s < spans.size(); ++s) {
     const double length = basis.knots()[spans[s] + 1] - basis.knots()[spans[s]];
-    const int first = basis.periodic() ? i % round : i;
-    for (const int function : {first, basis.periodic() ? first + round : i}) {
-      if (spans[s] < function || spans[s] > function + p || length <= longest) continue;
-      longest = length;
-      best = {s, function};
-    }
+    if (spans[s] < i || spans[s] > i + basis.degree() || length <= longest) continue;
+    longest = length;
+    best = s;
   }
   return best;
 }
@@ -74,10 +64,10 @@ LocalProjection ProjectionOnto(const SplineBasis& basis) {
           i, places + (upper ? 1 : 0), upper ? -EndLength(basis, true) : EndLength(basis, false));
       continue;
     }
-    const auto [s, function] = PlaceOf(basis, spans, i);
+    const size_t s = LongestSpan(basis, spans, i);
     for (int k = 0; k <= p; ++k) {
       entries.emplace_back(
-          i, static_cast<int>(s) * (p + 1) + k, coefficients[s](function - spans[s] + p, k));
+          i, static_cast<int>(s) * (p + 1) + k, coefficients[s](i - spans[s] + p, k));
     }
   }
   projection.matrix.resize(basis.size(), count + 2);

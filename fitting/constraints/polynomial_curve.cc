@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "batten/geometry/remove_knots.h"
+#include "geometry/bezier/cubic_chain.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
@@ -23,19 +26,16 @@ Eigen::Vector3d EndSlope(const NurbsCurve<3>& curve, double a, double b) {
 }
 
 NurbsCurve<3> Cubics(const NurbsCurve<3>& curve, const std::vector<double>& breaks) {
-  const auto parts = static_cast<Eigen::Index>(breaks.size()) - 1;
-  Eigen::Matrix3Xd points(3, 3 * parts + 1);
-  std::vector<double> knots{breaks.front()};
-  for (Eigen::Index i = 0; i < parts; ++i) {
-    const double a = breaks[static_cast<size_t>(i)], b = breaks[static_cast<size_t>(i) + 1];
-    points.col(3 * i) = curve.At(a);
-    points.col(3 * i + 1) = points.col(3 * i) + (b - a) / 3 * curve.JetAt(a).first;
-    points.col(3 * i + 2) = curve.At(b) - (b - a) / 3 * EndSlope(curve, a, b);
-    knots.insert(knots.end(), 3, a);
+  CubicChain<3> chain;
+  for (size_t i = 1; i < breaks.size(); ++i) {
+    const double a = breaks[i - 1], b = breaks[i];
+    const Eigen::Vector3d start = curve.At(a), end = curve.At(b);
+    Eigen::Matrix<double, 3, 4> cubic;
+    cubic << start, start + (b - a) / 3 * curve.JetAt(a).first,
+        end - (b - a) / 3 * EndSlope(curve, a, b), end;
+    chain.Add(cubic, a, b, 3);
   }
-  points.col(3 * parts) = curve.At(breaks.back());
-  knots.insert(knots.end(), 4, breaks.back());
-  return NurbsCurve<3>(SplineBasis(3, knots), std::move(points));
+  return chain.Take();
 }
 
 double Deviation(const NurbsCurve<3>& a,
@@ -53,31 +53,14 @@ double Deviation(const NurbsCurve<3>& a,
 
 }  // namespace
 
-std::vector<double> CutSpans(const SplineBasis& basis, int parts) {
-  std::vector<double> spans;
-  for (const double knot : basis.knots()) {
-    if (knot < basis.lower() || knot > basis.upper()) continue;
-    if (spans.empty() || knot > spans.back()) spans.push_back(knot);
-  }
-  std::vector<double> breaks{spans.front()};
-  for (size_t i = 1; i < spans.size(); ++i) {
-    const double step = (spans[i] - spans[i - 1]) / parts;
-    for (int k = 1; k < parts; ++k) breaks.push_back(spans[i - 1] + k * step);
-    breaks.push_back(spans[i]);
-  }
-  return breaks;
-}
-
 NurbsCurve<3> PolynomialCurve(const NurbsCurve<3>& curve, double tolerance) {
   for (int parts = 1; parts <= kMostParts; parts *= 2) {
-    const std::vector<double> breaks = CutSpans(curve.basis(), parts);
+    const std::vector<double> breaks = BreaksIn(curve.basis(), parts);
     NurbsCurve<3> cubics = Cubics(curve, breaks);
     if (Deviation(cubics, curve, breaks) > tolerance) continue;
     // One of the three knots at a break goes where the slopes of both sides agree.
     for (size_t i = 1; i + 1 < breaks.size(); ++i) {
-      const double size = (cubics.control_points().rowwise().maxCoeff() -
-                           cubics.control_points().rowwise().minCoeff())
-                              .norm();
+      const double size = BoxDiagonal(cubics.control_points());
       cubics = RemoveKnot(cubics, breaks[i], 1, kCurveRounding * size + tolerance / 100).shape;
     }
     return cubics;

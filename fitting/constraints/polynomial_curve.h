@@ -2,14 +2,9 @@
 // Approximation of a rational curve by polynomial cubics.
 #pragma once
 
-#include <vector>
-
 #include "batten/geometry/nurbs_curve.h"
 
 namespace batten::internal {
-
-// The ends of a basis' spans, each cut into equal parts.
-std::vector<double> CutSpans(const SplineBasis& basis, int parts);
 
 // A polynomial cubic spline within `tolerance` (> 0, in the data's units) of a curve at the same
 // parameters: the cubic Hermite interpolant on equal parts of every span, as smooth at the knots as

@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "fitting/constraints/local_projection.h"
-#include "fitting/linear/coefficient_order.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/least_squares/nested_bases.h"
 
 namespace batten::internal {
 namespace {
@@ -74,10 +75,6 @@ std::vector<double> PoorMiddles(const EdgeRow& row,
   Eigen::MatrixXd fine_curve(axis.fine.size(), 3);
   for (int d = 0; d < 3; ++d) fine_curve.col(d) = row.curves[d] * amounts;
   const Eigen::MatrixXd thin_curve = thinning * fine_curve;
-  Eigen::VectorXd of_field(axis.coarse.size());
-  for (int m = 0; m < axis.coarse.size(); ++m) {
-    of_field[m] = amounts[DistinctIndex(axis.coarse, m)];
-  }
   const std::vector<int> spans = thin.Spans();
   const auto checks = static_cast<Eigen::Index>(spans.size()) * (2 * p + 1);
   Eigen::VectorXd places(checks);
@@ -90,7 +87,8 @@ std::vector<double> PoorMiddles(const EdgeRow& row,
   }
   const Eigen::MatrixXd errors = FunctionsAt(thin, places, places) * thin_curve -
                                  FunctionsAt(axis.fine, places, places) * fine_curve;
-  const Eigen::VectorXd fields = FunctionsAt(axis.coarse, places, places) * of_field;
+  const Eigen::VectorXd fields =
+      FunctionsAt(axis.coarse, places, places) * amounts.head(axis.coarse.size());
   std::vector<double> middles;
   for (size_t s = 0; s < spans.size(); ++s) {
     bool poor = false;
@@ -127,7 +125,7 @@ SplineBasis ThinBasis(const EdgeRows& edges,
     if (middles.empty()) break;
     std::sort(middles.begin(), middles.end());
     middles.erase(std::unique(middles.begin(), middles.end()), middles.end());
-    thin = WithKnots(thin, middles);
+    thin = WithInnerKnots(thin, middles);
   }
   return thin;
 }
@@ -146,7 +144,7 @@ ReducedEdgeBasis Thinned(const EdgeRows& edges, bool along_u, const Eigen::Vecto
     identity.setIdentity();
     return {axis.fine, axis.raised, std::move(identity)};
   }
-  return {thin, RaisedTo(thin, axis.coarse), Thinning(axis.fine, thin)};
+  return {thin, KnotInsertion(axis.coarse, thin), Thinning(axis.fine, thin)};
 }
 
 }  // namespace batten::internal

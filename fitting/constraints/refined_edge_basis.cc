@@ -11,10 +11,13 @@
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/degree_elevation.h"
 #include "batten/geometry/insert_knots.h"
+#include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/reparameterize.h"
 #include "fitting/constraints/edge_products.h"
 #include "fitting/core/rounding.h"
-#include "geometry/editing/knot_refinement.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/least_squares/nested_bases.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 
@@ -29,13 +32,11 @@ constexpr double kLeastAngle = 1e-6;  // between field and curve
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using KnotCounts = std::map<double, int>;
 
-// Knots inside the domain with their multiplicities; the seam of a periodic basis is one of them.
+// Knots inside the domain with their multiplicities.
 KnotCounts InnerKnots(const SplineBasis& basis) {
   KnotCounts counts;
   for (const double knot : basis.knots()) {
-    const bool inside =
-        knot < basis.upper() && (basis.periodic() ? knot >= basis.lower() : knot > basis.lower());
-    if (inside) ++counts[knot];
+    if (knot > basis.lower() && knot < basis.upper()) ++counts[knot];
   }
   return counts;
 }
@@ -51,26 +52,17 @@ double Nearest(const KnotCounts& counts, double x, double near) {
 
 // The knots moved onto near ones of `counts`, or onto the ends of the domain.
 SplineBasis Snapped(const SplineBasis& basis, const KnotCounts& counts, double near) {
-  const double period = basis.upper() - basis.lower();
   std::vector<double> knots = basis.knots();
   for (double& knot : knots) {
-    if (!basis.periodic()) {
-      if (knot - basis.lower() <= near) {
-        knot = basis.lower();
-      } else if (basis.upper() - knot <= near) {
-        knot = basis.upper();
-      } else {
-        knot = Nearest(counts, knot, near);
-      }
-    } else if (knot >= basis.lower() && knot < basis.upper()) {
-      knot = basis.upper() - knot <= near ? basis.upper() : Nearest(counts, knot, near);
+    if (knot - basis.lower() <= near) {
+      knot = basis.lower();
+    } else if (basis.upper() - knot <= near) {
+      knot = basis.upper();
+    } else {
+      knot = Nearest(counts, knot, near);
     }
   }
-  if (!basis.periodic()) return SplineBasis(basis.degree(), std::move(knots));
-  const int p = basis.degree(), n = basis.size(), round = n - p;
-  for (int i = 0; i < p; ++i) knots[i] = knots[i + round] - period;
-  for (int i = n; i < n + p + 1; ++i) knots[i] = knots[i - round] + period;
-  return SplineBasis::Periodic(p, std::move(knots));
+  return SplineBasis(basis.degree(), std::move(knots));
 }
 
 NurbsCurve<3> OverDomain(const NurbsCurve<3>& curve,
@@ -85,9 +77,7 @@ NurbsCurve<3> OverDomain(const NurbsCurve<3>& curve,
            name + " is over [" + NumberText(curve.basis().lower()) + ", " +
                NumberText(curve.basis().upper()) + "], the surface's basis along it over [" +
                NumberText(along.lower()) + ", " + NumberText(along.upper()) + "]");
-  if (along.periodic() && !curve.basis().periodic())
-    Reject("SurfaceConstraints", name + " is not periodic, but the surface's basis along it is");
-  const NurbsCurve<3> open = along.periodic() ? curve : Clamped(curve);
+  const NurbsCurve<3> open = Clamped(curve);
   return open.basis().lower() == along.lower() && open.basis().upper() == along.upper()
              ? open
              : Reparameterized(open, along.lower(), along.upper());
@@ -174,26 +164,7 @@ double LeastAcross(const ReadyEdge& edge, const SplineBasis& fine) {
 }  // namespace
 
 double SpeedOf(const NurbsCurve<3>& curve) {
-  return (curve.control_points().rowwise().maxCoeff() - curve.control_points().rowwise().minCoeff())
-             .norm() /
-         (curve.basis().upper() - curve.basis().lower());
-}
-
-Eigen::SparseMatrix<double> RaisedTo(const SplineBasis& finer, const SplineBasis& coarse) {
-  const ControlRows rows{coarse, {Eigen::MatrixXd::Identity(coarse.size(), coarse.size())}, {}};
-  const std::vector<double> more = Missing(InnerKnots(finer), coarse);
-  return (more.empty() ? rows : Refined(rows, more)).coordinates[0].transpose().sparseView();
-}
-
-NurbsCurve<3> RefinedTo(const SplineBasis& finer, const NurbsCurve<3>& curve) {
-  const std::vector<double> more = Missing(InnerKnots(finer), curve.basis());
-  return more.empty() ? curve : RefineKnots(curve, more);
-}
-
-SplineBasis WithKnots(const SplineBasis& basis, const std::vector<double>& knots) {
-  if (knots.empty()) return basis;
-  const ControlRows rows{basis, {Eigen::MatrixXd::Zero(1, basis.size())}, {}};
-  return Refined(rows, knots).basis;
+  return BoxDiagonal(curve.control_points()) / (curve.basis().upper() - curve.basis().lower());
 }
 
 std::string NameOf(const SurfaceEdge& edge) {
@@ -240,7 +211,7 @@ RefinedEdgeBasis RefinedEdgeBasisFor(const SplineBasis& coarse, std::vector<Read
                    ": no tangent planes can be met along it");
     }
   }
-  const SplineBasis least = WithKnots(coarse, Missing(wanted, coarse));
+  const SplineBasis least = WithInnerKnots(coarse, Missing(wanted, coarse));
   SplineBasis fine = least;
   for (const ReadyEdge& edge : edges) {
     if (!edge.across) continue;
@@ -248,14 +219,14 @@ RefinedEdgeBasis RefinedEdgeBasisFor(const SplineBasis& coarse, std::vector<Read
     for (int halving = 0; halving < kKnotHalvings && fine.size() < kMostFunctions; ++halving) {
       const std::vector<double> middles = PoorMiddles(coarse, fine, edge, most);
       if (middles.empty()) break;
-      fine = WithKnots(fine, middles);
+      fine = WithInnerKnots(fine, middles);
     }
   }
   for (ReadyEdge& edge : edges) {
     edge.plain = edge.curve;
-    edge.curve = RefinedTo(fine, edge.plain);
+    edge.curve = RefineKnots(edge.plain, MissingKnots(edge.plain.basis(), fine));
   }
-  return {coarse, least, fine, RaisedTo(fine, coarse)};
+  return {coarse, least, fine, KnotInsertion(coarse, fine)};
 }
 
 }  // namespace batten::internal

@@ -32,15 +32,6 @@ struct RefinedEdgeBasis {
 // The approximate speed of a curve: its size divided by the length of its domain.
 double SpeedOf(const NurbsCurve<3>& curve);
 
-// The knot insertion matrix: column i is coarse function i over a basis with more knots.
-Eigen::SparseMatrix<double> RaisedTo(const SplineBasis& finer, const SplineBasis& coarse);
-
-// The curve refined to a basis with more knots.
-NurbsCurve<3> RefinedTo(const SplineBasis& finer, const NurbsCurve<3>& curve);
-
-// Inserts simple knots into the basis, each inside a span.
-SplineBasis WithKnots(const SplineBasis& basis, const std::vector<double>& knots);
-
 // Refines the basis by the knots of the edge curves that run along it. For an edge with a tangent
 // field the fine basis represents every product of a coarse function with the field, or with the
 // curve's derivative, to 1e-7 of their size, unless that needs more than some 1500 functions. The

@@ -17,7 +17,7 @@ namespace batten::internal {
 struct FixedEdge {
   SurfaceEdge edge;  // where `direction` is at the end of its domain
   // Over the domain of the basis along the edge, in the direction of its parameter; no weights,
-  // degree at most the basis'; any knots; periodic where the basis is.
+  // degree at most the basis'; any knots.
   NurbsCurve<3> curve;
   // A spline vector field T over the same domain that spans the tangent planes with the curve's own
   // derivative E: the surface's derivative across the edge, in the direction of the rising
@@ -35,8 +35,6 @@ struct FixedPoint {
 struct SurfaceConstraints {
   std::vector<FixedEdge> edges;  // at most one each
   std::vector<FixedPoint> points;
-
-  bool any() const { return !edges.empty() || !points.empty(); }
 };
 
 // A constraint that contradicts earlier ones, and the amount by which the surface misses it.

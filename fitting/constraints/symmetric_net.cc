@@ -34,54 +34,37 @@ Eigen::Index ColumnOf(const NurbsSurface& surface, Direction direction, int i, i
                                     : Eigen::Index{j} * surface.size_v() + i;
 }
 
-struct Net {
-  Eigen::Matrix3Xd points;
-  Eigen::VectorXd weights;
-};
-
-Net Symmetric(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane) {
-  const bool u = direction == Direction::kU;
-  const SplineBasis& basis = u ? surface.basis_u() : surface.basis_v();
-  const int size = basis.size(), other = u ? surface.size_v() : surface.size_u();
-  Net net{surface.control_points(), surface.weights()};
-  for (int j = 0; j < other; ++j) {
-    for (int i = 0; 2 * i < size; ++i) {
-      const Eigen::Index a = ColumnOf(surface, direction, i, j),
-                         b = ColumnOf(surface, direction, size - 1 - i, j);
-      const Eigen::Vector3d first = net.points.col(a), last = net.points.col(b);
-      net.points.col(a) = first + (plane.Mirrored(last) - first) / 2;
-      net.points.col(b) = a == b ? net.points.col(a) : plane.Mirrored(net.points.col(a));
-      net.weights[a] = net.weights[b] = (net.weights[a] + net.weights[b]) / 2;
-    }
-    for (int i = 0; basis.periodic() && i < basis.degree(); ++i) {
-      const Eigen::Index from = ColumnOf(surface, direction, i, j),
-                         to = ColumnOf(surface, direction, size - basis.degree() + i, j);
-      net.points.col(to) = net.points.col(from);
-      net.weights[to] = net.weights[from];
-    }
-  }
-  return net;
-}
-
 }  // namespace
 
 NurbsSurface SymmetricNet(const NurbsSurface& surface,
                           Direction direction,
                           const MirrorPlane& plane) {
   const bool u = direction == Direction::kU;
-  Net net = Symmetric(surface, direction, plane);
+  const SplineBasis& basis = u ? surface.basis_u() : surface.basis_v();
+  const int size = basis.size(), other = u ? surface.size_v() : surface.size_u();
+  Eigen::Matrix3Xd points = surface.control_points();
+  Eigen::VectorXd weights = surface.weights();
+  for (int j = 0; j < other; ++j) {
+    for (int i = 0; 2 * i < size; ++i) {
+      const Eigen::Index a = ColumnOf(surface, direction, i, j),
+                         b = ColumnOf(surface, direction, size - 1 - i, j);
+      const Eigen::Vector3d first = points.col(a), last = points.col(b);
+      points.col(a) = first + (plane.Mirrored(last) - first) / 2;
+      points.col(b) = a == b ? points.col(a) : plane.Mirrored(points.col(a));
+      weights[a] = weights[b] = (weights[a] + weights[b]) / 2;
+    }
+    for (int i = 0; basis.periodic() && i < basis.degree(); ++i) {
+      const Eigen::Index from = ColumnOf(surface, direction, i, j),
+                         to = ColumnOf(surface, direction, size - basis.degree() + i, j);
+      points.col(to) = points.col(from);
+      weights[to] = weights[from];
+    }
+  }
   return NurbsSurface(u ? SymmetricBasis(surface.basis_u()) : surface.basis_u(),
                       u ? surface.basis_v() : SymmetricBasis(surface.basis_v()),
-                      std::move(net.points),
-                      std::move(net.weights))
+                      std::move(points),
+                      std::move(weights))
       .WithTrims(surface.trims());
-}
-
-double Asymmetry(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane) {
-  return (Symmetric(surface, direction, plane).points - surface.control_points())
-      .colwise()
-      .norm()
-      .maxCoeff();
 }
 
 }  // namespace batten::internal

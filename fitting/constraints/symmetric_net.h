@@ -17,7 +17,4 @@ NurbsSurface SymmetricNet(const NurbsSurface& surface,
                           Direction direction,
                           const MirrorPlane& plane);
 
-// The largest distance by which SymmetricNet moves a control point.
-double Asymmetry(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane);
-
 }  // namespace batten::internal

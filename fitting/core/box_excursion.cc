@@ -6,22 +6,13 @@
 #include "batten/geometry/curve_evaluator.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kOfCurve = 32, kOfSurface = 8;  // samples of a span
 constexpr double kLeaves = 0.5;               // diagonals
-
-std::vector<double> Samples(const SplineBasis& basis, int of_span) {
-  std::vector<double> samples;
-  for (const int span : basis.Spans()) {
-    const double begin = basis.knots()[static_cast<size_t>(span)],
-                 end = basis.knots()[static_cast<size_t>(span) + 1];
-    for (int s = 0; s <= of_span; ++s) samples.push_back(begin + (end - begin) * s / of_span);
-  }
-  return samples;
-}
 
 // The place farthest from a box.
 template <int Dim>
@@ -61,7 +52,7 @@ void EnterExcursion(const NurbsCurve<Dim>& curve,
   if (box.isEmpty()) return;
   const CurveEvaluator<Dim> evaluator(curve);
   Farthest<Dim> farthest{box};
-  for (const double u : Samples(curve.basis(), kOfCurve)) farthest.See(evaluator.At(u));
+  for (const double u : BreaksIn(curve.basis(), kOfCurve)) farthest.See(evaluator.At(u));
   farthest.Enter(origin, report);
 }
 
@@ -74,8 +65,8 @@ void EnterExcursion(const NurbsSurface& surface,
   for (const auto& point : surface.control_points().colwise()) hull.See(point);
   if (!(hull.off > kLeaves * hull.Diagonal())) return;
   const SurfaceEvaluator evaluator(surface);
-  const std::vector<double> vs = Samples(surface.basis_v(), kOfSurface);
-  for (const double u : Samples(surface.basis_u(), kOfSurface))
+  const std::vector<double> vs = BreaksIn(surface.basis_v(), kOfSurface);
+  for (const double u : BreaksIn(surface.basis_u(), kOfSurface))
     for (const double v : vs) farthest.See(evaluator.At(u, v));
   farthest.Enter(origin, report);
 }

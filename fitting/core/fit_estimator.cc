@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include "fitting/core/mask_indices.h"
+
 namespace batten {
 
 std::vector<Eigen::Index> FitEstimator::UsedPoints(const PointMask& outliers,
@@ -11,10 +13,7 @@ std::vector<Eigen::Index> FitEstimator::UsedPoints(const PointMask& outliers,
   if (outliers.size() != count)
     throw std::invalid_argument("Uncertainty: cloud: it has " + std::to_string(count) +
                                 " points, the fit " + std::to_string(outliers.size()));
-  std::vector<Eigen::Index> indices;
-  for (Eigen::Index k = 0; k < count; ++k)
-    if (used.size() > 0 ? used[k] : !outliers[k]) indices.push_back(k);
-  return indices;
+  return internal::IndicesOf(used.size() > 0 ? used : PointMask(!outliers));
 }
 
 }  // namespace batten

@@ -2,6 +2,7 @@
 #include "batten/fitting/fit_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -38,45 +39,28 @@ std::string WithDeviation(double value, double deviation) {
 
 }  // namespace
 const char* Name(Termination termination) {
-  switch (termination) {
-    case Termination::kToleranceReached:
-      return "tolerance_reached";
-    case Termination::kNoiseReached:
-      return "noise_reached";
-    case Termination::kMaxControlPoints:
-      return "max_control_points";
-    case Termination::kMaxIterations:
-      return "max_iterations";
-    case Termination::kStalled:
-      return "stalled";
-    case Termination::kCancelled:
-      return "cancelled";
-  }
-  return "";
+  static constexpr std::array kNames{"tolerance_reached",
+                                     "noise_reached",
+                                     "max_control_points",
+                                     "max_iterations",
+                                     "stalled",
+                                     "cancelled"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Termination::kCancelled) + 1);
+  return kNames[static_cast<std::size_t>(termination)];
 }
 
 const char* Name(EndCode code) {
-  switch (code) {
-    case EndCode::kToleranceReached:
-      return "tolerance_reached";
-    case EndCode::kNoiseReached:
-      return "noise_reached";
-    case EndCode::kCrossValidated:
-      return "cross_validated";
-    case EndCode::kDetailBelowSpacing:
-      return "detail_below_spacing";
-    case EndCode::kStructuredResiduals:
-      return "structured_residuals";
-    case EndCode::kMaxControlPoints:
-      return "max_control_points";
-    case EndCode::kMaxIterations:
-      return "max_iterations";
-    case EndCode::kTimeLimit:
-      return "time_limit";
-    case EndCode::kCancelled:
-      return "cancelled";
-  }
-  return "";
+  static constexpr std::array kNames{"tolerance_reached",
+                                     "noise_reached",
+                                     "cross_validated",
+                                     "detail_below_spacing",
+                                     "structured_residuals",
+                                     "max_control_points",
+                                     "max_iterations",
+                                     "time_limit",
+                                     "cancelled"};
+  static_assert(kNames.size() == static_cast<std::size_t>(EndCode::kCancelled) + 1);
+  return kNames[static_cast<std::size_t>(code)];
 }
 
 Termination TerminationOf(EndCode code) {

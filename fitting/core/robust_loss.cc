@@ -8,10 +8,11 @@
 #include "fitting/core/shared_constants.h"
 
 namespace batten {
+using internal::kTruncatedTuning;
 using internal::kTukeyTuning;
 namespace {
 
-constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385, kTruncatedTuning = 2.795;
+constexpr double kHuberTuning = 1.345, kCauchyTuning = 2.385;
 
 }  // namespace
 

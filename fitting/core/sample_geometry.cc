@@ -11,6 +11,7 @@
 
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/trim_region.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten {
 namespace {
@@ -43,16 +44,6 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-std::vector<double> Strips(const SplineBasis& basis) {
-  std::vector<double> strips;
-  for (const int span : basis.Spans()) {
-    const double a = basis.knots()[span], b = basis.knots()[span + 1];
-    for (int k = 0; k < kStrips; ++k) strips.push_back(a + (b - a) * k / kStrips);
-  }
-  strips.push_back(basis.upper());
-  return strips;
-}
-
 // Strips of a trimmed surface's axis within the loops' range, cut finer.
 std::vector<double> Strips(const SplineBasis& basis,
                            const std::vector<NurbsCurve<2>>& loops,
@@ -62,7 +53,7 @@ std::vector<double> Strips(const SplineBasis& basis,
   for (const NurbsCurve<2>& loop : loops) reach.extend(BoundingBox(loop));
   const double low = std::max(reach.min()[axis], basis.lower());
   const double high = std::min(reach.max()[axis], basis.upper());
-  std::vector<double> strips = Strips(basis);
+  std::vector<double> strips = internal::BreaksIn(basis, kStrips);
   for (int k = 0; k <= kParts; ++k) strips.push_back(low + (high - low) * k / kParts);
   std::erase_if(strips, [&](double u) { return u < low || u > high; });
   std::sort(strips.begin(), strips.end());
@@ -99,7 +90,7 @@ template <int Dim>
 PointCloud SampleCurve(const NurbsCurve<Dim>& curve, const SampleOptions& options) {
   Check(options);
   Random random(options.seed);
-  const std::vector<double> strips = Strips(curve.basis());
+  const std::vector<double> strips = internal::BreaksIn(curve.basis(), kStrips);
   std::vector<double> running;
   double length = 0;
   for (size_t k = 0; k + 1 < strips.size(); ++k) {
@@ -126,8 +117,8 @@ PointCloud SampleGeometry(const NurbsSurface& surface, const SampleOptions& opti
     in_u = Strips(surface.basis_u(), surface.trims(), 0);
     in_v = Strips(surface.basis_v(), surface.trims(), 1);
   } else {
-    in_u = Strips(surface.basis_u());
-    in_v = Strips(surface.basis_v());
+    in_u = internal::BreaksIn(surface.basis_u(), kStrips);
+    in_v = internal::BreaksIn(surface.basis_v(), kStrips);
   }
   const size_t columns = in_v.size() - 1;
   std::vector<double> running;

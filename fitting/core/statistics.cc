@@ -22,13 +22,13 @@ double QuantileInPlace(std::vector<double>& values, double fraction) {
   return a + (b - a) * (position - static_cast<double>(low));
 }
 
-double WeightedMedian(std::vector<std::pair<double, double>> weighted) {
+double WeightedQuantile(std::vector<std::pair<double, double>> weighted, double share) {
   std::sort(weighted.begin(), weighted.end());
   double all = 0, below = 0;
   for (const auto& [value, weight] : weighted) all += weight;
   for (const auto& [value, weight] : weighted) {
     below += weight;
-    if (2 * below >= all) return value;
+    if (below >= share * all) return value;
   }
   return std::numeric_limits<double>::quiet_NaN();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -67,11 +68,6 @@ class Outliers {
   bool closed_;
   double gross_;
 };
-
-VectorXd Steps(const Matrix3Xd& points) {
-  const Index m = points.cols();
-  return (points.rightCols(m - 1) - points.leftCols(m - 1)).colwise().norm();
-}
 
 double MedianOf(const VectorXd& values) { return Median({values.begin(), values.end()}); }
 
@@ -141,7 +137,7 @@ CornerData CornerDataOf(const Matrix3Xd& points,
     data.length += way(options.period - data.range, points.cols() - kept.back() + kept.front());
     data.range = options.period;
   }
-  const VectorXd steps = Steps(data.points);
+  const VectorXd steps = StepLengths(data.points);
   if (options.noise <= kSteady * MedianOf(steps)) {
     for (Index k = 1; k < m; ++k) data.lengths[k] = data.lengths[k - 1] + steps[k - 1];
     data.length = data.lengths[m - 1];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/corners/corner_turns.h"
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "fitting/corners/corner_data.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -24,10 +24,6 @@ constexpr double kLeastStep = 30;       // standard deviations of the noise
 constexpr double kSnap = 0.05;          // of the gap: so near to a point the corner is the point
 constexpr double kSlack = 0.01;         // of bend: a point is preferred to a gap
 
-double Angle(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 // Estimate from three points of the direction in which the curve leaves a place at or before the
 // first.
 struct Side {
@@ -43,7 +39,7 @@ Side SideOf(const std::array<Vector3d, 3>& q, double before) {
   const double beyond = (before + before + h1) / (h1 + h2);
   const Vector3d direction = first + beyond * (first - second);
   const double noise = std::sqrt(2.0) * ((1 + beyond) / h1 + beyond / h2);
-  return {direction.normalized(), Angle(first, direction), noise};
+  return {direction.normalized(), AngleBetween(first, direction), noise};
 }
 
 struct Turn {
@@ -96,7 +92,7 @@ class TurnSearch {
   }
 
   double TurnAt(const Vector3d& a, const Vector3d& b, const Vector3d& c) const {
-    return Angle(b - a, c - b);
+    return AngleBetween(b - a, c - b);
   }
 
   // A point without which the curve turns much less: to it and back.
@@ -138,7 +134,7 @@ class TurnSearch {
   }
 
   static Turn TurnOf(const Side& left, const Side& right) {
-    return {Angle(-left.direction, right.direction),
+    return {AngleBetween(-left.direction, right.direction),
             left.bend + right.bend,
             std::hypot(left.noise, right.noise)};
   }

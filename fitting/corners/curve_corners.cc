@@ -45,7 +45,8 @@ void CheckParameters(const Eigen::Matrix3Xd& points,
   }
 }
 
-double MedianStep(const Eigen::Matrix3Xd& points) {
+template <typename Points>
+double MedianStep(const Eigen::MatrixBase<Points>& points) {
   std::vector<double> steps;
   const Index stride = 1 + points.cols() / kMostSteps;
   for (Index k = 1; k < points.cols(); k += stride)
@@ -64,19 +65,12 @@ std::vector<Index> Different(const Eigen::Matrix3Xd& points, bool closed) {
   return kept;
 }
 
-double MedianGap(const Eigen::VectorXd& parameters) {
-  std::vector<double> gaps;
-  const Index stride = 1 + parameters.size() / kMostSteps;
-  for (Index k = 1; k < parameters.size(); k += stride)
-    gaps.push_back(parameters[k] - parameters[k - 1]);
-  return Median(std::move(gaps));
-}
-
 // Each range as an open curve of its own.
 std::vector<CurveCorner> CornersOfRanges(const Eigen::Matrix3Xd& points,
                                          const Eigen::VectorXd& parameters,
                                          const CornerOptions& options) {
-  const std::vector<CornerRange> ranges = RangesWithCorners(points, MedianGap(parameters), options);
+  const std::vector<CornerRange> ranges =
+      RangesWithCorners(points, MedianStep(parameters.transpose()), options);
   const Index m = points.cols();
   std::vector<CurveCorner> corners;
   for (const CornerRange& range : ranges) {

@@ -41,15 +41,6 @@ SpanAdaptation AdaptedBetween(const CurveTask& task,
                            : RelocatedSpans(std::move(adapted), adapt, task.pool);
 }
 
-RobustCurve Losses(const CurveTask& task, Loss loss, bool all) {
-  return {loss,
-          task.options.loss_scale,
-          !task.options.loss,
-          task.by_feet(),
-          std::max(kCurvesAlike * task.size, kTiniestScale),
-          all ? task.anchored : std::vector<Eigen::Index>{}};
-}
-
 void Append(std::vector<RoundSummary>& rounds, const SpanAdaptation& adapted) {
   rounds.insert(rounds.end(), adapted.rounds.begin(), adapted.rounds.end());
 }
@@ -59,19 +50,17 @@ SpanAdaptation AdaptedUnderLoss(CurveTask& task,
                                 const FittingProblem& problem,
                                 Loss loss,
                                 std::vector<RoundSummary>& rounds) {
-  const RobustCurve losses = Losses(task, loss, problem.size() == task.problem.size());
   SpanAdaptation adapted = AdaptedSpans(task, problem);
   Append(rounds, adapted);
   if (task.noise == 0) task.noise = adapted.noise;
   const Eigen::VectorXd own = problem.data().weights;
-  if (Acts(Rule::kLeastAbsolute))
-    adapted = NearLeastAbsolute(std::move(adapted), losses, task.pool);
+  if (Acts(Rule::kLeastAbsolute)) adapted = NearLeastAbsolute(std::move(adapted), task);
   for (int pass = 0; pass < kRobustPasses; ++pass) {
-    const FittingProblem weighted = WeightedByLoss(adapted, losses, own, task.pool);
+    const FittingProblem weighted = WeightedByLoss(adapted, task, loss, own);
     adapted = AdaptedSpans(task, weighted);
     Append(rounds, adapted);
   }
-  adapted.problem = WeightedByLoss(adapted, losses, own, task.pool);
+  adapted.problem = WeightedByLoss(adapted, task, loss, own);
   return adapted;
 }
 
@@ -88,7 +77,7 @@ FittingProblem WeightedWhole(const CurveTask& task, const SpanAdaptation& part, 
       part.noise,
       part.full,
       {}};
-  return WeightedByLoss(all, Losses(task, loss, true), whole.data().weights, task.pool);
+  return WeightedByLoss(all, task, loss, whole.data().weights);
 }
 
 }  // namespace

@@ -5,26 +5,14 @@
 #include <cmath>
 #include <utility>
 
+#include "fitting/core/input_summary.h"
 #include "fitting/curve/curve_joint.h"
 #include "fitting/curve/curve_outcome.h"
+#include "fitting/curve/fit_corners.h"
 #include "fitting/curve/solve_curve.h"
 
 namespace batten::internal {
 namespace {
-
-FitReport StartReport(const PointCloud& cloud, const OrderedPoints& ordered, ThreadPool& pool) {
-  FitReport report;
-  report.threads = pool.threads();
-  InputSummary& input = report.input;
-  input.points = cloud.size();
-  input.duplicates = ordered.repeats;
-  input.spacing = ordered.spacing;
-  input.noise = ordered.noise;
-  input.origin = cloud.origin();
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return report;
-}
 
 SolvedCurve Solve(CurveTask& task, const PointMask& sequence_outliers) {
   if (!task.by_feet() && !task.ordered.closed) return SolveAtParameters(task);
@@ -48,8 +36,10 @@ bool PlacedByData(const SplineBasis& basis) {
 
 // Weights count as free where the joint stage freed them, knots where the data placed them; a loss
 // nobody asked for is Tukey's.
-FitEstimator EstimatorOf(const CurveTask& task, const SolvedCurve& solved, bool joint) {
-  FitEstimator estimator;
+void SetEstimator(const CurveTask& task,
+                  const SolvedCurve& solved,
+                  bool joint,
+                  FitEstimator& estimator) {
   estimator.refused.clear();
   if (task.options.terms) estimator.refused = "the user's terms shape it beside the points";
   estimator.smoothing = solved.problem.smoothing();
@@ -65,7 +55,6 @@ FitEstimator EstimatorOf(const CurveTask& task, const SolvedCurve& solved, bool 
   estimator.freed.weights =
       solved.weights.size() > 0 && solved.weights.minCoeff() < solved.weights.maxCoeff();
   estimator.shift = task.options.shift;
-  return estimator;
 }
 
 }  // namespace
@@ -78,7 +67,9 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
                          ThreadPool& pool,
                          StageClock& clock) {
   Report(options.progress, "prepare", 0);
-  FitReport report = StartReport(cloud, ordered, pool);
+  FitReport report;
+  report.threads = pool.threads();
+  report.input = SummariseInput(cloud, ordered.repeats, ordered.spacing, ordered.noise);
   CurveTask task = MakeCurveTask(ordered, options, Dim, pool);
   clock.Enter(&StageSeconds::parameterize);
   FindCorners(task);
@@ -90,27 +81,9 @@ CurveFit<Dim> FitOrdered(const PointCloud& cloud,
   report.iterations = std::move(solved.rounds);
   report.warnings = std::move(solved.warnings);
   report.end.code = solved.end;
-  FitEstimator estimator = EstimatorOf(task, solved, report.optimize.ran);
   clock.Enter(&StageSeconds::project);
-  CurveFit<Dim> fit = MeasuredCurve<Dim>(
-      {cloud,
-       ordered,
-       sequence_outliers,
-       options,
-       solved.problem.data().weights,
-       solved.problem.data().parameters.row(0).transpose(),
-       task.distance,
-       task.noise,
-       solved.problem.unknowns()},
-      NurbsCurve<Dim>(solved.problem.basis_u(), solved.control_points, solved.weights),
-      task.middle,
-      std::move(report),
-      pool);
-  fit.estimator = std::move(estimator);
-  const PointMask& outliers = fit.outliers;
-  fit.estimator.used = PointMask(cloud.size());
-  for (Eigen::Index k = 0; k < cloud.size(); ++k)
-    fit.estimator.used[k] = !outliers[k] && ordered.place[static_cast<size_t>(k)] >= 0;
+  CurveFit<Dim> fit = MeasuredCurve<Dim>(task, solved, cloud, sequence_outliers, std::move(report));
+  SetEstimator(task, solved, fit.report.optimize.ran, fit.estimator);
   return fit;
 }
 

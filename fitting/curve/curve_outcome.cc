@@ -10,6 +10,7 @@
 #include "fitting/core/mask_indices.h"
 #include "fitting/core/rounding.h"
 #include "fitting/foot_points/curve_distances.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -24,21 +25,24 @@ PointMask Own(const OrderedPoints& ordered) {
 }
 
 // Outliers, and the points to which the loss gives zero weight.
-PointMask Forgotten(const MeasureInput& grounds) {
-  PointMask forgotten = grounds.sequence_outliers;
-  for (Eigen::Index k = 0; k < forgotten.size() && grounds.weights.size() > 0; ++k) {
-    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
-    if (place >= 0 && grounds.weights[place] == 0) forgotten[k] = true;
+PointMask Forgotten(const CurveTask& task,
+                    const SolvedCurve& solved,
+                    const PointMask& sequence_outliers) {
+  const Eigen::VectorXd& weights = solved.problem.data().weights;
+  PointMask forgotten = sequence_outliers;
+  for (Eigen::Index k = 0; k < forgotten.size() && weights.size() > 0; ++k) {
+    const Eigen::Index place = task.ordered.place[static_cast<size_t>(k)];
+    if (place >= 0 && weights[place] == 0) forgotten[k] = true;
   }
   return forgotten;
 }
 
 // A parameter near the foot point of every point of the curve, NaN for others.
-Eigen::VectorXd KnownPlaces(const MeasureInput& grounds) {
-  Eigen::VectorXd places(grounds.cloud.size());
+Eigen::VectorXd KnownPlaces(const CurveTask& task, const SolvedCurve& solved) {
+  Eigen::VectorXd places(std::ssize(task.ordered.place));
   for (Eigen::Index k = 0; k < places.size(); ++k) {
-    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
-    places[k] = place < 0 ? kNone : grounds.parameters[place];
+    const Eigen::Index place = task.ordered.place[static_cast<size_t>(k)];
+    places[k] = place < 0 ? kNone : solved.problem.data().parameters(0, place);
   }
   return places;
 }
@@ -46,19 +50,20 @@ Eigen::VectorXd KnownPlaces(const MeasureInput& grounds) {
 template <int Dim>
 NurbsCurve<Dim> Moved(const NurbsCurve<Dim>& curve, const Eigen::Matrix<double, Dim, 1>& move) {
   if (move.isZero(0)) return curve;
-  return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + move, curve.weights());
+  return Translated(curve, move);
 }
 
 // Distance of every point from the curve at its own parameter; zero for points of no curve.
 template <int Dim>
-Eigen::VectorXd OffsetsAtParameters(const MeasureInput& grounds, const NurbsCurve<Dim>& curve) {
-  Eigen::VectorXd offsets = Eigen::VectorXd::Zero(grounds.cloud.size());
+Eigen::VectorXd OffsetsAtParameters(const OrderedPoints& ordered,
+                                    const PointCloud& cloud,
+                                    const NurbsCurve<Dim>& curve) {
+  Eigen::VectorXd offsets = Eigen::VectorXd::Zero(cloud.size());
   for (Eigen::Index k = 0; k < offsets.size(); ++k) {
-    const Eigen::Index place = grounds.ordered.place[static_cast<size_t>(k)];
+    const Eigen::Index place = ordered.place[static_cast<size_t>(k)];
     if (place < 0) continue;
-    offsets[k] = (curve.At(grounds.ordered.parameters[place]) -
-                  grounds.cloud.points().col(k).template head<Dim>())
-                     .norm();
+    offsets[k] =
+        (curve.At(ordered.parameters[place]) - cloud.points().col(k).template head<Dim>()).norm();
   }
   return offsets;
 }
@@ -68,9 +73,8 @@ Eigen::VectorXd OffsetsAtParameters(const MeasureInput& grounds, const NurbsCurv
 template <int Dim>
 double NeighbourCorrelation(const CurveFit<Dim>& fit,
                             const NurbsCurve<Dim>& curve,
-                            const PointCloud& cloud,
-                            const PointMask& used) {
-  std::vector<Eigen::Index> order = IndicesOf(used);
+                            const PointCloud& cloud) {
+  std::vector<Eigen::Index> order = IndicesOf(fit.estimator.used);
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
     return fit.parameters[a] < fit.parameters[b];
   });
@@ -87,78 +91,81 @@ double NeighbourCorrelation(const CurveFit<Dim>& fit,
 }
 
 template <int Dim>
-void Judge(const MeasureInput& grounds,
+void Judge(const CurveTask& task,
+           const PointCloud& cloud,
            const CurveFit<Dim>& fit,
            const NurbsCurve<Dim>& curve,
-           const PointMask& used,
            FitReport& report) {
+  const PointMask& used = fit.estimator.used;
   EndEvidence evidence;
   evidence.search = report.end.code;
-  evidence.control_points_given = grounds.options.control_points.has_value();
-  evidence.noise = grounds.noise;
+  evidence.control_points_given = task.options.control_points.has_value();
+  evidence.noise = task.noise;
   evidence.rounding = kRelativelyEqual * (report.input.box_max - report.input.box_min).norm();
-  evidence.structured = NeighbourCorrelation(fit, curve, grounds.cloud, used) > kStructured;
+  evidence.structured = NeighbourCorrelation(fit, curve, cloud) > kStructured;
   Eigen::Index farthest = 0;
   used.select(fit.residuals.array().abs(), 0).maxCoeff(&farthest);
-  evidence.farthest = grounds.cloud.World(farthest);
+  evidence.farthest = cloud.World(farthest);
   JudgeEnd(evidence, report);
 }
 
 }  // namespace
 
 template <int Dim>
-CurveFit<Dim> MeasuredCurve(const MeasureInput& grounds,
-                            const NurbsCurve<Dim>& curve,
-                            const Eigen::Matrix<double, Dim, 1>& middle,
-                            FitReport report,
-                            ThreadPool& pool) {
-  const CurveFitOptions& options = grounds.options;
-  const Eigen::Matrix<double, Dim, 1> move =
-      (grounds.cloud.origin() - options.shift).template head<Dim>();
-  NurbsCurve<Dim> written = Moved<Dim>(curve, middle + move);
+CurveFit<Dim> MeasuredCurve(const CurveTask& task,
+                            const SolvedCurve& solved,
+                            const PointCloud& cloud,
+                            const PointMask& sequence_outliers,
+                            FitReport report) {
+  const CurveFitOptions& options = task.options;
+  const NurbsCurve<Dim> curve(solved.problem.basis_u(), solved.control_points, solved.weights);
+  const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - options.shift).template head<Dim>();
+  NurbsCurve<Dim> written = Moved<Dim>(curve, task.middle + move);
   const NurbsCurve<Dim> measured = Moved<Dim>(written, -move);
   const PointDistances found =
-      DistancesNear<Dim>(measured, grounds.cloud.points(), KnownPlaces(grounds), pool);
+      DistancesNear<Dim>(measured, cloud.points(), KnownPlaces(task, solved), task.pool);
   CurveFit<Dim> fit{std::move(written),
                     found.parameters.row(0).transpose(),
                     found.distances,
-                    Forgotten(grounds),
+                    Forgotten(task, solved, sequence_outliers),
                     {}};
-  const PointMask own = Own(grounds.ordered), used = own && !fit.outliers;
+  const PointMask own = Own(task.ordered), used = own && !fit.outliers;
+  fit.estimator.used = used;
   report.error = Summarise(fit.residuals, options.tolerance, used);
-  report.error_all =
-      used.all() ? report.error
-                 : Summarise(fit.residuals, options.tolerance, own || grounds.sequence_outliers);
-  if (grounds.distance == CurveDistance::kParameter) {
+  report.error_all = used.all()
+                         ? report.error
+                         : Summarise(fit.residuals, options.tolerance, own || sequence_outliers);
+  if (!task.by_feet()) {
     report.parameter_error =
-        Summarise(OffsetsAtParameters<Dim>(grounds, measured), options.tolerance, used);
+        Summarise(OffsetsAtParameters<Dim>(task.ordered, cloud, measured), options.tolerance, used);
     report.judged_at_parameters = true;
   }
   report.input.used = report.error.points;
   report.input.outliers = fit.outliers.count();
+  const int control_points = solved.problem.unknowns();  // that differ
   report.geometry.kind = "curve";
   report.geometry.base = Name(options.parameterization);
   report.geometry.degree = {options.degree};
-  report.geometry.control_points = {grounds.control_points};
+  report.geometry.control_points = {control_points};
   report.geometry.rational = fit.curve.rational();
-  report.geometry.closed = {grounds.ordered.closed};
-  if (grounds.control_points > grounds.ordered.cloud.size()) {
+  report.geometry.closed = {task.ordered.closed};
+  if (control_points > task.ordered.cloud.size()) {
     report.warnings.push_back(
         "there are more control points than points: fairness decides the rest");
   }
   Eigen::AlignedBox<double, Dim> box;
   for (Eigen::Index k = 0; k < used.size(); ++k)
-    if (used[k]) box.extend(grounds.cloud.points().col(k).template head<Dim>());
-  EnterExcursion<Dim>(measured, box, grounds.cloud.origin(), report);
-  Judge(grounds, fit, measured, used, report);
+    if (used[k]) box.extend(cloud.points().col(k).template head<Dim>());
+  EnterExcursion<Dim>(measured, box, cloud.origin(), report);
+  Judge(task, cloud, fit, measured, report);
   WarnOfExcursion(report);
   fit.report = std::move(report);
   return fit;
 }
 
 template CurveFit<2> MeasuredCurve<2>(
-    const MeasureInput&, const NurbsCurve<2>&, const Eigen::Vector2d&, FitReport, ThreadPool&);
+    const CurveTask&, const SolvedCurve&, const PointCloud&, const PointMask&, FitReport);
 template CurveFit<3> MeasuredCurve<3>(
-    const MeasureInput&, const NurbsCurve<3>&, const Eigen::Vector3d&, FitReport, ThreadPool&);
+    const CurveTask&, const SolvedCurve&, const PointCloud&, const PointMask&, FitReport);
 
 }  // namespace batten::internal

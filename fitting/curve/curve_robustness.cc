@@ -23,22 +23,25 @@ void RestoreRuns(Eigen::VectorXd& weights) {
   }
 }
 
+double ScaleOf(const Eigen::VectorXd& distances, const CurveTask& task) {
+  return std::max({RobustScale(distances), kCurvesAlike * task.size, kTiniestScale});
+}
+
 }  // namespace
 
-SpanAdaptation NearLeastAbsolute(SpanAdaptation adapted,
-                                 const RobustCurve& losses,
-                                 ThreadPool& pool) {
+SpanAdaptation NearLeastAbsolute(SpanAdaptation adapted, const CurveTask& task) {
+  const bool all = adapted.problem.size() == task.problem.size();
   const Eigen::VectorXd own = adapted.problem.data().weights;
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::VectorXd distances = DistancesAt(
-        adapted.problem.WithWeights(own), adapted.solution.coefficients, losses.feet, pool);
-    const double scale = kShareOfScale * std::max(RobustScale(distances), losses.least_scale);
-    Eigen::VectorXd weights = LossWeights(Loss::kHuber, distances, scale);
+    const Eigen::VectorXd distances =
+        task.DistancesOf(adapted.problem.WithWeights(own), adapted.solution.coefficients);
+    Eigen::VectorXd weights =
+        LossWeights(Loss::kHuber, distances, kShareOfScale * ScaleOf(distances, task));
     if (own.size() > 0) weights.array() *= own.array();
     CorrectedFit fit = FitWithCorrection(adapted.problem.WithWeights(std::move(weights)),
-                                         losses.feet ? 1 : 0,
-                                         pool,
-                                         losses.anchored);
+                                         task.by_feet() ? 1 : 0,
+                                         task.pool,
+                                         all ? task.anchored : std::vector<Eigen::Index>{});
     adapted.problem = std::move(fit.problem);
     adapted.solution = std::move(fit.solution);
   }
@@ -46,17 +49,14 @@ SpanAdaptation NearLeastAbsolute(SpanAdaptation adapted,
 }
 
 FittingProblem WeightedByLoss(const SpanAdaptation& adapted,
-                              const RobustCurve& losses,
-                              const Eigen::VectorXd& own,
-                              ThreadPool& pool) {
+                              const CurveTask& task,
+                              Loss loss,
+                              const Eigen::VectorXd& own) {
   const Eigen::VectorXd distances =
-      CurveDistances(adapted.problem,
-                     adapted.solution.coefficients,
-                     losses.feet ? CurveDistance::kPoint : CurveDistance::kParameter,
-                     pool);
-  const double scale = losses.scale.value_or(std::max(RobustScale(distances), losses.least_scale));
-  Eigen::VectorXd weights = LossWeights(losses.loss, distances, scale);
-  if (losses.spare_runs) RestoreRuns(weights);
+      CurveDistances(adapted.problem, adapted.solution.coefficients, task.distance, task.pool);
+  const double scale = task.options.loss_scale.value_or(ScaleOf(distances, task));
+  Eigen::VectorXd weights = LossWeights(loss, distances, scale);
+  if (!task.options.loss) RestoreRuns(weights);
   if (own.size() > 0) weights.array() *= own.array();
   return adapted.problem.WithWeights(std::move(weights));
 }

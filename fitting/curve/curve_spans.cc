@@ -11,6 +11,7 @@
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/foot_points/curve_distances.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten {
 using namespace internal;
@@ -159,13 +160,6 @@ Eigen::VectorXd CountedDistances(const FittingProblem& problem,
   return distances;
 }
 
-// Points in space; plane ones at z = 0.
-Eigen::Matrix3Xd InSpace(const Eigen::MatrixXd& values) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, values.cols());
-  points.topRows(values.rows()) = values;
-  return points;
-}
-
 }  // namespace
 
 Eigen::VectorXd CurveDistances(const FittingProblem& problem,
@@ -176,7 +170,7 @@ Eigen::VectorXd CurveDistances(const FittingProblem& problem,
   if (distance == CurveDistance::kParameter) {
     return (EvaluateAt(problem, coefficients, pool) - values).colwise().norm();
   }
-  const Eigen::Matrix3Xd points = InSpace(values);
+  const Eigen::Matrix3Xd points = PointsInSpace(values);
   const SplineBasis& basis = problem.basis_u();
   const Eigen::VectorXd places = problem.data().parameters.row(0).transpose();
   return values.rows() == 2

@@ -7,13 +7,12 @@
 #include <string>
 #include <utility>
 
-#include "fitting/core/rules.h"
-#include "fitting/curve/fit_corners.h"
 #include "fitting/curve/parameter_correction.h"
 
 namespace batten::internal {
 namespace {
 
+constexpr double kNoiseToAnchor = 0.1;  // in spacings: noisier points anchor no corners
 constexpr double kSmoothing = 1e-10;  // relative fairness: bridges data gaps, negligible elsewhere
 
 void RequireEnough(const OrderedPoints& ordered, const CurveFitOptions& options) {
@@ -91,22 +90,8 @@ CurveTask MakeCurveTask(const OrderedPoints& ordered,
                  ordered.noise};
   TakeDistance(task);
   task.given = u;
-  task.near_exact = FollowsClosely(ordered);
+  task.near_exact = ordered.noise <= kNoiseToAnchor * ordered.spacing;
   return task;
-}
-
-void FindCorners(CurveTask& task) {
-  const CurveFitOptions& options = task.options;
-  if (!Acts(Rule::kCorners) || !options.corners || options.degree < 2 || !task.by_feet()) return;
-  FitCorners found = CornersForFit(
-      task.ordered, options.degree, options.control_points.value_or(options.max_control_points));
-  task.corners = std::move(found.parameters);
-  task.anchored = std::move(found.anchored);
-  task.sought_as_exact = found.sought_as_exact;
-  task.given = found.data;
-  Eigen::Matrix2Xd parameters = task.problem.data().parameters;
-  parameters.row(0) = task.given;
-  task.problem = task.problem.WithParameters(std::move(parameters));
 }
 
 }  // namespace batten::internal

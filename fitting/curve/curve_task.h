@@ -27,12 +27,18 @@ struct CurveTask {
   Eigen::VectorXd middle;  // of the points, in the cloud's local coordinates
   double size = 0;         // of the points' box
   double noise = 0;        // standard deviation across the curve; 0: unknown
-  CurveDistance distance = CurveDistance::kPoint;    // kParameter or kPoint
-  std::optional<DistanceModel> model = {};           // to go on with after points
-  std::vector<double> corners = {};                  // their parameters, sharpest first
-  std::vector<Eigen::Index> anchored = {};           // data at corners
-  Eigen::VectorXd given = {};                        // parameters before any fit
-  bool near_exact = false, sought_as_exact = false;  // the points, and their corners
+  CurveDistance distance = CurveDistance::kPoint;  // kParameter or kPoint
+  std::optional<DistanceModel> model = {};         // to go on with after points
+  // Their parameters, sharpest first; of a closed curve one is at the seam.
+  std::vector<double> corners = {};
+  // Data at corners, where points follow the curve closely: each holds its corner. Between sides
+  // that hardly part nothing else would.
+  std::vector<Eigen::Index> anchored = {};
+  Eigen::VectorXd given = {};  // parameters before any fit
+  bool near_exact = false;     // the noise of the points is far below their spacing
+  // Whether corners were sought as in exact points because there are so few: their apparent noise
+  // may be their corners.
+  bool sought_as_exact = false;
 
   bool by_feet() const { return distance == CurveDistance::kPoint; }
 
@@ -49,8 +55,5 @@ CurveTask MakeCurveTask(const OrderedPoints& ordered,
                         const CurveFitOptions& options,
                         int dimension,
                         ThreadPool& pool);
-
-// Finds the corners where the options ask for them; the seam of a closed curve moves to one.
-void FindCorners(CurveTask& task);
 
 }  // namespace batten::internal

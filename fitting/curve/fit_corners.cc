@@ -6,34 +6,33 @@
 #include <utility>
 
 #include "fitting/core/rounding.h"
+#include "fitting/core/rules.h"
 #include "fitting/corners/curve_corners.h"
-#include "fitting/curve/span_layout.h"
 #include "fitting/ordering/row_means.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kNoiseToAnchor = 0.1;  // in spacings: noisier points anchor no corners
 constexpr Eigen::Index kFewPoints = 100;
 
 class Corners {
  public:
-  Corners(const OrderedPoints& ordered, int degree, int most_control_points)
-      : ordered_(ordered),
-        degree_(degree),
-        most_(most_control_points),
-        period_(ordered.upper - ordered.lower),
-        increasing_(ordered.parameters.begin(), ordered.parameters.end()) {
+  explicit Corners(CurveTask& task)
+      : task_(task),
+        ordered_(task.ordered),
+        degree_(task.options.degree),
+        most_(task.options.control_points.value_or(task.options.max_control_points)),
+        period_(ordered_.upper - ordered_.lower),
+        increasing_(ordered_.parameters.begin(), ordered_.parameters.end()) {
     std::sort(increasing_.begin(), increasing_.end());
-    found_.data = ordered.parameters;
   }
 
-  FitCorners Find() && {
+  void Find() {
     const RowMeans row = IncreasingRow(ordered_.cloud.points(), ordered_.lengths);
-    if (row.parameters.size() < 3) return std::move(found_);
+    if (row.parameters.size() < 3) return;
     CornerOptions options;
-    found_.sought_as_exact = row.parameters.size() < kFewPoints;
-    options.noise = found_.sought_as_exact ? 0 : ordered_.noise;
+    task_.sought_as_exact = row.parameters.size() < kFewPoints;
+    options.noise = task_.sought_as_exact ? 0 : ordered_.noise;
     options.closed = ordered_.closed;
     options.period = ordered_.length;
     std::vector<CurveCorner> corners = FindCorners(row.points, row.parameters, options);
@@ -41,9 +40,8 @@ class Corners {
                      corners.end(),
                      [](const CurveCorner& a, const CurveCorner& b) { return a.angle > b.angle; });
     for (const CurveCorner& corner : corners) Keep(ParameterAt(corner.parameter));
-    Anchor();
-    if (ordered_.closed && !found_.parameters.empty()) MoveSeam();
-    return std::move(found_);
+    if (task_.near_exact) Anchor();
+    if (ordered_.closed && !task_.corners.empty()) MoveSeam();
   }
 
  private:
@@ -76,7 +74,7 @@ class Corners {
     const double slack = kRelativelyEqual * period_;
     if (!ordered_.closed && (corner - ordered_.lower <= slack || ordered_.upper - corner <= slack))
       return;
-    std::vector<double>& kept = found_.parameters;
+    std::vector<double>& kept = task_.corners;
     for (const double other : kept) {
       const double low = std::min(corner, other), high = std::max(corner, other);
       if (high - low <= slack || (ordered_.closed && low + period_ - high <= slack)) return;
@@ -105,41 +103,41 @@ class Corners {
   }
 
   void Anchor() {
-    if (!FollowsClosely(ordered_)) return;
     for (Eigen::Index k = 0; k < ordered_.parameters.size(); ++k) {
-      for (const double corner : found_.parameters) {
+      for (const double corner : task_.corners) {
         if (std::abs(ordered_.parameters[k] - corner) <= kRelativelyEqual * period_)
-          found_.anchored.push_back(k);
+          task_.anchored.push_back(k);
       }
     }
   }
 
   // The seam, at a corner, needs no break of its own.
   void MoveSeam() {
-    const double seam = found_.parameters.front();
+    const double seam = task_.corners.front();
     const auto moved = [&](double parameter) {
       const double from_seam = parameter - seam;
       return Inside(ordered_.lower + (from_seam < 0 ? from_seam + period_ : from_seam));
     };
-    for (double& corner : found_.parameters) corner = moved(corner);
-    for (double& parameter : found_.data) parameter = moved(parameter);
+    for (double& corner : task_.corners) corner = moved(corner);
+    for (double& parameter : task_.given) parameter = moved(parameter);
+    Eigen::Matrix2Xd parameters = task_.problem.data().parameters;
+    parameters.row(0) = task_.given;
+    task_.problem = task_.problem.WithParameters(std::move(parameters));
   }
 
+  CurveTask& task_;
   const OrderedPoints& ordered_;
   int degree_, most_;
   double period_;
   std::vector<double> increasing_;  // the points' parameters
-  FitCorners found_;
 };
 
 }  // namespace
 
-bool FollowsClosely(const OrderedPoints& ordered) {
-  return ordered.noise <= kNoiseToAnchor * ordered.spacing;
-}
-
-FitCorners CornersForFit(const OrderedPoints& ordered, int degree, int most_control_points) {
-  return Corners(ordered, degree, most_control_points).Find();
+void FindCorners(CurveTask& task) {
+  const CurveFitOptions& options = task.options;
+  if (!Acts(Rule::kCorners) || !options.corners || options.degree < 2 || !task.by_feet()) return;
+  Corners(task).Find();
 }
 
 }  // namespace batten::internal

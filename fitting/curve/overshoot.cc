@@ -75,14 +75,6 @@ bool EverySampleBetween(const FittingProblem& problem,
 }
 
 template <int Dim>
-NurbsCurve<Dim> CurveOf(const FittingProblem& problem,
-                        const Eigen::MatrixXd& control_points,
-                        const Eigen::VectorXd& weights) {
-  return weights.size() > 0 ? NurbsCurve<Dim>(problem.basis_u(), control_points, weights)
-                            : NurbsCurve<Dim>(problem.basis_u(), control_points);
-}
-
-template <int Dim>
 bool Stays(const FittingProblem& problem, const NurbsCurve<Dim>& curve, double noise) {
   const auto& values = problem.data().values;
   const Eigen::Matrix<double, Dim, 1> first = values.rowwise().minCoeff(),
@@ -148,14 +140,14 @@ bool HasOvershoot(const FittingProblem& problem,
                   double noise) {
   if (weights.size() == 0 && WellHeld(problem)) return false;
   return control_points.rows() == 2
-             ? !Stays<2>(problem, CurveOf<2>(problem, control_points, weights), noise)
-             : !Stays<3>(problem, CurveOf<3>(problem, control_points, weights), noise);
+             ? !Stays<2>(problem, NurbsCurve<2>(problem.basis_u(), control_points, weights), noise)
+             : !Stays<3>(problem, NurbsCurve<3>(problem.basis_u(), control_points, weights), noise);
 }
 
 bool TurnsBack(const FittingProblem& problem, const Eigen::MatrixXd& control_points, double noise) {
   return control_points.rows() == 2
-             ? !RunsOn<2>(problem, CurveOf<2>(problem, control_points, {}), noise)
-             : !RunsOn<3>(problem, CurveOf<3>(problem, control_points, {}), noise);
+             ? !RunsOn<2>(problem, NurbsCurve<2>(problem.basis_u(), control_points), noise)
+             : !RunsOn<3>(problem, NurbsCurve<3>(problem.basis_u(), control_points), noise);
 }
 
 namespace {

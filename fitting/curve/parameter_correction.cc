@@ -9,6 +9,7 @@
 #include "fitting/curve/curve_cut.h"
 #include "fitting/curve/span_layout.h"
 #include "fitting/foot_points/curve_pieces.h"
+#include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
 namespace {
@@ -295,13 +296,7 @@ CorrectedFit AtMinimumDistance(const CorrectedFit& fit,
   lower.solution.coefficients = found.control_points;
   const bool cut = found.control_points.rows() == 2 ? Cut<2>(lower) : Cut<3>(lower);
   if (!cut) return fit;
-  const Eigen::VectorXd squares =
-      (EvaluateAt(lower.problem, lower.solution.coefficients, pool) - lower.problem.data().values)
-          .colwise()
-          .squaredNorm()
-          .transpose();
-  const Eigen::VectorXd& weights = lower.problem.data().weights;
-  lower.solution.residual_squares = weights.size() > 0 ? weights.dot(squares) : squares.sum();
+  lower.solution.residual_squares = SquaresOf(lower.problem, lower.solution.coefficients, pool);
   return lower;
 }
 

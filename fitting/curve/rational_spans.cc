@@ -5,6 +5,7 @@
 
 #include "batten/fitting/distances.h"
 #include "fitting/curve/parameter_correction.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -14,10 +15,8 @@ constexpr int kPointsOfControlPoint = 3;  // data at least; each control point h
 template <int Dim>
 double Farthest(const OptimizeResult& result, ThreadPool& pool) {
   const FittingData& data = result.problem.data();
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, data.values.cols());
-  points.topRows<Dim>() = data.values;
   const NurbsCurve<Dim> curve(result.problem.basis_u(), result.control_points, result.weights);
-  Eigen::VectorXd distances = DistancesTo<Dim>(curve, points, pool).distances;
+  Eigen::VectorXd distances = DistancesTo<Dim>(curve, PointsInSpace(data.values), pool).distances;
   if (data.weights.size() > 0) distances = (data.weights.array() > 0).select(distances, 0).eval();
   return distances.maxCoeff();
 }

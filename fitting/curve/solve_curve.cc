@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "batten/fitting/curve_spans.h"
@@ -223,11 +222,6 @@ SolvedCurve SolveWithControlPoints(const CurveTask& task) {
   const int asked = *options.control_points;
   const int ends = task.ordered.closed ? 0 : options.degree;
   const int spans = asked - ends - (options.degree - 1) * static_cast<int>(task.corners.size());
-  if (spans < 1 || (task.ordered.closed && asked <= options.degree)) {
-    throw std::invalid_argument("a closed curve of degree " + std::to_string(options.degree) +
-                                " needs more than " + std::to_string(options.degree) +
-                                " control points");
-  }
   const int steps = task.by_feet() ? kFootPointSteps : 0;
   SpanLayout layout = task.EqualSpans(spans, task.corners);
   CorrectedFit fit =

@@ -12,6 +12,8 @@
 #include "fitting/curve/knot_costs.h"
 #include "fitting/curve/knot_relocation.h"
 #include "fitting/curve/parameter_correction.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/ordering/curve_nodes.h"
 
 namespace batten::internal {
 namespace {
@@ -28,7 +30,6 @@ constexpr int kPointsWhereFar = 2;      // and where they are far above it
 constexpr double kFarInNoise = 2;
 constexpr double kExactAgainst = 0.05;  // noise in tolerances: below it data are exact
 constexpr double kMargin = 0.85;        // of the tolerance: fewer knots shall not bend more
-constexpr size_t kFewestForNoise = 12;
 constexpr int kFewInSpan = 20;
 constexpr double kLeastShare = 0.25;  // of the degrees of freedom left for the noise
 
@@ -52,10 +53,6 @@ double SquaresAcross(const FittingProblem& problem,
   return weights.size() > 0 ? (weights.array() * squares).sum() : squares.sum();
 }
 
-double WeightOf(const FittingProblem& problem, Eigen::Index k) {
-  return problem.data().weights.size() > 0 ? problem.data().weights[k] : 1.0;
-}
-
 // A fit over one layout, with its distances from the data.
 struct MeasuredFit {
   SpanLayout layout;
@@ -73,7 +70,7 @@ struct MeasuredFit {
                     .norm()
                     .transpose();
     for (Eigen::Index k = 0; k < distances.size(); ++k) {
-      if (WeightOf(problem, k) == 0) distances[k] = 0;
+      if (WeightOf(problem.data(), k) == 0) distances[k] = 0;
     }
   }
 };
@@ -92,7 +89,8 @@ double Variance(const FittingProblem& problem,
   }
   double sum = 0, weights = 0;
   for (size_t k = 1; k < order.size(); ++k) {
-    const double weight = std::min(WeightOf(problem, order[k - 1]), WeightOf(problem, order[k]));
+    const double weight =
+        std::min(WeightOf(problem.data(), order[k - 1]), WeightOf(problem.data(), order[k]));
     sum += weight * (residuals.col(order[k]) - residuals.col(order[k - 1])).squaredNorm();
     weights += weight;
   }
@@ -212,7 +210,7 @@ class Adapter {
     for (Eigen::Index k = 0; k < change.cols(); ++k) {
       const auto span =
           static_cast<size_t>(fit_.layout.SpanOf(fit_.problem.data().parameters(0, k)));
-      const double weight = WeightOf(fit_.problem, k);
+      const double weight = WeightOf(fit_.problem.data(), k);
       held[span] += weight;
       gains[span] += weight * change.col(k).squaredNorm();
       if (options_.tolerance && fit_.distances[k] > *options_.tolerance) missed[span] = true;
@@ -248,7 +246,7 @@ class Adapter {
     std::vector<int> left(breaks.size() - 1, 0), right(left);
     std::vector<double> squares(left.size(), 0.0), worst(squares);
     for (Eigen::Index k = 0; k < fit_.problem.size(); ++k) {
-      if (WeightOf(fit_.problem, k) == 0) continue;
+      if (WeightOf(fit_.problem.data(), k) == 0) continue;
       const double u = fit_.problem.data().parameters(0, k);
       const auto span = static_cast<size_t>(fit_.layout.SpanOf(u));
       squares[span] += fit_.distances[k] * fit_.distances[k];

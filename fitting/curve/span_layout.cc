@@ -147,11 +147,4 @@ SpanLayout SpanLayout::WithBreaks(std::vector<double> breaks) const {
   return SpanLayout(degree_, std::move(breaks), corners_, closed_);
 }
 
-SpanLayout SpanLayout::Stretched(double lower, double upper) const {
-  std::vector<double> breaks = breaks_;
-  breaks.front() = lower;
-  breaks.back() = upper;
-  return WithBreaks(std::move(breaks));
-}
-
 }  // namespace batten::internal

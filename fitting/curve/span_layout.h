@@ -55,9 +55,6 @@ class SpanLayout {
   // This layout with other breaks between the same ends and corners.
   SpanLayout WithBreaks(std::vector<double> breaks) const;
 
-  // Extends the domain of an open curve to [lower, upper] by moving its end breaks.
-  SpanLayout Stretched(double lower, double upper) const;
-
  private:
   std::vector<int> Pieces() const;  // break indices of ends and inner corners
 

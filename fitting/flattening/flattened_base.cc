@@ -15,18 +15,17 @@ constexpr double kFarApart = 3.5;  // … and more than so many in space
 
 }  // namespace
 
-std::vector<FlatteningAttempt> FlatteningAttempts(Eigen::Index nodes) {
-  FlatteningAttempt first;
-  first.nodes.most = nodes;
+std::vector<FlatteningAttempt> FlatteningAttempts() {
+  const FlatteningAttempt first;
   FlatteningAttempt strict;
-  strict.nodes.most = 4 * nodes;
+  strict.nodes.most *= 4;
   strict.nodes.most_neighbours = 24;
   strict.nodes.own_neighbours = true;
   strict.graph.longest = 2.2;
   strict.graph.steepest = 0.35;
   strict.graph.least_cosine = 0.7;
   FlatteningAttempt close = strict;
-  close.nodes.most = 16 * nodes;
+  close.nodes.most *= 4;
   close.nodes.most_neighbours = 16;
   close.graph.steepest = 0.25;
   return {first, strict, close};

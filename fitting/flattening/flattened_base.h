@@ -13,7 +13,7 @@
 
 namespace batten::internal {
 
-// Parameters of points, as lengths along what was flattened, and how well it lies in the plane.
+// Parameters of points, as lengths along a sheet or a tube, and how well it lies in the plane.
 struct FlattenedBase {
   // 2 × m in [0, length_u] × [0, length_v]: a smooth function of the point.
   Eigen::Matrix2Xd parameters;
@@ -24,19 +24,16 @@ struct FlattenedBase {
   double overlap = 0;     // share of the nodes that lie on another part of the flattened surface
   double share = 0;       // share of the nodes in the largest connected component
   bool orientation_consistent = true;  // false: one-sided, as a Möbius band
-  Eigen::Index nodes = 0;
   std::string failure_reason;  // empty when the flattening serves, else why not and what to do
 
   bool ok() const { return failure_reason.empty(); }
 };
 
-struct FlatteningOptions {
-  Eigen::Index nodes = 2000;  // about; further attempts, and those at thin tubes, take more
-  double most_distortion = 0.4;
-  double most_folded = 0.002;
-  double most_overlap = 0.01;
-  double least_share = 0.9;
+// Measures of a flattening up to which it serves.
+struct FlatteningLimits {
+  double distortion = 0.4, folded = 0.002, overlap = 0.01;
 };
+inline constexpr FlatteningLimits kFlatteningLimits;
 
 // Settings of one attempt.
 struct FlatteningAttempt {
@@ -45,7 +42,7 @@ struct FlatteningAttempt {
 };
 
 // Returns three attempts, each of a finer resolution and stricter edges than the one before.
-std::vector<FlatteningAttempt> FlatteningAttempts(Eigen::Index nodes);
+std::vector<FlatteningAttempt> FlatteningAttempts();
 
 struct FlattenedNodes {
   SheetGraph graph;

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -13,8 +12,10 @@
 #include <span>
 #include <vector>
 
+#include "batten/fitting/statistics.h"
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/mixed_bits.h"
 
 namespace batten::internal {
 namespace {
@@ -38,13 +39,6 @@ constexpr int kLeastForPlane = 6;     // points whose plane shows which others a
 constexpr double kOffInRadii = 0.35;  // … three of their own deviations and so much of the radius
                                       // of all, which curvature explains
 
-std::uint64_t Mixed(std::uint64_t x) {  // [Steele et al. 2014, SplitMix64]
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 // The first `count` indices in an order that looks random and depends on the coordinates only.
 std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen::Index count) {
   using Key = std::pair<std::uint64_t, Eigen::Index>;
@@ -56,9 +50,7 @@ std::vector<Eigen::Index> ShuffledByPlace(const Eigen::Matrix3Xd& points, Eigen:
         share < 1 ? static_cast<std::uint64_t>(std::ldexp(share, 64)) : UINT64_MAX;
     std::vector<Key> keys;
     for (Eigen::Index k = 0; k < m; ++k) {
-      std::uint64_t key = 0;
-      for (int d = 0; d < 3; ++d)
-        key = Mixed(key ^ std::bit_cast<std::uint64_t>(points(d, k) + 0.0));
+      const std::uint64_t key = MixedBitsOf(points.data() + 3 * k);
       if (key <= bound) keys.emplace_back(key, k);
     }
     return keys;
@@ -284,6 +276,11 @@ LocalSheet SheetAround(const Eigen::Vector3d& place, const Eigen::Matrix3Xd& nea
 
 Eigen::Vector3d PoissonDiskSamples::Binormal(Eigen::Index i) const {
   return Eigen::Vector3d(normals.col(i)).cross(Eigen::Vector3d(tangents.col(i)));
+}
+
+bool PoissonDiskSamples::LieAlongLines() const {
+  constexpr double kThin = 0.05;  // breadth over length
+  return Median({breadth.begin(), breadth.end()}) < kThin;
 }
 
 void PoissonDiskSamples::Flip(Eigen::Index i) {

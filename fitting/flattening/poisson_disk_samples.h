@@ -22,6 +22,8 @@ struct PoissonDiskSamples {
 
   Eigen::Index size() const { return places.cols(); }
   Eigen::Vector3d Binormal(Eigen::Index i) const;
+  // Whether most neighbourhoods are on a line: nothing then tells how a sheet runs between them.
+  bool LieAlongLines() const;
   // Reverses the node's normal: the other side of the sheet becomes its upper one.
   void Flip(Eigen::Index i);
   PoissonDiskSamples Picked(const std::vector<Eigen::Index>& indices) const;

@@ -19,9 +19,8 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kFirstNodes = 2000, kMoreNodes = 6000;
+constexpr Eigen::Index kMoreNodes = 6000;
 constexpr Eigen::Index kFewestNodes = 60;  // 8 × 8: fewer show no corners
-constexpr double kLeastShare = 0.9;        // of the nodes in the triangulation
 // Width in reaches. Corners and triangles of narrower strips are those of chance.
 constexpr double kNarrow = 8;
 constexpr double kLongestHole = 0.5;  // of the border: beyond, it is another border
@@ -68,7 +67,7 @@ RectangleLayout::RectangleLayout(const Eigen::Matrix3Xd& points,
                                  double margin,
                                  ThreadPool& pool)
     : points_(points), index_(index), noise_(noise), margin_(margin), pool_(pool) {
-  if (Attempt(kFirstNodes)) Attempt(kMoreNodes);
+  if (Attempt(PoissonDiskOptions{}.most)) Attempt(kMoreNodes);
 }
 
 bool RectangleLayout::Attempt(Eigen::Index nodes) {
@@ -94,7 +93,7 @@ bool RectangleLayout::Attempt(Eigen::Index nodes) {
     return fails("the sheet is one-sided, or its turns touch", !are_few);
   SheetTriangulation sheet = TriangulateSheet(graph);
   const double share = graph.share * sheet.vertices / static_cast<double>(sampled);
-  if (share < kLeastShare || sheet.loops.empty())
+  if (share < kConnectedShare || sheet.loops.empty())
     return fails("only " + Percent(share) + " of the points hang together as a sheet", !are_few);
   graph_ = GraphOf(graph, sheet);
   const Eigen::Matrix3Xd& places = graph_.nodes.places;
@@ -117,7 +116,7 @@ bool RectangleLayout::Attempt(Eigen::Index nodes) {
   return false;
 }
 
-RectangleParameters RectangleLayout::Over(const Eigen::Matrix3Xd& some) const {
+FlattenedBase RectangleLayout::Over(const Eigen::Matrix3Xd& some) const {
   SpreadPlaces spread = BlendLocalCharts(graph_, charts_, some, noise_, pool_);
   const double beyond = kBeyond * graph_.nodes.reach.mean();
   // The rectangle ends where the points do.
@@ -131,7 +130,7 @@ RectangleParameters RectangleLayout::Over(const Eigen::Matrix3Xd& some) const {
     high = high.max(place.array());
   }
   const Eigen::Array2d sides = (high - low).max(0);
-  RectangleParameters result;
+  FlattenedBase result;
   result.length_u = sides[0] + 2 * margin_;
   result.length_v = sides[1] + 2 * margin_;
   result.parameters = spread.places;

@@ -7,18 +7,10 @@
 #include <string>
 
 #include "batten/fitting/neighbours.h"
-#include "batten/fitting/point_mask.h"
 #include "batten/geometry/thread_pool.h"
-#include "fitting/flattening/arap_flattening.h"
-#include "fitting/flattening/sheet_graph.h"
+#include "fitting/flattening/flattened_base.h"
 
 namespace batten::internal {
-
-struct RectangleParameters {
-  Eigen::Matrix2Xd parameters;  // (2 × m) in [0, length_u] × [0, length_v], smooth in the point
-  PointMask reached;            // false where a point stands off the sheet
-  double length_u = 0, length_v = 0;
-};
 
 // Triangulates the nodes of the sheet where it runs in space, finds the four corners of its border
 // and maps it onto the rectangle, one to one: ramps and screw flights of any number of turns,
@@ -36,9 +28,9 @@ class RectangleLayout {
   bool ok() const { return failure_reason_.empty(); }
   const std::string& failure_reason() const { return failure_reason_; }
 
-  // Parameters of some points (3 × m); the layout must be ok. The rectangle ends by the margin
-  // beyond the points reached.
-  RectangleParameters Over(const Eigen::Matrix3Xd& some) const;
+  // Parameters of some points (3 × m), without measures; the layout must be ok. The rectangle ends
+  // by the margin beyond the points reached.
+  FlattenedBase Over(const Eigen::Matrix3Xd& some) const;
 
  private:
   // The nodes of one attempt, some thousands, and whether more would help.

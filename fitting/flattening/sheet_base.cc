@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/statistics.h"
 #include "fitting/flattening/parameter_blending.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/smallest_rectangle.h"
@@ -17,7 +16,6 @@ namespace {
 
 constexpr Eigen::Index kLeastNodes = 12;
 constexpr double kTornApart = 4;  // reaches in the plane between ends of a contradicting edge
-constexpr double kThin = 0.05;    // breadth over length; below, neighbourhoods are on a line
 
 // The nodes' places in the plane, as points of space.
 Eigen::Matrix3Xd PlanOf(const Flattening& unfolding) {
@@ -38,32 +36,32 @@ bool IsOneSided(const SheetGraph& graph, const Flattening& unfolding) {
          kLeastTorn;
 }
 
-std::string RefusalOf(const FlattenedBase& base, const FlatteningOptions& options) {
+std::string RefusalOf(const FlattenedBase& base) {
   constexpr const char* kTakePart = "; fit a part of the cloud that is an open sheet";
-  if (base.share < options.least_share) return SeveralSheets(base.share);
+  if (base.share < kConnectedShare) return SeveralSheets(base.share);
   if (!base.orientation_consistent) {
     return std::string("the sheet is one-sided, as a Moebius band") + kTakePart;
   }
-  if (base.overlap > options.most_overlap) {
+  if (base.overlap > kFlatteningLimits.overlap) {
     return Percent(base.overlap) +
            " of the sheet comes to lie over another part of it when it is laid out flat: it is "
            "closed, or several layers touch" +
            kTakePart;
   }
-  if (base.distortion > options.most_distortion) {
+  if (base.distortion > kFlatteningLimits.distortion) {
     return "lengths change by " + Percent(base.distortion) +
            " when the sheet is laid out flat: it is closed or too strongly curved" + kTakePart;
   }
-  if (base.folded > options.most_folded) {
+  if (base.folded > kFlatteningLimits.folded) {
     return "the sheet folds over itself when it is laid out flat" + std::string(kTakePart);
   }
   return {};
 }
 
 // Badness of an attempt that does not serve.
-double Badness(const FlattenedBase& base, const FlatteningOptions& options) {
-  return base.distortion / options.most_distortion + base.folded / options.most_folded +
-         base.overlap / options.most_overlap + (1 - base.share) / (1 - options.least_share) +
+double Badness(const FlattenedBase& base) {
+  return base.distortion / kFlatteningLimits.distortion + base.folded / kFlatteningLimits.folded +
+         base.overlap / kFlatteningLimits.overlap + (1 - base.share) / (1 - kConnectedShare) +
          (base.orientation_consistent ? 0 : 1);
 }
 
@@ -144,7 +142,7 @@ std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
            std::to_string(nodes.size()) + " places of it can be told apart, and " +
            std::to_string(kLeastNodes) + " are needed";
   }
-  if (Median({nodes.breadth.begin(), nodes.breadth.end()}) < kThin) {
+  if (nodes.LieAlongLines()) {
     return "the points lie along lines: nothing tells how a sheet runs between them; fit a curve, "
            "or a cloud with points in all directions";
   }
@@ -154,12 +152,10 @@ std::string RefusalOfNodes(const PoissonDiskSamples& nodes) {
 // Connects and flattens the nodes; fills in the base's measures of the result.
 FlattenedNodes LayOut(const PoissonDiskSamples& nodes,
                       const SheetGraphOptions& graph_options,
-                      const FlatteningOptions& options,
                       FlattenedBase& base) {
   FlattenedNodes flattened;
   flattened.graph = ConnectSheet(nodes, graph_options);
   base.share = flattened.graph.share;
-  base.nodes = flattened.graph.nodes.size();
   base.distortion = 1;
   if (!flattened.graph.edges.empty()) {
     LookFromAbove(flattened.graph);
@@ -169,7 +165,7 @@ FlattenedNodes LayOut(const PoissonDiskSamples& nodes,
     base.overlap = OverlapOf(flattened.graph, PlanOf(flattened.unfolding));
     base.orientation_consistent = !IsOneSided(flattened.graph, flattened.unfolding);
   }
-  base.failure_reason = RefusalOf(base, options);
+  base.failure_reason = RefusalOf(base);
   return flattened;
 }
 
@@ -180,7 +176,6 @@ SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
                          double spacing,
                          double noise,
                          double margin,
-                         const FlatteningOptions& options,
                          ThreadPool& pool,
                          const Progress& progress)
     : points_(points),
@@ -188,7 +183,6 @@ SheetLayout::SheetLayout(const Eigen::Matrix3Xd& points,
       spacing_(spacing),
       noise_(noise),
       margin_(margin),
-      options_(options),
       pool_(pool),
       progress_(progress) {
   CheckBaseInput("SheetLayout", points, index, spacing, noise, margin);
@@ -200,20 +194,20 @@ void SheetLayout::LookCloser() {
 }
 
 void SheetLayout::Attempt() {
-  const std::vector<FlatteningAttempt> looks = FlatteningAttempts(options_.nodes);
+  const std::vector<FlatteningAttempt> looks = FlatteningAttempts();
   const FlatteningAttempt& look = looks[static_cast<size_t>(attempts_)];
   Report(progress_, "parameterize", 0.1);
   PoissonDiskSamples nodes = SamplePoissonDisk(points_, index_, noise_, look.nodes, pool_);
   const bool first = attempts_ == 0;
   given_up_ = ++attempts_ == std::ssize(looks);
   if (std::string failure_reason = RefusalOfNodes(nodes); !failure_reason.empty()) {
-    if (best_.nodes == 0) best_.failure_reason = std::move(failure_reason);
+    if (first) best_.failure_reason = std::move(failure_reason);
     given_up_ = true;
   } else {
     Report(progress_, "parameterize", 0.3);
     FlattenedBase base;
-    FlattenedNodes flattened = LayOut(nodes, look.graph, options_, base);
-    if (first || base.ok() || Badness(base, options_) < Badness(best_, options_)) {
+    FlattenedNodes flattened = LayOut(nodes, look.graph, base);
+    if (first || base.ok() || Badness(base) < Badness(best_)) {
       best_ = std::move(base);
       graph_ = std::move(flattened.graph);
       unfolding_ = std::move(flattened.unfolding);

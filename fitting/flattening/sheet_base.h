@@ -10,14 +10,11 @@
 
 namespace batten::internal {
 
-// Parameters lie in the smallest rectangle around the points reached, widened by the margin.
-using SheetBase = FlattenedBase;
-using SheetBaseOptions = FlatteningOptions;
-
 // Flattens the sheet that distinct points lie on with as little change of lengths as possible; its
 // outline and holes are free, and turns of a roll may come within about three spacings of each
 // other. Points should be rid of outliers, and the caller should rule out two parallel sheets less
-// than about five spacings apart. u runs along the longer side. `spacing` and `noise` are those of
+// than about five spacings apart. Parameters lie in the smallest rectangle around the points
+// reached, widened by the margin; u runs along its longer side. `spacing` and `noise` are those of
 // MeasureCloud. The few nodes are flattened first and show whether the sheet serves, before
 // parameters of points are computed. Each attempt has a finer resolution than the one before; the
 // first that serves counts, else the best with its failure reason. Parameters are always finite and
@@ -32,7 +29,6 @@ class SheetLayout {
               double spacing,
               double noise,
               double margin,
-              const SheetBaseOptions& options,
               ThreadPool& pool,
               const Progress& progress = {});
 
@@ -40,10 +36,10 @@ class SheetLayout {
   void LookCloser();
 
   const PoissonDiskSamples& nodes() const { return nodes_; }  // of the first attempt
-  const SheetBase& found() const { return best_; }            // the best attempt: no parameters yet
+  const FlattenedBase& found() const { return best_; }        // the best attempt: no parameters yet
 
   // Returns the best attempt with parameters of some of the points (3 × m), in their rectangle.
-  SheetBase Over(const Eigen::Matrix3Xd& some) const;
+  FlattenedBase Over(const Eigen::Matrix3Xd& some) const;
 
  private:
   void Attempt();
@@ -51,13 +47,12 @@ class SheetLayout {
   const Eigen::Matrix3Xd& points_;
   const NeighbourIndex& index_;
   double spacing_, noise_, margin_;
-  SheetBaseOptions options_;
   ThreadPool& pool_;
   Progress progress_;
   int attempts_ = 0;  // made
   bool given_up_ = false;
   PoissonDiskSamples nodes_;
-  SheetBase best_;
+  FlattenedBase best_;
   SheetGraph graph_;  // of the best
   Flattening unfolding_;
 };

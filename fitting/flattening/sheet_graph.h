@@ -20,6 +20,9 @@ struct SheetGraph {
   double share = 0;                       // of all nodes
 };
 
+// Share of the nodes that must hang together: fewer are part of a cloud of several sheets.
+inline constexpr double kConnectedShare = 0.9;
+
 // Limits on edges, so that none leads from one turn of a roll to the next.
 struct SheetGraphOptions {
   int neighbours = 8;         // nearest neighbours that a node is joined to

@@ -131,19 +131,19 @@ std::string RefusalOfLoops(const std::vector<SheetLoop>& loops,
   return {};
 }
 
-std::string RefusalOfRoll(const TubeBase& base, const FlatteningOptions& options) {
+std::string RefusalOfRoll(const FlattenedBase& base) {
   constexpr const char* kTakePart = "; fit a part of the cloud";
-  if (base.overlap > options.most_overlap) {
+  if (base.overlap > kFlatteningLimits.overlap) {
     return Percent(base.overlap) +
            " of the tube comes to lie over another part of it when it is rolled off: it has "
            "pockets or branches" +
            kTakePart;
   }
-  if (base.distortion > options.most_distortion) {
+  if (base.distortion > kFlatteningLimits.distortion) {
     return "lengths change by " + Percent(base.distortion) +
            " when the tube is rolled off: it widens or bends too strongly" + kTakePart;
   }
-  if (base.folded > options.most_folded) {
+  if (base.folded > kFlatteningLimits.folded) {
     return "the tube folds over itself when it is rolled off" + std::string(kTakePart);
   }
   return {};
@@ -198,7 +198,7 @@ double Wrapped(double u, double period) {
 }
 
 // Lays both ends on lines of constant v, lengths along the tube shared out between them.
-void Straighten(double spacing, TubeBase& base) {
+void Straighten(double spacing, FlattenedBase& base) {
   const TubeEnds ends = EndsOf(base.parameters, base.reached, base.length_u, spacing);
   const double length = ends.high.coefficients[0] - ends.low.coefficients[0];
   constexpr int kLooks = 256;
@@ -208,7 +208,6 @@ void Straighten(double spacing, TubeBase& base) {
     least = std::min(least, ends.high.At(u) - ends.low.At(u));
   }
   if (!(least > kLeastLeft * length)) return;
-  base.straight_ends = true;
   for (Eigen::Index k = 0; k < base.parameters.cols(); ++k) {
     const double low = ends.low.At(base.parameters(0, k)),
                  high = ends.high.At(base.parameters(0, k));
@@ -222,7 +221,7 @@ void PutIntoStrip(const FlattenedNodes& rolled,
                   double noise,
                   double margin,
                   ThreadPool& pool,
-                  TubeBase& base) {
+                  FlattenedBase& base) {
   SpreadPlaces spread = BlendLocalCharts(rolled.graph, rolled.unfolding, points, noise, pool);
   base.parameters = std::move(spread.places);
   base.reached = std::move(spread.reached);
@@ -242,34 +241,15 @@ void PutIntoStrip(const FlattenedNodes& rolled,
   for (double& v : base.parameters.row(1)) v = std::clamp(v - low + margin, 0.0, base.length_v);
 }
 
-// Smooths the parameters by a smooth surface through the points.
-void Settle(const Eigen::Matrix3Xd& points,
-            double most_distortion,
-            ThreadPool& pool,
-            TubeBase& base) {
-  TubeParameters settled = SmoothTubeParameters(
-      {std::move(base.parameters), base.length_u, base.length_v, base.distortion},
-      points,
-      base.reached,
-      most_distortion,
-      pool);
-  base.parameters = std::move(settled.parameters);
-  base.length_u = settled.length_u;
-  base.length_v = settled.length_v;
-  base.distortion = settled.distortion;
-}
-
 // Connects and flattens the nodes; fills in the base's measures of the result.
 FlattenedNodes RollOff(const PoissonDiskSamples& nodes,
                        const SheetGraphOptions& graph_options,
-                       const FlatteningOptions& options,
-                       TubeBase& base) {
+                       FlattenedBase& base) {
   FlattenedNodes rolled;
   rolled.graph = ConnectSheet(nodes, graph_options);
   base.share = rolled.graph.share;
-  base.nodes = rolled.graph.nodes.size();
   base.distortion = 1;
-  if (base.share < options.least_share) {
+  if (base.share < kConnectedShare) {
     base.failure_reason = SeveralSheets(base.share);
     return rolled;
   }
@@ -281,33 +261,32 @@ FlattenedNodes RollOff(const PoissonDiskSamples& nodes,
   const std::vector<PlanarEdge> edges = PlanarEdges(rolled.graph);
   const std::vector<SheetLoop> loops =
       CohomologyBasis(rolled.graph.nodes, edges, kFilledLoop, kMostLoops);
-  base.loops = static_cast<int>(loops.size());
-  base.failure_reason = RefusalOfLoops(loops, NodesAtEdges(base.nodes, edges), rolled.graph.nodes);
+  base.failure_reason =
+      RefusalOfLoops(loops, NodesAtEdges(rolled.graph.nodes.size(), edges), rolled.graph.nodes);
   if (!base.failure_reason.empty()) return rolled;
   rolled.unfolding = FlattenTubeArap(rolled.graph, edges, loops.front().crossings);
   base.distortion = rolled.unfolding.distortion;
   base.folded = rolled.unfolding.folded;
   base.overlap =
       OverlapOf(rolled.graph, OnCylinder(rolled.unfolding.places, rolled.unfolding.period));
-  base.failure_reason = RefusalOfRoll(base, options);
+  base.failure_reason = RefusalOfRoll(base);
   if (base.ok()) ChooseAxes(rolled);
   return rolled;
 }
 
 }  // namespace
 
-TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
-                     const NeighbourIndex& index,
-                     double spacing,
-                     double noise,
-                     double margin,
-                     const FlatteningOptions& options,
-                     ThreadPool& pool,
-                     const Progress& progress) {
+FlattenedBase FlattenTube(const Eigen::Matrix3Xd& points,
+                          const NeighbourIndex& index,
+                          double spacing,
+                          double noise,
+                          double margin,
+                          ThreadPool& pool,
+                          const Progress& progress) {
   CheckBaseInput("FlattenTube", points, index, spacing, noise, margin);
-  TubeBase base;
+  FlattenedBase base;
   FlattenedNodes rolled;
-  for (FlatteningAttempt attempt : FlatteningAttempts(options.nodes)) {
+  for (FlatteningAttempt attempt : FlatteningAttempts()) {
     Report(progress, "parameterize", 0.1);
     PoissonDiskSamples nodes = SamplePoissonDisk(points, index, noise, attempt.nodes, pool);
     base = {};
@@ -322,14 +301,13 @@ TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
       nodes = SamplePoissonDisk(points, index, noise, attempt.nodes, pool);
     }
     Report(progress, "parameterize", 0.3);
-    rolled = RollOff(nodes, attempt.graph, options, base);
+    rolled = RollOff(nodes, attempt.graph, base);
     if (base.ok()) break;
   }
   Report(progress, "parameterize", 0.6);
   if (base.ok()) {
     PutIntoStrip(rolled, points, spacing, noise, margin, pool, base);
-    Settle(points, options.most_distortion, pool, base);
-    base.why = "closed round with two open ends, lengths change by " + Percent(base.distortion);
+    SmoothTubeParameters(points, pool, base);
   } else {
     PutAnywhere(points.cols(), spacing, margin, base);
   }

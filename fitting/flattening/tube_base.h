@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 
 #include "batten/fitting/progress.h"
 #include "batten/geometry/thread_pool.h"
@@ -11,15 +10,9 @@
 
 namespace batten::internal {
 
-// u runs round the tube in [0, length_u), periodic; v along it in [0, length_v], widened by the
-// margin; lengths are averaged where they differ. (u, v, outwards) is right-handed.
-struct TubeBase : FlattenedBase {
-  int loops = 0;               // independent loops: one on a tube
-  bool straight_ends = false;  // the ends of the cloud were laid on lines of constant v
-  std::string why;             // one clause on what it is
-};
-
-// Flattens the tube that distinct points lie on: any bent pipe, hose or horn with two open ends and
+// Flattens the tube that distinct points lie on, with u round it in [0, length_u), periodic, and v
+// along it in [0, length_v], widened by the margin; lengths are averaged where they differ, and
+// (u, v, outwards) is right-handed: any bent pipe, hose or horn with two open ends and
 // any section. That it closes round is decided by loops of the graph of its nodes, not by gaps;
 // holes may be as long round as half the tube is. It needs some 16 nodes round, and turns of a coil
 // may come within about three spacings of each other. Points should be rid of outliers. `spacing`
@@ -28,13 +21,12 @@ struct TubeBase : FlattenedBase {
 // finite and inside. Bit for bit the same for every number of threads. Throws
 // std::invalid_argument unless there are points and index, spacing, noise and margin fit them;
 // Cancelled when progress asks to stop. O(m log m).
-TubeBase FlattenTube(const Eigen::Matrix3Xd& points,
-                     const NeighbourIndex& index,
-                     double spacing,
-                     double noise,
-                     double margin,
-                     const FlatteningOptions& options,
-                     ThreadPool& pool,
-                     const Progress& progress = {});
+FlattenedBase FlattenTube(const Eigen::Matrix3Xd& points,
+                          const NeighbourIndex& index,
+                          double spacing,
+                          double noise,
+                          double margin,
+                          ThreadPool& pool,
+                          const Progress& progress = {});
 
 }  // namespace batten::internal

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <vector>
 
-#include "fitting/linear/coefficient_order.h"
+#include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/linear/coefficient_order.h"
+#include "geometry/numeric/gauss_rule.h"
 
 namespace batten::internal {
 namespace {
@@ -20,16 +22,6 @@ constexpr int kCellsRound = 16;
 constexpr int kLeastCells = 6, kMostCells = 400;
 constexpr int kLineCellsRound = 12;
 constexpr int kNodes = 3;  // of Gauss' rule in each direction of a cell
-constexpr std::array<double, kNodes> kAt = {0.1127016653792583, 0.5, 0.8872983346207417};
-constexpr std::array<double, kNodes> kWeight = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-
-SplineBasis PeriodicBasis(int cells, double lower, double upper) {
-  std::vector<double> knots;
-  for (int i = -kDegree; i <= cells + kDegree; ++i) {
-    knots.push_back(lower + (upper - lower) * i / cells);
-  }
-  return SplineBasis::Periodic(kDegree, std::move(knots));
-}
 
 int CellsAlong(const NurbsSurface& surface) {
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
@@ -58,12 +50,13 @@ struct Sample {
 };
 
 std::vector<double> Places(const SplineBasis& basis, std::vector<double>& weights) {
+  const GaussRule rule = GaussLegendre(kNodes);
   std::vector<double> places;
   for (const int span : basis.Spans()) {
     const double from = basis.knots()[span], length = basis.knots()[span + 1] - from;
     for (int k = 0; k < kNodes; ++k) {
-      places.push_back(from + kAt[k] * length);
-      weights.push_back(kWeight[k] * length);
+      places.push_back(from + rule.nodes[k] * length);
+      weights.push_back(rule.weights[k] * length);
     }
   }
   return places;
@@ -256,12 +249,13 @@ double ValueOf(const SplineBasis& basis, const Eigen::VectorXd& coefficients, do
 }  // namespace
 
 TubeChart::TubeChart(const NurbsSurface& surface)
-    : basis_u_(PeriodicBasis(kCellsRound, surface.basis_u().lower(), surface.basis_u().upper())),
+    : basis_u_(PeriodicUniformKnots(
+          kDegree, kCellsRound, surface.basis_u().lower(), surface.basis_u().upper())),
       basis_v_(SplineBasis::Uniform(kDegree,
                                     CellsAlong(surface) + kDegree,
                                     surface.basis_v().lower(),
                                     surface.basis_v().upper())),
-      round_basis_(PeriodicBasis(kLineCellsRound, 0, 1)),
+      round_basis_(PeriodicUniformKnots(kDegree, kLineCellsRound, 0, 1)),
       along_basis_(SplineBasis::Uniform(kDegree, CellsAlong(surface) / 2 + kDegree, 0, 1)) {
   const double period = basis_u_.upper() - basis_u_.lower();
   const std::vector<Sample> samples = SamplesOf(surface, basis_u_, basis_v_);

@@ -113,27 +113,20 @@ PeriodicWave::PeriodicWave(double period, int harmonics)
     : coefficients(Eigen::VectorXd::Zero(2 * harmonics + 1)), period_(period) {}
 
 Eigen::VectorXd PeriodicWave::TermsAt(double u) const {
+  const double angle = 2 * std::numbers::pi * u / period_;
+  const std::complex<double> step(std::cos(angle), std::sin(angle));
+  std::complex<double> turned = 1;
   Eigen::VectorXd terms(coefficients.size());
   terms[0] = 1;
   for (Eigen::Index k = 1; k < terms.size(); k += 2) {
-    const double angle = std::numbers::pi * static_cast<double>(k + 1) * u / period_;
-    terms[k] = std::cos(angle);
-    terms[k + 1] = std::sin(angle);
+    turned *= step;
+    terms[k] = turned.real();
+    terms[k + 1] = turned.imag();
   }
   return terms;
 }
 
-double PeriodicWave::At(double u) const {
-  const double angle = 2 * std::numbers::pi * u / period_;
-  const std::complex<double> step(std::cos(angle), std::sin(angle));
-  std::complex<double> turned = 1;
-  double value = coefficients[0];
-  for (Eigen::Index k = 1; k < coefficients.size(); k += 2) {
-    turned *= step;
-    value += coefficients[k] * turned.real() + coefficients[k + 1] * turned.imag();
-  }
-  return value;
-}
+double PeriodicWave::At(double u) const { return TermsAt(u).dot(coefficients); }
 
 TubeEnds EndsOf(const Eigen::Matrix2Xd& places,
                 const PointMask& mask,

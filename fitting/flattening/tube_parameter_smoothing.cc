@@ -11,6 +11,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
+#include "batten/geometry/knot_vectors.h"
 #include "fitting/core/mask_indices.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/flattening/tube_chart.h"
@@ -27,13 +28,6 @@ constexpr double kAsGood = 1.3;  // root mean square residual, against the best
 constexpr int kSmoothingRounds = 2;
 constexpr double kMostFolded = 1e-4;  // of the area
 
-SplineBasis PeriodicBasis(int cells, double period) {
-  std::vector<double> knots;
-  for (int i = -kSmoothingDegree; i <= cells + kSmoothingDegree; ++i)
-    knots.push_back(period * i / cells);
-  return SplineBasis::Periodic(kSmoothingDegree, std::move(knots));
-}
-
 struct Draft {
   FittingProblem problem;
   LinearSolution solution;
@@ -41,11 +35,12 @@ struct Draft {
 };
 
 // Fits surfaces with ever more cells, nearly square ones.
-std::vector<Draft> StatesOf(const TubeParameters& tube,
+std::vector<Draft> StatesOf(const FlattenedBase& tube,
+                            const Eigen::Matrix2Xd& parameters,
                             const Eigen::Matrix3Xd& points,
                             ThreadPool& pool) {
   auto data = std::make_shared<FittingData>();
-  data->parameters = tube.parameters;
+  data->parameters = parameters;
   data->values = points;
   const auto count = static_cast<double>(points.cols());
   std::vector<Draft> drafts;
@@ -54,7 +49,7 @@ std::vector<Draft> StatesOf(const TubeParameters& tube,
         std::max(1, static_cast<int>(std::lround(round * tube.length_v / tube.length_u)));
     const double unknowns = round * (along + kSmoothingDegree);
     if (!drafts.empty() && unknowns * kPointsPerControlPoint > count) break;
-    FittingProblem problem(PeriodicBasis(round, tube.length_u),
+    FittingProblem problem(PeriodicUniformKnots(kSmoothingDegree, round, 0, tube.length_u),
                            FittingBasis(kSmoothingDegree, along, 0, tube.length_v),
                            data,
                            kSurfaceSmoothing);
@@ -65,10 +60,11 @@ std::vector<Draft> StatesOf(const TubeParameters& tube,
   return drafts;
 }
 
-NurbsSurface SmoothSurface(const TubeParameters& tube,
+NurbsSurface SmoothSurface(const FlattenedBase& tube,
+                           const Eigen::Matrix2Xd& parameters,
                            const Eigen::Matrix3Xd& points,
                            ThreadPool& pool) {
-  const std::vector<Draft> drafts = StatesOf(tube, points, pool);
+  const std::vector<Draft> drafts = StatesOf(tube, parameters, points, pool);
   double least = drafts.front().variance;
   for (const Draft& draft : drafts) least = std::min(least, draft.variance);
   const auto chosen = std::find_if(drafts.begin(), drafts.end(), [&](const Draft& draft) {
@@ -86,38 +82,34 @@ struct Settling {
 
 }  // namespace
 
-TubeParameters SmoothTubeParameters(TubeParameters tube,
-                                    const Eigen::Matrix3Xd& points,
-                                    const PointMask& mask,
-                                    double most_distortion,
-                                    ThreadPool& pool) {
-  if (!mask.any()) return tube;
-  const std::vector<Eigen::Index> sample = IndicesOf(mask, kSample);
+void SmoothTubeParameters(const Eigen::Matrix3Xd& points, ThreadPool& pool, FlattenedBase& base) {
+  if (!base.reached.any()) return;
+  const std::vector<Eigen::Index> sample = IndicesOf(base.reached, kSample);
   const Eigen::Matrix3Xd some = points(Eigen::all, sample);
   std::optional<Settling> settling;
-  TubeParameters current = tube;
+  const auto settle = [&](const Eigen::Matrix2Xd& feet) {
+    const TubeChart& chart = settling->chart;
+    base.parameters = chart.At(feet, pool);
+    base.length_u = chart.length_round();
+    base.length_v = chart.length_along();
+    base.distortion = chart.distortion();
+  };
   for (int round = 0; round < kSmoothingRounds; ++round) {
     if (settling) {
       // Only points of the sample are moved to their feet, the others carried along.
       Eigen::Matrix2Xd feet = settling->start;
       feet(Eigen::all, sample) =
           DistancesFrom(settling->surface, some, feet(Eigen::all, sample), pool).parameters;
-      const TubeChart& chart = settling->chart;
-      current = {
-          chart.At(feet, pool), chart.length_round(), chart.length_along(), chart.distortion()};
+      settle(feet);
     }
-    TubeParameters known = current;
-    known.parameters = current.parameters(Eigen::all, sample);
-    NurbsSurface surface = SmoothSurface(known, some, pool);
+    NurbsSurface surface = SmoothSurface(base, base.parameters(Eigen::all, sample), some, pool);
     TubeChart chart(surface);
-    if (!(chart.distortion() <= most_distortion && chart.folded() <= kMostFolded)) break;
-    settling = {std::move(surface), std::move(chart), current.parameters};
+    if (!(chart.distortion() <= kFlatteningLimits.distortion && chart.folded() <= kMostFolded))
+      break;
+    settling = {std::move(surface), std::move(chart), base.parameters};
   }
-  if (!settling) return tube;
-  const Eigen::MatrixXd feet =
-      DistancesFrom(settling->surface, points, settling->start, pool).parameters;
-  const TubeChart& chart = settling->chart;
-  return {chart.At(feet, pool), chart.length_round(), chart.length_along(), chart.distortion()};
+  if (!settling) return;
+  settle(DistancesFrom(settling->surface, points, settling->start, pool).parameters);
 }
 
 }  // namespace batten::internal

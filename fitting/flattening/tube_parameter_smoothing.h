@@ -4,27 +4,17 @@
 
 #include <Eigen/Core>
 
-#include "batten/fitting/point_mask.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/flattening/flattened_base.h"
 
 namespace batten::internal {
 
-struct TubeParameters {
-  Eigen::Matrix2Xd parameters;  // (u, v), u in [0, length_u), v in [0, length_v]
-  double length_u, length_v;
-  double distortion;  // of lengths, relative: root mean square
-};
-
 // Smooths the parameters of a tube. Flattening leaves small wrinkles, which a surface over the
 // parameters must follow with cells of their size. A smooth surface with as few cells as leave
-// residuals not much larger than the finest ones do is therefore fitted to the points under the
-// mask, and the foot points on it become parameters by the surface's own chart; this is done twice.
-// If the surface has no chart, or one that folds or distorts lengths by more than
-// `most_distortion`, the parameters are left unchanged. O(m).
-TubeParameters SmoothTubeParameters(TubeParameters tube,
-                                    const Eigen::Matrix3Xd& points,
-                                    const PointMask& mask,
-                                    double most_distortion,
-                                    ThreadPool& pool);
+// residuals not much larger than the finest ones do is therefore fitted to the points reached, and
+// the foot points on it become parameters by the surface's own chart; this is done twice. If the
+// surface has no chart, or one that folds or distorts lengths by more than kFlatteningLimits, the
+// base is left unchanged. O(m).
+void SmoothTubeParameters(const Eigen::Matrix3Xd& points, ThreadPool& pool, FlattenedBase& base);
 
 }  // namespace batten::internal

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/foot_points/curve_distances.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -27,18 +28,10 @@ struct Piece {
 };
 
 template <int Dim>
-struct Box {
-  using Point = Eigen::Matrix<double, Dim, 1>;
-  Point low = Point::Constant(kInfinity), high = Point::Constant(-kInfinity);
-
-  void Add(const Piece<Dim>& piece) {
-    low = low.cwiseMin((piece.begin.cwiseMin(piece.end).array() - piece.swell).matrix());
-    high = high.cwiseMax((piece.begin.cwiseMax(piece.end).array() + piece.swell).matrix());
-  }
-  double Distance(const Box& other) const {
-    return (other.low - high).cwiseMax(low - other.high).cwiseMax(0.0).norm();
-  }
-};
+void Extend(Eigen::AlignedBox<double, Dim>& box, const Piece<Dim>& piece) {
+  box.extend((piece.begin.cwiseMin(piece.end).array() - piece.swell).matrix());
+  box.extend((piece.begin.cwiseMax(piece.end).array() + piece.swell).matrix());
+}
 
 // Coefficients of the derivative of spline coefficients of this degree over knots; those that some
 // span needs only.
@@ -145,19 +138,20 @@ class Certainty {
 
   // Condition (2).
   void LimitByOthers() {
-    std::vector<Box<Dim>> boxes(pieces_.size()), together;
+    std::vector<Eigen::AlignedBox<double, Dim>> boxes(pieces_.size()), together;
     for (size_t i = 0; i < pieces_.size(); ++i) {
-      boxes[i].Add(pieces_[i]);
+      Extend(boxes[i], pieces_[i]);
       if (i % kTogether == 0) together.emplace_back();
-      together.back().Add(pieces_[i]);
+      Extend(together.back(), pieces_[i]);
     }
     for (size_t i = 0; i < pieces_.size(); ++i) {
       for (size_t b = 0; b < together.size(); ++b) {
-        if (boxes[i].Distance(together[b]) >= 2 * sure_[i]) continue;
+        if (boxes[i].exteriorDistance(together[b]) >= 2 * sure_[i]) continue;
         const size_t end = std::min((b + 1) * kTogether, pieces_.size());
         for (size_t k = b * kTogether; k < end; ++k) {
           if (k == i || k == Before(i) || k == Behind(i)) continue;
-          sure_[i] = std::min(sure_[i], (1 - kRelativelyEqual) / 2 * boxes[i].Distance(boxes[k]));
+          sure_[i] =
+              std::min(sure_[i], (1 - kRelativelyEqual) / 2 * boxes[i].exteriorDistance(boxes[k]));
         }
       }
     }

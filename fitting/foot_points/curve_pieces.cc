@@ -5,15 +5,15 @@
 
 #include "batten/geometry/foot_point.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 
 template <int Dim>
 CurvePieces<Dim>::CurvePieces(const NurbsCurve<Dim>& curve)
-    : degree_(curve.basis().degree()), periodic_(curve.basis().periodic()) {
-  const SplineBasis& basis = curve.basis();
-  for (const int span : basis.Spans()) breaks_.push_back(basis.knots()[static_cast<size_t>(span)]);
-  breaks_.push_back(basis.upper());
+    : degree_(curve.basis().degree()),
+      periodic_(curve.basis().periodic()),
+      breaks_(BreaksIn(curve.basis())) {
   powers_.reserve(static_cast<size_t>(size() * Dim * (degree_ + 1)));
   for (size_t i = 0; i + 1 < breaks_.size(); ++i) {
     const double half = 0.5 * (breaks_[i + 1] - breaks_[i]);

@@ -24,7 +24,6 @@ class CurvePieces {
 
   CurvePieceTable table() const;
   int size() const { return static_cast<int>(breaks_.size()) - 1; }
-  const std::vector<double>& breaks() const { return breaks_; }
 
  private:
   int degree_;

@@ -46,16 +46,6 @@ void Resize(FootPointSet& feet, Eigen::Index dimension, Eigen::Index count) {
   feet.directions.resize(static_cast<size_t>(count));
 }
 
-// Two unit vectors that form an orthonormal frame with the unit vector t.
-void Complement(const Eigen::Vector3d& t,
-                Eigen::Ref<Eigen::VectorXd> a,
-                Eigen::Ref<Eigen::VectorXd> b) {
-  Eigen::Index least;
-  t.cwiseAbs().minCoeff(&least);
-  a = t.cross(Eigen::Vector3d::Unit(least)).normalized();
-  b = t.cross(Eigen::Vector3d(a));
-}
-
 template <int Dim>
 void ProjectOn(const TensorShape& shape,
                const Eigen::MatrixXd& points,
@@ -86,7 +76,9 @@ void ProjectOn(const TensorShape& shape,
       if constexpr (Dim == 2) {
         feet.first.col(k) << -t[1], t[0];
       } else {
-        Complement(t, feet.first.col(k), feet.second.col(k));
+        const Eigen::Vector3d first = t.unitOrthogonal();
+        feet.first.col(k) = first;
+        feet.second.col(k) = t.cross(first);
       }
     }
   });
@@ -123,26 +115,6 @@ double NearestAlong(const SurfaceEvaluator& surface,
   return best;
 }
 
-template <int Dim>
-Eigen::MatrixXd Tangents(const TensorShape& shape) {
-  const NurbsCurve<Dim> curve = ToCurve<Dim>(shape);
-  const std::vector<int> spans = shape.basis_u.Spans();
-  Eigen::MatrixXd tangents =
-      Eigen::MatrixXd::Zero(Dim, static_cast<Eigen::Index>(spans.size()) * kPlaces);
-  for (size_t k = 0; k < spans.size(); ++k) {
-    const double a = shape.basis_u.knots()[spans[k]], b = shape.basis_u.knots()[spans[k] + 1];
-    for (int g = 0; g < kPlaces; ++g) {
-      const auto first = curve.JetAt(a + (b - a) * (g + 0.5) / kPlaces).first;
-      const double speed = first.norm();
-      if (speed > 0) {
-        tangents.col(static_cast<Eigen::Index>(k) * kPlaces + g).template head<Dim>() =
-            first / speed;
-      }
-    }
-  }
-  return tangents;
-}
-
 std::vector<double> Places(const SplineBasis& basis) {
   std::vector<double> places;
   for (const int span : basis.Spans()) {
@@ -150,6 +122,19 @@ std::vector<double> Places(const SplineBasis& basis) {
     for (int g = 0; g < kPlaces; ++g) places.push_back(a + (b - a) * (g + 0.5) / kPlaces);
   }
   return places;
+}
+
+template <int Dim>
+Eigen::MatrixXd Tangents(const TensorShape& shape) {
+  const NurbsCurve<Dim> curve = ToCurve<Dim>(shape);
+  const std::vector<double> places = Places(shape.basis_u);
+  Eigen::MatrixXd tangents = Eigen::MatrixXd::Zero(Dim, std::ssize(places));
+  for (size_t k = 0; k < places.size(); ++k) {
+    const Eigen::Matrix<double, Dim, 1> first = curve.JetAt(places[k]).first;
+    const double speed = first.norm();
+    if (speed > 0) tangents.col(static_cast<Eigen::Index>(k)) = first / speed;
+  }
+  return tangents;
 }
 
 // The index of the place in one direction whose part of the span holds a parameter.
@@ -202,15 +187,7 @@ void FootProjector::Project(const TensorShape& shape,
   Resize(feet, points_.rows(), points_.cols());
   if (shape.basis_v) {
     ProjectOnSurface(shape, starts, feet);
-  } else {
-    ProjectOnCurve(shape, starts, feet);
-  }
-}
-
-void FootProjector::ProjectOnCurve(const TensorShape& shape,
-                                   const Eigen::Matrix2Xd& starts,
-                                   FootPointSet& feet) const {
-  if (shape.dimension() == 2) {
+  } else if (shape.dimension() == 2) {
     ProjectOn<2>(shape, points_, orthogonal_, starts, pool_, feet);
   } else {
     ProjectOn<3>(shape, points_, orthogonal_, starts, pool_, feet);

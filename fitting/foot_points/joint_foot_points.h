@@ -65,9 +65,6 @@ class FootProjector {
   void Project(const TensorShape& shape, const Eigen::Matrix2Xd& starts, FootPointSet& feet) const;
 
  private:
-  void ProjectOnCurve(const TensorShape& shape,
-                      const Eigen::Matrix2Xd& starts,
-                      FootPointSet& feet) const;
   void ProjectOnSurface(const TensorShape& shape,
                         const Eigen::Matrix2Xd& starts,
                         FootPointSet& feet) const;

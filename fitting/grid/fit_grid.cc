@@ -7,6 +7,7 @@
 
 #include "batten/fitting/approximate_grid.h"
 #include "batten/fitting/interpolate_grid.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/grid/fill_cells.h"
 #include "fitting/grid/grid_input.h"
@@ -69,12 +70,11 @@ GridAnswer Answer(const GridInput& input, const GridFitOptions& options, ThreadP
   return {LeastSquaresGrid(input.net, squares, pool), "least squares"};
 }
 
-// Cloud statistics of the grid: spacing is the mean step.
+// Spacing is the mean step.
 InputSummary Summarise(const PointCloud& cloud, const GridInput& input, Eigen::Index duplicates) {
-  CloudStatistics statistics;
   const Eigen::Vector2d lengths = MeanLengths(input.net, input.closed);
-  statistics.spacing = std::sqrt(lengths[0] / input.net.rows * lengths[1] / input.net.columns);
-  return SummariseInput(cloud, duplicates, statistics);
+  const double spacing = std::sqrt(lengths[0] / input.net.rows * lengths[1] / input.net.columns);
+  return SummariseInput(cloud, duplicates, spacing, 0);
 }
 
 // The parameters of every point of the cloud, merged lines included.

@@ -83,6 +83,8 @@ struct LineView {
   }
 };
 
+}  // namespace
+
 PointNet WithLines(const PointNet& net, bool rows, const std::vector<int>& kept) {
   const auto count = static_cast<int>(kept.size());
   PointNet fewer{rows ? count : net.rows, rows ? net.columns : count, {}, {}};
@@ -99,11 +101,7 @@ PointNet WithLines(const PointNet& net, bool rows, const std::vector<int>& kept)
   return fewer;
 }
 
-Eigen::VectorXd Picked(const Eigen::VectorXd& values, const std::vector<int>& kept) {
-  Eigen::VectorXd picked(static_cast<Eigen::Index>(kept.size()));
-  for (Eigen::Index k = 0; k < picked.size(); ++k) picked[k] = values[kept[static_cast<size_t>(k)]];
-  return picked;
-}
+namespace {
 
 // Drops lines that repeat the one before, and lines without a point.
 void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
@@ -130,7 +128,7 @@ void DropKnotLines(bool rows, Eigen::VectorXd* given, GridInput& input) {
   if (kept.size() < 2) {
     throw std::invalid_argument("all " + name + "s of the grid are the same: a surface needs two");
   }
-  if (given && given->size() == lines.count()) *given = Picked(*given, kept);
+  if (given && given->size() == lines.count()) *given = (*given)(kept).eval();
   input.net = WithLines(input.net, rows, kept);
 }
 
@@ -170,7 +168,7 @@ void RequireSheet(const PointNet& net) {
 }  // namespace
 
 GridInput ReadGrid(const PointCloud& cloud, const GridFitOptions& options) {
-  GridInput input{NetOf(cloud, options), options.parameters, {}, {}, 0, {}, {}, {}};
+  GridInput input{NetOf(cloud, options), options.parameters, {}, {}, {}, {}, {}};
   const bool given = options.parameterization == GridParameterization::kGiven;
   for (const bool rows : {true, false}) {
     DropKnotLines(rows, given ? &(rows ? input.parameters.u : input.parameters.v) : nullptr, input);
@@ -182,10 +180,9 @@ GridInput ReadGrid(const PointCloud& cloud, const GridFitOptions& options) {
   const bool u = both || closed == Closing::kU, v = both || closed == Closing::kV;
   input.closed.u = CloseDirection(true, u, u || detect, input);
   input.closed.v = CloseDirection(false, v, v || detect, input);
-  input.missing = input.net.missing.size() > 0 ? input.net.missing.count() : 0;
-  if (input.missing > 0) {
-    input.warnings.push_back(Plural(input.missing, "cell") + " of the grid " +
-                             (input.missing == 1 ? "is" : "are") +
+  if (const Eigen::Index missing = input.net.missing.count(); missing > 0) {
+    input.warnings.push_back(Plural(missing, "cell") + " of the grid " +
+                             (missing == 1 ? "is" : "are") +
                              " missing: fairness carries the surface over them");
   }
   if (given) {

@@ -18,12 +18,14 @@ struct GridInput {
   GridParameters parameters;  // of its lines, in lengths (given ones as they are)
   GridClosing closed;
   std::vector<std::string> warnings;
-  Eigen::Index missing = 0;  // cells
   // The line of the net that stands for each row and column of the cloud; -1 where all its cells
   // are missing.
   std::vector<int> row_of, column_of;
   std::string parameters_from;
 };
+
+// The net of some of its rows, or columns.
+PointNet WithLines(const PointNet& net, bool rows, const std::vector<int>& kept);
 
 // Reads the grid from the cloud. Throws std::invalid_argument, with a sentence for the user that
 // names sizes that would fit, where the cloud does not hold one point for every cell that is not

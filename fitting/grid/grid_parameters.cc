@@ -2,12 +2,14 @@
 #include "batten/fitting/grid_parameters.h"
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten {
 namespace {
@@ -87,15 +89,6 @@ Eigen::VectorXd MeanSteps(const Lines& lines, bool complete, bool centripetal) {
   return mean;
 }
 
-Eigen::VectorXd Accumulated(const Eigen::VectorXd& steps) {
-  Eigen::VectorXd t(steps.size() + 1);
-  t[0] = 0;
-  for (Eigen::Index k = 0; k < steps.size(); ++k) t[k + 1] = t[k] + steps[k];
-  t /= t[t.size() - 1];
-  t[t.size() - 1] = 1;
-  return t;
-}
-
 Eigen::VectorXd FromSteps(const Lines& lines, const Eigen::VectorXd& steps) {
   const double whole = steps.sum();
   if (!(whole > 0)) {
@@ -108,7 +101,7 @@ Eigen::VectorXd FromSteps(const Lines& lines, const Eigen::VectorXd& steps) {
                                 " of the grid lie in one place, or have no cells side by side: "
                                 "leave one of them out");
   }
-  return Accumulated(steps);
+  return internal::SummedSteps(steps);
 }
 
 Eigen::VectorXd AlongLines(const Lines& lines,
@@ -178,7 +171,7 @@ std::optional<GridParameters> PlacesInPlane(const PointNet& net) {
   if (!u) return std::nullopt;
   const auto v = StepsInPlane(Lines(net, false, false), flat);
   if (!v) return std::nullopt;
-  return GridParameters{Accumulated(*u), Accumulated(*v)};
+  return GridParameters{internal::SummedSteps(*u), internal::SummedSteps(*v)};
 }
 
 void CheckGiven(const Eigen::VectorXd& t, int lines, bool closed, const std::string& name) {
@@ -197,19 +190,9 @@ void CheckGiven(const Eigen::VectorXd& t, int lines, bool closed, const std::str
 }  // namespace
 
 const char* Name(GridParameterization parameterization) {
-  switch (parameterization) {
-    case GridParameterization::kAuto:
-      return "auto";
-    case GridParameterization::kGiven:
-      return "given";
-    case GridParameterization::kUniform:
-      return "uniform";
-    case GridParameterization::kChord:
-      return "chord";
-    case GridParameterization::kCentripetal:
-      return "centripetal";
-  }
-  return "";
+  static constexpr std::array kNames{"auto", "given", "uniform", "chord", "centripetal"};
+  static_assert(kNames.size() == static_cast<std::size_t>(GridParameterization::kCentripetal) + 1);
+  return kNames[static_cast<std::size_t>(parameterization)];
 }
 
 CollapsedLines PolesOf(const PointNet& net, const GridClosing& closed) {

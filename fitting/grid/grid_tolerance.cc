@@ -10,9 +10,11 @@
 
 #include "batten/fitting/approximate_grid.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/grid/grid_input.h"
 #include "fitting/grid/grid_knot_placement.h"
 #include "fitting/grid/net_distance.h"
 #include "fitting/grid/value_span.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten {
 using namespace internal;
@@ -98,10 +100,6 @@ struct Candidate {
   int control_points;
 };
 
-int Distinct(const SplineBasis& basis) {
-  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
-}
-
 // The search for a surface within the tolerance of the one through all points.
 class ToleranceSearch {
  public:
@@ -162,7 +160,7 @@ class ToleranceSearch {
                                 const SplineBasis& through,
                                 bool thin,
                                 double tolerance) {
-    const int all = Distinct(through);
+    const int all = DistinctCount(through);
     if (!thin) return {{through, 0, all}};
     const int most = search.SpansBelow(all);
     const int least = search.SpansFor(tolerance, most, pool_);
@@ -243,14 +241,7 @@ double DoubtOf(const PointNet& net,
   const std::vector<int> rows = Every(along_u ? 2 : 1, net.rows, options.closed.u),
                          columns = Every(along_u ? 1 : 2, net.columns, options.closed.v);
   if (static_cast<int>((along_u ? rows : columns).size()) <= degree + 1) return 0;
-  PointNet half{static_cast<int>(rows.size()), static_cast<int>(columns.size()), {}, {}};
-  half.points.resize(3, Eigen::Index{half.rows} * half.columns);
-  for (int i = 0; i < half.rows; ++i) {
-    for (int j = 0; j < half.columns; ++j) {
-      half.points.col(Eigen::Index{i} * half.columns + j) =
-          net.At(rows[static_cast<size_t>(i)], columns[static_cast<size_t>(j)]);
-    }
-  }
+  const PointNet half = WithLines(net, along_u, along_u ? rows : columns);
   GridInterpolationOptions coarse = options;
   coarse.parameterization = GridParameterization::kGiven;
   const GridParameters all =

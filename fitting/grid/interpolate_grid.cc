@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/geometry/knot_vectors.h"
-#include "fitting/grid/line_interpolation.h"
+#include "fitting/grid/line_least_squares.h"
 #include "fitting/grid/value_span.h"
 #include "fitting/interpolation/collocation.h"
 #include "fitting/knots/data_knots.h"
@@ -49,23 +49,21 @@ SplineBasis OpenKnots(int degree, const Eigen::VectorXd& t, GridKnots rule) {
 struct Side {
   SplineBasis basis;
   Eigen::VectorXd parameters;  // one a line, inside the domain
-  bool closed;
 
   Side(int degree, const Eigen::VectorXd& t, GridKnots knots, bool closes)
-      : Side(closes ? KnotsAround(degree, Values(t)) : ClosedKnots{OpenKnots(degree, t, knots), t},
-             closes) {}
-  Side(ClosedKnots knots, bool closes)
-      : basis(std::move(knots.basis)), parameters(std::move(knots.parameters)), closed(closes) {}
+      : Side(closes ? KnotsAround(degree, Values(t))
+                    : ClosedKnots{OpenKnots(degree, t, knots), t}) {}
+  explicit Side(ClosedKnots knots)
+      : basis(std::move(knots.basis)), parameters(std::move(knots.parameters)) {}
 
-  // Control points (in place of `values`, one a column) of a closed direction.
-  Eigen::MatrixXd Around(const Eigen::MatrixXd& values) const {
+  // Control points (in place of `values`, one a column).
+  Eigen::MatrixXd Solved(const Eigen::MatrixXd& values) const {
     std::vector<SplineCondition> conditions;
     for (const double t : parameters) conditions.push_back({t, 0});
     auto control = SolveConditions(basis, conditions, values, true);
     if (!control) {
-      throw std::invalid_argument(
-          "the grid's lines are spaced so that no closed surface of degree " +
-          std::to_string(basis.degree()) + " goes through them");
+      throw std::invalid_argument("the grid's lines are spaced so that no surface of degree " +
+                                  std::to_string(basis.degree()) + " goes through them");
     }
     return *std::move(control);
   }
@@ -74,32 +72,28 @@ struct Side {
 // A net of 3-vectors, v fastest, as the solver sees it.
 using Net = Eigen::Matrix3Xd;
 
-Net AlongU(const Side& side, Net net, Eigen::Index columns, ThreadPool& pool) {
+Net AlongU(const Side& side, const Net& net, Eigen::Index columns, ThreadPool& pool) {
   const Eigen::Index width = 3 * columns;
-  if (!side.closed) {
-    LineInterpolation(side.basis, Values(side.parameters)).SolveLines(net.data(), width, pool);
-    return net;
-  }
   const Eigen::Map<const Eigen::MatrixXd> lines(net.data(), width, net.size() / width);
-  const Eigen::MatrixXd control = side.Around(lines);
-  return Eigen::Map<const Net>(control.data(), 3, control.size() / 3);
+  Net result(3, columns * side.basis.size());
+  Eigen::Map<Eigen::MatrixXd> control(result.data(), width, side.basis.size());
+  pool.For(width, kSolvedTogether, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    control.middleRows(begin, end - begin) = side.Solved(lines.middleRows(begin, end - begin));
+  });
+  return result;
 }
 
-Net AlongV(const Side& side, Net net, Eigen::Index rows, ThreadPool& pool) {
-  if (!side.closed) {
-    LineInterpolation(side.basis, Values(side.parameters)).SolveWithin(net.data(), rows, 3, pool);
-    return net;
-  }
-  const Eigen::Index columns = net.cols() / rows;
-  Eigen::MatrixXd values(3 * rows, columns);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    values.middleRows(3 * i, 3) = net.middleCols(i * columns, columns);
-  }
-  const Eigen::MatrixXd control = side.Around(values);
-  Net result(3, rows * control.cols());
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    result.middleCols(i * control.cols(), control.cols()) = control.middleRows(3 * i, 3);
-  }
+Net AlongV(const Side& side, const Net& net, Eigen::Index rows, ThreadPool& pool) {
+  const Eigen::Index columns = net.cols() / rows, size = side.basis.size();
+  Net result(3, rows * size);
+  pool.For(rows, kSolvedTogether / 3, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    Eigen::MatrixXd lines(3 * (end - begin), columns);
+    for (std::ptrdiff_t i = begin; i < end; ++i)
+      lines.middleRows(3 * (i - begin), 3) = net.middleCols(i * columns, columns);
+    const Eigen::MatrixXd control = side.Solved(lines);
+    for (std::ptrdiff_t i = begin; i < end; ++i)
+      result.middleCols(i * size, size) = control.middleRows(3 * (i - begin), 3);
+  });
   return result;
 }
 
@@ -117,8 +111,8 @@ InterpolatedGrid InterpolateGrid(const PointNet& net,
       v(options.degree_v, t.v, options.knots, options.closed.v);
   const Eigen::Vector3d middle = MiddleOf(net);
   Net control = net.points.colwise() - middle;
-  control = AlongV(v, std::move(control), net.rows, pool);
-  control = AlongU(u, std::move(control), v.basis.size(), pool);
+  control = AlongV(v, control, net.rows, pool);
+  control = AlongU(u, control, v.basis.size(), pool);
   control.colwise() += middle;
   Collapse(PolesOf(net, options.closed), u.basis.size(), v.basis.size(), control);
   return {NurbsSurface(u.basis, v.basis, std::move(control)), {u.parameters, v.parameters}};

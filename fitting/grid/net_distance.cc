@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/grid/net_distance.h"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/knot_vectors.h"
-#include "fitting/core/rounding.h"
+#include "geometry/nurbs/homogeneous.h"
 
 namespace batten::internal {
 namespace {
-
-const SplineBasis& BasisOf(const NurbsSurface& surface, Direction direction) {
-  return direction == Direction::kU ? surface.basis_u() : surface.basis_v();
-}
-
-NurbsSurface WithKnotsOf(const NurbsSurface& surface,
-                         const NurbsSurface& other,
-                         Direction direction) {
-  const std::vector<double> missing =
-      MissingKnots(BasisOf(surface, direction), BasisOf(other, direction));
-  return missing.empty() ? surface : RefineKnots(surface, direction, missing);
-}
 
 std::vector<double> Cuts(const SplineBasis& basis, int cuts) {
   std::vector<double> knots;
@@ -43,24 +29,15 @@ std::vector<double> Cuts(const SplineBasis& basis, int cuts) {
 }  // namespace
 
 double NetDistance(const NurbsSurface& a, const NurbsSurface& b, int cuts) {
-  if (a.rational() || b.rational()) {
-    throw std::invalid_argument("NetDistance: the surfaces must not be rational");
-  }
   NurbsSurface first = a, second = b;
   for (const Direction direction : {Direction::kU, Direction::kV}) {
-    first = WithKnotsOf(first, second, direction);
-    second = WithKnotsOf(second, first, direction);
+    for (auto [one, other] : {std::pair(&first, &second), std::pair(&second, &first)})
+      *one = RefineKnots(
+          *one, direction, MissingKnots(BasisOf(*one, direction), BasisOf(*other, direction)));
     const std::vector<double> more = Cuts(BasisOf(first, direction), cuts);
-    if (more.empty()) continue;
+    if (more.empty()) continue;  // saves copies
     first = RefineKnots(first, direction, more);
     second = RefineKnots(second, direction, more);
-  }
-  // Knots repeated by a period carry rounding errors.
-  const auto same = [](const SplineBasis& x, const SplineBasis& y) {
-    return SameKnots(x, y, kRelativeRounding * std::max(std::abs(x.lower()), std::abs(x.upper())));
-  };
-  if (!same(first.basis_u(), second.basis_u()) || !same(first.basis_v(), second.basis_v())) {
-    throw std::invalid_argument("NetDistance: the surfaces have other degrees or domains");
   }
   return (first.control_points() - second.control_points()).colwise().norm().maxCoeff();
 }

@@ -6,15 +6,10 @@
 
 #include "batten/geometry/knot_vectors.h"
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
-
-template <int Dim>
-double PolygonLength(const ChainPiece<Dim>& piece) {
-  const Eigen::Index sides = piece.points.cols() - 1;
-  return (piece.points.rightCols(sides) - piece.points.leftCols(sides)).colwise().norm().sum();
-}
 
 // Speeds at the ends over a domain of length 1.
 template <int Dim>
@@ -45,7 +40,7 @@ Steps StepsOf(const std::vector<ChainPiece<Dim>>& pieces) {
   constexpr double kDrift = 30;
   Steps steps;
   for (size_t k = 0; k < pieces.size(); ++k) {
-    const double length = PolygonLength(pieces[k]);
+    const double length = PolygonLength(pieces[k].points);
     double step = 0;
     if (k > 0 && pieces[k - 1].smooth) {
       step = SpeedAtStart(pieces[k]) * steps.lengths.back() / SpeedAtEnd(pieces[k - 1]);

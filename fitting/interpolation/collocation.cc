@@ -69,7 +69,7 @@ std::optional<Eigen::MatrixXd> SolveConditions(const SplineBasis& basis,
     }
   }
   BandedLu matrix(distinct, below, above);
-  Eigen::MatrixXd solution(distinct, values.rows());
+  RightSides solution(distinct, values.rows());
   for (Eigen::Index k = 0; k < distinct; ++k) {
     const auto row = static_cast<size_t>(k);
     for (int r = 0; r <= p; ++r) {

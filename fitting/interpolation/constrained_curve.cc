@@ -219,7 +219,7 @@ class Problem {
     constexpr int kCorrections = 2;
     Eigen::MatrixXd unknowns = Eigen::MatrixXd::Zero(places_.size(), dimension);
     for (int round = 0; round <= kCorrections; ++round) {
-      Eigen::MatrixXd correction = scaling_.asDiagonal() * RightHandSide(unknowns);
+      RightSides correction = scaling_.asDiagonal() * RightHandSide(unknowns);
       matrix_.Solve(correction);
       unknowns += scaling_.asDiagonal() * correction;
     }

@@ -75,7 +75,7 @@ struct Tridiagonal {
     const Eigen::Index m = rows.rows(), band = closed ? 2 : 1;
     const auto place = [&](Eigen::Index k) { return closed ? DealtPlace((k + m) % m, m) : k; };
     BandedLu matrix(m, std::min(band, m - 1), std::min(band, m - 1));
-    Eigen::MatrixXd unknowns(m, Dim);
+    RightSides unknowns(m, Dim);
     for (Eigen::Index k = 0; k < m; ++k) {
       for (Eigen::Index side = -1; side <= 1; ++side) {
         if (closed || (k + side >= 0 && k + side < m))

@@ -18,7 +18,9 @@
 #include "fitting/core/shared_constants.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/foot_points/curve_distances.h"
+#include "fitting/linear/coefficient_order.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten {
 using namespace internal;
@@ -132,7 +134,7 @@ class ThroughFit {
         pool_(options.threads),
         cloud_(cloud),
         fit_(std::move(free)),
-        curve_(Local(fit_.curve, options.shift - cloud.origin())),
+        curve_(Translated(fit_.curve, (options.shift - cloud.origin()).template head<Dim>())),
         conditions_(ConditionsAt<Dim>(
             curve_, places, cloud.origin(), MeetingParameters<Dim>(cloud, fit_, curve_))),
         at_parameters_(fit_.report.judged_at_parameters) {
@@ -160,11 +162,6 @@ class ThroughFit {
   }
 
  private:
-  static NurbsCurve<Dim> Local(const NurbsCurve<Dim>& curve, const Eigen::Vector3d& move) {
-    const Eigen::Matrix<double, Dim, 1> by = move.template head<Dim>();
-    return NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + by, curve.weights());
-  }
-
   void WarnOfFarPlaces(const std::vector<MetPlace>& places) {
     constexpr double kFar = 4;  // of the rms of the free fit
     const CurveFootPoints<Dim> feet(curve_);
@@ -255,7 +252,7 @@ class ThroughFit {
   }
 
   void Finish(EndCode search) {
-    fit_.curve = Local(curve_, cloud_.origin() - options_.shift);
+    fit_.curve = Translated(curve_, (cloud_.origin() - options_.shift).template head<Dim>());
     FitReport& report = fit_.report;
     report.parameter_error.reset();
     if (at_parameters_) {
@@ -269,7 +266,7 @@ class ThroughFit {
     report.error = Summarise(distances_, options_.tolerance, !fit_.outliers);
     report.error_all = Summarise(distances_, options_.tolerance);
     const SplineBasis& basis = curve_.basis();
-    report.geometry.control_points = {basis.size() - (basis.periodic() ? basis.degree() : 0)};
+    report.geometry.control_points = {DistinctCount(basis)};
     report.optimize = {};
     report.optimize.why = "a curve through given places has no joint stage";
     EndEvidence evidence;

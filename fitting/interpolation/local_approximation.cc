@@ -12,6 +12,7 @@
 #include "fitting/interpolation/piece_fit.h"
 #include "fitting/interpolation/smooth_tangents.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten {
 using namespace internal;
@@ -201,9 +202,7 @@ LocalApproximation<Dim> ApproximateLocally(const Points<Dim>& points,
   const Points<Dim> local = points.colwise() - middle;
   LocalApproximation<Dim> result =
       Run<Dim>(local, CornersOf<Dim>(points, tolerance, options), tolerance, options).Result();
-  result.curve = NurbsCurve<Dim>(result.curve.basis(),
-                                 result.curve.control_points().colwise() + middle,
-                                 result.curve.weights());
+  result.curve = Translated(result.curve, middle);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fitting/interpolation/tangent_pieces.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten {
 using namespace internal;
@@ -40,9 +41,7 @@ InterpolatedCurve<Dim> InterpolateLocally(const Eigen::Matrix<double, Dim, Eigen
   auto [curve, breaks] = Chained<Dim>(pieces, options.closed);
   Eigen::VectorXd parameters(m);
   for (Eigen::Index k = 0; k < m; ++k) parameters[k] = breaks[first[static_cast<size_t>(k)]];
-  return {
-      NurbsCurve<Dim>(curve.basis(), curve.control_points().colwise() + middle, curve.weights()),
-      std::move(parameters)};
+  return {Translated(curve, middle), std::move(parameters)};
 }
 
 template InterpolatedCurve<2> InterpolateLocally<2>(const Eigen::Matrix2Xd&,

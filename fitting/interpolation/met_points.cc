@@ -7,24 +7,14 @@
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/box_excursion.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/rounding.h"
 #include "fitting/foot_points/curve_distances.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
-
-InputSummary DescribeInput(const PointCloud& cloud, const OrderedPoints& ordered) {
-  InputSummary input;
-  input.points = input.used = cloud.size();
-  input.duplicates = ordered.repeats;
-  input.spacing = ordered.spacing;
-  input.noise = 0;  // there is none to a curve through every point
-  input.origin = cloud.origin();
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return input;
-}
 
 // Where the parameter is back at the first point.
 template <int Dim>
@@ -73,9 +63,7 @@ CurveFit<Dim> FitThroughPoints(const PointCloud& cloud,
                                const InterpolatedCurve<Dim>& local,
                                const MetPointsReport& how) {
   const Eigen::Matrix<double, Dim, 1> move = (cloud.origin() - how.shift).template head<Dim>();
-  CurveFit<Dim> fit{NurbsCurve<Dim>(local.curve.basis(),
-                                    local.curve.control_points().colwise() + move,
-                                    local.curve.weights()),
+  CurveFit<Dim> fit{Translated(local.curve, move),
                     Eigen::VectorXd(cloud.size()),
                     Eigen::VectorXd(cloud.size()),
                     PointMask::Constant(cloud.size(), false),
@@ -89,14 +77,15 @@ CurveFit<Dim> FitThroughPoints(const PointCloud& cloud,
   }
   if (!how.meets_all) {
     ThreadPool pool(0);
-    const NurbsCurve<Dim> measured(
-        fit.curve.basis(), fit.curve.control_points().colwise() - move, fit.curve.weights());
+    const NurbsCurve<Dim> measured = Translated(fit.curve, -move);
     PointDistances found = DistancesNear<Dim>(measured, cloud.points(), fit.parameters, pool);
     fit.parameters = found.parameters.row(0).transpose();
     fit.residuals = std::move(found.distances);
   }
   FitReport& report = fit.report;
-  report.input = DescribeInput(cloud, met.ordered);
+  // There is no noise to a curve through every point.
+  report.input = SummariseInput(cloud, met.ordered.repeats, met.ordered.spacing, 0);
+  report.input.used = cloud.size();
   report.error = report.error_all = Summarise(fit.residuals, how.tolerance);
   report.geometry.kind = "curve";
   report.geometry.base = how.base;

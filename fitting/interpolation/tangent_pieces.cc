@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "fitting/core/rounding.h"
 
@@ -37,8 +38,10 @@ double ShoulderWeight(const Vector<Dim>& a, const Vector<Dim>& corner, const Vec
   return part / (1 - part);
 }
 
-}  // namespace
-
+// The point where the tangents at both ends meet, ahead of the first and behind the second: the
+// corner of a conic arc's control triangle. None where they do not lie in a plane, meet on the
+// wrong side, or so that the arc would turn by more than 150° or shrink to a corner. Straight on:
+// the middle.
 template <int Dim>
 std::optional<Vector<Dim>> TangentCorner(const DirectedPoint<Dim>& start,
                                          const DirectedPoint<Dim>& end) {
@@ -63,6 +66,8 @@ std::optional<Vector<Dim>> TangentCorner(const DirectedPoint<Dim>& start,
   }
   return Vector<Dim>(start.place + first * length * start.direction);
 }
+
+}  // namespace
 
 template <int Dim>
 std::vector<ChainPiece<Dim>> ConicPieces(const DirectedPoint<Dim>& start,
@@ -107,10 +112,6 @@ ChainPiece<Dim> CubicPiece(const DirectedPoint<Dim>& start, const DirectedPoint<
   return piece;
 }
 
-template std::optional<Eigen::Vector2d> TangentCorner(const DirectedPoint<2>&,
-                                                      const DirectedPoint<2>&);
-template std::optional<Eigen::Vector3d> TangentCorner(const DirectedPoint<3>&,
-                                                      const DirectedPoint<3>&);
 template std::vector<ChainPiece<2>> ConicPieces(const DirectedPoint<2>&,
                                                 const DirectedPoint<2>&,
                                                 bool);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "fitting/interpolation/bezier_chain.h"
@@ -15,14 +14,6 @@ template <int Dim>
 struct DirectedPoint {
   Eigen::Matrix<double, Dim, 1> place, direction;
 };
-
-// The point where the tangents at both ends meet, ahead of the first and behind the second: the
-// corner of a conic arc's control triangle. None where they do not lie in a plane, meet on the
-// wrong side, or so that the arc would turn by more than 150° or shrink to a corner. Straight on:
-// the middle.
-template <int Dim>
-std::optional<Eigen::Matrix<double, Dim, 1>> TangentCorner(const DirectedPoint<Dim>& start,
-                                                           const DirectedPoint<Dim>& end);
 
 // One conic arc where the triangle exists; otherwise two, joined smoothly, that turn by half as
 // much or have an inflection between them, in space each in a plane of its own. Rational arcs

@@ -143,7 +143,7 @@ class EliminatedProblem {
   Eigen::MatrixXd CellForm(const Cell& cell) const;
   void Linearise();
   void Rows(const Cell& cell, double* residual, double* jacobian) const;
-  void AddPoints(const Cell& cell, Eigen::MatrixXd& form) const;
+  void AddPoints(const Cell& cell, bool in_all_directions, Eigen::MatrixXd& form) const;
   double PointsCost(const Cell& cell) const;
   Eigen::MatrixXd ProximalForm(const Cell& cell) const;
   size_t pairs_length() const;

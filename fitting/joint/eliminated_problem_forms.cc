@@ -7,6 +7,7 @@
 
 #include "fitting/joint/eliminated_problem.h"
 #include "fitting/least_squares/fairness.h"
+#include "geometry/numeric/gauss_rule.h"
 #include "geometry/nurbs/knot_derivatives.h"
 
 namespace batten::internal {
@@ -20,7 +21,7 @@ Eigen::MatrixXd CellFairness(
   const int p = bu.degree(), q = bv ? bv->degree() : 0, f = (p + 1) * (q + 1);
   const std::vector<EnergyTerm> terms = EnergyTerms(energy, p, q);
   const int order = terms.front().outer;
-  const Quadrature gu(p + 1), gv(q + 1);
+  const GaussRule gu = GaussLegendre(p + 1), gv = GaussLegendre(q + 1);
   const double a = bu.knots()[span_u], b = bu.knots()[span_u + 1];
   const double c = bv ? bv->knots()[span_v] : 0, d = bv ? bv->knots()[span_v + 1] : 1;
   Eigen::MatrixXd form = Eigen::MatrixXd::Zero(f, f);
@@ -28,10 +29,10 @@ Eigen::MatrixXd CellFairness(
   Nv[0] = 1;
   Eigen::VectorXd row(f);
   for (int i = 0; i <= p; ++i) {
-    bu.Derivatives(span_u, (a + b) / 2 + (b - a) / 2 * gu.nodes[i], order, Nu.data());
+    bu.Derivatives(span_u, a + (b - a) * gu.nodes[i], order, Nu.data());
     for (int j = 0; j <= q; ++j) {
-      if (bv) bv->Derivatives(span_v, (c + d) / 2 + (d - c) / 2 * gv.nodes[j], order, Nv.data());
-      const double weight = gu.weights[i] * (b - a) / 2 * (bv ? gv.weights[j] * (d - c) / 2 : 1.0);
+      if (bv) bv->Derivatives(span_v, c + (d - c) * gv.nodes[j], order, Nv.data());
+      const double weight = gu.weights[i] * (b - a) * (bv ? gv.weights[j] * (d - c) : 1.0);
       for (const EnergyTerm& term : terms) {
         for (int r = 0; r <= p; ++r) {
           for (int s = 0; s <= q; ++s) {
@@ -49,7 +50,6 @@ Eigen::MatrixXd CellFairness(
 
 // The factors of the rows of one point.
 struct EliminatedProblem::Workspace {
-  int span_u = 0, span_v = 0;
   Eigen::VectorXd R;       // rational functions
   Eigen::MatrixXd corner;  // the cell's control points
   Eigen::MatrixXd toward;  // control points less the point of the shape
@@ -130,9 +130,7 @@ void EliminatedProblem::FillRow(const Workspace& work,
 
 EliminatedProblem::Workspace EliminatedProblem::WorkspaceOf(const Cell& cell) const {
   const int dim = dimension(), f = functions_;
-  Workspace work{cell.span_u,
-                 cell.span_v,
-                 Eigen::VectorXd(f),
+  Workspace work{Eigen::VectorXd(f),
                  Eigen::MatrixXd(dim, f),
                  Eigen::MatrixXd(dim, f),
                  Eigen::MatrixXd::Zero(dim, local_knots())};
@@ -141,8 +139,10 @@ EliminatedProblem::Workspace EliminatedProblem::WorkspaceOf(const Cell& cell) co
   return work;
 }
 
-// [J r]ᵀ[J r] of the cell's points; the last entry is left alone.
-void EliminatedProblem::AddPoints(const Cell& cell, Eigen::MatrixXd& form) const {
+// [J r]ᵀ[J r] of the cell's points, in the directions that count or in all.
+void EliminatedProblem::AddPoints(const Cell& cell,
+                                  bool in_all_directions,
+                                  Eigen::MatrixXd& form) const {
   const int dim = dimension(), n = local_columns();
   Eigen::MatrixXd rows(n + 1, kBatch);
   int filled = 0;
@@ -158,7 +158,7 @@ void EliminatedProblem::AddPoints(const Cell& cell, Eigen::MatrixXd& form) const
     if (weight == 0) continue;
     Prepare(cell, k, work);
     const double root = std::sqrt(weight);
-    const int kept = foot_points_.directions[k];
+    const int kept = in_all_directions ? 0 : foot_points_.directions[k];
     for (int d = 0; d < (kept == 0 ? dim : kept); ++d) {
       if (kept == 0) {
         direction = Eigen::VectorXd::Unit(dim, d);
@@ -182,7 +182,7 @@ Eigen::MatrixXd EliminatedProblem::CellForm(const Cell& cell) const {
   if (only_points()) {
     AddSums(cell, form);
   } else {
-    AddPoints(cell, form);
+    AddPoints(cell, false, form);
   }
   double cost = PointsCost(cell);
   const Workspace work = WorkspaceOf(cell);
@@ -224,26 +224,10 @@ Eigen::MatrixXd EliminatedProblem::CellForm(const Cell& cell) const {
 // How far the shape at the accepted parameters moves with the local unknowns: the point-distance
 // form.
 Eigen::MatrixXd EliminatedProblem::ProximalForm(const Cell& cell) const {
-  const int dim = dimension(), n = local_columns();
-  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd rows(n, kBatch);
-  int filled = 0;
-  const auto flush = [&] {
-    if (filled > 0) form.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(filled));
-    filled = 0;
-  };
-  Workspace work = WorkspaceOf(cell);
-  for (Eigen::Index i = cell.begin; i < cell.end; ++i) {
-    const Eigen::Index k = order_[i];
-    Prepare(cell, k, work);
-    const double root = std::sqrt(Weight(k));
-    for (int d = 0; d < dim; ++d) {
-      FillRow(work, Eigen::VectorXd::Unit(dim, d), root, rows.col(filled).data());
-      if (++filled == kBatch) flush();
-    }
-  }
-  flush();
-  return form.selfadjointView<Eigen::Lower>();
+  const int n = local_columns();
+  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n + 1, n + 1);
+  AddPoints(cell, true, form);
+  return form.topLeftCorner(n, n).selfadjointView<Eigen::Lower>();
 }
 
 // Local unknowns less the accepted ones, control points one coordinate a row if they are alone.

@@ -52,16 +52,7 @@ ReparameterizeHarmonically::ReparameterizeHarmonically(const NurbsSurface& surfa
   for (const SurfaceJet& jet : jets) areas.push_back(jet.du.cross(jet.dv).norm());
   double mean = 0;
   for (const double area : areas) mean += area / static_cast<double>(areas.size());
-  if (!(mean > 0) || !std::isfinite(mean)) {  // no surface: the map that changes nothing
-    for (int d = 0; d < 2; ++d) {
-      image_[d].resize(kElements + 1, kElements + 1);
-      for (int k = 0; k < image_[d].size(); ++k) {
-        const int i = k / (kElements + 1), j = k % (kElements + 1);
-        image_[d](i, j) = lower_[d] + (d == 0 ? i : j) * cell[d];
-      }
-    }
-    return;
-  }
+  if (!(mean > 0) || !std::isfinite(mean)) return;  // no surface: the map that changes nothing
 
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < kElements; ++i) {
@@ -127,6 +118,7 @@ ReparameterizeHarmonically::ReparameterizeHarmonically(const NurbsSurface& surfa
 }
 
 Eigen::Matrix2Xd ReparameterizeHarmonically::operator()(const Eigen::Matrix2Xd& parameters) const {
+  if (image_[0].size() == 0) return parameters;
   Eigen::Matrix2Xd moved(2, parameters.cols());
   for (Eigen::Index k = 0; k < parameters.cols(); ++k) {
     int at[2];

@@ -28,7 +28,7 @@ class ReparameterizeHarmonically {
 
  private:
   double lower_[2], upper_[2], length_[2];
-  Eigen::MatrixXd image_[2];  // of the grid's places, row for u, column for v
+  Eigen::MatrixXd image_[2];  // of the grid's places, row for u, column for v; empty: unmoved
   double unevenness_ = 1;
 };
 

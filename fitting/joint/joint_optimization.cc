@@ -85,7 +85,7 @@ JointResult OptimizeScaled(const FittingProblem& problem,
     result.note = "a residual term cannot be evaluated at the start";
     return result;
   }
-  result.misfit_before = result.misfit_after = *misfit;
+  result.misfit_after = *misfit;
   if (IterationMonitor::AtNoise(cells, options)) {
     result.SayAtNoise();
     return result;
@@ -145,7 +145,6 @@ JointResult OptimizeJointly(const FittingProblem& problem,
   result.control_points *= unit;
   result.rms_before *= unit;
   result.rms_after *= unit;
-  result.misfit_before *= unit * unit;
   result.misfit_after *= unit * unit;
   for (RoundSummary& round : result.rounds) {
     round.rms *= unit;

@@ -17,8 +17,8 @@ struct JointResult {
   Eigen::MatrixXd control_points;  // d × n, v fastest
   Eigen::VectorXd weights;         // of geometric mean 1 where they were free
   int iterations = 0;              // refused steps included
-  double rms_before = 0, rms_after = 0;        // of the distances
-  double misfit_before = 0, misfit_after = 0;  // Σ w 2ρ(d) and the terms' squares
+  double rms_before = 0, rms_after = 0;  // of the distances
+  double misfit_after = 0;               // Σ w 2ρ(d) and the terms' squares
   bool cancelled = false;
   bool at_noise = false;  // the residuals are, and the note says so
   std::string note = {};  // why it ended, when that is worth a word

@@ -18,6 +18,7 @@
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/joint/smooth_parameters.h"
 #include "fitting/knots/knot_gaps.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -77,12 +78,8 @@ bool Over(const Run& run, const State& state) {
          (run.options.seconds > 0 && run.clock.Seconds() >= run.options.seconds);
 }
 
-double SizeOf(const Eigen::MatrixXd& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 bool IsExact(const OptimizeResult& result) {
-  return result.rms_after <= kExact * SizeOf(result.control_points);
+  return result.rms_after <= kExact * BoxDiagonal(result.control_points);
 }
 
 // Whether the shape is what a linear solution can find.
@@ -165,7 +162,7 @@ void Joint(const Run& run, const FreeVariables& free, int steps, double least_ga
   JointOptions joint = Settings(run, state, free);
   joint.max_iterations = steps;
   joint.least_gain = least_gain;
-  joint.size = SizeOf(from.control_points);
+  joint.size = BoxDiagonal(from.control_points);
   JointResult found =
       OptimizeJointly(from.problem, from.control_points, from.weights, joint, run.pool);
   state.at_noise = found.at_noise;
@@ -376,7 +373,8 @@ OptimizeResult CutToFeet(OptimizeResult cut) {
 // the net run along the shape, far out of the data. [Schwarz 1978]
 bool WeightsPay(const Run& run, const State& with, const State& without) {
   const OptimizeResult& cut = with.result;
-  if (SizeOf(cut.control_points) > kLargestNet * SizeOf(cut.problem.data().values)) return false;
+  if (BoxDiagonal(cut.control_points) > kLargestNet * BoxDiagonal(cut.problem.data().values))
+    return false;
   const auto points = static_cast<double>(cut.problem.size());
   const auto numbers = static_cast<double>(cut.weights.size());
   const auto squares = [&](const State& state) {

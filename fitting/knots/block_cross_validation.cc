@@ -6,6 +6,7 @@
 #include <map>
 
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/core/stopwatch.h"
 #include "fitting/knots/block_validation.h"
 #include "fitting/least_squares/fitting_bases.h"
@@ -21,7 +22,6 @@ constexpr double kCoarser = 0.83;      // cells in a direction, from one grid to
 constexpr double kStep = 0.9;          // cells in one direction alone, around the best
 constexpr double kClearly = 2;         // standard errors
 constexpr double kClearlyFewer = 0.8;  // control points
-constexpr double kSharedAtMost = 2.5;  // times the noise estimated from nearest neighbours
 constexpr double kNoiseAtMost = 4;     // times the squares that are left by the finer grid
 constexpr double kEverywhere = 0.25;   // share of the blocks that show noise
 constexpr int kGridsToGiveUp = 2;

@@ -152,7 +152,13 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
     equations.emplace_back(outer, &inner, points.back(), pool);
     trace += equations.back().trace();
   }
-  const FairnessForm fairness(outer, &inner);
+  TensorBand energy(outer.size(), inner.size(), outer.degree(), inner.degree());
+  if (smoothing_ > 0) {
+    const FairnessForm fairness(outer, &inner);
+    fairness.AddTo(energy, smoothing_ * trace / fairness.Trace());
+  }
+  const std::vector<int> outer_rows = CoefficientOrder(outer).Rows(outer),
+                         inner_rows = DistinctIndices(&inner);
   const NetTies ties = PoleTies(basis_u, basis_v, poles_, u_outside);
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(blocks_);
   for (size_t f = 0; f < folds_.size(); ++f) {
@@ -165,7 +171,7 @@ Eigen::VectorXd BlockValidation::Errors(const SplineBasis& basis_u,
       equations[other].AddTo(matrix);
       net += equations[other].rhs();
     }
-    if (smoothing_ > 0) fairness.AddTo(matrix, smoothing_ * trace / fairness.Trace());
+    energy.AddTo(matrix, outer_rows, inner_rows);
     matrix.AddToDiagonal(4 * std::numeric_limits<double>::epsilon() * trace / matrix.size());
     TiedSystem system(std::move(matrix), ties);
     if (!system.Factor(&pool)) {

@@ -172,10 +172,6 @@ std::pair<int, int> ClimbLadder(Search& search,
   }
 }
 
-}  // namespace
-
-namespace {
-
 // Along each direction alone, then both, with steps that shrink to one cell.
 std::pair<int, int> Descend(Search& search, std::pair<int, int> best, const Progress& progress) {
   for (bool moved = true; moved;) {

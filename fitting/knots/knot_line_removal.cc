@@ -11,6 +11,7 @@
 
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
+#include "fitting/linear/coefficient_order.h"
 
 namespace batten::internal {
 namespace {
@@ -27,11 +28,6 @@ struct Line {
   double knot;
   double worth;  // per control point
 };
-
-double TotalWeight(const FittingProblem& problem) {
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
-}
 
 // Σ w N Nᵀ over the points' parameters in one direction; of very many points, over some of them
 // for all: lines are only put in order by it.
@@ -55,23 +51,6 @@ Eigen::MatrixXd Gram(const SplineBasis& basis,
   return gram.selfadjointView<Eigen::Lower>();
 }
 
-// The jump of the p-th derivative at an inner knot of multiplicity one, as a form in the
-// coefficients.
-Eigen::VectorXd Jump(const SplineBasis& basis, double knot) {
-  const int p = basis.degree(), right = basis.Span(knot);
-  Eigen::VectorXd jump = Eigen::VectorXd::Zero(basis.size());
-  std::vector<double> values(static_cast<size_t>((p + 1) * (p + 1)));
-  for (const auto& [span, sign] : {std::pair{right, 1.0}, {right - 1, -1.0}}) {
-    const double low = basis.knots()[static_cast<size_t>(span)],
-                 high = basis.knots()[static_cast<size_t>(span) + 1];
-    basis.Derivatives(span, low + (high - low) / 2, p, values.data());
-    for (int r = 0; r <= p; ++r) {
-      jump[span - p + r] += sign * values[static_cast<size_t>(p * (p + 1) + r)];
-    }
-  }
-  return jump.stableNormalized();
-}
-
 // Nets of coefficients: a component in a matrix of n_along × n_across.
 void CollectLines(bool in_u,
                   const SplineBasis& basis,
@@ -83,11 +62,12 @@ void CollectLines(bool in_u,
   if (basis.periodic()) return;
   const Eigen::LLT<Eigen::MatrixXd> factor(along);
   const std::vector<double>& knots = basis.knots();
+  const std::vector<int> rows = DistinctIndices(&basis);
   for (int i = basis.degree() + 1; i < basis.size(); ++i) {
     const double knot = knots[static_cast<size_t>(i)];
     if (basis.Multiplicity(knot) != 1) continue;
     // |aᵀC|² / aᵀA⁻¹a with A the product of the two directions' matrices.
-    const Eigen::VectorXd jump = Jump(basis, knot);
+    const Eigen::VectorXd jump = TopDerivativeJump(basis, rows, knot);
     const double spread = jump.dot(factor.solve(jump));
     double squares = 0;
     for (const Eigen::MatrixXd& net : nets) {
@@ -111,7 +91,7 @@ std::vector<Line> LinesByWorth(const FittingProblem& problem, const Eigen::Matri
     nets.push_back(turned.back().transpose());
   }
   std::vector<Line> lines;
-  const double weight = TotalWeight(problem);
+  const double weight = WeightOf(problem);
   CollectLines(true, basis_u, nets, gram_u, gram_v, weight, lines);
   CollectLines(false, basis_v, turned, gram_v, gram_u, weight, lines);
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
@@ -213,6 +193,25 @@ ScoredProblem Scored(const FittingProblem& problem, ThreadPool& pool) {
 }
 
 }  // namespace
+
+Eigen::VectorXd TopDerivativeJump(const SplineBasis& basis,
+                                  const std::vector<int>& rows,
+                                  double knot) {
+  const int p = basis.degree(), right = basis.Span(knot),
+            left = knot <= basis.lower() ? basis.Span(basis.upper()) : right - 1;
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(DistinctCount(basis));
+  std::vector<double> values(static_cast<size_t>((p + 1) * (p + 1)));
+  for (const auto& [span, sign] : {std::pair{right, 1.0}, {left, -1.0}}) {
+    const double low = basis.knots()[static_cast<size_t>(span)],
+                 high = basis.knots()[static_cast<size_t>(span) + 1];
+    basis.Derivatives(span, low + (high - low) / 2, p, values.data());
+    for (int r = 0; r <= p; ++r) {
+      jump[rows[static_cast<size_t>(span - p + r)]] +=
+          sign * values[static_cast<size_t>(p * (p + 1) + r)];
+    }
+  }
+  return jump.stableNormalized();
+}
 
 FittingProblem RemoveKnotLines(const FittingProblem& problem,
                                const AcceptRemoval& accept_removal,

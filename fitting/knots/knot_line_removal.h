@@ -4,11 +4,18 @@
 
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
 
 namespace batten::internal {
+
+// The jump of the p-th derivative at an inner knot, or a periodic seam, of multiplicity one, as a
+// form of length one in the distinct coefficients; `rows` are those of the basis' coefficients.
+Eigen::VectorXd TopDerivativeJump(const SplineBasis& basis,
+                                  const std::vector<int>& rows,
+                                  double knot);
 
 // Decides whether the surface with fewer knot lines may replace the one before it: problem and
 // solution are those with fewer lines.

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "fitting/core/rounding.h"
+#include "fitting/least_squares/fitting_bases.h"
 
 namespace batten::internal {
 namespace {
@@ -26,27 +27,34 @@ std::vector<size_t> Cheapest(const std::vector<double>& costs, size_t count) {
   return order;
 }
 
-KnotGaps WithKnot(const KnotGaps& gaps, double knot) {
-  std::vector<double> interior = InteriorKnots(gaps.basis());
-  interior.insert(std::upper_bound(interior.begin(), interior.end(), knot), knot);
-  return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+// The knots inside the open domain, with repetition.
+std::vector<double> InteriorKnots(const SplineBasis& basis) {
+  std::vector<double> interior;
+  for (const double t : basis.knots()) {
+    if (t > basis.lower() && t < basis.upper()) interior.push_back(t);
+  }
+  return interior;
+}
+
+// Others in their place.
+KnotGaps WithInteriorKnots(const KnotGaps& gaps, const std::vector<double>& interior) {
+  const SplineBasis& basis = gaps.basis();
+  return KnotGaps(WithInnerKnots(WithoutInnerKnots(basis, InteriorKnots(basis)), interior));
 }
 
 KnotGaps WithoutKnot(const KnotGaps& gaps, size_t index) {
   std::vector<double> interior = InteriorKnots(gaps.basis());
   interior.erase(interior.begin() + static_cast<std::ptrdiff_t>(index));
-  return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+  return WithInteriorKnots(gaps, interior);
 }
-
-size_t CountInterior(const KnotGaps& gaps) { return InteriorKnots(gaps.basis()).size(); }
 
 // The number of knots still to be inserted.
-size_t MissingIn(const MovingKnots& knots, const MovingKnots& wanted, bool u) {
-  if (u) return wanted.move_u ? CountInterior(wanted.u) - CountInterior(knots.u) : 0;
-  return wanted.v && wanted.move_v ? CountInterior(*wanted.v) - CountInterior(*knots.v) : 0;
+int MissingIn(const MovingKnots& knots, const MovingKnots& wanted, bool u) {
+  if (u) return wanted.move_u ? wanted.u.basis().size() - knots.u.basis().size() : 0;
+  return wanted.v && wanted.move_v ? wanted.v->basis().size() - knots.v->basis().size() : 0;
 }
 
-size_t Missing(const MovingKnots& knots, const MovingKnots& wanted) {
+int Missing(const MovingKnots& knots, const MovingKnots& wanted) {
   return MissingIn(knots, wanted, true) + MissingIn(knots, wanted, false);
 }
 
@@ -66,7 +74,7 @@ KnotGaps RandomKnots(const KnotGaps& gaps, std::mt19937_64& generator) {
       apart = apart && t > last && t < gaps.basis().upper();
       last = t;
     }
-    if (apart) return KnotGaps(WithInteriorKnots(gaps.basis(), interior));
+    if (apart) return WithInteriorKnots(gaps, interior);
   }
 }
 
@@ -132,7 +140,7 @@ void AddTrials(const Measures& on,
         if (!(t - spans[s].lower > room) || !(spans[s].upper - t > room)) continue;
         trials.push_back({state, u, static_cast<int>(s), t, knots});
         KnotGaps& gaps = u ? trials.back().knots.u : *trials.back().knots.v;
-        gaps = WithKnot(gaps, t);
+        gaps = KnotGaps(WithInnerKnots(gaps.basis(), {t}));
       }
     }
   };
@@ -182,26 +190,6 @@ std::vector<MovingKnots> DifferentKnots(const std::vector<Descent>& sorted, int 
   return chosen;
 }
 
-std::vector<double> InteriorKnots(const SplineBasis& basis) {
-  std::vector<double> interior;
-  for (const double t : basis.knots()) {
-    if (t > basis.lower() && t < basis.upper()) interior.push_back(t);
-  }
-  return interior;
-}
-
-SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double>& interior) {
-  std::vector<double> knots;
-  for (const double t : basis.knots()) {
-    if (t <= basis.lower()) knots.push_back(t);
-  }
-  knots.insert(knots.end(), interior.begin(), interior.end());
-  for (const double t : basis.knots()) {
-    if (t >= basis.upper()) knots.push_back(t);
-  }
-  return SplineBasis(basis.degree(), std::move(knots));
-}
-
 KnotSearch::KnotSearch(const VariableProjection& projection,
                        const DescentOptions& descent,
                        bool parallel_starts,
@@ -226,8 +214,8 @@ std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int
   constexpr size_t kLevels = 16;
   const Measures on{projection_, parallel_starts_, pool_};
   MovingKnots none = wanted;
-  if (wanted.move_u) none.u = KnotGaps(WithInteriorKnots(wanted.u.basis(), {}));
-  if (wanted.v && wanted.move_v) none.v = KnotGaps(WithInteriorKnots(wanted.v->basis(), {}));
+  if (wanted.move_u) none.u = WithInteriorKnots(wanted.u, {});
+  if (wanted.v && wanted.move_v) none.v = WithInteriorKnots(*wanted.v, {});
   const size_t a_level = std::max<size_t>(1, Missing(none, wanted) / kLevels);
   std::vector<MovingKnots> states{none};
   for (;;) {
@@ -256,7 +244,7 @@ std::vector<Descent> KnotSearch::Insert(const MovingKnots& wanted, int kept, int
             std::find(used.begin(), used.end(), std::pair(next.in_u, next.span)) != used.end())
           continue;
         KnotGaps& gaps = next.in_u ? chosen.back().u : *chosen.back().v;
-        gaps = WithKnot(gaps, next.knot);
+        gaps = KnotGaps(WithInnerKnots(gaps.basis(), {next.knot}));
         used.emplace_back(next.in_u, next.span);
       }
     }

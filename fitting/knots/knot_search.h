@@ -11,13 +11,6 @@
 
 namespace batten::internal {
 
-// Returns the basis with its interior knots replaced by others (increasing, inside the domain);
-// those at the ends of the domain and outside stay.
-SplineBasis WithInteriorKnots(const SplineBasis& basis, const std::vector<double>& interior);
-
-// The knots inside the open domain, with repetition.
-std::vector<double> InteriorKnots(const SplineBasis& basis);
-
 // Best first, equal ones in the order in which they came; without those that failed.
 std::vector<Descent> SortedDescents(std::vector<Descent> descents);
 

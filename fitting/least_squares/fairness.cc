@@ -6,8 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "fitting/linear/coefficient_order.h"
-#include "geometry/numeric/dense_solvers.h"
+#include "geometry/numeric/gauss_rule.h"
 
 namespace batten::internal {
 namespace {
@@ -20,28 +19,17 @@ double BandEntry(const Eigen::MatrixXd& band, int i, int j) {
 
 }  // namespace
 
-Quadrature::Quadrature(int count) {
-  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(count, count);
-  for (int k = 1; k < count; ++k) {
-    jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
-  }
-  const SymmetricEigen eigen = EigenOf(jacobi);
-  nodes = eigen.values;
-  weights = 2 * eigen.vectors.row(0).array().square().transpose();
-}
-
 Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
   const int p = basis.degree();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(basis.size(), p + 1);
-  const Quadrature quadrature(p + 1);
+  const GaussRule rule = GaussLegendre(p + 1);
   std::vector<double> values((order + 1) * (p + 1));
   for (const int span : basis.Spans()) {
     const double a = basis.knots()[span], b = basis.knots()[span + 1];
     for (int g = 0; g <= p; ++g) {
-      basis.Derivatives(
-          span, (a + b) / 2 + (b - a) / 2 * quadrature.nodes[g], order, values.data());
+      basis.Derivatives(span, a + (b - a) * rule.nodes[g], order, values.data());
       const double* N = values.data() + order * (p + 1);
-      const double weight = quadrature.weights[g] * (b - a) / 2;
+      const double weight = rule.weights[g] * (b - a);
       for (int r = 0; r <= p; ++r) {
         for (int s = r; s <= p; ++s) gram(span - p + r, s - r) += weight * N[r] * N[s];
       }
@@ -52,39 +40,11 @@ Eigen::MatrixXd DerivativeGram(const SplineBasis& basis, int order) {
 
 FairnessForm::FairnessForm(const SplineBasis& outer,
                            const SplineBasis* inner,
-                           FairnessEnergy energy)
-    : outer_rows_(CoefficientOrder(outer).Rows(outer)), inner_rows_(DistinctIndices(inner)) {
+                           FairnessEnergy energy) {
   for (const EnergyTerm& term : EnergyTerms(energy, outer.degree(), inner ? inner->degree() : 0)) {
     terms_.push_back({term.factor,
                       DerivativeGram(outer, term.outer),
                       inner ? DerivativeGram(*inner, term.inner) : Eigen::MatrixXd::Ones(1, 1)});
-  }
-}
-
-void FairnessForm::AddTo(BlockBandedMatrix& matrix, double weight) const {
-  const auto outer_size = static_cast<int>(outer_rows_.size()),
-             inner_size = static_cast<int>(inner_rows_.size());
-  for (const Term& term : terms_) {
-    const int reach = static_cast<int>(term.inner.cols()) - 1;
-    for (int k = 0; k < outer_size; ++k) {
-      for (int below = 0; below < term.outer.cols() && below <= k; ++below) {
-        const int row = outer_rows_[static_cast<size_t>(k)],
-                  row2 = outer_rows_[static_cast<size_t>(k - below)];
-        // Two functions of one coefficient meet on the diagonal, from either side.
-        const double times = row == row2 && below > 0 ? 2 : 1;
-        const double c = times * weight * term.factor * term.outer(k - below, below);
-        auto block = matrix.at(std::max(row, row2), std::abs(row2 - row));
-        for (int j = 0; j < inner_size; ++j) {
-          const int column = inner_rows_[static_cast<size_t>(j)];
-          block(column, column) += c * term.inner(j, 0);
-          for (int a = 1; a <= reach && j + a < inner_size; ++a) {
-            const int column2 = inner_rows_[static_cast<size_t>(j + a)];
-            block(column2, column) += c * term.inner(j, a);
-            block(column, column2) += c * term.inner(j, a);
-          }
-        }
-      }
-    }
   }
 }
 

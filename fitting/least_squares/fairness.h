@@ -7,17 +7,13 @@
 
 #include "batten/fitting/fairness_energy.h"
 #include "batten/geometry/spline_basis.h"
-#include "fitting/linear/block_banded_matrix.h"
 #include "fitting/linear/tensor_band.h"
 
 namespace batten::internal {
 
-// Gauss–Legendre nodes and weights on [-1, 1], exact for polynomials of degree 2·count − 1.
-// [Golub & Welsch 1969]
-struct Quadrature {
-  explicit Quadrature(int count);
-  Eigen::VectorXd nodes, weights;
-};
+// Smoothing from which on the fairness energy determines what it can; coefficients still
+// undetermined are in its null space.
+inline constexpr double kFirmSmoothing = 1e-7;
 
 // The banded Gram matrix of k-th derivatives: row i, column a holds ∫ N_i^(k) N_{i+a}^(k) over the
 // domain, a = 0 … p. Gauss–Legendre quadrature with p+1 nodes a span, which is exact.
@@ -32,10 +28,7 @@ class FairnessForm {
                const SplineBasis* inner,
                FairnessEnergy energy = FairnessEnergy::kThinPlate);
 
-  // Adds weight times the form to a matrix of EmptyMatrix' sizes and order of rows.
-  void AddTo(BlockBandedMatrix& matrix, double weight) const;
-
-  // The same for open bases, coefficient by coefficient.
+  // Adds weight times the form, coefficient by coefficient, repeated ones apart.
   void AddTo(TensorBand& band, double weight) const;
 
   double Trace() const;
@@ -49,7 +42,6 @@ class FairnessForm {
     Eigen::MatrixXd outer, inner;
   };
   std::vector<Term> terms_;
-  std::vector<int> outer_rows_, inner_rows_;  // in the matrix
 };
 
 }  // namespace batten::internal

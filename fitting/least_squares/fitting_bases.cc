@@ -43,6 +43,12 @@ SplineBasis FittingBasisLike(const SplineBasis& like, int degree, int cells) {
 
 int LeastCells(const SplineBasis& like, int degree) { return like.periodic() ? degree + 1 : 1; }
 
+FittingProblem OverCells(const FittingProblem& problem, int cells_u, int cells_v) {
+  const SplineBasis &u = problem.basis_u(), &v = problem.basis_v();
+  return problem.WithBases(FittingBasisLike(u, u.degree(), cells_u),
+                           FittingBasisLike(v, v.degree(), cells_v));
+}
+
 int FreedomOfCells(const SplineBasis& like, int degree, int cells) {
   return like.periodic() ? std::max(cells, degree + 1) : cells + degree;
 }
@@ -61,6 +67,20 @@ SplineBasis WithoutInnerKnots(const SplineBasis& basis, const std::vector<double
   std::erase_if(
       knots, [&](double knot) { return std::find(gone.begin(), gone.end(), knot) != gone.end(); });
   return OfKnots(basis, std::move(knots));
+}
+
+double WeightOf(const FittingProblem& problem) {
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
+}
+
+double SquaresOf(const FittingProblem& problem,
+                 const Eigen::MatrixXd& coefficients,
+                 ThreadPool& pool) {
+  const Eigen::VectorXd squares =
+      (EvaluateAt(problem, coefficients, pool) - problem.data().values).colwise().squaredNorm();
+  const Eigen::VectorXd& weights = problem.data().weights;
+  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
 }
 
 double PointCount(const FittingProblem& problem) {

@@ -6,6 +6,7 @@
 
 #include "batten/fitting/fitting_problem.h"
 #include "batten/geometry/spline_basis.h"
+#include "batten/geometry/thread_pool.h"
 
 namespace batten::internal {
 
@@ -21,6 +22,9 @@ SplineBasis FittingBasisLike(const SplineBasis& like, int degree, int cells);
 // 1.
 int LeastCells(const SplineBasis& like, int degree);
 
+// The problem over so many cells of its domain (FittingBasisLike), its degrees kept.
+FittingProblem OverCells(const FittingProblem& problem, int cells_u, int cells_v);
+
 // The number of distinct coefficients of a basis like this one over so many cells.
 int FreedomOfCells(const SplineBasis& like, int degree, int cells);
 
@@ -29,7 +33,16 @@ int FreedomOfCells(const SplineBasis& like, int degree, int cells);
 SplineBasis WithInnerKnots(const SplineBasis& basis, const std::vector<double>& more);
 SplineBasis WithoutInnerKnots(const SplineBasis& basis, const std::vector<double>& gone);
 
-// The number of points whose weight is not zero.
+// The weight of a point, of all, and the number of points whose weight is not zero.
+inline double WeightOf(const FittingData& data, Eigen::Index k) {
+  return data.weights.size() > 0 ? data.weights[k] : 1;
+}
+double WeightOf(const FittingProblem& problem);
 double PointCount(const FittingProblem& problem);
+
+// Σ w |S(u, v) − z|²
+double SquaresOf(const FittingProblem& problem,
+                 const Eigen::MatrixXd& coefficients,
+                 ThreadPool& pool);
 
 }  // namespace batten::internal

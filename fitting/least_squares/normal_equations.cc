@@ -148,10 +148,10 @@ CellOrder::CellOrder(const SplineBasis& outer_basis,
   const std::vector<int> outer_spans = outer_basis.Spans(),
                          inner_spans = inner_basis ? inner_basis->Spans() : std::vector<int>{0};
   const int columns = static_cast<int>(inner_spans.size());
-  cell_count_ = static_cast<int>(outer_spans.size()) * columns;
+  const int cell_count = static_cast<int>(outer_spans.size()) * columns;
   const Eigen::Index m = outer.size();
   std::vector<int> cell_of(static_cast<size_t>(m));
-  std::vector<int> counts(static_cast<size_t>(cell_count_) + 1, 0);
+  std::vector<int> counts(static_cast<size_t>(cell_count) + 1, 0);
   FindCells(outer_axis.table(),
             Table(inner_axis),
             {m, outer.data(), inner.data(), 1, nullptr, 0, nullptr},
@@ -159,9 +159,9 @@ CellOrder::CellOrder(const SplineBasis& outer_basis,
             m,
             cell_of.data(),
             counts.data());
-  std::vector<Eigen::Index> next(static_cast<size_t>(cell_count_));
+  std::vector<Eigen::Index> next(static_cast<size_t>(cell_count));
   Eigen::Index begin = 0;
-  for (int c = 0; c < cell_count_; ++c) {
+  for (int c = 0; c < cell_count; ++c) {
     const int count = counts[static_cast<size_t>(c)];
     next[static_cast<size_t>(c)] = begin;
     if (count > 0) {
@@ -259,29 +259,7 @@ NormalEquations::NormalEquations(const SplineBasis& outer_basis,
 }
 
 void NormalEquations::AddTo(BlockBandedMatrix& matrix) const {
-  const int p = band_.outer_reach(), q = band_.inner_reach();
-  const auto outer_size = static_cast<int>(outer_rows_.size()),
-             inner_size = static_cast<int>(inner_rows_.size());
-  for (int i = 0; i < outer_size; ++i) {
-    for (int a = 0; a <= p && i + a < outer_size; ++a) {
-      const double* band = band_.row(i, a);
-      // Two functions of one coefficient meet on the diagonal, from either side.
-      const int row = outer_rows_[static_cast<size_t>(i)],
-                row2 = outer_rows_[static_cast<size_t>(i + a)];
-      const double times = row == row2 && a > 0 ? 2 : 1;
-      auto block = matrix.at(std::max(row, row2), std::abs(row2 - row));
-      for (int j = 0; j < inner_size; ++j) {
-        const double* pair = band + j * (q + 1);
-        const int column = inner_rows_[static_cast<size_t>(j)];
-        block(column, column) += times * pair[0];
-        for (int b = 1; b <= q && j + b < inner_size; ++b) {
-          const int column2 = inner_rows_[static_cast<size_t>(j + b)];
-          block(column2, column) += times * pair[b];
-          block(column, column2) += times * pair[b];
-        }
-      }
-    }
-  }
+  band_.AddTo(matrix, outer_rows_, inner_rows_);
 }
 
 PointRows RowsOf(const Eigen::VectorXd& outer,

@@ -31,13 +31,11 @@ class CellOrder {
   const std::vector<Cell>& cells() const { return cells_; }  // those that hold points
   const std::vector<Eigen::Index>& points() const {
     return points_;
-  }                                               // sorted by cell, then by index
-  int cell_count() const { return cell_count_; }  // empty ones included
+  }  // sorted by cell, then by index
 
  private:
   std::vector<Cell> cells_;
   std::vector<Eigen::Index> points_;
-  int cell_count_;
 };
 
 // A = Σ w b bᵀ and the right-hand side Σ w b zᵀ over the points, b the tensor-product basis

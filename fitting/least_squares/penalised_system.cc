@@ -16,10 +16,6 @@ namespace {
 // Singularity threshold: a coefficient that only the jitter determines has a pivot hardly above it.
 constexpr double kSingularInJitters = 16;
 
-// Smoothing from which on the fairness energy determines what it can; coefficients still
-// undetermined are in its null space.
-constexpr double kFirmSmoothing = 1e-7;
-
 constexpr double kLeastSmoothing = 1e-12;
 
 const SplineBasis* Pointer(const std::optional<SplineBasis>& basis) {
@@ -71,8 +67,9 @@ PenalisedSystem::PenalisedSystem(const SplineBasis& basis_u,
 
 BlockBandedMatrix PenalisedSystem::Matrix(double smoothing, double jitters) const {
   BlockBandedMatrix matrix = EmptyMatrix(outer_, Pointer(inner_));
-  equations_.AddTo(matrix);
-  if (smoothing > 0) fairness_.AddTo(matrix, smoothing * unit_);
+  TensorBand band = equations_.band();
+  if (smoothing > 0) fairness_.AddTo(band, smoothing * unit_);
+  band.AddTo(matrix, outer_rows_, inner_rows_);
   if (jitters > 0) matrix.AddToDiagonal(jitters * jitter_);
   return matrix;
 }
@@ -88,12 +85,8 @@ PenalisedSystem::Solution PenalisedSystem::Solve(double smoothing, ThreadPool* p
         Solution solution{
             std::move(matrix), std::move(rows), Lambda(smoothing), smoothing != asked};
         // zᵀz − 2cᵀb + cᵀAc with (A + λP)c = b, so cᵀAc = cᵀb − λ cᵀPc.
-        solution.residual_squares = squares();
-        const Eigen::MatrixXd coefficients = InOuterOrder(solution.rows);
-        for (Eigen::Index d = 0; d < rhs().cols(); ++d) {
-          solution.residual_squares -= solution.rows.col(d).dot(rhs().col(d)) +
-                                       solution.lambda * fairness_.Energy(coefficients.col(d));
-        }
+        solution.residual_squares = squares() - solution.rows.cwiseProduct(rhs()).sum() -
+                                    solution.lambda * Roughness(solution.rows);
         return solution;
       }
     }

@@ -64,7 +64,6 @@ class PenalisedSystem {
   double Lambda(double smoothing) const { return smoothing * unit_; }
   double squares() const { return equations_.squares(); }  // Σ w |z|²
   const Eigen::MatrixXd& rhs() const { return equations_.rhs(); }
-  bool u_outside() const { return u_outside_; }
   int unknowns() const { return static_cast<int>(equations_.rhs().rows()); }
 
   // The energy Σ cᵀPc over the columns c.

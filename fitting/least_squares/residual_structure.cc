@@ -9,6 +9,7 @@
 #include "batten/fitting/point_mask.h"
 #include "fitting/cloud/double_layer_test.h"
 #include "fitting/neighbours/local_quadric.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -17,12 +18,6 @@ constexpr Eigen::Index kPlaces = 400;
 constexpr Eigen::Index kMostForLayers = 100000;
 constexpr Eigen::Index kFewest = 24, kMost = 240;  // points around a place
 
-Eigen::Matrix3Xd InPlane(const Eigen::Matrix2Xd& parameters) {
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, parameters.cols());
-  plan.topRows<2>() = parameters;
-  return plan;
-}
-
 }  // namespace
 
 double StructuredShare(const SurfaceResiduals& given, int control_points, ThreadPool& pool) {
@@ -30,7 +25,7 @@ double StructuredShare(const SurfaceResiduals& given, int control_points, Thread
   if (m < 2 * kFewest) return 1;
   const auto around =
       static_cast<int>(std::clamp(m / (2 * std::max(control_points, 1)), kFewest, kMost));
-  const Eigen::Matrix3Xd plan = InPlane(given.parameters);
+  const Eigen::Matrix3Xd plan = PointsInSpace(given.parameters);
   const NeighbourIndex index(plan, pool);
   const std::vector<Eigen::Index> places = SampleIndices(m, kPlaces, given.seed);
   std::vector<double> left(places.size()), all(places.size());
@@ -59,11 +54,10 @@ double DoubleLayerFractionOf(const SurfaceResiduals& given, ThreadPool& pool) {
   // Two sheets show in a sample of very many points.
   const std::vector<Eigen::Index> some =
       SampleIndices(given.residuals.size(), kMostForLayers, given.seed);
-  Eigen::Matrix3Xd raised = InPlane(given.parameters(Eigen::all, some));
+  Eigen::Matrix3Xd raised = PointsInSpace(given.parameters(Eigen::all, some));
   const NeighbourIndex index(raised, pool);
   raised.row(2) = given.residuals(some).transpose();
-  return DoubleLayerFraction(
-      raised, index, {.seed = given.seed, .heights = Eigen::Vector3d(0, 0, 1)}, pool);
+  return DoubleLayerFraction(raised, index, given.seed, pool);
 }
 
 }  // namespace batten::internal

@@ -2,6 +2,7 @@
 #include "batten/fitting/solve_linear.h"
 
 #include "fitting/core/rounding.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "fitting/least_squares/penalised_system.h"
 
 namespace batten {
@@ -16,12 +17,7 @@ LinearSolution SolveLinear(const FittingProblem& problem, ThreadPool& pool) {
   result.residual_squares = solution.residual_squares;
   // Below this share of the sum of squares, cancellation leaves no digits.
   if (result.residual_squares < kRelativelyEqual * system.squares()) {
-    const Eigen::VectorXd errors =
-        (EvaluateAt(problem, result.coefficients, pool) - problem.data().values)
-            .colwise()
-            .squaredNorm();
-    const Eigen::VectorXd& weights = problem.data().weights;
-    result.residual_squares = weights.size() > 0 ? weights.dot(errors) : errors.sum();
+    result.residual_squares = SquaresOf(problem, result.coefficients, pool);
   }
   return result;
 }

@@ -50,17 +50,6 @@ struct Tile {
     }
   }
 
-  // Adds Σ_k a_k b_kᵀ, both packed.
-  BATTEN_INLINE void Add(const double* a, const double* b, std::ptrdiff_t depth) {
-    for (std::ptrdiff_t k = 0; k < depth; ++k, a += kRows, b += kRows) {
-      V left[M];
-      for (int m = 0; m < M; ++m) left[m] = Load(a + m * L);
-      for (int n = 0; n < N; ++n) {
-        for (int m = 0; m < M; ++m) x[n][m] += left[m] * b[n];
-      }
-    }
-  }
-
   // Multiplies from the right by the inverse of a triangle's transpose, whose rows are packed.
   BATTEN_INLINE void Divide(const double* triangle, const double* inverses) {
     for (int n = 0; n < N; ++n) {
@@ -304,9 +293,9 @@ struct Kernels {
 
   static constexpr int kTogether = 4;  // columns
 
-  static BATTEN_INLINE void Forward(const BandColumns& band, double* x, int first) {
+  static BATTEN_INLINE void Forward(const BandColumns& band, double* x) {
     constexpr int kLanes = kBandLanes;
-    for (int j = first / kTogether * kTogether; j < band.size; j += kTogether) {
+    for (int j = 0; j < band.size; j += kTogether) {
       const int columns = std::min(kTogether, band.size - j);
       const double* l[kTogether];
       Row y[kTogether];
@@ -386,7 +375,7 @@ BATTEN_INLINE bool Run(BandWork work, const BandColumns& band, const BandStep& s
     case BandWork::kNarrow:
       return Set::Narrow(band);
     case BandWork::kForward:
-      Set::Forward(band, step.packed, row);
+      Set::Forward(band, step.packed);
       break;
     case BandWork::kBackward:
       Set::Backward(band, step.packed);

@@ -63,8 +63,7 @@ enum class BandWork {
   kBelow,     // one panel of rows below, from row `row` on
   kTrailing,  // that panel's rows in the columns from `end` on, less the product of the panels
   kNarrow,    // the whole matrix, column by column: for narrow bands
-  kForward,   // L y = b in place for kBandLanes right-hand sides, row by row, in `packed`, all
-              // zero before the row `row`
+  kForward,   // L y = b in place for kBandLanes right-hand sides, row by row, in `packed`
   kBackward   // Lᵀ x = y in place, the same way
 };
 

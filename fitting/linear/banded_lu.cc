@@ -39,21 +39,19 @@ Eigen::Index BandedLu::Factor(double least) {
   return size_;
 }
 
-void BandedLu::Solve(Eigen::MatrixXd& rhs) const {
-  for (Eigen::Index d = 0; d < rhs.cols(); ++d) {
-    double* x = rhs.col(d).data();
-    for (Eigen::Index j = 0; j < size_; ++j) {
-      std::swap(x[j], x[pivots_[static_cast<size_t>(j)]]);
-      const double* factors = Data(j, j);
-      const Eigen::Index count = std::min(size_ - 1 - j, below_);
-      for (Eigen::Index i = 1; i <= count; ++i) x[j + i] -= factors[i] * x[j];
-    }
-    for (Eigen::Index j = size_ - 1; j >= 0; --j) {
-      const double* column = Data(j, j);
-      x[j] /= column[0];
-      const Eigen::Index count = std::min(j, below_ + above_);
-      for (Eigen::Index i = 1; i <= count; ++i) x[j - i] -= column[-i] * x[j];
-    }
+void BandedLu::Solve(RightSides& rhs) const {
+  for (Eigen::Index j = 0; j < size_; ++j) {
+    const Eigen::Index pivot = pivots_[static_cast<size_t>(j)];
+    if (pivot != j) rhs.row(j).swap(rhs.row(pivot));
+    const double* factors = Data(j, j);
+    const Eigen::Index count = std::min(size_ - 1 - j, below_);
+    for (Eigen::Index i = 1; i <= count; ++i) rhs.row(j + i) -= factors[i] * rhs.row(j);
+  }
+  for (Eigen::Index j = size_ - 1; j >= 0; --j) {
+    const double* column = Data(j, j);
+    rhs.row(j) /= column[0];
+    const Eigen::Index count = std::min(j, below_ + above_);
+    for (Eigen::Index i = 1; i <= count; ++i) rhs.row(j - i) -= column[-i] * rhs.row(j);
   }
 }
 

@@ -7,6 +7,9 @@
 
 namespace batten::internal {
 
+// Right-hand sides beside each other: what is told of one unknown is contiguous.
+using RightSides = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 // A square matrix that is zero more than `below` places below and `above` places above its
 // diagonal, and its factors with row interchanges.
 class BandedLu {
@@ -24,7 +27,7 @@ class BandedLu {
   [[nodiscard]] Eigen::Index Factor(double least);
 
   // After Factor(): solves A·x = rhs in place, for every column.
-  void Solve(Eigen::MatrixXd& rhs) const;
+  void Solve(RightSides& rhs) const;
 
  private:
   // Storage is column by column, with room for the fill-in of the interchanges on top.

@@ -77,6 +77,20 @@ void BlockBandedMatrix::AddToDiagonal(double value) {
   for (int k = 0; k < blocks_; ++k) at(k, 0).diagonal().array() += value;
 }
 
+void BlockBandedMatrix::Pin(const std::vector<Eigen::Index>& rows, double pivot) {
+  for (const Eigen::Index row : rows) {
+    const int block = static_cast<int>(row) / block_size_,
+              inside = static_cast<int>(row) % block_size_;
+    for (int below = 0; below <= std::min(block, bandwidth_); ++below) {
+      at(block, below).row(inside).setZero();
+    }
+    for (int below = 0; below <= bandwidth_ && block + below < blocks_; ++below) {
+      at(block + below, below).col(inside).setZero();
+    }
+    at(block, 0)(inside, inside) = pivot;
+  }
+}
+
 Eigen::MatrixXd BlockBandedMatrix::Times(const Eigen::MatrixXd& x) const {
   const int b = block_size_;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(x.rows(), x.cols());

@@ -48,6 +48,9 @@ class BlockBandedMatrix {
   double Trace() const;
   void AddToDiagonal(double value);
 
+  // Replaces rows and columns by those of the identity times `pivot`.
+  void Pin(const std::vector<Eigen::Index>& rows, double pivot);
+
   // A·x, before Factor(). O(blocks · bandwidth · block_size²) a column.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const;
 

@@ -2,6 +2,7 @@
 #include "fitting/linear/tensor_band.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace batten::internal {
 namespace {
@@ -26,17 +27,34 @@ TensorBand::TensorBand(int outer_size, int inner_size, int outer_reach, int inne
   numbers_.assign(static_cast<std::size_t>(RowAt(n_, 0)), 0.0);
 }
 
-double TensorBand::Trace() const {
-  double trace = 0;
-  for (int i = 0; i < n_; ++i) {
-    for (int j = 0; j < m_; ++j) trace += row(i, 0)[j * (q_ + 1)];
-  }
-  return trace;
-}
-
 void TensorBand::AddToDiagonal(double value) {
   for (int i = 0; i < n_; ++i) {
     for (int j = 0; j < m_; ++j) row(i, 0)[j * (q_ + 1)] += value;
+  }
+}
+
+void TensorBand::AddTo(BlockBandedMatrix& matrix,
+                       const std::vector<int>& outer_rows,
+                       const std::vector<int>& inner_rows) const {
+  for (int i = 0; i < n_; ++i) {
+    for (int a = 0; a <= p_ && i + a < n_; ++a) {
+      const double* band = row(i, a);
+      // Two functions of one coefficient meet on the diagonal, from either side.
+      const int row1 = outer_rows[static_cast<size_t>(i)],
+                row2 = outer_rows[static_cast<size_t>(i + a)];
+      const double times = row1 == row2 && a > 0 ? 2 : 1;
+      auto block = matrix.at(std::max(row1, row2), std::abs(row2 - row1));
+      for (int j = 0; j < m_; ++j) {
+        const double* pair = band + j * (q_ + 1);
+        const int column = inner_rows[static_cast<size_t>(j)];
+        block(column, column) += times * pair[0];
+        for (int b = 1; b <= q_ && j + b < m_; ++b) {
+          const int column2 = inner_rows[static_cast<size_t>(j + b)];
+          block(column2, column) += times * pair[b];
+          block(column, column2) += times * pair[b];
+        }
+      }
+    }
   }
 }
 

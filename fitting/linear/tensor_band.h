@@ -39,8 +39,13 @@ class TensorBand {
   int outer_reach() const { return p_; }
   int inner_reach() const { return q_; }
 
-  double Trace() const;
   void AddToDiagonal(double value);
+
+  // Adds the matrix to one whose rows stand for these outer and inner coefficients; those that
+  // repeat stand for one.
+  void AddTo(BlockBandedMatrix& matrix,
+             const std::vector<int>& outer_rows,
+             const std::vector<int>& inner_rows) const;
 
   // A·x, x of size() rows. The result does not depend on threads.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x, ThreadPool& pool) const;

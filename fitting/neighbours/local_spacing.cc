@@ -52,10 +52,9 @@ double BreadthOf(const Eigen::Matrix2Xd& local) {
   return length > 0 ? deviation(over) / length : 1;
 }
 
-// A spacing, and the area of the plane that the point which tells it stands for.
-struct LocalTold {
-  double spacing, area;
-};
+// Values, and the areas of the plane that they stand for. Their medians are by area: by count the
+// denser parts would tell, where there are more points.
+using ByArea = std::vector<std::pair<double, double>>;
 
 bool IsThinAbout(const PointCells& cells, const Eigen::Vector2d& place) {
   const auto nearest = cells.Nearest(place, kOnLine.back());
@@ -92,8 +91,8 @@ double SpacingInSpace(const Eigen::Matrix2Xd& points,
 }
 
 // Spacing about some points of a cell, by the areas of the discs that hold those nearest to them.
-std::vector<LocalTold> SpacingsIn(const PointCells& cells, size_t cell, const PlaceInSpace& place) {
-  std::vector<LocalTold> spacings;
+ByArea SpacingsIn(const PointCells& cells, size_t cell, const PlaceInSpace& place) {
+  ByArea spacings;
   const auto in = cells.In(cell);
   const size_t asked = std::min(kAskedInCell, in.size());
   for (size_t k = 0; k < asked; ++k) {
@@ -103,37 +102,16 @@ std::vector<LocalTold> SpacingsIn(const PointCells& cells, size_t cell, const Pl
     const double area = std::numbers::pi * nearest.back().first / static_cast<double>(kNearest);
     const double spacing =
         place ? SpacingInSpace(cells.points(), point, nearest, place) : std::sqrt(area);
-    spacings.push_back({spacing, area});
+    spacings.emplace_back(spacing, area);
   }
   return spacings;
-}
-
-using Radii = std::vector<std::pair<float, float>>;  // and areas
-
-float QuantileByArea(Radii radii, double share) {
-  std::sort(radii.begin(), radii.end());
-  double all = 0, sum = 0;
-  for (const auto& [radius, area] : radii) all += area;
-  for (const auto& [radius, area] : radii)
-    if ((sum += area) >= share * all) return radius;
-  return 0;
-}
-
-// The median by area: by count the denser parts would tell, where there are more points.
-double MedianByArea(std::vector<LocalTold> told) {
-  std::ranges::sort(told, {}, &LocalTold::spacing);
-  double all = 0, sum = 0;
-  for (const LocalTold& one : told) all += one.area;
-  for (const LocalTold& one : told)
-    if ((sum += one.area) >= all / 2) return one.spacing;
-  return 0;
 }
 
 // What the points nearest to some points of each cell, and of those around it, tell about the
 // points' spacing there; 0 where they are too few.
 std::vector<float> SpacingsByNeighbours(const PointCells& cells, const PlaceInSpace& place) {
   const std::vector<float> areas = cells.OccupiedAreas();
-  std::vector<std::optional<std::vector<LocalTold>>> told(areas.size());
+  std::vector<std::optional<ByArea>> told(areas.size());
   std::vector<float> spacings(areas.size(), 0);
   for (size_t cell = 0; cell < areas.size(); ++cell) {
     double count = 0, area = 0;
@@ -144,13 +122,13 @@ std::vector<float> SpacingsByNeighbours(const PointCells& cells, const PlaceInSp
     if (count < kFewest) continue;
     spacings[cell] = 1;
     if (area < kSparse * count) continue;
-    std::vector<LocalTold> near;
+    ByArea near;
     cells.Around(cell, [&](size_t at) {
       if (!told[at]) told[at] = SpacingsIn(cells, at, place);
       near.insert(near.end(), told[at]->begin(), told[at]->end());
     });
     const bool tell = static_cast<double>(near.size()) >= kFewest;
-    const double spacing = tell ? kSure * MedianByArea(std::move(near)) : 0;
+    const double spacing = tell ? kSure * WeightedMedian(std::move(near)) : 0;
     if (!tell || spacing > kClearly) spacings[cell] = static_cast<float>(spacing);
   }
   return spacings;
@@ -162,21 +140,21 @@ std::vector<float> SpacingsByCircles(const PointCells& cells,
                                      const std::vector<EmptyCircle>& circles,
                                      const std::vector<float>& occupied) {
   std::vector<float> spacings(occupied.size(), 0);
-  std::vector<Radii> radii(occupied.size());
+  std::vector<std::vector<std::pair<float, float>>> radii(occupied.size());  // and areas
   for (const EmptyCircle& circle : circles)
     if (circle.radius <= kNarrow * cells.width())
       radii[cells.Of(circle.place)].emplace_back(static_cast<float>(circle.radius),
                                                  static_cast<float>(circle.area));
   for (size_t cell = 0; cell < occupied.size(); ++cell) {
     double empty = 0, covered = 0;
-    Radii near;
+    ByArea near;
     cells.Around(cell, [&](size_t at) {
       covered += occupied[at];
       for (const auto& circle : radii[at]) empty += circle.second;
       near.insert(near.end(), radii[at].begin(), radii[at].end());
     });
     if (near.empty() || empty <= covered) continue;
-    const double radius = QuantileByArea(std::move(near), kMostCircles);
+    const double radius = WeightedQuantile(std::move(near), kMostCircles);
     if (empty > kDiscs * std::numbers::pi * radius * radius)
       spacings[cell] = static_cast<float>(radius / kCircle);
   }

@@ -2,7 +2,6 @@
 #include "fitting/ordering/curve_closure.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,14 +10,13 @@
 #include <string>
 
 #include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kSigmas = 3;  // standard deviations of the difference of two ends
-constexpr double kFacingAngle = std::numbers::pi / 6;
 constexpr double kGapInSteps = 3;
-constexpr double kGapInLength = 0.1;
 constexpr double kLongestStep = 1.5;                      // of the mean of those near it
 constexpr double kShortestStep = 0.3;                     // a shorter gap is a blunt end
 constexpr double kCornerTurn = 2 * std::numbers::pi / 3;  // of both ends together
@@ -34,23 +32,12 @@ struct End {
   double noise;            // standard deviation of the place
 };
 
-// Points near an end, in order from it inwards: `at(0)` is the end.
-class FromEnd {
- public:
-  FromEnd(const Eigen::Matrix3Xd& points, bool last) : points_(points), last_(last) {}
-  auto at(Eigen::Index k) const { return points_.col(last_ ? points_.cols() - 1 - k : k); }
-
- private:
-  const Eigen::Matrix3Xd& points_;
-  bool last_;
-};
-
 // The number of points needed for the direction of a quadratic at its end, whose standard deviation
 // over k even points on a length L is about 14 σ / (L √k).
-Eigen::Index PointsNeeded(const FromEnd& end, Eigen::Index most, double noise) {
+Eigen::Index PointsNeeded(const Eigen::Matrix3Xd& points, Eigen::Index most, double noise) {
   Eigen::Index count = std::min<Eigen::Index>(3, most);
   while (count < most) {
-    const double length = (end.at(count - 1) - end.at(0)).norm();
+    const double length = (points.col(count - 1) - points.col(0)).norm();
     const double error = 14 * noise / std::sqrt(static_cast<double>(count));
     if (length - 2 * noise > 0 && error <= kDirectionError * (length - 2 * noise)) break;
     count += 1 + count / 8;
@@ -59,20 +46,20 @@ Eigen::Index PointsNeeded(const FromEnd& end, Eigen::Index most, double noise) {
 }
 
 // Sums of steps for few points, even steps where noise would lengthen them.
-Eigen::VectorXd Places(const FromEnd& end, Eigen::Index count) {
+Eigen::VectorXd Places(const Eigen::Matrix3Xd& points, Eigen::Index count) {
   Eigen::VectorXd places = Eigen::VectorXd::LinSpaced(count, 0, 1);
   if (count > 4) return places;
   for (Eigen::Index k = 1; k < count; ++k) {
-    places[k] = places[k - 1] + (end.at(k) - end.at(k - 1)).norm();
+    places[k] = places[k - 1] + (points.col(k) - points.col(k - 1)).norm();
   }
   if (places[count - 1] > 0) places /= places[count - 1];
   return places;
 }
 
 // The quadratic a + b t + c t² (columns) of least summed distances, by reweighting.
-Eigen::Matrix3d Quadratic(const FromEnd& end, const Eigen::VectorXd& places) {
+Eigen::Matrix3d Quadratic(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& places) {
   const Eigen::Index count = places.size();
-  const Eigen::Vector3d origin = end.at(0);
+  const Eigen::Vector3d origin = points.col(0);
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   Eigen::Matrix3d coefficients = Eigen::Matrix3d::Zero();
   for (int round = 0; round < (count > 4 ? 8 : 1); ++round) {
@@ -80,13 +67,13 @@ Eigen::Matrix3d Quadratic(const FromEnd& end, const Eigen::VectorXd& places) {
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Vector3d powers(1, places[k], places[k] * places[k]);
       gram += weights[k] * powers * powers.transpose();
-      moments += weights[k] * powers * (end.at(k) - origin).transpose();
+      moments += weights[k] * powers * (points.col(k) - origin).transpose();
     }
     coefficients = gram.ldlt().solve(moments).transpose();
     Eigen::VectorXd distances(count);
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Vector3d powers(1, places[k], places[k] * places[k]);
-      distances[k] = (end.at(k) - origin - coefficients * powers).norm();
+      distances[k] = (points.col(k) - origin - coefficients * powers).norm();
     }
     const double floor = 0.1 * distances.mean();
     if (!(floor > 0)) break;
@@ -96,14 +83,14 @@ Eigen::Matrix3d Quadratic(const FromEnd& end, const Eigen::VectorXd& places) {
   return coefficients;
 }
 
-End EndOf(const Eigen::Matrix3Xd& points, bool last, double noise) {
-  const FromEnd end(points, last);
+// The end at the first point.
+End EndOf(const Eigen::Matrix3Xd& points, double noise) {
   const Eigen::Index most = std::max<Eigen::Index>(3, points.cols() / 4);
-  const Eigen::Index count = PointsNeeded(end, most, noise);
-  const Eigen::VectorXd places = Places(end, count);
-  const Eigen::Matrix3d coefficients = Quadratic(end, places);
+  const Eigen::Index count = PointsNeeded(points, most, noise);
+  const Eigen::VectorXd places = Places(points, count);
+  const Eigen::Matrix3d coefficients = Quadratic(points, places);
   End result;
-  result.place = count > 4 ? Eigen::Vector3d(coefficients.col(0)) : Eigen::Vector3d(end.at(0));
+  result.place = count > 4 ? Eigen::Vector3d(coefficients.col(0)) : Eigen::Vector3d(points.col(0));
   result.inward = coefficients.col(1).stableNormalized();
   // A quadratic of k points knows its end to 3 σ / √k, a little worse with absolute distances.
   result.noise = noise * std::min(1.0, 3.8 / std::sqrt(static_cast<double>(count)));
@@ -112,58 +99,34 @@ End EndOf(const Eigen::Matrix3Xd& points, bool last, double noise) {
         coefficients.rightCols<2>().rowwise().sum().norm() / static_cast<double>(count - 1);
   } else {
     const Eigen::Index steps = std::min(kStepsNearby, points.cols() - 1);
-    result.step = 0;
-    for (Eigen::Index k = 0; k < steps; ++k) result.step += (end.at(k + 1) - end.at(k)).norm();
-    result.step /= static_cast<double>(steps);
+    result.step = PolygonLength(points.leftCols(steps + 1)) / static_cast<double>(steps);
   }
   return result;
 }
 
 double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   if (a.isZero(0) || b.isZero(0)) return std::numbers::pi;
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return AngleBetween(a, b);
 }
 
 // The greatest over the least of the two steps next to each end.
 double Unevenness(const Eigen::Matrix3Xd& points) {
-  double least = std::numeric_limits<double>::infinity(), greatest = 0;
-  for (const bool last : {false, true}) {
-    const FromEnd end(points, last);
-    for (Eigen::Index k = 0; k < 2; ++k) {
-      const double step = (end.at(k + 1) - end.at(k)).norm();
-      least = std::min(least, step);
-      greatest = std::max(greatest, step);
-    }
-  }
-  return greatest / least;
+  Eigen::Vector4d steps;
+  steps << StepLengths(points.leftCols<3>()), StepLengths(points.rightCols<3>());
+  return steps.maxCoeff() / steps.minCoeff();
 }
 
-double Length(const Eigen::Matrix3Xd& points) {
-  double length = 0;
-  for (Eigen::Index k = 1; k < points.cols(); ++k) {
-    length += (points.col(k) - points.col(k - 1)).norm();
-  }
-  return length;
-}
-
-// Points in units of their size about their first one.
-Eigen::Matrix3Xd Scaled(const Eigen::Matrix3Xd& points, double size) {
-  return (points.colwise() - points.col(0)) / size;
-}
-
-bool Closes(const Eigen::Matrix3Xd& points, const End& first, const End& last, EndGap& result) {
+bool Closes(const Eigen::Matrix3Xd& points, const End& first, const End& last) {
   const Eigen::Vector3d across = first.place - last.place;
   const double gap = across.norm();
   const double leaving = Angle(-last.inward, across), arriving = Angle(across, first.inward);
-  result.angle = std::max(leaving, arriving);
   const double step = 0.5 * (first.step + last.step);
-  if (gap <= kSigmas * std::hypot(first.noise, last.noise) && gap <= kLargestOfSize) {
-    result.angle = Angle(-last.inward, first.inward);
+  if (gap <= kThreeSigmas * std::hypot(first.noise, last.noise) && gap <= kLargestOfSize) {
     return true;
   }
-  if (result.angle <= kFacingAngle) {
-    const bool near = gap <= kGapInSteps * step + kSigmas * std::hypot(first.noise, last.noise);
-    if (near && gap <= kGapInLength * Length(points)) return true;
+  if (std::max(leaving, arriving) <= kFacingAngle) {
+    const bool near = gap <= kGapInSteps * step + kThreeSigmas * std::hypot(first.noise, last.noise);
+    if (near && gap <= kGapInLength * PolygonLength(points)) return true;
   }
   const bool corner =
       std::min(leaving, arriving) <= kFacingAngle || leaving + arriving <= kCornerTurn;
@@ -186,14 +149,12 @@ EndGap JudgeEnds(const Eigen::Matrix3Xd& points, double noise) {
   if (count < 3 || !(size > 0)) return result;
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
   result.repeated = result.gap <= std::max(kRelativelyEqual * size, rounding);
-  const Eigen::Matrix3Xd local = Scaled(points, size);
-  const End first = EndOf(local, false, noise / size), last = EndOf(local, true, noise / size);
-  if (result.repeated) {
-    result.closed = true;
-    result.angle = Angle(-last.inward, first.inward);
-  } else if (count > 3) {
-    result.closed = Closes(local, first, last, result);
-  }
+  result.closed = result.repeated;
+  if (result.repeated || count == 3) return result;
+  const Eigen::Matrix3Xd local = (points.colwise() - points.col(0)) / size;
+  result.closed = Closes(local,
+                         EndOf(local, noise / size),
+                         EndOf(local.rowwise().reverse(), noise / size));
   return result;
 }
 

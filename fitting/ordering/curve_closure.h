@@ -3,16 +3,17 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 
 namespace batten::internal {
+
+inline constexpr double kFacingAngle = std::numbers::pi / 6;  // ends within it face each other …
+inline constexpr double kGapInLength = 0.1;  // … across a gap of at most so much of the length
 
 struct EndGap {
   bool closed = false;
   bool repeated = false;  // the last point is the first again, to rounding
   double gap = 0;         // distance of the last point from the first
-  // The greater turn, in radians, between a free end and the way across the gap; where the ends
-  // coincide, the turn from one to the other.
-  double angle = 0;
 };
 
 // Decides whether points in order along a curve (3 × m, plane curves at z = 0) that scatter about

@@ -111,12 +111,6 @@ CurveComponents ByNeighbourhood(const PointCloud& cloud,
   result.unordered = true;
   result.sequence_outliers = PointMask::Constant(cloud.size(), false);
   for (const Eigen::Index k : found.outliers) result.sequence_outliers[k] = true;
-  if (found.paths.empty()) {
-    throw std::invalid_argument(
-        "no curve is found in the points: they lie too far apart or scatter too widely to follow "
-        "one "
-        "another");
-  }
   constexpr double kMostLeftOut = 0.75;
   if (static_cast<double>(found.outliers.size()) >
       kMostLeftOut * static_cast<double>(cloud.size())) {

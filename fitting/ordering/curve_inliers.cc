@@ -7,13 +7,13 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/ordering/curve_nodes.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kFewest = 100;
-constexpr Eigen::Index kSample = 2000;
 constexpr int kFew = 8;         // neighbours asked
 constexpr int kMost = 30;       // where noise is thicker than the few are long
 constexpr double kRoomy = 1.4;  // times the median distance to the last neighbour
@@ -22,7 +22,6 @@ constexpr double kOffInNoise = 5;
 constexpr double kOffInRoom = 0.2;  // share of the distance to the last neighbour
 constexpr double kFewOffCurves = 0.01;
 constexpr double kThinNoise = 0.1;  // share of the spacing: below it curves are thin
-constexpr std::ptrdiff_t kBlock = 512;
 
 // Whether the point is in a row with its neighbours.
 bool InRow(const Eigen::Matrix3Xd& neighbours, const Eigen::Vector3d& point, double room) {
@@ -37,7 +36,7 @@ bool InRow(const Eigen::Matrix3Xd& neighbours, const Eigen::Vector3d& point, dou
 class LinearityTest {
  public:
   explicit LinearityTest(const Eigen::Matrix3Xd& points)
-      : sample_(EveryFew(points, kSample)), index_(sample_) {
+      : sample_(EveryFew(points, kNodeSample)), index_(sample_) {
     std::vector<double> rooms(sample_.cols());
     const std::vector<int> nearest = index_.Nearest(sample_, kMost + 1);
     for (Eigen::Index k = 0; k < sample_.cols(); ++k) {
@@ -52,7 +51,7 @@ class LinearityTest {
   // have no more room than most.
   std::vector<int> InRows(const Eigen::Matrix3Xd& points, bool all, ThreadPool& pool) const {
     std::vector<char> keep(points.cols());
-    pool.For(points.cols(), kBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
       const std::vector<int> rows =
           index_.Nearest(points.middleCols(begin, end - begin), kMost + 1);
       for (std::ptrdiff_t k = begin; k < end; ++k) {

@@ -15,8 +15,7 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kNodeSample = 2000;  // points looked at for the scale
-constexpr Eigen::Index kAsked = 300;        // of which so many are asked
+constexpr Eigen::Index kAsked = 300;  // of which so many are asked
 constexpr int kFewestAround = 10;
 constexpr int kManyAround = 64;  // are enough mostly
 constexpr int kMostAround = 500;
@@ -138,6 +137,11 @@ double LocalParabola::Off(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d own = frame.transpose() * (point - middle);
   const double at = std::clamp(own[2] / std::sqrt(along), x.minCoeff(), x.maxCoeff());
   return (own.head<2>().transpose() - Eigen::RowVector3d(1, at, at * at) * coefficients).norm();
+}
+
+double SigmaOfDistances(std::vector<double> distances, int rank) {
+  constexpr double kMedianOfTwo = 0.8493218002880191;  // 1 / sqrt(2 log 2)
+  return Median(std::move(distances)) * (rank <= 2 ? kMadToSigma : kMedianOfTwo);
 }
 
 Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "batten/geometry/thread_pool.h"
 
@@ -22,6 +23,13 @@ struct LocalParabola {
   Eigen::Matrix<double, 3, 2> coefficients;
   Eigen::MatrixX2d rest;  // what it leaves across, the larger in the second column
 };
+
+inline constexpr Eigen::Index kNodeSample = 2000;  // points looked at for the scale
+inline constexpr size_t kFewestForNoise = 12;      // points that tell it
+
+// Standard deviation of one coordinate across the curve, from distances that have one such
+// coordinate where the points are of a plane (rank 2 or less) and two in space.
+double SigmaOfDistances(std::vector<double> distances, int rank);
 
 // Returns at most `most` of the points, at even steps of their order.
 Eigen::Matrix3Xd EveryFew(const Eigen::Matrix3Xd& points, Eigen::Index most);

@@ -39,7 +39,6 @@ constexpr double kRoughTurn = 0.6;      // the same with noise
 constexpr double kSmoothTurn = 0.5;     // mean turn at nodes along curves without noise
 constexpr double kFewestANode = 3;      // points, for a guide to be smoothed
 constexpr double kShowsInLinks = 0.05;  // noise, for a guide through points to be smoothed
-constexpr size_t kFewestForNoise = 12;
 constexpr double kSmoothLinks = 3;
 constexpr double kSmoothReach = 18;  // in noise
 constexpr double kSmoothStep = 2;    // in noise
@@ -96,7 +95,6 @@ struct OrderLook {
   std::vector<Eigen::Vector3d> meetings;
   std::vector<PolylinePlace> places;
   double turn = 0;       // mean at a node
-  double noise = 0;      // that was taken to be there
   double link = 0;       // median
   double length = 0;     // of the longest guide
   double tolerance = 0;  // points farther from every guide are outliers
@@ -160,7 +158,6 @@ OrderLook LookAt(const OrderedPlaces& places,
   for (const NodePath& path : paths) {
     look.guides.push_back({nodes(Eigen::all, path.nodes), path.closed});
   }
-  look.noise = noise;
   look.link = MedianLink(look.guides);
   if (!look.guides.empty()) look.length = look.guides.front().ArcLengths().tail<1>()[0];
   look.tolerance = std::max({kOutlierInNoise * noise, radius, kOutlierInLinks * look.link});
@@ -186,13 +183,6 @@ Eigen::VectorXd Parameters(const OrderLook& look, const std::vector<Eigen::Index
   return parameters;
 }
 
-// Standard deviation of one coordinate across the curve, from distances that have one such
-// coordinate in the plane and two in space.
-double SigmaOfDistances(std::vector<double> distances, int dimension) {
-  constexpr double kMedianOfTwo = 0.8493218002880191;  // 1 / sqrt(2 log 2)
-  return Median(std::move(distances)) * (dimension == 2 ? kMadToSigma : kMedianOfTwo);
-}
-
 double NoiseAcross(const OrderLook& look, const std::vector<Eigen::Index>& order, int dimension) {
   std::vector<double> distances;
   for (const Eigen::Index i : order) distances.push_back(look.places[i].distance);
@@ -202,7 +192,6 @@ double NoiseAcross(const OrderLook& look, const std::vector<Eigen::Index>& order
 // Standard deviation across the curve, from each point's distance to the parabola through two
 // neighbours on either side; the median, so that single points and corners do not count.
 double NoiseInOrder(const Eigen::Matrix3Xd& points, int dimension) {
-  if (points.cols() < static_cast<Eigen::Index>(kFewestForNoise)) return 0;
   std::vector<double> distances;
   for (Eigen::Index i = 2; i + 2 < points.cols(); ++i) {
     const Eigen::Matrix<double, 3, 5> local = points.middleCols<5>(i - 2).colwise() - points.col(i);

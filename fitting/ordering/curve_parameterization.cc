@@ -2,6 +2,7 @@
 #include "batten/fitting/curve_parameterization.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +11,7 @@
 
 #include "batten/geometry/knot_vectors.h"
 #include "geometry/numeric/dense_solvers.h"
+#include "geometry/numeric/polygon.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -26,11 +28,6 @@ Eigen::MatrixXd Scaled(const Eigen::Ref<const Eigen::MatrixXd>& points, bool clo
   if (!(size > 0))
     Reject("CurveParameters", "all " + std::to_string(points.cols()) + " points are in one place");
   return result / size;
-}
-
-Eigen::VectorXd Distances(const Eigen::MatrixXd& points) {
-  const Eigen::Index steps = points.cols() - 1;
-  return (points.rightCols(steps) - points.leftCols(steps)).colwise().norm();
 }
 
 // The points turned and stretched so that they spread equally in every direction they fill.
@@ -58,7 +55,7 @@ double Turn(const Eigen::VectorXd& before, const Eigen::VectorXd& behind) {
 }
 
 Eigen::VectorXd FoleySteps(const Eigen::MatrixXd& points, bool closed) {
-  const Eigen::VectorXd lengths = Distances(points);
+  const Eigen::VectorXd lengths = StepLengths(points);
   const Eigen::Index steps = lengths.size();
   // By how much of itself the turn at point k lengthens the step `of`, one of the two that meet
   // there.
@@ -76,14 +73,6 @@ Eigen::VectorXd FoleySteps(const Eigen::MatrixXd& points, bool closed) {
     result[k] = lengths[k] * (1 + lengthening(k, k) + lengthening(k + 1, k));
   }
   return result;
-}
-
-// Σ of the steps, brought to [0, 1].
-Eigen::VectorXd Summed(const Eigen::VectorXd& steps) {
-  Eigen::VectorXd result(steps.size() + 1);
-  result[0] = 0;
-  for (Eigen::Index k = 0; k < steps.size(); ++k) result[k + 1] = result[k] + steps[k];
-  return result / result[steps.size()];
 }
 
 // The place of the only maximum of N_i: where its derivative changes sign.
@@ -120,21 +109,10 @@ Eigen::VectorXd UniversalParameters(int degree, Eigen::Index count) {
 }  // namespace
 
 const char* Name(CurveParameterization parameterization) {
-  switch (parameterization) {
-    case CurveParameterization::kGiven:
-      return "given";
-    case CurveParameterization::kUniform:
-      return "uniform";
-    case CurveParameterization::kChord:
-      return "chord";
-    case CurveParameterization::kCentripetal:
-      return "centripetal";
-    case CurveParameterization::kFoley:
-      return "foley";
-    case CurveParameterization::kUniversal:
-      return "universal";
-  }
-  return "";
+  static constexpr std::array kNames{
+      "given", "uniform", "chord", "centripetal", "foley", "universal"};
+  static_assert(kNames.size() == static_cast<std::size_t>(CurveParameterization::kUniversal) + 1);
+  return kNames[static_cast<std::size_t>(parameterization)];
 }
 
 Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,
@@ -156,15 +134,15 @@ Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,
       return closed ? Eigen::VectorXd(Eigen::VectorXd::LinSpaced(values, 0, 1))
                     : UniversalParameters(degree, count);
     case CurveParameterization::kChord:
-      return Summed(Distances(Scaled(points, closed)));
+      return SummedSteps(StepLengths(Scaled(points, closed)));
     case CurveParameterization::kCentripetal:
-      return Summed(Distances(Scaled(points, closed)).cwiseSqrt());
+      return SummedSteps(StepLengths(Scaled(points, closed)).cwiseSqrt());
     case CurveParameterization::kFoley: {
       const Eigen::MatrixXd scaled = Scaled(points, closed);
       const double size = (points.colwise() - points.col(0)).cwiseAbs().maxCoeff();
       const double rounding =
           8 * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff() / size;
-      return Summed(FoleySteps(Whitened(scaled, closed, rounding), closed));
+      return SummedSteps(FoleySteps(Whitened(scaled, closed, rounding), closed));
     }
   }
   Reject("CurveParameters", "unknown parameterization");

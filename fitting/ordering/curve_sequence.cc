@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -99,10 +100,7 @@ class Stretches {
 // The steps of the file and how long they are near a point.
 class Steps {
  public:
-  explicit Steps(const Eigen::Matrix3Xd& points) : lengths_(points.cols() - 1) {
-    for (Eigen::Index k = 0; k < lengths_.size(); ++k) {
-      lengths_[k] = (points.col(k + 1) - points.col(k)).norm();
-    }
+  explicit Steps(const Eigen::Matrix3Xd& points) : lengths_(StepLengths(points)) {
     std::vector<double> positive;
     for (const double length : lengths_) {
       if (length > 0) positive.push_back(length);
@@ -111,7 +109,6 @@ class Steps {
   }
 
   double length(Eigen::Index k) const { return lengths_[k]; }
-  Eigen::Index size() const { return lengths_.size(); }
   double short_step() const { return short_; }  // a quarter is shorter
 
   // The second shortest of the six steps around a point.

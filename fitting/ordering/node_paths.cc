@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/ordering/curve_closure.h"
 
 namespace batten::internal {
 namespace {
@@ -28,13 +29,11 @@ constexpr double kClosingJump = 1.5;   // the same for the link that closes a pa
 constexpr double kClosingPart = 0.35;  // of the length; four points on a circle need a third
 constexpr int kFewestClosed = 4;
 constexpr int kStraightenRounds = 20;
-constexpr double kBent = 0.3;                   // a turn of 45°
-constexpr double kMostBent = 0.3;               // of the nodes: more are noise, not corners
-constexpr double kDetour = 2;                   // of the spacing, for a single node
-constexpr int kFewestFacing = 5;                // nodes of a path whose end has a direction
-constexpr double kFacing = 0.8660254037844387;  // cos 30°
-constexpr double kAsLong = 1.5;       // times the longest link of either path is not remarkable
-constexpr double kBridgedPart = 0.1;  // of the length
+constexpr double kBent = 0.3;      // a turn of 45°
+constexpr double kMostBent = 0.3;  // of the nodes: more are noise, not corners
+constexpr double kDetour = 2;      // of the spacing, for a single node
+constexpr int kFewestFacing = 5;   // nodes of a path whose end has a direction
+constexpr double kAsLong = 1.5;    // times the longest link of either path is not remarkable
 
 struct Direction {
   Eigen::Vector3d along;
@@ -223,7 +222,7 @@ struct ShortLinks {
       if (size_a < fewest_closed || gap > kClosingPart * length) return false;
       const double recent = std::max(paths.LongestRecent(a), paths.LongestRecent(b));
       return gap <= kClosingJump * recent ||
-             (gap <= kBridgedPart * length &&
+             (gap <= kGapInLength * length &&
               gap <= std::max(kJump * recent, paths.longest(path_a)));
     }
     const double limit_a = Allowed(a), limit_b = Allowed(b);
@@ -318,9 +317,9 @@ bool Bridges(const Eigen::Matrix3Xd& nodes, const PathSet& paths, int a, int b) 
   const double length = std::min(paths.length(path_a), paths.length(path_b));
   const double longest =
       path_a == path_b ? 0 : std::max(paths.longest(path_a), paths.longest(path_b));
-  return gap <= std::max(kBridgedPart * length, kAsLong * longest) &&
-         Outward(nodes, paths, a, gap).dot(across) >= kFacing * gap &&
-         -Outward(nodes, paths, b, gap).dot(across) >= kFacing * gap;
+  return gap <= std::max(kGapInLength * length, kAsLong * longest) &&
+         Outward(nodes, paths, a, gap).dot(across) >= std::cos(kFacingAngle) * gap &&
+         -Outward(nodes, paths, b, gap).dot(across) >= std::cos(kFacingAngle) * gap;
 }
 
 // Nodes left alone go between two linked ones where that is not much of a detour, as they are where

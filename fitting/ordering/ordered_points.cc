@@ -11,19 +11,18 @@
 #include "batten/fitting/statistics.h"
 #include "fitting/core/point_rank.h"
 #include "fitting/core/rounding.h"
+#include "fitting/ordering/curve_nodes.h"
 #include "fitting/ordering/row_means.h"
 
 namespace batten {
 using namespace internal;
 namespace {
 
-constexpr double kLeastRange = 1e-60;  // fairness takes its inverse to the third power
-constexpr Eigen::Index kFewForNoise = 12;
+constexpr double kLeastRange = 1e-60;            // fairness takes its inverse to the third power
 constexpr Eigen::Index kEnoughForNoise = 10000;  // for a median
 constexpr double kStepInNoise = 10;              // in noise: noise hardly changes longer steps
 constexpr Eigen::Index kMostBlocks = 2000;
-constexpr Eigen::Index kFewestBlocks = 12;                // fewer would lose the shape
-constexpr double kMedianOfRayleigh = 1.1774100225154747;  // √(2 ln 2): two directions across
+constexpr Eigen::Index kFewestBlocks = 12;  // fewer would lose the shape
 
 [[noreturn]] void Refuse(const std::string& reason) { throw std::invalid_argument(reason); }
 
@@ -215,9 +214,8 @@ double NoiseAcross(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& u, int
     offset -= along * along.dot(offset);
     offsets.push_back(offset.norm() / std::sqrt(variance));
   }
-  if (static_cast<Eigen::Index>(offsets.size()) + 4 < kFewForNoise) return 0;
-  const double median = Median(std::move(offsets));
-  return rank <= 2 ? kMadToSigma * median : median / kMedianOfRayleigh;
+  if (offsets.size() + 4 < kFewestForNoise) return 0;
+  return SigmaOfDistances(std::move(offsets), rank);
 }
 
 std::vector<Eigen::Index> Belonging(const PointCloud& cloud, const PointMask& left_out) {

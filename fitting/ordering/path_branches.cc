@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/path_branches.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr size_t kFewestOpen = 5;
-constexpr size_t kFewestInLoop = 4;
 constexpr double kJagged = 0.9;      // mean turn at a node, about 50°
 constexpr double kFullTurn = 6.5;    // and a little; a small closed path turns as much
 constexpr double kSparse = 3;        // links longer than so many of the longest path's
@@ -75,11 +74,8 @@ class PathMap {
     double nearest = (point - here).norm();
     for (const int side : {-1, 1}) {
       if (!Has(spot.path, spot.place + side)) continue;
-      const Eigen::Vector3d link = At(spot.path, spot.place + side) - here;
-      const double square = link.squaredNorm();
-      if (!(square > 0)) continue;
-      const double t = std::clamp(link.dot(point - here) / square, 0.0, 1.0);
-      nearest = std::min(nearest, (point - here - t * link).norm());
+      nearest =
+          std::min(nearest, DistanceFromSegment(point, here, At(spot.path, spot.place + side)));
     }
     return nearest;
   }
@@ -136,14 +132,14 @@ double TotalTurn(const PathMap& map, int path) {
     if (!map.Has(path, i - 1) || !map.Has(path, i + 1)) continue;
     const Eigen::Vector3d in = map.At(path, i) - map.At(path, i - 1);
     const Eigen::Vector3d out = map.At(path, i + 1) - map.At(path, i);
-    turn += std::atan2(in.cross(out).norm(), in.dot(out));
+    turn += AngleBetween(in, out);
   }
   return turn;
 }
 
 bool IsCurve(const PathMap& map, int path, double spacing) {
   const auto size = static_cast<size_t>(map.Size(path));
-  if (size < (map.Closed(path) ? kFewestInLoop : kFewestOpen)) return false;
+  if (!map.Closed(path) && size < kFewestOpen) return false;
   if (map.MedianLink(path) > kSparse * spacing) return false;
   const double turn = TotalTurn(map, path);
   return turn <= kJagged * static_cast<double>(size) || (map.Closed(path) && turn <= kFullTurn);

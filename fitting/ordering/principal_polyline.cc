@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "batten/fitting/neighbours.h"
+#include "fitting/core/shared_constants.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kNearNodes = 4;  // whose links are looked at
-constexpr std::ptrdiff_t kPolylineBlock = 1024;
 constexpr int kFewestInWindow = 8;
 
 struct PolylineSpot {
@@ -62,7 +62,7 @@ std::vector<PolylinePlace> PlacesOnPolylines(const std::vector<PrincipalPolyline
   const NeighbourIndex index(nodes);
   const int k = static_cast<int>(std::min<Eigen::Index>(kNearNodes, nodes.cols()));
   std::vector<PolylinePlace> places(points.cols());
-  pool.For(points.cols(), kPolylineBlock, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  pool.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const std::vector<int> nearest = index.Nearest(points.middleCols(begin, end - begin), k);
     for (std::ptrdiff_t i = begin; i < end; ++i) {
       for (int j = 0; j < k; ++j) {

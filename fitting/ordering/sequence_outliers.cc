@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -40,13 +41,6 @@ constexpr double kUneven = 6;               // steps over two: next to long ones
 constexpr double kSuspicious = 4;           // times the median of the quick test
 
 using Values = std::array<double, 4 * kReach>;
-
-double Distance(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d along = b - a;
-  const double squared = along.squaredNorm();
-  const double share = squared > 0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0;
-  return (p - a - share * along).norm();
-}
 
 // The points still held to lie on the curve, in order; as a ring or not.
 struct Line {
@@ -182,7 +176,7 @@ bool GoesStraightOn(
   const Eigen::Vector3d step = line.at(near) - line.at(far);
   const double reach =
       2 * static_cast<double>(std::abs(k - near)) / static_cast<double>(std::abs(near - far));
-  return Distance(line.at(k), line.at(near), line.at(near) + reach * step) <
+  return DistanceFromSegment(line.at(k), line.at(near), line.at(near) + reach * step) <
          kStraightOn * step.norm();
 }
 
@@ -265,7 +259,7 @@ std::vector<char> LeftOut(const Line& line) {
         (OfBlock(noise, from % count, kTurnBlock) == 1 || !TurnsAsACurve(line, from, to));
     for (Eigen::Index k = from + 1; k < to; ++k) {
       marked[static_cast<size_t>(k % count)] =
-          may_be && Distance(line.at(k), line.at(from), line.at(to)) > share * length &&
+          may_be && DistanceFromSegment(line.at(k), line.at(from), line.at(to)) > share * length &&
           !GoesStraightOn(line, way, w - 1, -1, k) && !GoesStraightOn(line, way, w, 1, k);
     }
   }
@@ -300,7 +294,7 @@ class Deviations {
     int count = 0;
     for (int a = 1; a <= kReach && line_.Has(k - a); ++a) {
       for (int b = 1; b <= kReach && line_.Has(k + b); ++b) {
-        distances[count++] = Distance(line_.at(k), line_.at(k - a), line_.at(k + b));
+        distances[count++] = DistanceFromSegment(line_.at(k), line_.at(k - a), line_.at(k + b));
       }
     }
     return Ranked(distances, count, 0.35);
@@ -314,7 +308,7 @@ class Deviations {
       for (int b = a + 1; b <= kReach && line_.Has(k + side * b); ++b) {
         const Eigen::Vector3d near = line_.at(k + side * a), far = line_.at(k + side * b);
         const double steps = kAsFar * a / (b - a);
-        distances[count++] = Distance(line_.at(k), near, near + steps * (near - far));
+        distances[count++] = DistanceFromSegment(line_.at(k), near, near + steps * (near - far));
       }
     }
     return Ranked(distances, count, 0.5);
@@ -355,7 +349,7 @@ std::vector<char> OffTheLine(const Line& line) {
   std::vector<double> quick(static_cast<size_t>(count), 0);
   for (Eigen::Index k = 0; k < count; ++k) {
     if (!line.Has(k - 1) || !line.Has(k + 1)) continue;
-    quick[static_cast<size_t>(k)] = Distance(line.at(k), line.at(k - 1), line.at(k + 1));
+    quick[static_cast<size_t>(k)] = DistanceFromSegment(line.at(k), line.at(k - 1), line.at(k + 1));
   }
   const std::vector<double> medians = AroundBlocks(quick, 0.5);
   const std::vector<double> steps = AroundBlocks(StepsOf(line), kStepQuantile);

@@ -79,25 +79,16 @@ FourSidedMap::Jet FourSidedMap::At(double s, double t) const {
 void FourSidedMap::CheckFolds() {
   nodes_.resize(2, (kGrid + 1) * (kGrid + 1));
   slopes_.resize(4, nodes_.cols());
-  double least = 0, sum = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int i = 0; i <= kGrid; ++i) {
-      for (int j = 0; j <= kGrid; ++j) {
-        const Jet jet = At(static_cast<double>(i) / kGrid, static_cast<double>(j) / kGrid);
-        nodes_.col(i * (kGrid + 1) + j) = jet.point;
-        slopes_.col(i * (kGrid + 1) + j) << jet.ds, jet.dt;
-        const double area = jet.ds[0] * jet.dt[1] - jet.ds[1] * jet.dt[0];
-        if (pass == 0) {
-          sum += area;
-        } else {
-          least = std::min(least, sum > 0 ? area : -area);
-          if (i == 0 && j == 0) least = sum > 0 ? area : -area;
-        }
-      }
-    }
+  Eigen::VectorXd areas(nodes_.cols());
+  for (Eigen::Index node = 0; node < nodes_.cols(); ++node) {
+    const Eigen::Vector2d place = NodePlace(node);
+    const Jet jet = At(place[0], place[1]);
+    nodes_.col(node) = jet.point;
+    slopes_.col(node) << jet.ds, jet.dt;
+    areas[node] = jet.ds[0] * jet.dt[1] - jet.ds[1] * jet.dt[0];
   }
-  const double mean = std::abs(sum) / static_cast<double>(nodes_.cols());
-  one_to_one_ = mean > 0 && least >= kLeastJacobian * mean;
+  const double mean = areas.mean(), least = mean > 0 ? areas.minCoeff() : -areas.maxCoeff();
+  one_to_one_ = mean != 0 && least >= kLeastJacobian * std::abs(mean);
 }
 
 void FourSidedMap::FindStarts() {

@@ -225,7 +225,7 @@ class OutlineSearch {
     std::vector<OutlineLoop> loops;
     for (const Eigen::Matrix2Xd& polygon : AlphaShape(ghosts, kRadius, is_gap, pool_)) {
       const bool large = std::abs(AreaInSpace(polygon, options_)) >= LeastArea(polygon, spacing_);
-      if (!large && !(SignedArea(polygon) > 0 && HoldsOneOf(lone, polygon))) continue;
+      if (!large && !(PolygonArea(polygon) > 0 && HoldsOneOf(lone, polygon))) continue;
       loops.push_back(SampledOutline(
           polygon, [&](const Eigen::Vector2d& at) { return kOutwards * spacing_.At(at); }));
       // A small part is too short to be sampled.

@@ -197,11 +197,11 @@ bool NearCorner(const OutlineSpline& loop, double t) {
   });
 }
 
-using Bins = std::map<std::pair<int, long>, Condition>;
+using Bins = std::map<long, Condition>;
 
-void Keep(Bins& bins, int loop, int kind, const Condition& condition) {
+void Keep(Bins& bins, int kind, const Condition& condition) {
   const long bin = std::lround(condition.t / kBin) * 8 + kind;
-  const auto [place, fresh] = bins.emplace(std::pair(loop, bin), condition);
+  const auto [place, fresh] = bins.emplace(bin, condition);
   if (!fresh && place->second.least < condition.least) place->second = condition;
 }
 
@@ -244,7 +244,7 @@ void EnforceContainment(const Eigen::Matrix2Xd& points,
         continue;
       if (movable[foot.loop] == 0 || loops[foot.loop].IsStraight(foot.t)) continue;
       worst = std::max(worst, foot.outside + kMargin);
-      Keep(bins[foot.loop], foot.loop, 0, {foot.t, foot.outward, foot.outside + kMargin});
+      Keep(bins[foot.loop], 0, {foot.t, foot.outward, foot.outside + kMargin});
     }
     for (size_t l = 0; l < loops.size(); ++l) {
       if (movable[l] == 0) continue;
@@ -257,7 +257,6 @@ void EnforceContainment(const Eigen::Matrix2Xd& points,
             const double margin = NearCorner(loops[l], vertex.t) ? -kMargin : kMargin;
             worst = std::max(worst, beyond + margin);
             Keep(bins[l],
-                 static_cast<int>(l),
                  1 + 2 * axis + (sign > 0),
                  {vertex.t, -sign * Eigen::Vector2d::Unit(axis), beyond + margin});
           }

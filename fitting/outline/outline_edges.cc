@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "batten/geometry/bounding_box.h"
 #include "fitting/core/rounding.h"
+#include "geometry/editing/loop_nesting.h"
 
 namespace batten::internal {
 namespace {
@@ -86,7 +88,7 @@ bool FillsRectangle(const OutlineLoop& outer,
   const Eigen::Array2d inner = (sides.array() - 4 * kDeepest).max(0.0);
   return (low.array() <= 2 * kDeepest).all() &&
          (high.array() >= sides.array() - 2 * kDeepest).all() &&
-         SignedArea(PolygonOf(outer)) >= inner.prod();
+         PolygonArea(PolygonOf(outer)) >= inner.prod();
 }
 
 void PutOnEdges(OutlineLoop& loop,
@@ -212,26 +214,17 @@ bool MatchSeams(std::vector<OutlineSpline>& splines,
 
 namespace {
 
-// The greatest value of `sign` times a coordinate over a span.
-double Greatest(const OutlineSpline& spline, int span, int axis, int sign) {
-  constexpr int kSamples = 24, kHalvings = 40;
-  const auto value = [&](double t) { return sign * spline.At(t)[axis]; };
-  const auto& knots = spline.basis.knots();
-  const double begin = knots[span], end = knots[span + 1], step = (end - begin) / kSamples;
-  int best = 0;
-  for (int k = 1; k <= kSamples; ++k)
-    if (value(std::min(end, begin + step * k)) > value(begin + step * best)) best = k;
-  double low = std::max(begin, begin + step * (best - 1));
-  double high = std::min(end, begin + step * (best + 1));
-  const double greatest = value(std::min(end, begin + step * best));
-  for (int halving = 0; halving < kHalvings; ++halving) {
-    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    (value(a) < value(b) ? low : high) = value(a) < value(b) ? a : b;
-  }
-  return std::max(greatest, value(low));
+// The box of one span, by the control points that make it.
+Eigen::AlignedBox2d BoxOf(const OutlineSpline& spline, int span) {
+  const int p = spline.basis.degree(), first = span - p;
+  const auto knots = spline.basis.knots().begin() + first;
+  Eigen::Matrix2Xd points(2, p + 1);
+  for (int i = 0; i <= p; ++i) points.col(i) = spline.points.col(spline.unknown[first + i]);
+  return BoundingBox(NurbsCurve<2>(SplineBasis(p, {knots, knots + 2 * p + 2}), std::move(points)));
 }
 
-// The same of all spans that may exceed the limit: a span lies in its control points' hull.
+// The greatest value of `sign` times a coordinate over all spans that may exceed the limit: a span
+// lies in its control points' hull.
 double GreatestBeyond(const OutlineSpline& spline, int axis, int sign, double limit) {
   double greatest = -std::numeric_limits<double>::infinity();
   for (const int span : spline.basis.Spans()) {
@@ -240,7 +233,9 @@ double GreatestBeyond(const OutlineSpline& spline, int axis, int sign, double li
     };
     bool inside = true;
     for (int i = span - spline.basis.degree(); i <= span; ++i) inside = inside && !beyond(i);
-    if (!inside) greatest = std::max(greatest, Greatest(spline, span, axis, sign));
+    if (inside) continue;
+    const Eigen::AlignedBox2d box = BoxOf(spline, span);
+    greatest = std::max(greatest, sign > 0 ? box.max()[axis] : -box.min()[axis]);
   }
   return greatest;
 }
@@ -253,9 +248,9 @@ void ClampSpans(OutlineSpline& spline, int axis, double side, double trifle) {
       const double x = spline.points(axis, spline.unknown[i]);
       inside = inside && x >= 0 && x <= side;
     }
-    if (inside || (-Greatest(spline, span, axis, -1) >= -trifle &&
-                   Greatest(spline, span, axis, 1) <= side + trifle))
-      continue;
+    if (inside) continue;
+    const Eigen::AlignedBox2d box = BoxOf(spline, span);
+    if (box.min()[axis] >= -trifle && box.max()[axis] <= side + trifle) continue;
     for (int i = span - spline.basis.degree(); i <= span; ++i) {
       double& x = spline.points(axis, spline.unknown[i]);
       x = std::clamp(x, 0.0, side);

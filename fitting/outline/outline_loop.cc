@@ -215,16 +215,6 @@ void PinToBorder(OutlineLoop& loop, const OutlinePin& pin) {
   loop = std::move(result);
 }
 
-double SignedArea(const Eigen::Matrix2Xd& polygon) {
-  double twice = 0;
-  const Eigen::Vector2d origin = polygon.col(0);
-  for (Index i = 1; i + 1 < polygon.cols(); ++i) {
-    const Eigen::Vector2d a = polygon.col(i) - origin, b = polygon.col(i + 1) - origin;
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
 Eigen::Matrix2Xd PolygonOf(const OutlineLoop& loop) {
   Eigen::Matrix2Xd polygon(2, static_cast<Index>(loop.size()));
   for (size_t i = 0; i < loop.size(); ++i) polygon.col(static_cast<Index>(i)) = loop[i].place;

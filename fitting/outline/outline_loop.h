@@ -43,7 +43,6 @@ struct OutlinePin {
 // Stretches along cuts stay.
 void PinToBorder(OutlineLoop& loop, const OutlinePin& pin);
 
-double SignedArea(const Eigen::Matrix2Xd& polygon);   // positive: counter-clockwise
 Eigen::Matrix2Xd PolygonOf(const OutlineLoop& loop);  // of the places
 
 // Clips a region to the half plane n·x ≥ c, n = ±e_axis, with new corners where its borders cross

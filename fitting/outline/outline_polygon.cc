@@ -2,7 +2,6 @@
 #include "fitting/outline/outline_polygon.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -37,11 +36,7 @@ std::vector<OutlinePolygon::Vertex> VerticesOf(const OutlineSpline& loop, double
         static_cast<int>(std::clamp<double>(std::ceil(sides), kFewestPolygonCorners, kMost));
     for (int k = 0; k < count; ++k) {
       const double t = begin + length * k / count;
-      std::array<double, 4> values;  // of a cubic
-      loop.basis.Values(span, t, values.data());
-      Eigen::Vector2d place = Eigen::Vector2d::Zero();
-      for (int r = 0; r <= p; ++r) place += values[r] * loop.points.col(loop.unknown[span - p + r]);
-      vertices.push_back({t, place});
+      vertices.push_back({t, loop.At(t)});
     }
   }
   vertices.push_back({loop.basis.upper(), vertices.front().place});

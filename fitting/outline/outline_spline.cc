@@ -203,6 +203,12 @@ std::vector<OutlineSample> WithStraightEnds(const Eigen::Vector2d& start,
 
 constexpr size_t kFewestSplineSpans = 3;  // samples; with fewer a straight line is used
 
+// An open cubic spline between two places.
+struct OutlinePiece {
+  std::vector<double> breaks;  // from 0 on
+  Eigen::Matrix2Xd points;
+};
+
 OutlinePiece StraightPiece(const Eigen::Vector2d& start, const Eigen::Vector2d& end) {
   OutlinePiece piece{{0, std::max((end - start).norm(), 1e-6)},
                      Eigen::Matrix2Xd(2, kOutlineDegree + 1)};
@@ -220,8 +226,7 @@ OutlineSpline Closed(const OutlineLoop& loop, double noise) {
   return spline;
 }
 
-}  // namespace
-
+// Fitted to the samples of a piece.
 OutlinePiece SmoothedPiece(const Eigen::Vector2d& start,
                            const std::vector<OutlineSample>& samples,
                            const Eigen::Vector2d& end,
@@ -233,6 +238,8 @@ OutlinePiece SmoothedPiece(const Eigen::Vector2d& start,
     piece.breaks.push_back(fit.basis.knots()[i]);
   return piece;
 }
+
+}  // namespace
 
 OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise) {
   const auto first = static_cast<size_t>(

@@ -35,14 +35,4 @@ struct OutlineSpline {
 // `noise` (in spacings) is not followed. O(length · log(control points)).
 OutlineSpline SmoothedOutline(const OutlineLoop& loop, double noise);
 
-// An open cubic spline between two places, fitted to the samples of a piece.
-struct OutlinePiece {
-  std::vector<double> breaks;  // from 0 on
-  Eigen::Matrix2Xd points;
-};
-OutlinePiece SmoothedPiece(const Eigen::Vector2d& start,
-                           const std::vector<OutlineSample>& samples,
-                           const Eigen::Vector2d& end,
-                           double noise);
-
 }  // namespace batten::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fitting/outline/outline_loop.h"
+#include "geometry/editing/loop_nesting.h"
 
 namespace batten::internal {
 namespace {
@@ -54,7 +54,7 @@ void Repeat(int axis, double period, Places& places) {
 }  // namespace
 
 double AreaInSpace(const Eigen::Matrix2Xd& polygon, const OutlineOptions& options) {
-  if (!options.stretch_u) return SignedArea(polygon);
+  if (!options.stretch_u) return PolygonArea(polygon);
   double sum = 0;
   for (Eigen::Index i = 0, n = polygon.cols(); i < n; ++i) {
     const Eigen::Vector2d a = polygon.col(i), b = polygon.col((i + 1) % n), middle = (a + b) / 2;

@@ -3,13 +3,13 @@
 
 #include <cmath>
 
+#include "fitting/core/shared_constants.h"
 #include "fitting/parameterization/parameter_settling.h"
 #include "fitting/parameterization/parameter_smoothing.h"
 
 namespace batten::internal {
 namespace {
 
-constexpr double kAtNoise = 1.5;          // times the noise
 constexpr double kHopeless = 1.13;        // ratio of scores by a few grids
 constexpr double kManyMore = 3;           // ratio of control points
 constexpr double kAsGood = 1.01;          // score ratio, with clearly fewer control points
@@ -85,11 +85,11 @@ void BaseComparison::Smooth(ScoredBase& scored) {
   const bool all_reached = (CountedOf(made) == made.reached).all();
   const BaseScore::Value before =
       all_reached ? *scored.as_laid : score().Of(made.base, made.reached);
-  const Settled settled =
+  const std::optional<BaseScore::Value> smoothed =
       SmoothParameters(made.base, input_.cloud, made.reached, score(), before, input_.pool);
-  if (settled.any) made.base.why += "; parameters settled on a coarse surface";
+  if (smoothed) made.base.why += "; parameters settled on a coarse surface";
   scored.value.reset();
-  if (all_reached) scored.value = settled.value;
+  if (all_reached) scored.value = smoothed.value_or(before);
 }
 
 }  // namespace batten::internal

@@ -69,18 +69,15 @@ BaseScore::Value BaseScore::AtMost(const Parameterization& base,
                                    const PointMask& reached,
                                    const Value& near,
                                    double most_control_points) const {
-  constexpr double kPointsPerControlPoint = 3;
   constexpr int kMostSteps = 4;
   const FittingProblem problem = ProblemOf(base, reached);
-  const int degree_u = problem.basis_u().degree(), degree_v = problem.basis_v().degree();
-  const int least_u = LeastCells(problem.basis_u(), degree_u),
-            least_v = LeastCells(problem.basis_v(), degree_v);
+  const int least_u = LeastCells(problem.basis_u(), problem.basis_u().degree()),
+            least_v = LeastCells(problem.basis_v(), problem.basis_v().degree());
   const auto count = static_cast<double>(problem.size());
   const auto score = [&](double cells_u, double cells_v) {
     const FittingProblem own =
-        problem.WithBases(FittingBasisLike(problem.basis_u(), degree_u, Rounded(cells_u, least_u)),
-                          FittingBasisLike(problem.basis_v(), degree_v, Rounded(cells_v, least_v)));
-    if (own.unknowns() > std::min(most_control_points, count / kPointsPerControlPoint))
+        OverCells(problem, Rounded(cells_u, least_u), Rounded(cells_v, least_v));
+    if (own.unknowns() > std::min(most_control_points, count / kLeastPointsPerControlPoint))
       return HUGE_VAL;
     const double freedom = count - kFreedomFactor * own.unknowns();
     return SolveLinear(own, pool_).residual_squares / (freedom * freedom);
@@ -113,9 +110,7 @@ BaseScore::Value BaseScore::At(const Parameterization& base,
                                const FittingProblem& problem,
                                int cells_u,
                                int cells_v) const {
-  const FittingProblem chosen =
-      problem.WithBases(FittingBasisLike(problem.basis_u(), problem.basis_u().degree(), cells_u),
-                        FittingBasisLike(problem.basis_v(), problem.basis_v().degree(), cells_v));
+  const FittingProblem chosen = OverCells(problem, cells_u, cells_v);
   const Eigen::VectorXd residuals =
       base.Residuals(chosen, SolveLinear(chosen, pool_).coefficients, pool_);
   // Residuals are clipped, since a few outliers may be left; small ones against the spacing are

@@ -37,7 +37,7 @@ bool AsksToClose(const SurfaceFitOptions& options) {
 bool MayBeWing(const SurfaceFitOptions& options, const PlaneBase& plane) {
   const bool closed = options.base == BaseShape::kAuto && plane.overlap > kOverlapToWarn;
   return (closed || options.base == BaseShape::kWing) && options.closed == Closing::kAuto &&
-         options.boundary.empty() && !options.meet && !options.domain && !options.symmetric;
+         SidesAreFree(options);
 }
 
 // The candidates in the order they are tried: the simplest first.
@@ -260,12 +260,8 @@ ParameterizationChoice ChooseBase(const PointCloud& cloud,
                                   const SurfaceFitOptions& options,
                                   ThreadPool& pool) {
   const BaseInput input(cloud, index, statistics, options, pool);
-  const PlaneBase plane = FindPlaneBase(input.inliers(),
-                                        input.index(),
-                                        statistics.spacing,
-                                        input.margin(),
-                                        {.seed = options.seed},
-                                        pool);
+  const PlaneBase plane = FindPlaneBase(
+      input.inliers(), input.index(), statistics.spacing, input.margin(), options.seed, pool);
   RefuseParts(input, plane);
   BaseContest contest(input);
   for (const BaseMethod& candidate : CandidatesFor(input, plane)) contest.Try(candidate);

@@ -10,6 +10,7 @@
 #include "fitting/parameterization/empty_area_fraction.h"
 #include "fitting/revolution/revolution_base.h"
 #include "fitting/revolution/revolution_shape.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
@@ -41,8 +42,8 @@ class RoundShape {
     if (!samples_) {
       const double noise = input_.statistics.noise;
       const PoissonDiskSamples* nodes = flattening_->nodes();
-      samples_ = nodes ? RevolutionSamplesOf(*nodes, noise, {})
-                       : SampleRevolution(input_.inliers(), input_.index(), noise, {}, input_.pool);
+      samples_ = nodes ? RevolutionSamplesOf(*nodes, noise)
+                       : SampleRevolution(input_.inliers(), input_.index(), noise, input_.pool);
       Report(input_.options.progress, "parameterize", 0.6);
     }
     return *samples_;
@@ -50,7 +51,7 @@ class RoundShape {
 
   const RevolutionEstimate& estimate() {
     if (!estimate_) {
-      estimate_ = FindRevolution(samples(), std::nullopt, input_.pool);
+      estimate_ = FindRevolution(samples(), input_.pool);
       Report(input_.options.progress, "parameterize", 0.7);
     }
     return *estimate_;
@@ -63,9 +64,7 @@ class RoundShape {
   std::optional<RevolutionEstimate> estimate_;
 };
 
-using RoundFit = RevolutionParameterization (*)(const RoundCloud&,
-                                                const RevolutionParameterizationOptions&,
-                                                ThreadPool&);
+using RoundFit = RevolutionParameterization (*)(const RoundCloud&, ThreadPool&);
 
 BaseAttempt OverRound(const BaseInput& input,
                       RoundShape& shape,
@@ -82,7 +81,6 @@ BaseAttempt OverRound(const BaseInput& input,
                                           statistics.noise,
                                           input.margin(),
                                           needs_axis ? &shape.estimate() : nullptr},
-                                         {},
                                          input.pool);
   if (!round.ok()) return Failure(std::move(round.failure_reason));
   const PointMask all = PointMask::Constant(round.parameters.cols(), true);
@@ -112,18 +110,17 @@ BaseAttempt OverRound(const BaseInput& input,
 }
 
 BaseAttempt OverTube(const BaseInput& input) {
-  TubeBase tube = FlattenTube(input.inliers(),
-                              input.index(),
-                              input.statistics.spacing,
-                              input.statistics.noise,
-                              input.margin(),
-                              {},
-                              input.pool,
-                              input.options.progress);
+  FlattenedBase tube = FlattenTube(input.inliers(),
+                                   input.index(),
+                                   input.statistics.spacing,
+                                   input.statistics.noise,
+                                   input.margin(),
+                                   input.pool,
+                                   input.options.progress);
   if (!tube.ok()) return Failure(std::move(tube.failure_reason));
   Parameterization base;
   base.name = "sheet";
-  base.why = std::move(tube.why);
+  base.why = "closed round with two open ends, lengths change by " + Percent(tube.distortion);
   base.shape = "a smooth tube";
   base.parameters = std::move(tube.parameters);
   base.length_u = tube.length_u;

@@ -10,6 +10,7 @@
 #include "batten/fitting/point_mask.h"
 #include "fitting/neighbours/signed_sets.h"
 #include "fitting/parameterization/empty_area_fraction.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -111,8 +112,7 @@ bool ClearlyHangTogether(const Eigen::Matrix3Xd& plan) {
 double DetachedFraction(const Eigen::Matrix2Xd& places, std::uint64_t seed) {
   const std::vector<Eigen::Index> sample = SampleIndices(places.cols(), kComponentSample, seed);
   if (std::ssize(sample) <= kNeighbours) return 0;
-  Eigen::Matrix3Xd plan = Eigen::Matrix3Xd::Zero(3, std::ssize(sample));
-  plan.topRows<2>() = places(Eigen::all, sample);
+  Eigen::Matrix3Xd plan = PointsInSpace(places(Eigen::all, sample));
   if (ClearlyHangTogether(plan)) return 0;
   std::vector<Eigen::Index> points(sample.size(), 1);  // that a place stands for
   const auto all = static_cast<double>(sample.size());

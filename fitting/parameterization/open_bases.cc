@@ -10,6 +10,7 @@
 #include "fitting/core/rules.h"
 #include "fitting/flattening/rectangle_base.h"
 #include "fitting/parameterization/empty_area_fraction.h"
+#include "geometry/numeric/constants.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -70,7 +71,8 @@ BaseAttempt OverSheet(const BaseInput& input,
     failed.one_sided = !layout.found().orientation_consistent;
     return failed;
   }
-  SheetBase sheet = layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
+  FlattenedBase sheet =
+      layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
   Parameterization base;
   base.name = "sheet";
   base.shape = "a smooth sheet";
@@ -95,7 +97,7 @@ BaseAttempt OverRectangle(const BaseInput& input,
                           const RectangleLayout& layout,
                           const InlierSubset& some) {
   if (!layout.ok()) return Failure(layout.failure_reason());
-  RectangleParameters rectangle =
+  FlattenedBase rectangle =
       layout.Over(some ? input.inliers()(Eigen::all, *some).eval() : input.inliers());
   Parameterization base;
   base.name = "sheet";
@@ -109,12 +111,11 @@ BaseAttempt OverRectangle(const BaseInput& input,
   return Attempt(input, some, std::move(base), rectangle.reached);
 }
 
-// A map onto the rectangle makes sides of the sheet's own.
+}  // namespace
+
 bool SidesAreFree(const SurfaceFitOptions& options) {
   return options.boundary.empty() && !options.meet && !options.domain && !options.symmetric;
 }
-
-}  // namespace
 
 BaseMethod PlaneCandidate(const BaseInput& input, const PlaneBase& plane) {
   return {"plane", [&input, &plane](const InlierSubset&) { return OverPlane(input, plane); }};
@@ -127,7 +128,6 @@ SheetLayout& SheetFlattening::layout() {
                     input_.statistics.spacing,
                     input_.statistics.noise,
                     input_.margin(),
-                    SheetBaseOptions{},
                     input_.pool,
                     input_.options.progress);
   }
@@ -137,25 +137,19 @@ SheetLayout& SheetFlattening::layout() {
 std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening) {
-  BaseMethod first{.name = "sheet",
-                   .make =
-                       [&input, &plane, flattening](const InlierSubset& some) {
-                         return OverSheet(input, plane, flattening->layout(), some);
-                       },
-                   .smooth = true};
-  BaseMethod torn = first;
-  torn.make = [&input, &plane, flattening](const InlierSubset& some) {
-    if (flattening->layout().found().distortion > kTorn) flattening->layout().LookCloser();
-    return OverSheet(input, plane, flattening->layout(), some);
+  // Looks closer first where the first attempt changes lengths by more than `distortion`.
+  const auto closer_beyond = [&](double distortion, bool last_resort) -> BaseMethod {
+    return {.name = "sheet",
+            .make =
+                [&input, &plane, flattening, distortion](const InlierSubset& some) {
+                  SheetLayout& layout = flattening->layout();
+                  if (layout.found().distortion > distortion) layout.LookCloser();
+                  return OverSheet(input, plane, layout, some);
+                },
+            .smooth = true,
+            .last_resort = last_resort};
   };
-  torn.last_resort = true;
-  BaseMethod closer = first;
-  closer.make = [&input, &plane, flattening](const InlierSubset& some) {
-    flattening->layout().LookCloser();
-    return OverSheet(input, plane, flattening->layout(), some);
-  };
-  closer.last_resort = true;
-  return {std::move(first), std::move(torn), std::move(closer)};
+  return {closer_beyond(kInfinity, false), closer_beyond(kTorn, true), closer_beyond(-1, true)};
 }
 
 BaseMethod RectangleCandidate(const BaseInput& input) {

@@ -38,6 +38,9 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);
 
+// Whether a map onto a rectangle may make sides of the sheet's own.
+bool SidesAreFree(const SurfaceFitOptions& options);
+
 // The sheet mapped onto a rectangle where it runs in space, if it has four corners: where the plane
 // is steep or lengths change over the flattened sheet, or neither predicts points to the noise.
 BaseMethod RectangleCandidate(const BaseInput& input);

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "batten/fitting/distances.h"
 #include "batten/fitting/fitting_problem.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/fitting/statistics.h"
@@ -18,6 +17,7 @@
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
 #include "fitting/parameterization/base_score.h"
+#include "fitting/parameterization/parameter_smoothing.h"
 
 namespace batten::internal {
 namespace {
@@ -56,6 +56,8 @@ struct Net {
   FittingProblem problem;  // at the foot points
   Eigen::MatrixXd control_points;
   double score;  // generalised cross-validation of the distances
+
+  NurbsSurface Surface() const { return {problem.basis_u(), problem.basis_v(), control_points}; }
 };
 
 class Settler {
@@ -87,7 +89,7 @@ class Settler {
   // The net of so many cells near the problem's points after at most so many joint steps; none
   // where points are too few for it.
   std::optional<Net> At(const FittingProblem& at, int cells_u, int cells_v, int steps) const {
-    const FittingProblem problem = Over(at, cells_u, cells_v);
+    const FittingProblem problem = OverCells(at, cells_u, cells_v);
     const auto count = static_cast<double>(problem.size());
     if (problem.unknowns() * kPointsPerUnknown > count) return std::nullopt;
     JointOptions joint;
@@ -104,20 +106,15 @@ class Settler {
   }
 
  private:
-  FittingProblem Over(const FittingProblem& at, int cells_u, int cells_v) const {
-    return at.WithBases(FittingBasisLike(start_.basis_u(), kProbeDegree, cells_u),
-                        FittingBasisLike(start_.basis_v(), kProbeDegree, cells_v));
-  }
-
   // Grows a net of linear fits in the direction that pays more until it is near enough.
   std::pair<int, int> FirstCells(double near) const {
     const auto misfit = [&](int cells_u, int cells_v) {
-      return SolveLinear(Over(start_, cells_u, cells_v), pool_).residual_squares;
+      return SolveLinear(OverCells(start_, cells_u, cells_v), pool_).residual_squares;
     };
     const double enough = near * near * static_cast<double>(start_.size());
     int cells_u = 1, cells_v = 1;
     double least = misfit(1, 1);
-    while (least > enough && Over(start_, cells_u, cells_v).unknowns() * kPointsPerUnknown <
+    while (least > enough && OverCells(start_, cells_u, cells_v).unknowns() * kPointsPerUnknown <
                                  static_cast<double>(start_.size())) {
       const double by_u = misfit(Finer(cells_u), cells_v), by_v = misfit(cells_u, Finer(cells_v));
       const double worth_u = std::log(least / by_u) / std::log(Share(cells_u)),
@@ -147,18 +144,6 @@ PointMask SomeUnder(const PointMask& mask, Eigen::Index most) {
   PointMask some = PointMask::Constant(mask.size(), false);
   some(IndicesOf(mask, most)).setConstant(true);
   return some;
-}
-
-void MoveToFeet(const Net& net,
-                const std::vector<Eigen::Index>& all,
-                const PointCloud& points,
-                Parameterization& base,
-                ThreadPool& pool) {
-  const NurbsSurface surface(net.problem.basis_u(), net.problem.basis_v(), net.control_points);
-  base.parameters(Eigen::all, all) =
-      DistancesFrom(
-          surface, points.points()(Eigen::all, all), base.parameters(Eigen::all, all), pool)
-          .parameters;
 }
 
 // The least and the largest parameter d of the points where the other one is at places
@@ -252,7 +237,7 @@ bool SettleParameters(Parameterization& base,
   const std::optional<Net> net =
       Settler(problem_of(few), pool).Run(std::min(base.length_u, base.length_v));
   if (!net) return false;
-  MoveToFeet(*net, all, points, settled, pool);
+  MoveToFeet(net->Surface(), points, all, settled, pool);
   // The rectangle now ends at the points, and a net over it brings them all to rest.
   const Eigen::Matrix2Xd feet = settled.parameters(Eigen::all, all);
   const Eigen::Vector2d low = feet.rowwise().minCoeff().array() - margin,
@@ -267,7 +252,7 @@ bool SettleParameters(Parameterization& base,
     const std::optional<Net> last =
         Settler(whole, pool).At(whole, net->cells_u, net->cells_v, kLastSteps);
     if (!last) return false;
-    MoveToFeet(*last, all, points, settled, pool);
+    MoveToFeet(last->Surface(), points, all, settled, pool);
     if (!settled.parameters.allFinite()) return false;
   }
   base = std::move(settled);

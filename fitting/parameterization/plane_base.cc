@@ -280,16 +280,7 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         const NeighbourIndex& index,
                         double spacing,
                         double margin,
-                        const PlaneBaseOptions& options) {
-  ThreadPool one(1);
-  return FindPlaneBase(points, index, spacing, margin, options, one);
-}
-
-PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
-                        const NeighbourIndex& index,
-                        double spacing,
-                        double margin,
-                        const PlaneBaseOptions& options,
+                        std::uint64_t seed,
                         ThreadPool& pool) {
   if (points.cols() < 3) throw RefusedData("a surface needs at least 3 different points");
   const Eigen::Vector3d mean = points.rowwise().mean();
@@ -305,8 +296,8 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
     throw RefusedData("all points lie on a line: a surface needs points in two directions");
   }
 
-  const std::vector<Eigen::Index> samples =
-      SampleIndices(points.cols(), options.samples, options.seed);
+  constexpr Eigen::Index kSamples = 4000;  // points at which normals are estimated
+  const std::vector<Eigen::Index> samples = SampleIndices(points.cols(), kSamples, seed);
   const Eigen::Matrix3Xd places = points(Eigen::all, samples);
   Eigen::Matrix3Xd normals = NormalsAt(places, points, index, points.cols() < 200 ? 12 : 30, pool);
   if (points.cols() < 12) {

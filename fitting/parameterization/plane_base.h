@@ -26,11 +26,6 @@ struct PlaneBase {
   }
 };
 
-struct PlaneBaseOptions {
-  int samples = 4000;      // points at which normals are estimated
-  std::uint64_t seed = 1;  // of their random choice
-};
-
 // Finds the plane to which the sheet is least steep, or that of the lattice over which the points
 // are heights (AxisOfLatticeHeights). Its normal is the axis of the smallest cone
 // that holds (all but a few of) the sheet's normals; a coordinate axis is preferred where it serves
@@ -41,19 +36,13 @@ struct PlaneBaseOptions {
 // them, the first choice is kept and `overlap` reports it. The rectangle is the minimum-area one by
 // rotating calipers [Freeman & Shapira 1975], or the axis-parallel one where that is nearly as
 // small, widened by `margin` on every side. Throws std::invalid_argument if the points are fewer
-// than three or lie on a line.
+// than three or lie on a line. `seed` chooses the points at which normals are estimated. Bit for
+// bit the same for every number of threads.
 PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
                         const NeighbourIndex& index,
                         double spacing,
                         double margin,
-                        const PlaneBaseOptions& options = {});
-
-// Runs on several threads; the result is bit for bit the same.
-PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
-                        const NeighbourIndex& index,
-                        double spacing,
-                        double margin,
-                        const PlaneBaseOptions& options,
+                        std::uint64_t seed,
                         ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -38,12 +38,9 @@ Poles PolesByData(const Parameterization& base,
                   const BaseScore::Value& grid,
                   ThreadPool& pool) {
   Poles poles = base.poles;
-  if (!poles.any()) return poles;
   const FittingProblem one_cell =
       base.ProblemOf(points, mask, kProbeDegree, kProbeDegree, kSurfaceSmoothing);
-  const FittingProblem problem =
-      one_cell.WithBases(FittingBasisLike(one_cell.basis_u(), kProbeDegree, grid.cells_u),
-                         FittingBasisLike(one_cell.basis_v(), kProbeDegree, grid.cells_v));
+  const FittingProblem problem = OverCells(one_cell, grid.cells_u, grid.cells_v);
   const double smooth = SolveLinear(problem, pool).residual_squares;
   for (const bool start : {true, false}) {
     PoleKind& kind = start ? poles.start : poles.end;

@@ -10,17 +10,6 @@
 namespace batten::internal {
 namespace {
 
-// Distances from an axis and heights along it.
-Eigen::Matrix2Xd MeridianOf(const Eigen::Matrix3Xd& points, const Axis& axis) {
-  Eigen::Matrix2Xd meridian(2, points.cols());
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    const Eigen::Vector3d from = points.col(k) - axis.point;
-    const double height = from.dot(axis.direction);
-    meridian.col(k) << (from - height * axis.direction).norm(), height;
-  }
-  return meridian;
-}
-
 // The surface in contact form at (distance, height) of the meridian, its normal turned by `slope`.
 FittedSurface Turned(SurfaceKind kind,
                      const Axis& axis,
@@ -40,6 +29,16 @@ FittedSurface Turned(SurfaceKind kind,
 }
 
 }  // namespace
+
+Eigen::Matrix2Xd MeridianOf(const Eigen::Matrix3Xd& points, const Axis& axis) {
+  Eigen::Matrix2Xd meridian(2, points.cols());
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const Eigen::Vector3d from = points.col(k) - axis.point;
+    const double height = from.dot(axis.direction);
+    meridian.col(k) << (from - height * axis.direction).norm(), height;
+  }
+  return meridian;
+}
 
 FittedSurface AlgebraicSphereFit(const Eigen::Matrix3Xd& points) {
   const Eigen::Vector3d centroid = points.rowwise().mean();

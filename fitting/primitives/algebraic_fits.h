@@ -17,6 +17,9 @@ struct Axis {
   Eigen::Vector3d point, direction;
 };
 
+// Distances of points from an axis, and heights along it.
+Eigen::Matrix2Xd MeridianOf(const Eigen::Matrix3Xd& points, const Axis& axis);
+
 // The circle or sphere A(|x|² − mean) + b·x = 0 about the centroid of points with the least
 // Σ w F² over Σ w |∇F|². [Taubin 1991]
 template <int Dim>

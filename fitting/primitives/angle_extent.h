@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The angular range that points cover on a circle, and the outermost points of a set in the plane,
-// in linear time.
+// The angular range that points cover on a circle.
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "batten/geometry/frame.h"
 
 namespace batten::internal {
 
-// Whether so many angles lie all round the circle: no gap between neighbours is above 60°, or the
-// widest is no more than 1.5 times the mean of the others: few points evenly spread.
-bool AllRound(double widest_gap, Eigen::Index count);
+// The widest gap between neighbours round the circle.
+struct AngleGap {
+  double width = 0, end = 0;  // no width where there are no angles
+};
 
-// The range that one angle or more cover: the full circle, from 0, where they lie all round it,
-// else everything but the widest gap.
-AngleRange AnglesCovered(const Eigen::VectorXd& angles);
+// Of angles in [−π, π], in linear time; gaps below a 4096th of the circle may be missed.
+AngleGap WidestGapOf(const std::vector<double>& angles);
 
-// The corners of the convex hull and few other points: points strictly inside the polygon of the
-// outermost points in some directions are dropped. [Akl & Toussaint 1978]
-std::vector<Eigen::Vector2d> OutermostOf(const Eigen::Matrix2Xd& points);
+// The range that one angle or more in [−π, π] cover: the full circle, from the first of them, where
+// they lie all round it, else everything but the widest gap.
+AngleRange ArcCovered(const std::vector<double>& angles);
+
+// The same with a start in [0, 2π); the full circle from 0.
+AngleRange AnglesCovered(const std::vector<double>& angles);
 
 }  // namespace batten::internal

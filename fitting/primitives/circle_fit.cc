@@ -52,7 +52,7 @@ NormalForm FormOf(const FittedCircle& circle,
                   const ShapeData& data,
                   const ShapeLoss& loss,
                   ThreadPool& pool) {
-  return SumOfBlocks<kCurveSumBlock>(
+  return SumOfBlocks<kSumBlock>(
       data.points.cols(),
       [&](Eigen::Index begin, Eigen::Index end) { return FormOf(circle, data, loss, begin, end); },
       pool);

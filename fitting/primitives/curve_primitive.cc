@@ -11,9 +11,13 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/geometry/make_curve.h"
 #include "fitting/core/shared_constants.h"
+#include "fitting/primitives/angle_extent.h"
 #include "fitting/primitives/curve_accuracy.h"
 #include "fitting/primitives/shape_extent.h"
+#include "geometry/numeric/constants.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {
@@ -133,7 +137,13 @@ void CurvePrimitive::Choose() {
     why_ = data_.points.cols() < FittedCircle::kSample ? "two points determine no more"
                                                        : "the points are on one line, to rounding";
   } else {
-    const double evidence = Evidence(), threshold = Threshold();
+    // Twice the log-likelihood ratio of circle against line, for normal noise of unknown variance.
+    const double scale = circle_->scale, variance = scale * scale;
+    const double fall = std::max(0.0, CostOf(line_->shape, scale) - CostOf(circle_->shape, scale));
+    const double left = std::max(1.0, FreedomsLeftOf<FittedCircle>());
+    const double evidence = left * std::log1p(fall / (left * variance));
+    const int more = Freedoms<FittedCircle>() - Freedoms<FittedLine>();
+    const double threshold = 2 * more * std::log(Components()) * (1 + 2 / left);
     const bool bent = evidence > threshold;
     if (kind_ == PrimitiveKind::kCircle) {
       why_ = "asked for";
@@ -151,29 +161,20 @@ void CurvePrimitive::Choose() {
   }
 }
 
-// Twice the log-likelihood ratio of circle against line, for normal noise of unknown variance.
-double CurvePrimitive::Evidence() const {
-  const double scale = circle_->scale, variance = scale * scale;
-  const double fall = std::max(0.0, CostOf(line_->shape, scale) - CostOf(circle_->shape, scale));
-  const double left = std::max(1.0, FreedomsLeftOf<FittedCircle>());
-  return left * std::log1p(fall / (left * variance));
+const std::vector<Eigen::Index>& CurvePrimitive::Used() const {
+  return circle_ ? circle_->used : line_->used;
 }
 
-double CurvePrimitive::Threshold() const {
-  const int more = Freedoms<FittedCircle>() - Freedoms<FittedLine>();
-  const double left = std::max(1.0, FreedomsLeftOf<FittedCircle>());
-  return 2 * more * std::log(Components()) * (1 + 2 / left);
-}
-
-// The places of the points along a shape, in their order.
-template <typename Place>
-std::vector<double> CurvePrimitive::PlacesOf(const std::vector<Eigen::Index>& used,
-                                             Place place) const {
+// The places of the points along the shape, in their order; isolated ones do not count in robust
+// fits.
+std::vector<double> CurvePrimitive::Places() const {
   std::vector<double> places;
-  for (const Eigen::Index k : used) places.push_back(place(data_.points.col(k)));
-  if (places.size() < 2)
-    RefuseCurve("the loss leaves fewer than two points: its scale is too small");
-  return places;
+  for (const Eigen::Index k : Used()) {
+    const Eigen::Vector3d p = data_.points.col(k);
+    places.push_back(circle_ ? circle_->shape.AngleOf(p)
+                             : (p - line_->shape.point).dot(line_->shape.direction));
+  }
+  return robust() ? Supported(places, circle_ ? kTurn : HUGE_VAL) : places;
 }
 
 template <int Dim>
@@ -181,34 +182,39 @@ NurbsCurve<Dim> CurvePrimitive::LocalSegment() {
   FittedLine& line = line_->shape;
   const Eigen::Vector3d along = data_.points.rightCols<1>() - data_.points.col(0);
   if (along.dot(line.direction) < 0) line.direction = -line.direction;
-  std::vector<double> places = PlacesOf(
-      line_->used, [&](const Eigen::Vector3d& p) { return (p - line.point).dot(line.direction); });
-  if (robust()) places = Supported(places);
-  const Extent extent = ExtentOnLine(places);
-  if (!(extent.length > 0)) {
+  const std::vector<double> places = Places();
+  const auto [low, high] = std::minmax_element(places.begin(), places.end());
+  if (!(*high > *low)) {
     RefuseCurve("the points have one foot on their line: they do not say how long it is");
   }
   input_.report.input.spacing =
-      input_.unit * extent.length / static_cast<double>(places.size() - 1);
-  return SegmentOf<Dim>(line, extent);
+      input_.unit * (*high - *low) / static_cast<double>(places.size() - 1);
+  const auto at = [&](double place) {
+    return (line.point + place * line.direction).template head<Dim>().eval();
+  };
+  return MakeLine<Dim>(at(*low), at(*high));
 }
 
 template <int Dim>
 NurbsCurve<Dim> CurvePrimitive::LocalArc() {
   FittedCircle& circle = circle_->shape;
   if (Clockwise()) circle.tangent = -circle.tangent;
-  std::vector<double> places =
-      PlacesOf(circle_->used, [&](const Eigen::Vector3d& p) { return circle.AngleOf(p); });
-  if (robust()) places = SupportedAngles(places);
-  const Extent extent = ExtentOnCircle(places);
-  if (!(extent.length > 0)) {
+  const std::vector<double> places = Places();
+  const AngleRange extent = ArcCovered(places);
+  if (!(extent.sweep > 0)) {
     RefuseCurve("the points have one foot on their circle: they do not say how long its arc is");
   }
-  sweep_ = extent.length;
-  input_.report.geometry.closed = {extent.full};
-  const double steps = static_cast<double>(places.size() - (extent.full ? 0 : 1));
-  input_.report.input.spacing = input_.unit * extent.length / circle.curvature / steps;
-  return ArcOf<Dim>(circle, extent);
+  sweep_ = extent.sweep;
+  input_.report.geometry.closed = {extent.full()};
+  const double steps = static_cast<double>(places.size() - (extent.full() ? 0 : 1));
+  input_.report.input.spacing = input_.unit * extent.sweep / circle.curvature / steps;
+  // From the circle's point and not from its centre: flat arcs are exact to rounding of their own
+  // size.
+  return MakeFlatArc<Dim>(circle.point.template head<Dim>().eval(),
+                          circle.outward.template head<Dim>().eval(),
+                          circle.tangent.template head<Dim>().eval(),
+                          circle.curvature,
+                          extent);
 }
 
 // Whether the circle's axis must be reversed: in the plane it points up; in space the points, in
@@ -227,7 +233,7 @@ bool CurvePrimitive::Clockwise() const {
 
 double CurvePrimitive::Sigma() const {
   double squares = 0;
-  for (const Eigen::Index k : circle_ ? circle_->used : line_->used) {
+  for (const Eigen::Index k : Used()) {
     const Eigen::Vector3d p = data_.points.col(k);
     const double d = circle_ ? circle_->shape.Distance(p) : line_->shape.Distance(p);
     squares += data_.weights[k] * d * d;
@@ -236,29 +242,20 @@ double CurvePrimitive::Sigma() const {
 }
 
 double CurvePrimitive::FreedomsLeft() const {
-  const auto used = static_cast<double>(circle_ ? circle_->used.size() : line_->used.size());
-  const double components = used * (data_.plane ? 1 : 2);
+  const double components = static_cast<double>(Used().size()) * (data_.plane ? 1 : 2);
   return std::max(1.0, components - (circle_ ? Freedoms<FittedCircle>() : Freedoms<FittedLine>()));
 }
 
 double CurvePrimitive::Surprise() const {
   const double sigma = Sigma();
-  const auto count = static_cast<double>(circle_ ? circle_->used.size() : line_->used.size());
+  const auto count = static_cast<double>(Used().size());
+  const std::vector<double> places = Places();
   double length = 0;
   if (circle_) {
-    std::vector<double> angles;
-    for (const Eigen::Index k : circle_->used) {
-      angles.push_back(circle_->shape.AngleOf(data_.points.col(k)));
-    }
-    if (robust()) angles = SupportedAngles(angles);
-    length = ExtentOnCircle(angles).length / circle_->shape.curvature;
+    length = ArcCovered(places).sweep / circle_->shape.curvature;
   } else {
-    std::vector<double> places;
-    for (const Eigen::Index k : line_->used) {
-      places.push_back((data_.points.col(k) - line_->shape.point).dot(line_->shape.direction));
-    }
-    if (robust()) places = Supported(places);
-    length = ExtentOnLine(places).length;
+    const auto [low, high] = std::minmax_element(places.begin(), places.end());
+    length = *high - *low;
   }
   const double spread = std::log(2 * std::numbers::pi * std::numbers::e * sigma * sigma);
   const int freedoms = circle_ ? Freedoms<FittedCircle>() : Freedoms<FittedLine>();
@@ -271,16 +268,15 @@ double CurvePrimitive::Surprise() const {
 // included.
 template <int Dim>
 PrimitiveFit CurvePrimitive::Measure() {
+  if (Used().size() < 2)
+    RefuseCurve("the loss leaves fewer than two points: its scale is too small");
   input_.report.geometry.closed = {false};
   const double scale = circle_ ? circle_->scale : line_->scale;
   const NurbsCurve<Dim> curve = circle_ ? LocalArc<Dim>() : LocalSegment<Dim>();
   const Eigen::Matrix<double, Dim, 1> place = (input_.middle + input_.move).template head<Dim>();
   NurbsCurve<Dim> written(
       curve.basis(), (input_.unit * curve.control_points()).colwise() + place, curve.weights());
-  const NurbsCurve<Dim> measured(
-      written.basis(),
-      written.control_points().colwise() - input_.move.template head<Dim>().eval(),
-      written.weights());
+  const NurbsCurve<Dim> measured = Translated(written, -input_.move.template head<Dim>());
   const PointDistances found = DistancesTo<Dim>(measured, input_.points(), input_.pool);
   PrimitiveSummary summary = Summary(scale);
   const std::vector<Eigen::Index>& place_of = input_.merged.place;
@@ -305,7 +301,7 @@ PrimitiveFit CurvePrimitive::Measure() {
 // The points that do not count.
 PointMask CurvePrimitive::Forgotten() const {
   PointMask merged = PointMask::Constant(data_.points.cols(), true);
-  for (const Eigen::Index k : circle_ ? circle_->used : line_->used) merged[k] = false;
+  for (const Eigen::Index k : Used()) merged[k] = false;
   return merged(input_.merged.place);
 }
 

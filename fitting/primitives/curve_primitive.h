@@ -48,10 +48,8 @@ class CurvePrimitive {
   void SolveCircle();
   double CostOf(const auto& shape, double scale) const;
   void Choose();
-  double Evidence() const;
-  double Threshold() const;
-  template <typename Place>
-  std::vector<double> PlacesOf(const std::vector<Eigen::Index>& used, Place place) const;
+  const std::vector<Eigen::Index>& Used() const;
+  std::vector<double> Places() const;
   template <int Dim>
   NurbsCurve<Dim> LocalSegment();
   template <int Dim>

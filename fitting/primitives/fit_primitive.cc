@@ -19,24 +19,10 @@ namespace batten {
 using namespace internal;
 namespace {
 
+// Surfaces have the kinds from the plane on, in the same order.
 std::optional<SurfaceKind> SurfaceOf(PrimitiveKind kind) {
-  switch (kind) {
-    case PrimitiveKind::kPlane:
-      return SurfaceKind::kPlane;
-    case PrimitiveKind::kSphere:
-      return SurfaceKind::kSphere;
-    case PrimitiveKind::kCylinder:
-      return SurfaceKind::kCylinder;
-    case PrimitiveKind::kCone:
-      return SurfaceKind::kCone;
-    case PrimitiveKind::kTorus:
-      return SurfaceKind::kTorus;
-    case PrimitiveKind::kAuto:
-    case PrimitiveKind::kLine:
-    case PrimitiveKind::kCircle:
-      break;
-  }
-  return std::nullopt;
+  if (kind < PrimitiveKind::kPlane) return std::nullopt;
+  return static_cast<SurfaceKind>(static_cast<int>(kind) - static_cast<int>(PrimitiveKind::kPlane));
 }
 
 ShapeFitOptions ShapeOptions(const PrimitiveInput& input) {

@@ -62,7 +62,7 @@ ConeShape ConeOf(const FittedSurface& s, double scale, const Eigen::Vector3d& sh
   const double sine = std::sin(s.slope), cosine = std::cos(s.slope);
   const double up = cosine / (sine * s.axis_curvature);  // from beside the point to the apex
   const Eigen::Vector3d axis = s.Axis();
-  const Eigen::Vector3d apex = s.point - s.Outward() / s.axis_curvature + up * axis;
+  const Eigen::Vector3d apex = s.OnAxis() + up * axis;
   return {shift + scale * apex,
           up > 0 ? Eigen::Vector3d(-axis) : axis,
           std::atan2(std::abs(sine), std::abs(cosine))};
@@ -71,8 +71,7 @@ ConeShape ConeOf(const FittedSurface& s, double scale, const Eigen::Vector3d& sh
 TorusShape TorusOf(const FittedSurface& s, double scale, const Eigen::Vector3d& shift) {
   const double radius = 1 / s.curvature;
   const double over = 1 / s.axis_curvature - radius * std::cos(s.slope);
-  const Eigen::Vector3d center =
-      s.point - s.Outward() / s.axis_curvature - radius * std::sin(s.slope) * s.Axis();
+  const Eigen::Vector3d center = s.OnAxis() - radius * std::sin(s.slope) * s.Axis();
   return {shift + scale * center, s.Axis(), scale * std::abs(over), scale * std::abs(radius)};
 }
 

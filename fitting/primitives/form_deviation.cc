@@ -2,6 +2,7 @@
 #include "batten/fitting/form_deviation.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -123,17 +124,9 @@ std::optional<FormShape> ShapeOf(const PrimitiveFit& fit) {
 }
 
 const char* NameOf(FormShape::Kind kind) {
-  switch (kind) {
-    case FormShape::Kind::kPlane:
-      return "flatness";
-    case FormShape::Kind::kCircle:
-      return "roundness";
-    case FormShape::Kind::kSphere:
-      return "sphericity";
-    case FormShape::Kind::kCylinder:
-      return "cylindricity";
-  }
-  return "";
+  static constexpr std::array kNames{"flatness", "roundness", "sphericity", "cylindricity"};
+  static_assert(kNames.size() == static_cast<std::size_t>(FormShape::Kind::kCylinder) + 1);
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 // Chebyshev steps, each as far as it makes the zone narrower.

@@ -42,7 +42,7 @@ Moments MomentsOf(const FittedLine& line,
     }
     return part;
   };
-  return SumOfBlocks<kCurveSumBlock>(data.points.cols(), moments_of, pool);
+  return SumOfBlocks<kSumBlock>(data.points.cols(), moments_of, pool);
 }
 
 // The axis of least inertia.

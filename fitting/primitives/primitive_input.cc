@@ -38,18 +38,14 @@ PrimitiveInput::PrimitiveInput(const PointCloud& given, const PrimitiveFitOption
   merged = MergeDuplicates(cloud);
   summary.duplicates = merged.duplicates;
   summary.origin = cloud.origin();
-  Eigen::Vector3d low = points().col(0), high = low;
-  for (const auto& p : points().colwise()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const Eigen::Vector3d low = points().rowwise().minCoeff(), high = points().rowwise().maxCoeff();
   summary.box_min = cloud.origin() + low;
   summary.box_max = cloud.origin() + high;
   const double size = (high - low).maxCoeff();
   if (points().cols() > 1 && !(size > kLeastSize && size < 1 / kLeastSize)) {
     Refuse("the points' extent is not between 1e-100 and 1e100");
   }
-  unit = UnitOf((Eigen::Matrix<double, 3, 2>() << low, high).finished());
+  unit = UnitOf(points());
   middle = (low + high) / 2;
   move = cloud.origin() - options.shift;
   const double far = summary.box_min.cwiseAbs().cwiseMax(summary.box_max.cwiseAbs()).maxCoeff();

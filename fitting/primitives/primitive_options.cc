@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/primitive_options.h"
 
+#include <array>
 #include <cmath>
 
 #include "geometry/numeric/reject.h"
@@ -9,25 +10,10 @@ namespace batten {
 using namespace internal;
 
 const char* Name(PrimitiveKind kind) {
-  switch (kind) {
-    case PrimitiveKind::kAuto:
-      return "auto";
-    case PrimitiveKind::kLine:
-      return "line";
-    case PrimitiveKind::kCircle:
-      return "circle";
-    case PrimitiveKind::kPlane:
-      return "plane";
-    case PrimitiveKind::kSphere:
-      return "sphere";
-    case PrimitiveKind::kCylinder:
-      return "cylinder";
-    case PrimitiveKind::kCone:
-      return "cone";
-    case PrimitiveKind::kTorus:
-      return "torus";
-  }
-  return "";
+  static constexpr std::array kNames{
+      "auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"};
+  static_assert(kNames.size() == static_cast<std::size_t>(PrimitiveKind::kTorus) + 1);
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 void Check(const PrimitiveFitOptions& options) {

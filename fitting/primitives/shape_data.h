@@ -18,8 +18,6 @@ struct ShapeData {
 // Points that judge candidates for a shape.
 inline constexpr Eigen::Index kShapeJudges = 500;
 
-inline constexpr double kTruncatedTuning = 2.795;  // of Loss::kTruncated
-
 struct ShapeLoss {
   Loss loss = Loss::kNone;
   double scale = 1;  // > 0

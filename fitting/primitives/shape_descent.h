@@ -30,8 +30,8 @@ struct ShapeForm {
   }
 };
 
-// Points of a line or circle whose sums are one part.
-inline constexpr Eigen::Index kCurveSumBlock = 4096;
+// Points whose sums are one part.
+inline constexpr Eigen::Index kSumBlock = 8192;
 
 // Σ of what `part(begin, end)` gives of blocks of [0, count), in their order, so that it does not
 // depend on the number of threads.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -19,19 +20,14 @@ namespace batten::internal {
 namespace {
 
 std::vector<std::string> NamesOf(SurfaceKind kind) {
-  switch (kind) {
-    case SurfaceKind::kPlane:
-      return {"offset", "normal_x", "normal_y"};
-    case SurfaceKind::kSphere:
-      return {"center_x", "center_y", "center_z", "radius"};
-    case SurfaceKind::kCylinder:
-      return {"axis_x", "axis_y", "point_x", "point_y", "radius"};
-    case SurfaceKind::kCone:
-      return {"axis_x", "axis_y", "apex_x", "apex_y", "apex_z", "half_angle"};
-    case SurfaceKind::kTorus:
-      break;
-  }
-  return {"axis_x", "axis_y", "center_x", "center_y", "center_z", "major_radius", "minor_radius"};
+  static const std::array<std::vector<std::string>, kSurfaceKinds.size()> names{{
+      {"offset", "normal_x", "normal_y"},
+      {"center_x", "center_y", "center_z", "radius"},
+      {"axis_x", "axis_y", "point_x", "point_y", "radius"},
+      {"axis_x", "axis_y", "apex_x", "apex_y", "apex_z", "half_angle"},
+      {"axis_x", "axis_y", "center_x", "center_y", "center_z", "major_radius", "minor_radius"},
+  }};
+  return names[static_cast<std::size_t>(kind)];
 }
 
 // The frame in which the parameters are measured.
@@ -40,33 +36,25 @@ struct AxisFrame {
   Eigen::Vector3d middle;  // of the points, in the fitter's unit
 };
 
-Eigen::Vector3d DirectionOf(const FittedSurface& shape) {
-  return shape.kind == SurfaceKind::kPlane ? shape.normal : shape.Axis();
-}
-
 // A cone's distance along the axis from beside its point to the apex.
 double RiseOf(const FittedSurface& shape) {
   return std::cos(shape.slope) / (std::sin(shape.slope) * shape.axis_curvature);
 }
 
-Eigen::Vector3d OnAxis(const FittedSurface& shape) {
-  return shape.point - shape.Outward() / shape.axis_curvature;
-}
-
 Eigen::VectorXd ValuesOf(const FittedSurface& shape, const AxisFrame& frame) {
   Eigen::VectorXd values(FreedomsOf(shape.kind));
-  const Eigen::Vector3d direction = DirectionOf(shape);
+  const Eigen::Vector3d direction = shape.Direction();
   if (shape.kind == SurfaceKind::kPlane) {
     values << (shape.point - frame.middle).dot(direction), direction.dot(frame.x),
         direction.dot(frame.y);
     return values;
   }
   if (shape.kind == SurfaceKind::kSphere) {
-    values << shape.point - shape.normal / shape.curvature, 1 / std::abs(shape.curvature);
+    values << shape.Center(), 1 / std::abs(shape.curvature);
     return values;
   }
   values.head<2>() << direction.dot(frame.x), direction.dot(frame.y);
-  const Eigen::Vector3d on_axis = OnAxis(shape);
+  const Eigen::Vector3d on_axis = shape.OnAxis();
   if (shape.kind == SurfaceKind::kCylinder) {
     const Eigen::Vector3d beside =
         on_axis + (frame.middle - on_axis).dot(direction) * direction - frame.middle;
@@ -118,7 +106,7 @@ Eigen::MatrixXd DerivativesOf(const FittedSurface& shape, const AxisFrame& frame
     const Eigen::Vector3d d_on_axis = shift - d_outward / tau + outward * d_tau / (tau * tau);
     result.col(i).head<2>() << d_axis.dot(frame.x), d_axis.dot(frame.y);
     if (shape.kind == SurfaceKind::kCylinder) {
-      const Eigen::Vector3d from = frame.middle - OnAxis(shape);
+      const Eigen::Vector3d from = frame.middle - shape.OnAxis();
       const Eigen::Vector3d d_beside = d_on_axis + from.dot(axis) * d_axis;
       result.col(i).tail<3>() << d_beside.dot(frame.x), d_beside.dot(frame.y),
           -Sign(tau) * d_tau / (tau * tau);
@@ -155,8 +143,8 @@ Eigen::VectorXd ValuesOfAlternative(const FittedSurface& alternative,
       values[5] = alternative.kind == SurfaceKind::kPlane ? std::numbers::pi / 2 : 0;
     }
     if (kind != SurfaceKind::kCylinder && !across) {
-      values.head<2>() << DirectionOf(alternative).dot(frame.x),
-          DirectionOf(alternative).dot(frame.y);
+      values.head<2>() << alternative.Direction().dot(frame.x),
+          alternative.Direction().dot(frame.y);
     }
   }
   return values;
@@ -197,7 +185,7 @@ double SmallRadius(const FittedSurface& shape, const Eigen::Matrix3Xd& points) {
   }
   constexpr double kQuantile = 0.25;
   std::vector<double> radii;
-  const Eigen::Vector3d foot = OnAxis(shape), axis = shape.Axis();
+  const Eigen::Vector3d foot = shape.OnAxis(), axis = shape.Axis();
   for (const auto& p : points.colwise()) radii.push_back((p - foot).cross(axis).norm());
   return QuantileInPlace(radii, kQuantile);
 }
@@ -229,7 +217,7 @@ std::vector<std::string> WarningsOf(const ShapeEstimate& estimate, double reach)
   for (size_t i = 0; i < estimate.names.size(); ++i) {
     const std::string& name = estimate.names[i];
     const double value = estimate.values[static_cast<Eigen::Index>(i)];
-    const double deviation = estimate.deviations[static_cast<Eigen::Index>(i)];
+    const double deviation = estimate.standard_deviations[static_cast<Eigen::Index>(i)];
     if (name.starts_with("axis") || name.starts_with("normal")) {
       axis |= !(deviation <= kVagueAngle);
     } else if (name.starts_with("center") || name.starts_with("apex")) {
@@ -262,13 +250,6 @@ bool IsAngle(const std::string& name) {
 
 }  // namespace
 
-double ShapeEstimate::Deviation(const std::string& name) const {
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == name) return deviations[static_cast<Eigen::Index>(i)];
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 ShapeEstimate EstimateOf(const ShapeFit& fit,
                          ShapeFitter& fitter,
                          double rounding,
@@ -279,7 +260,7 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
   estimate.names = NamesOf(fit.kind);
   estimate.inflation = free.inflation;
   AxisFrame frame;
-  const Eigen::Vector3d direction = DirectionOf(fit.local);
+  const Eigen::Vector3d direction = fit.local.Direction();
   frame.x = SteadyAcross(direction);
   frame.y = direction.cross(frame.x);
   frame.middle = fitter.starts().centroid;
@@ -288,9 +269,9 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
   estimate.values = ValuesOf(fit.local, frame);
   const Eigen::MatrixXd by = DerivativesOf(fit.local, frame);
   estimate.covariance = by * free.covariance * by.transpose();
-  estimate.deviations = estimate.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  estimate.standard_deviations = estimate.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   for (Eigen::Index i = 0; i < estimate.values.size(); ++i) {
-    double& deviation = estimate.deviations[i];
+    double& deviation = estimate.standard_deviations[i];
     if (!std::isfinite(deviation)) {
       deviation = kInfinity;
       continue;
@@ -314,12 +295,12 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
     const double apart = std::clamp(std::sqrt(alternative.excess), 1.0, kThreeSigmas);
     for (Eigen::Index i = 0; i < other.size(); ++i) {
       const double change = std::abs(other[i] - estimate.values[i]) / apart;
-      estimate.deviations[i] = std::max(estimate.deviations[i], change);
+      estimate.standard_deviations[i] = std::max(estimate.standard_deviations[i], change);
     }
   }
   // A cylinder that may be a plane may have its axis in any direction of that plane.
-  if (fit.kind == SurfaceKind::kCylinder && !std::isfinite(estimate.deviations[4])) {
-    estimate.deviations.head<4>().setConstant(kInfinity);
+  if (fit.kind == SurfaceKind::kCylinder && !std::isfinite(estimate.standard_deviations[4])) {
+    estimate.standard_deviations.head<4>().setConstant(kInfinity);
   }
   // A plane's turn about its longest line is undetermined where the width across it is near the
   // noise.
@@ -330,14 +311,14 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
         data.inertia_axes.col(1).transpose() * (data.judges.points.colwise() - data.centroid);
     const double width = across.norm() / std::sqrt(static_cast<double>(across.size()));
     if (width < kDrowned * fit.sigma / fitter.unit()) {
-      estimate.deviations.tail<2>().setConstant(std::numbers::pi / 2);
+      estimate.standard_deviations.tail<2>().setConstant(std::numbers::pi / 2);
     }
   }
   const double noise = std::max(fit.sigma / fitter.unit(), rounding);
   if (SmallRadius(fit.local, fitter.starts().judges.points) < kDrowned * noise) {
     estimate.warnings.push_back(std::string("the ") + Name(fit.kind) +
                                 " is hardly thicker than the noise: its numbers mean nothing");
-    estimate.deviations.setConstant(kInfinity);
+    estimate.standard_deviations.setConstant(kInfinity);
   }
   // Converts to the data's units and place.
   Eigen::VectorXd units = Eigen::VectorXd::Ones(estimate.values.size());
@@ -346,7 +327,7 @@ ShapeEstimate EstimateOf(const ShapeFit& fit,
     if (!IsAngle(name)) units[i] = fitter.unit();
   }
   estimate.values = units.cwiseProduct(estimate.values);
-  estimate.deviations = units.cwiseProduct(estimate.deviations);
+  estimate.standard_deviations = units.cwiseProduct(estimate.standard_deviations);
   estimate.covariance = units.asDiagonal() * estimate.covariance * units.asDiagonal();
   for (size_t i = 0; i + 2 < estimate.names.size(); ++i) {
     const std::string& name = estimate.names[i];

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/fitting/fit_report.h"
 #include "fitting/primitives/shape_fitter.h"
 
 namespace batten::internal {
@@ -20,21 +21,13 @@ namespace batten::internal {
 // point_x and point_y shifts of the axis that way beside the middle of the points, the offset is
 // that of the plane along its normal there; their values are zero. Other _x, _y, _z are along the
 // coordinate axes.
-struct ShapeEstimate {
-  std::vector<std::string> names;
+// Three standard deviations reach as far as the numbers go while the freedoms stay within three of
+// theirs: for a short arc farther than the covariance says. The inflation is the least over all
+// directions; 1 without correlation.
+struct ShapeEstimate : PrimitiveAccuracy {
   Eigen::VectorXd values;
-  // Three of them reach as far as the numbers go while the freedoms stay within three of theirs:
-  // for a short arc farther than the covariance says. Infinite where there is no limit.
-  Eigen::VectorXd deviations;
-  Eigen::MatrixXd covariance;  // linear
-  Eigen::Vector3d frame_x, frame_y;
-  // The factor by which correlation between neighbouring residuals raises the variances over those
-  // of independent noise: the least over all directions; 1 without correlation.
-  double inflation = 1;
   // Sentences for the user on what the points do not determine.
   std::vector<std::string> warnings;
-
-  double Deviation(const std::string& name) const;  // NaN where the shape has no such number
 };
 
 // Standard deviations above these shares of a length, and angles, tell that points do not determine

@@ -85,14 +85,9 @@ ShapeFitter::ShapeFitter(const Eigen::Matrix3Xd& points,
                          const Eigen::VectorXd& weights,
                          const ShapeFitOptions& options,
                          ThreadPool& pool)
-    : points_(points), options_(options), pool_(pool) {
-  Eigen::Vector3d low = points.col(0), high = low;
-  for (const auto& p : points.colwise()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  unit_ = UnitOf((Eigen::Matrix<double, 3, 2>() << low, high).finished());
-  middle_ = (low + high) / 2;
+    : options_(options), pool_(pool) {
+  unit_ = UnitOf(points);
+  middle_ = (points.rowwise().minCoeff() + points.rowwise().maxCoeff()) / 2;
   data_.points.resize(3, points.cols());
   pool_.For(points.cols(), kPointsPerTask, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     const double scale = 1 / unit_;
@@ -185,9 +180,7 @@ const ShapeData& ShapeFitter::Counting(const ShapeFit& fit) {
 
 void ShapeFitter::Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit) {
   constexpr int kMostSteps = 200;  // more are of a shape that its points hardly determine
-  const SurfaceMinimum minimum = Minimised(start, data_, loss, kMostSteps, pool_);
-  fit.local = minimum.shape;
-  fit.steps += minimum.steps;
+  fit.local = Minimised(start, data_, loss, kMostSteps, pool_).shape;
   fit.distances = SurfaceDistances(fit.local, data_.points, pool_);
 }
 

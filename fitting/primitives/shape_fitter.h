@@ -47,7 +47,6 @@ struct ShapeFit {
   // Other shapes that the points do not reject, in the fitter's unit: other local minima, and
   // simpler kinds that are limits of this one.
   std::vector<AlternativeShape> alternatives;
-  int steps = 0;  // over all points
 };
 
 struct ShapeCandidate {
@@ -92,10 +91,8 @@ class ShapeFitter {
   ShapeLoss Rejecting(double scale, SurfaceKind kind) const;
   void Minimise(const FittedSurface& start, const ShapeLoss& loss, ShapeFit& fit);
 
-  const Eigen::Matrix3Xd& points_;
   ShapeFitOptions options_;
   ThreadPool& pool_;
-  ThreadPool alone_{1};
   double unit_ = 1;
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   ShapeData data_;           // (points − middle) / unit

@@ -8,7 +8,6 @@
 
 #include "fitting/core/distributions.h"
 #include "fitting/primitives/shape_fitter.h"
-#include "fitting/primitives/surface_primitive.h"
 
 namespace batten::internal {
 namespace {
@@ -26,12 +25,12 @@ std::string Sentence(SurfaceKind kind, double f, double chance) {
 
 }  // namespace
 
-std::optional<Snapped> SnapToPrimitive(const Eigen::Matrix3Xd& points,
-                                       const Eigen::VectorXd& weights,
-                                       const FreeFormResidual& free_form,
-                                       double rounding,
-                                       std::uint64_t seed,
-                                       ThreadPool& pool) {
+std::optional<DescribedSurface> SnapToPrimitive(const Eigen::Matrix3Xd& points,
+                                                const Eigen::VectorXd& weights,
+                                                const FreeFormResidual& free_form,
+                                                double rounding,
+                                                std::uint64_t seed,
+                                                ThreadPool& pool) {
   constexpr double kLevel = 0.01;
   const auto count = static_cast<double>(points.cols());
   const double left = count - free_form.unknowns;
@@ -56,12 +55,7 @@ std::optional<Snapped> SnapToPrimitive(const Eigen::Matrix3Xd& points,
       DescribedSurface described =
           Described(fit, fitter, points, Eigen::Vector3d::Zero(), rounding, pool);
       described.summary.why = Sentence(kind, f, chance);
-      return Snapped{fit.shape,
-                     std::move(described.surface),
-                     std::move(described.summary),
-                     f,
-                     chance,
-                     std::move(described.warnings)};
+      return described;
     } catch (const std::invalid_argument&) {
       continue;  // no shape of this kind
     }

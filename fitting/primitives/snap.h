@@ -6,13 +6,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "batten/fitting/fit_report.h"
-#include "batten/geometry/classify_shape.h"
-#include "batten/geometry/nurbs_surface.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/primitives/surface_primitive.h"
 
 namespace batten::internal {
 
@@ -24,24 +20,17 @@ struct FreeFormResidual {
   std::optional<double> tolerance = std::nullopt;  // that every point must be within
 };
 
-struct Snapped {
-  SurfaceShape shape;
-  NurbsSurface surface;      // the exact patch that the points cover, as FitPrimitive's
-  PrimitiveSummary summary;  // with standard deviations; `why` is a sentence for the report
-  double f = 0, chance = 1;  // of the test
-  std::vector<std::string> warnings;
-};
-
 // The first of plane, sphere, cylinder, cone and torus that the points (3 × m, those that the free
 // form rests on; weights empty: ones) do not reject against the free form at a level of 1 %: with p
 // freedoms and n unknowns, F = ((RSS_p − RSS)/(n − p)) / (RSS/(m − n)) on n − p and m − n freedoms.
 // Residuals below `rounding` of the size count as that large. None where all are rejected or miss
-// the tolerance, for n ≤ p and for m ≤ n. Coordinates stay the points'. O(m) a kind.
-std::optional<Snapped> SnapToPrimitive(const Eigen::Matrix3Xd& points,
-                                       const Eigen::VectorXd& weights,
-                                       const FreeFormResidual& free_form,
-                                       double rounding,
-                                       std::uint64_t seed,
-                                       ThreadPool& pool);
+// the tolerance, for n ≤ p and for m ≤ n. Coordinates stay the points'. The summary's `why` is a
+// sentence for the report with F and its chance. O(m) a kind.
+std::optional<DescribedSurface> SnapToPrimitive(const Eigen::Matrix3Xd& points,
+                                                const Eigen::VectorXd& weights,
+                                                const FreeFormResidual& free_form,
+                                                double rounding,
+                                                std::uint64_t seed,
+                                                ThreadPool& pool);
 
 }  // namespace batten::internal

@@ -23,11 +23,11 @@ SphereCover About(const Eigen::Vector3d& axis,
                   const Eigen::Matrix3Xd& directions) {
   const Eigen::Vector3d y = axis.cross(x);
   SphereCover cover{axis, x, {}, {kTurn / 4, -kTurn / 4}};
-  Eigen::VectorXd longitudes(directions.cols());
+  std::vector<double> longitudes;
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     const Eigen::Vector3d d = directions.col(k);
     const double a = d.dot(x), b = d.dot(y);
-    longitudes[k] = std::atan2(b, a);
+    longitudes.push_back(std::atan2(b, a));
     const double latitude = std::atan2(d.dot(axis), std::hypot(a, b));
     cover.latitude.lower = std::min(cover.latitude.lower, latitude);
     cover.latitude.upper = std::max(cover.latitude.upper, latitude);

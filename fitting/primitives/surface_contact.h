@@ -39,6 +39,15 @@ struct SurfaceContact {
   Eigen::Vector3d Axis() const;
   Eigen::Vector3d Outward() const;  // across the axis, away from it where axis_curvature > 0
   Eigen::Vector3d Across() const { return along.cross(normal); }
+  // The axis or, of a plane, the normal.
+  Eigen::Vector3d Direction() const { return kind == SurfaceKind::kPlane ? normal : Axis(); }
+  // The place of the axis beside `point`.
+  Eigen::Vector3d OnAxis() const { return point - Outward() / axis_curvature; }
+  // The centre of a sphere, or of a torus' profile.
+  Eigen::Vector3d Center() const { return point - normal / curvature; }
+  double PipeRadius() const;  // of a sphere, of a cylinder or of a torus' profile
+  // Positive where the normal looks away from the axis or centre, or is a plane's.
+  double NaturalSide() const;
 };
 
 }  // namespace batten::internal

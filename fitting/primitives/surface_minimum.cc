@@ -10,8 +10,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr Eigen::Index kBlock = 8192;  // points whose sums are one part
-
 // The sums over a block, the lower triangle of the matrix only.
 template <SurfaceKind kKind, bool kLossy>
 SurfaceForm BlockForm(const SurfaceDistance<kKind>& distance_of,
@@ -61,7 +59,7 @@ SurfaceForm FormOf(const FittedSurface& shape,
       return loss.loss == Loss::kNone ? BlockForm<kKind, false>(distance_of, data, loss, begin, end)
                                       : BlockForm<kKind, true>(distance_of, data, loss, begin, end);
     };
-    return SumOfBlocks<kBlock>(data.points.cols(), part, pool);
+    return SumOfBlocks<kSumBlock>(data.points.cols(), part, pool);
   });
 }
 

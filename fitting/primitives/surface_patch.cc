@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "fitting/primitives/angle_extent.h"
-#include "geometry/numeric/smallest_rectangle.h"
 #include "fitting/primitives/sphere_patch.h"
 #include "fitting/primitives/surface_places.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/smallest_rectangle.h"
 
 namespace batten::internal {
 namespace {
@@ -42,7 +42,7 @@ Eigen::Matrix2Xd Supported(Eigen::Matrix2Xd places, const PointMask& outliers) {
   const Eigen::Vector2d size = used.rowwise().maxCoeff() - low;
   if (!(size.minCoeff() > 0)) return used;
   const int cells =
-      std::clamp(static_cast<int>(std::sqrt(static_cast<double>(count) / kPerCell)), 2, kMostCells);
+      std::min(static_cast<int>(std::sqrt(static_cast<double>(count) / kPerCell)), kMostCells);
   const auto cell_of = [&](Eigen::Index k, int d) {
     return std::min(cells - 1, static_cast<int>((used(d, k) - low[d]) / size[d] * cells));
   };
@@ -70,7 +70,8 @@ Interval RangeOf(const Eigen::Matrix2Xd& places, int row, const FittedSurface& s
 }
 
 AngleRange AnglesOf(const Eigen::Matrix2Xd& places, int row, const FittedSurface& shape) {
-  const AngleRange range = AnglesCovered(places.row(row));
+  const auto angles = places.row(row);
+  const AngleRange range = AnglesCovered({angles.begin(), angles.end()});
   if (!(range.sweep > 0)) RefuseThin(shape);
   return range;
 }
@@ -106,7 +107,8 @@ ExactSurface PlanePatch(const FittedSurface& shape,
                          }),
                 outliers);
   // Only points outermost in some direction can be corners of the hull.
-  const TurnedRectangle box = SmallestRectangleAround(ConvexHullOf(OutermostOf(places)));
+  const TurnedRectangle box =
+      SmallestRectangleAround(ConvexHullOf({places.colwise().begin(), places.colwise().end()}));
   if (!(box.high[0] > box.low[0] && box.high[1] > box.low[1])) RefuseThin(shape);
   const Eigen::Vector3d x = box.axis[0] * plan.x() + box.axis[1] * plan.y();
   const Eigen::Vector3d y = normal.cross(x);
@@ -201,8 +203,7 @@ ExactSurface TorusPatch(const FittedSurface& given,
   const FittedSurface shape = Outwards(given);
   const double profile = 1 / shape.curvature, minor = std::abs(profile);
   const double over = 1 / shape.axis_curvature - profile * std::cos(shape.slope);
-  const Eigen::Vector3d center = shape.point - shape.Outward() / shape.axis_curvature -
-                                 profile * std::sin(shape.slope) * shape.Axis();
+  const Eigen::Vector3d center = shape.OnAxis() - profile * std::sin(shape.slope) * shape.Axis();
   const Frame frame(center, Upright(shape.Axis()));
   const bool lemon = over < 0;  // the inner arc of a spindle: across the axis from its circle
   const double side = lemon ? -1 : 1;
@@ -228,7 +229,7 @@ ExactSurface SpherePatch(const FittedSurface& shape,
                          const Eigen::Matrix3Xd& points,
                          const PointMask& outliers,
                          ThreadPool& pool) {
-  const Eigen::Vector3d center = shape.point - shape.normal / shape.curvature;
+  const Eigen::Vector3d center = shape.Center();
   const Eigen::Vector3d middle = (points.rowwise().mean() - center).normalized();
   const Frame seen(center, middle.allFinite() ? middle : Eigen::Vector3d::UnitZ());
   const Eigen::Matrix2Xd chart = Supported(

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
+#include "batten/geometry/closure.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/core/distributions.h"
 #include "fitting/core/rounding.h"
@@ -65,17 +66,6 @@ Eigen::Vector3d Beside(const Eigen::Vector3d& middle, const SurfaceShape& shape)
   return cylinder.point + (middle - cylinder.point).dot(cylinder.axis) * cylinder.axis;
 }
 
-// Deviations scaled so that three of them cover as much as for normal errors, however few the
-// points.
-PrimitiveAccuracy AccuracyOf(const ShapeEstimate& estimate, const ShapeFit& fit) {
-  return {estimate.names,
-          FewFactor(static_cast<double>(fit.used - fit.freedoms)) * estimate.deviations,
-          estimate.covariance,
-          estimate.frame_x,
-          estimate.frame_y,
-          estimate.inflation};
-}
-
 // The number of outliers on the other nappe of a cone.
 Eigen::Index BeyondApex(const ShapeFit& fit, const Eigen::Matrix3Xd& points) {
   const ConeShape* cone = std::get_if<ConeShape>(&fit.shape);
@@ -102,7 +92,7 @@ std::vector<std::string> WarningsOn(const ShapeFit& fit,
   if (fit.used <= fit.freedoms) {
     warnings.push_back("no more points than a " + std::string(Name(fit.kind)) +
                        " has freedoms: nothing tells how exact its numbers are");
-    estimate.deviations.setConstant(std::numeric_limits<double>::infinity());
+    estimate.standard_deviations.setConstant(std::numeric_limits<double>::infinity());
     estimate.warnings.clear();
   } else if (fit.used < 2 * fit.freedoms) {
     warnings.push_back("few more points than a " + std::string(Name(fit.kind)) +
@@ -183,41 +173,14 @@ bool AcrossTheAxis(const ExactTorus& torus) {
   return torus.major + torus.minor * std::cos(torus.tube.start + torus.tube.sweep / 2) < 0;
 }
 
-std::vector<bool> ClosedWays(const ExactSurface& patch) {
-  if (const auto* s = std::get_if<ExactCylinder>(&patch)) return {s->angles.full(), false};
-  if (const auto* s = std::get_if<ExactCone>(&patch)) return {s->angles.full(), false};
-  if (const auto* s = std::get_if<ExactSphere>(&patch)) return {s->longitude.full(), false};
-  if (const auto* s = std::get_if<ExactTorus>(&patch)) return {s->round.full(), s->tube.full()};
-  return {false, false};
-}
-
-std::vector<bool> PolesOf(const NurbsSurface& surface) {
-  const auto one_point = [&](int j) {
-    for (int i = 1; i < surface.size_u(); ++i) {
-      if (surface.control_point(i, j) != surface.control_point(0, j)) return false;
-    }
-    return true;
-  };
-  return {one_point(0), one_point(surface.size_v() - 1)};
-}
-
 }  // namespace
 
 bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch) {
-  switch (shape.kind) {
-    case SurfaceKind::kPlane:
-      return shape.normal.dot(std::get<ExactPlane>(patch).frame.axis()) > 0;
-    case SurfaceKind::kSphere:
-      return shape.curvature > 0;
-    case SurfaceKind::kTorus:
-      // Across a spindle's axis S_u is turned round.
-      return (shape.curvature > 0) != AcrossTheAxis(std::get<ExactTorus>(patch));
-    case SurfaceKind::kCylinder:
-      return shape.axis_curvature > 0;
-    case SurfaceKind::kCone:
-      break;
-  }
-  return shape.axis_curvature * std::cos(shape.slope) > 0;
+  if (shape.kind == SurfaceKind::kPlane)
+    return shape.normal.dot(std::get<ExactPlane>(patch).frame.axis()) > 0;
+  const auto* torus = std::get_if<ExactTorus>(&patch);
+  // Across a spindle's axis S_u is turned round.
+  return (shape.NaturalSide() > 0) != (torus != nullptr && AcrossTheAxis(*torus));
 }
 
 PrimitiveSummary NumbersOf(const SurfaceShape& shape,
@@ -270,7 +233,9 @@ DescribedSurface Described(const ShapeFit& fit,
   described.warnings = WarningsOn(fit, points, estimate);
   described.summary.kind = Name(fit.kind);
   described.summary.scale = fit.sigma;
-  described.summary.accuracy = AccuracyOf(estimate, fit);
+  // Three deviations then cover as much as for normal errors, however few the points.
+  estimate.standard_deviations *= FewFactor(static_cast<double>(fit.used - fit.freedoms));
+  described.summary.accuracy = std::move(estimate);
   return described;
 }
 
@@ -305,8 +270,10 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
                             described.surface.basis_v().degree()};
   report.geometry.control_points = {described.surface.size_u(), described.surface.size_v()};
   report.geometry.rational = described.surface.rational();
-  report.geometry.closed = ClosedWays(described.patch);
-  report.geometry.poles = PolesOf(described.surface);
+  report.geometry.closed = {Closed(described.surface, Direction::kU),
+                            Closed(described.surface, Direction::kV)};
+  const CollapsedEdgeSet collapsed = CollapsedEdges(described.surface);
+  report.geometry.poles = {collapsed.v_lower, collapsed.v_upper};
   PrimitiveSummary& numbers = described.summary;
   numbers.why = why;
   PrimitiveFit result{{}, std::move(described.surface), {}, {}, {}, {}};
@@ -322,15 +289,9 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
     result.shape =
         TorusShape{*numbers.center, *numbers.axis, *numbers.major_radius, *numbers.minor_radius};
   }
-  if (input.merged.duplicates == 0) {
-    result.parameters = std::move(feet);
-    result.residuals = std::move(distances);
-    result.outliers = fit.outliers;
-  } else {
-    result.parameters = feet(Eigen::all, input.merged.place);
-    result.residuals = distances(input.merged.place);
-    result.outliers = fit.outliers(input.merged.place);
-  }
+  result.parameters = feet(Eigen::all, input.merged.place);
+  result.residuals = distances(input.merged.place);
+  result.outliers = fit.outliers(input.merged.place);
   FinishReport(input, std::move(numbers), "surface", result);
   return result;
 }

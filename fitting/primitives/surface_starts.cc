@@ -126,20 +126,8 @@ std::vector<FittedSurface> RevolvedStarts(SurfaceKind kind, const StartData& dat
 
 }  // namespace
 
-StartData MakeStartData(const ShapeData& data,
-                        Eigen::Index most,
-                        std::uint64_t seed,
-                        ThreadPool& pool) {
-  StartData start;
-  const auto part = [&](const ShapeData& of, Eigen::Index count) {
-    const std::vector<Eigen::Index> chosen = SampleIndices(of.points.cols(), count, seed);
-    return ShapeData{of.points(Eigen::all, chosen), of.weights(chosen)};
-  };
-  start.sample = part(data, most);
-  start.judges = part(start.sample, kShapeJudges);
+void TakeMoments(StartData& start) {
   const Eigen::Matrix3Xd& points = start.sample.points;
-  start.oriented = OrientedSamples(points, seed, pool);
-  std::erase_if(start.oriented, [](const OrientedPoints& o) { return o.points.cols() < 8; });
   start.centroid = points * start.sample.weights / start.sample.weights.sum();
   const Eigen::Matrix3Xd from = points.colwise() - start.centroid;
   Eigen::Index nearest;
@@ -151,6 +139,22 @@ StartData MakeStartData(const ShapeData& data,
           .eigenvectors()
           .rowwise()
           .reverse();
+}
+
+StartData MakeStartData(const ShapeData& data,
+                        Eigen::Index most,
+                        std::uint64_t seed,
+                        ThreadPool& pool) {
+  StartData start;
+  const auto part = [&](const ShapeData& of, Eigen::Index count) {
+    const std::vector<Eigen::Index> chosen = SampleIndices(of.points.cols(), count, seed);
+    return ShapeData{of.points(Eigen::all, chosen), of.weights(chosen)};
+  };
+  start.sample = part(data, most);
+  start.judges = part(start.sample, kShapeJudges);
+  start.oriented = OrientedSamples(start.sample.points, seed, pool);
+  std::erase_if(start.oriented, [](const OrientedPoints& o) { return o.points.cols() < 8; });
+  TakeMoments(start);
   return start;
 }
 

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "batten/geometry/thread_pool.h"
 #include "fitting/primitives/fitted_surface.h"
 #include "fitting/primitives/oriented_points.h"
 #include "fitting/primitives/shape_data.h"
-#include "batten/geometry/thread_pool.h"
 
 namespace batten::internal {
 
@@ -27,6 +27,9 @@ StartData MakeStartData(const ShapeData& data,
                         Eigen::Index most,
                         std::uint64_t seed,
                         ThreadPool& pool);
+
+// Centroid, middle and axes, from the sample.
+void TakeMoments(StartData& start);
 
 // Candidates from closed formulas: from the points' moments, the normals' (the direction all are
 // perpendicular to, the line all meet, the point all tangent planes contain) and quadrics about the

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fitting/regions/border_places.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -75,11 +76,6 @@ bool AddOne(const FaceMeets& meets, FaceBorders& borders) {
 
 bool IsShown(const BorderEdge& edge) { return edge.shown >= kFewLinks; }
 
-double LengthOf(const BorderEdge& edge) {
-  const Eigen::Index steps = edge.points.cols() - 1;
-  return (edge.points.rightCols(steps) - edge.points.leftCols(steps)).colwise().norm().sum();
-}
-
 // Of edges of the same faces between the same vertices that no places show, round the other side of
 // a shape too, the shortest stays.
 void DropDoubles(FaceBorders& borders) {
@@ -89,20 +85,20 @@ void DropDoubles(FaceBorders& borders) {
   };
   for (const BorderEdge& edge : borders.edges) {
     if (edge.start < 0) continue;
-    const auto [at, is_new] = least.try_emplace(key(edge), LengthOf(edge));
-    if (!is_new) at->second = std::min(at->second, LengthOf(edge));
+    const auto [at, is_new] = least.try_emplace(key(edge), PolygonLength(edge.points));
+    if (!is_new) at->second = std::min(at->second, PolygonLength(edge.points));
   }
   std::erase_if(borders.edges, [&](const BorderEdge& edge) {
     if (edge.start < 0 || IsShown(edge)) return false;
     double& length = least.at(key(edge));
-    if (LengthOf(edge) > length) return true;
+    if (PolygonLength(edge.points) > length) return true;
     length = -1;  // of equal ones, as edges found from both ends are, the first
     return false;
   });
 }
 
-// Whether an edge that no places show goes: the way on of a border beyond its corner. It is alone at
-// an end, or faces are odd at both its ends with it and none without.
+// Whether an edge that no places show goes: the way on of a border beyond its corner. It is alone
+// at an end, or faces are odd at both its ends with it and none without.
 bool DropBeyond(FaceBorders& borders) {
   const auto odd = OddFaces(borders);
   std::vector<int> edges_at(borders.vertices.size());

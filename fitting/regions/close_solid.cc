@@ -17,22 +17,6 @@ namespace {
 
 using SolidLoop = std::vector<TrimmedSolidCoedge>;
 
-// Positive where the shape's normal looks away from its axis or centre, or is the plane's.
-double NaturalSide(const FittedSurface& shape) {
-  switch (shape.kind) {
-    case SurfaceKind::kPlane:
-      return 1;
-    case SurfaceKind::kSphere:
-    case SurfaceKind::kTorus:
-      return shape.curvature;
-    case SurfaceKind::kCylinder:
-      return shape.axis_curvature;
-    case SurfaceKind::kCone:
-      break;
-  }
-  return shape.axis_curvature * std::cos(shape.slope);
-}
-
 ClosedSolid Refused(std::string words) { return {.solid = {}, .refused = std::move(words)}; }
 
 // A face without edges is a whole sphere or torus. The first that is none, −1: there is none.
@@ -191,7 +175,7 @@ ClosedSolid CloseSolid(const RegionPoints& data,
     auto loops = LoopsOf(static_cast<int>(k), outward, borders.edges, sides.of, solid.edges);
     if (!loops) return Refused("the border of face " + std::to_string(k) + " does not close");
     solid.faces.push_back(
-        {shape.Shape(data.unit, shift), outward * NaturalSide(shape) < 0, std::move(*loops)});
+        {shape.Shape(data.unit, shift), outward * shape.NaturalSide() < 0, std::move(*loops)});
   }
   return Checked(std::move(solid), data, labels, most_invented, shift);
 }

@@ -4,15 +4,16 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "batten/fitting/statistics.h"
 #include "fitting/core/rounding.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/primitives/shape_scores.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/settle_regions.h"
@@ -34,19 +35,9 @@ bool HasRadius(const FittedSurface& shape) {
          shape.kind == SurfaceKind::kTorus;
 }
 
-Eigen::Vector3d DirectionOf(const FittedSurface& shape) {
-  return shape.kind == SurfaceKind::kPlane ? shape.normal : shape.Axis();
-}
-
 // A sphere's centre, or the place of an axis beside the shape's point.
 Eigen::Vector3d MiddleOf(const FittedSurface& shape) {
-  return shape.kind == SurfaceKind::kSphere ? shape.point - shape.normal / shape.curvature
-                                            : shape.point - shape.Outward() / shape.axis_curvature;
-}
-
-double RadiusOf(const FittedSurface& shape) {
-  return 1 /
-         std::abs(shape.kind == SurfaceKind::kCylinder ? shape.axis_curvature : shape.curvature);
+  return shape.kind == SurfaceKind::kSphere ? shape.Center() : shape.OnAxis();
 }
 
 // What is zero where two shapes have the relation; of coaxial and coplanar ones that are parallel,
@@ -59,7 +50,7 @@ struct RelationGap {
   RelationGap(RelationKind of, const FittedSurface& first, const SmoothContact& at = {})
       : kind(of), contact(at) {
     const Eigen::Vector3d along =
-        HasDirection(first) ? DirectionOf(first) : Eigen::Vector3d::UnitZ();
+        HasDirection(first) ? first.Direction() : Eigen::Vector3d::UnitZ();
     x = along.unitOrthogonal();
     y = along.cross(x);
   }
@@ -67,24 +58,24 @@ struct RelationGap {
   Eigen::VectorXd operator()(const FittedSurface& a, const FittedSurface& b) const {
     switch (kind) {
       case RelationKind::kParallel: {
-        const Eigen::Vector3d turn = DirectionOf(a).cross(DirectionOf(b));
+        const Eigen::Vector3d turn = a.Direction().cross(b.Direction());
         return Eigen::Vector2d(x.dot(turn), y.dot(turn));
       }
       case RelationKind::kPerpendicular:
-        return Eigen::VectorXd::Constant(1, DirectionOf(a).dot(DirectionOf(b)));
+        return Eigen::VectorXd::Constant(1, a.Direction().dot(b.Direction()));
       case RelationKind::kCoaxial: {
-        const Eigen::Vector3d axis = DirectionOf(a), from = MiddleOf(b) - MiddleOf(a);
+        const Eigen::Vector3d axis = a.Direction(), from = MiddleOf(b) - MiddleOf(a);
         const Eigen::Vector3d off = from - from.dot(axis) * axis;
         return Eigen::Vector2d(x.dot(off), y.dot(off));
       }
       case RelationKind::kCoplanar:
-        return Eigen::VectorXd::Constant(1, DirectionOf(a).dot(b.point - a.point));
+        return Eigen::VectorXd::Constant(1, a.Direction().dot(b.point - a.point));
       case RelationKind::kTangent:
         return ContactGap(contact, a, b).value();
       case RelationKind::kEqualRadius:
         break;
     }
-    return Eigen::VectorXd::Constant(1, RadiusOf(b) - RadiusOf(a));
+    return Eigen::VectorXd::Constant(1, b.PipeRadius() - a.PipeRadius());
   }
 };
 
@@ -192,7 +183,7 @@ class RelationFinder {
     const FittedSurface& shape = faces_[std::size_t(face)].shape;
     if (!HasRadius(shape)) return std::numeric_limits<double>::infinity();
     const int at = shape.kind == SurfaceKind::kTorus ? 6 : 3;
-    return covariances_[std::size_t(face)](at, at) * std::pow(RadiusOf(shape), 4);
+    return covariances_[std::size_t(face)](at, at) * std::pow(shape.PipeRadius(), 4);
   }
 
   // Each face that `takes` goes to the first leader that `may` lead it and has the relation, or
@@ -256,7 +247,7 @@ class RelationFinder {
   static double Telling(RelationKind kind, const FittedSurface& shape) {
     constexpr double kAngle = 0.0175, kLength = 0.01, kRadius = 0.1, kJoin = 0.1;
     if (kind == RelationKind::kTangent) return kJoin;
-    if (kind == RelationKind::kEqualRadius) return kRadius * RadiusOf(shape);
+    if (kind == RelationKind::kEqualRadius) return kRadius * shape.PipeRadius();
     return kind == RelationKind::kParallel || kind == RelationKind::kPerpendicular ? kAngle
                                                                                    : kLength;
   }
@@ -268,119 +259,81 @@ class RelationFinder {
   std::vector<FaceRelation> relations_;
 };
 
-// One Gauss–Newton step for all faces.
-class ConstrainedStep {
- public:
-  ConstrainedStep(const std::vector<FittedSurface>& shapes,
-                  const std::vector<FaceRelation>& relations,
-                  const std::vector<RelationGap>& gaps)
-      : shapes_(shapes), relations_(relations), gaps_(gaps) {}
-
-  // The steps of all freedoms, from the forms Σ d²/2 of the faces and their variances.
-  std::vector<Freedoms> From(const std::vector<SurfaceForm>& forms,
-                             const std::vector<double>& variances) {
-    std::vector<Eigen::MatrixXd> inverses;
-    std::vector<Eigen::VectorXd> plain;
-    for (std::size_t k = 0; k < shapes_.size(); ++k) {
-      const int n = FreedomsOf(shapes_[k].kind);
-      const Eigen::MatrixXd matrix = forms[k].matrix.topLeftCorner(n, n) / variances[k];
-      inverses.push_back(LeastNormSolution(
-          matrix, Eigen::MatrixXd::Identity(n, n), n * std::numeric_limits<double>::epsilon()));
-      plain.push_back(inverses.back() * forms[k].gradient.head(n) / variances[k]);
-    }
-    Linearise();
-    // Multipliers: (J A⁻¹ Jᵀ) λ = c − J A⁻¹ g.
-    const auto rows = off_.size();
-    Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(rows, rows);
-    Eigen::VectorXd right = off_;
-    for (const Block& one : blocks_) {
-      right.segment(one.row, one.by.rows()) -= one.by * plain[std::size_t(one.face)];
-      for (const Block& other : blocks_) {
-        if (other.face != one.face) continue;
-        schur.block(one.row, other.row, one.by.rows(), other.by.rows()) +=
-            one.by * inverses[std::size_t(one.face)] * other.by.transpose();
-      }
-    }
-    // Some relations follow from others to within rounding; variances of those that do not may
-    // differ by ten powers of ten.
-    const Eigen::VectorXd scale =
-        schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-    const Eigen::VectorXd multipliers =
-        scale.cwiseProduct(LeastNormSolution(scale.asDiagonal() * schur * scale.asDiagonal(),
-                                             scale.cwiseProduct(right),
-                                             kRelativeRounding)
-                               .col(0));
-    std::vector<Freedoms> steps(shapes_.size(), Freedoms::Zero());
-    for (std::size_t k = 0; k < shapes_.size(); ++k) steps[k].head(plain[k].size()) = -plain[k];
-    for (const Block& one : blocks_) {
-      steps[std::size_t(one.face)].head(one.by.cols()) -=
-          inverses[std::size_t(one.face)] * one.by.transpose() *
-          multipliers.segment(one.row, one.by.rows());
-    }
-    return steps;
+// One Gauss–Newton step for all faces: the steps of all freedoms, from the forms Σ d²/2 of the
+// faces and their variances.
+std::vector<Freedoms> ConstrainedStep(const std::vector<FittedSurface>& shapes,
+                                      const std::vector<FaceRelation>& relations,
+                                      const std::vector<SurfaceForm>& forms,
+                                      const std::vector<double>& variances) {
+  std::vector<Eigen::MatrixXd> inverses;
+  std::vector<Eigen::VectorXd> plain;
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const int n = FreedomsOf(shapes[k].kind);
+    const Eigen::MatrixXd matrix = forms[k].matrix.topLeftCorner(n, n) / variances[k];
+    inverses.push_back(LeastNormSolution(
+        matrix, Eigen::MatrixXd::Identity(n, n), n * std::numeric_limits<double>::epsilon()));
+    plain.push_back(inverses.back() * forms[k].gradient.head(n) / variances[k]);
   }
-
- private:
   struct Block {
     int face;
     Eigen::Index row;
     Eigen::MatrixXd by;
   };
-
-  void Linearise() {
-    std::vector<double> all;
-    for (std::size_t k = 0; k < relations_.size(); ++k) {
-      const FaceRelation& relation = relations_[k];
-      const FittedSurface &a = shapes_[std::size_t(relation.first)],
-                          &b = shapes_[std::size_t(relation.second)];
-      const Eigen::VectorXd off = gaps_[k](a, b);
-      const auto row = std::ssize(all);
-      blocks_.push_back({relation.first, row, DerivativesOf(gaps_[k], a, b, true)});
-      blocks_.push_back({relation.second, row, DerivativesOf(gaps_[k], a, b, false)});
-      all.insert(all.end(), off.begin(), off.end());
-    }
-    off_ = Eigen::Map<Eigen::VectorXd>(all.data(), std::ssize(all));
+  std::vector<Block> blocks;
+  std::vector<double> all;
+  for (const FaceRelation& relation : relations) {
+    const FittedSurface &a = shapes[std::size_t(relation.first)],
+                        &b = shapes[std::size_t(relation.second)];
+    const RelationGap gap(relation.kind, a, relation.contact);
+    const Eigen::VectorXd off = gap(a, b);
+    const auto row = std::ssize(all);
+    blocks.push_back({relation.first, row, DerivativesOf(gap, a, b, true)});
+    blocks.push_back({relation.second, row, DerivativesOf(gap, a, b, false)});
+    all.insert(all.end(), off.begin(), off.end());
   }
-
-  const std::vector<FittedSurface>& shapes_;
-  const std::vector<FaceRelation>& relations_;
-  const std::vector<RelationGap>& gaps_;
-  std::vector<Block> blocks_;
-  Eigen::VectorXd off_;
-};
+  // Multipliers: (J A⁻¹ Jᵀ) λ = c − J A⁻¹ g.
+  const auto rows = std::ssize(all);
+  Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(rows, rows);
+  Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(all.data(), rows);
+  for (const Block& one : blocks) {
+    right.segment(one.row, one.by.rows()) -= one.by * plain[std::size_t(one.face)];
+    for (const Block& other : blocks) {
+      if (other.face != one.face) continue;
+      schur.block(one.row, other.row, one.by.rows(), other.by.rows()) +=
+          one.by * inverses[std::size_t(one.face)] * other.by.transpose();
+    }
+  }
+  // Some relations follow from others to within rounding; variances of those that do not may
+  // differ by ten powers of ten.
+  const Eigen::VectorXd scale =
+      schur.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd multipliers =
+      scale.cwiseProduct(LeastNormSolution(scale.asDiagonal() * schur * scale.asDiagonal(),
+                                           scale.cwiseProduct(right),
+                                           kRelativeRounding)
+                             .col(0));
+  std::vector<Freedoms> steps(shapes.size(), Freedoms::Zero());
+  for (std::size_t k = 0; k < shapes.size(); ++k) steps[k].head(plain[k].size()) = -plain[k];
+  for (const Block& one : blocks) {
+    steps[std::size_t(one.face)].head(one.by.cols()) -= inverses[std::size_t(one.face)] *
+                                                        one.by.transpose() *
+                                                        multipliers.segment(one.row, one.by.rows());
+  }
+  return steps;
+}
 
 }  // namespace
 
 const char* Name(RelationKind kind) {
-  switch (kind) {
-    case RelationKind::kParallel:
-      return "parallel";
-    case RelationKind::kPerpendicular:
-      return "perpendicular";
-    case RelationKind::kCoaxial:
-      return "coaxial";
-    case RelationKind::kCoplanar:
-      return "coplanar";
-    case RelationKind::kTangent:
-      return "tangent";
-    case RelationKind::kEqualRadius:
-      break;
-  }
-  return "equal radius";
+  static constexpr std::array kNames{
+      "parallel", "perpendicular", "coaxial", "coplanar", "equal radius", "tangent"};
+  static_assert(kNames.size() == static_cast<std::size_t>(RelationKind::kTangent) + 1);
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::vector<FaceJoin> SmoothJoins(const RegionPoints& data, const RegionLabels& labels) {
-  std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> places;
-  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
-    const int here = labels.label[std::size_t(k)];
-    for (const int other : data.Around(k)) {
-      const int there = labels.label[std::size_t(other)];
-      if (here == kNoRegion || there == kNoRegion || here >= there) continue;
-      places[{here, there}].push_back((data.points.col(k) + data.points.col(other)) / 2);
-    }
-  }
   std::vector<FaceJoin> joins;
-  for (const auto& [pair, found] : places) {
+  for (const auto& [pair, found] : LinksOf(data, labels.label)) {
     if (std::ssize(found) < kFewLinks || !JoinSmoothly(data, labels, pair.first, pair.second))
       continue;
     joins.push_back({pair.first, pair.second, found[found.size() / 2]});
@@ -425,18 +378,13 @@ std::vector<FittedSurface> SettledUnder(const RegionPoints& data,
   if (relations.empty()) return shapes;
   for (int step = 0; step < kMostSteps; ++step) {
     if (LostContact(relations, shapes) != relations.end()) break;
-    std::vector<RelationGap> gaps;
-    for (const FaceRelation& relation : relations) {
-      gaps.emplace_back(relation.kind, shapes[std::size_t(relation.first)], relation.contact);
-    }
     std::vector<SurfaceForm> forms;
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       const double far = kFarPoint * std::sqrt(variances[k]);
       forms.push_back(
           FormOf(shapes[k], cores[k], {Loss::kTruncated, far / kTruncatedTuning}, pool));
     }
-    const std::vector<Freedoms> steps =
-        ConstrainedStep(shapes, relations, gaps).From(forms, variances);
+    const std::vector<Freedoms> steps = ConstrainedStep(shapes, relations, forms, variances);
     double largest = 0;
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       shapes[k] = Moved(shapes[k], steps[k]);

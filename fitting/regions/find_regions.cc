@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/robust_loss.h"
 #include "batten/fitting/statistics.h"
+#include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/free_pieces.h"
 #include "fitting/regions/grow_coarsely.h"
 #include "fitting/regions/region_shape.h"
@@ -15,15 +17,6 @@
 
 namespace batten::internal {
 namespace {
-
-// The scale of the distances of points from a shape, by their median.
-double RobustScaleOf(const RegionPoints& data,
-                     const std::vector<int>& points,
-                     const FittedSurface& shape) {
-  std::vector<double> off;
-  for (const int point : points) off.push_back(std::abs(shape.Distance(data.points.col(point))));
-  return kMadToSigma * Median(std::move(off));
-}
 
 // The rms distance of points from their regions' shapes, as most regions' points have it.
 double SigmaOf(const RegionPoints& data, const RegionLabels& labels, double assumed) {
@@ -33,12 +26,6 @@ double SigmaOf(const RegionPoints& data, const RegionLabels& labels, double assu
                           static_cast<double>(region.points.size()));
   }
   return weighted.empty() ? assumed : std::max(data.rounding, WeightedMedian(std::move(weighted)));
-}
-
-void Append(Region region, RegionLabels& labels) {
-  for (const int point : region.points)
-    labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
-  labels.regions.push_back(std::move(region));
 }
 
 // Takes narrow regions away, and returns them.
@@ -115,7 +102,7 @@ bool GrowNarrow(RegionPoints& data,
   }
   if (std::ssize(left) >= kFewestPoints) {
     const RegionPoints part = PartOf(data, left, data.spacing, pool);
-    std::vector<Region> grown = GrowRegions(part, sigma, kFewestPoints, progress, pool).regions;
+    std::vector<Region> grown = GrowRegions(part, sigma, progress, pool).regions;
     for (Region& region : grown) {
       for (int& point : region.points) point = left[std::size_t(point)];
     }
@@ -152,10 +139,9 @@ RegionLabels RegionsAt(RegionPoints& data,
                        double sigma,
                        const Progress& progress,
                        ThreadPool& pool) {
-  RegionLabels labels = GrowCoarsely(data, sigma, kFewestPoints, progress, pool);
-  SettleRegions(data, sigma, kFewestPoints, labels, pool);
-  if (GrowNarrow(data, sigma, labels, progress, pool))
-    SettleRegions(data, sigma, kFewestPoints, labels, pool);
+  RegionLabels labels = GrowCoarsely(data, sigma, progress, pool);
+  SettleRegions(data, sigma, labels, pool);
+  if (GrowNarrow(data, sigma, labels, progress, pool)) SettleRegions(data, sigma, labels, pool);
   return labels;
 }
 
@@ -172,7 +158,9 @@ std::vector<Region> RegionsAtOwn(RegionPoints& patch,
                                  ThreadPool& pool) {
   std::vector<Region> regions = RegionsAt(patch, sigma, progress, pool).regions;
   std::erase_if(regions, [&](Region& region) {
-    const double own = std::max(patch.rounding, RobustScaleOf(patch, region.points, region.shape));
+    const Eigen::Matrix3Xd points = patch.points(Eigen::all, region.points);
+    const double own =
+        std::max(patch.rounding, RobustScale(SurfaceDistances(region.shape, points, pool)));
     if (!TestShape(patch, region.points, region.shape, own).passed) return true;
     std::erase_if(region.points, [&](int point) {
       return std::abs(region.shape.Distance(patch.points.col(point))) > kFarFromShape * own;

@@ -15,6 +15,7 @@
 #include "batten/fitting/refused_data.h"
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/stage_clock.h"
 #include "fitting/foot_points/nearest_surface.h"
 #include "fitting/regions/close_solid.h"
@@ -42,17 +43,6 @@ MergedCloud DifferentPoints(const PointCloud& cloud) {
                       " different points on; there are " + std::to_string(merged.cloud.size()));
   }
   return merged;
-}
-
-InputSummary InputOf(const PointCloud& cloud, const MergedCloud& merged, const RegionPoints& data) {
-  InputSummary input;
-  input.points = cloud.size();
-  input.duplicates = merged.duplicates;
-  input.origin = cloud.origin();
-  input.spacing = data.unit * data.spacing;
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return input;
 }
 
 // The fits of regions. Points that do not determine theirs are of no region then.
@@ -89,9 +79,7 @@ RegionLabels LabelsOf(const RegionPoints& data,
   labels.label.assign(std::size_t(data.size()), kNoRegion);
   for (const int number : numbers) {
     const RegionFace& face = shapes[std::size_t(number)];
-    for (const int point : face.points)
-      labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
-    labels.regions.push_back({face.shape, face.points});
+    Append({face.shape, face.points}, labels);
   }
   return labels;
 }
@@ -166,17 +154,18 @@ std::vector<FaceSummary> SummariseFaces(const RegionPoints& data,
                                         const std::vector<MadeFace>& faces,
                                         const std::vector<int>& label) {
   constexpr int kBorder = 3;  // pairs: fewer are points across a corner
-  const auto touching = TouchingRegions(data, {std::vector<Region>(faces.size()), label});
   std::vector<FaceSummary> summaries;
   for (std::size_t k = 0; k < faces.size(); ++k) {
     FaceSummary summary = faces[k].summary;
     summary.points = std::ssize(faces[k].points);
     summary.rms = std::sqrt(faces[k].residuals.squaredNorm() / double(summary.points));
     summary.max = faces[k].residuals.cwiseAbs().maxCoeff();
-    for (const auto& [other, pairs] : touching[k]) {
-      if (pairs >= kBorder) summary.touching.push_back(other);
-    }
     summaries.push_back(std::move(summary));
+  }
+  for (const auto& [pair, links] : LinksOf(data, label)) {
+    if (links.size() < kBorder) continue;
+    summaries[std::size_t(pair.first)].touching.push_back(pair.second);
+    summaries[std::size_t(pair.second)].touching.push_back(pair.first);
   }
   return summaries;
 }
@@ -267,12 +256,12 @@ PartsFit FitParts(const PointCloud& cloud, const PartFitOptions& options) {
   RegionPoints data = MakeRegionPoints(merged.cloud, options.seed, pool);
   // Within a tolerance that is given a shape may miss what it misses.
   if (options.tolerance) data.most_trend = 1;
-  result.report.input = InputOf(cloud, merged, data);
 
   clock.Enter(&StageSeconds::solve);
   FoundRegions found =
       FindRegions(data, options.tolerance.value_or(0) / data.unit, options.progress, pool);
-  result.report.input.noise = data.unit * found.sigma;
+  result.report.input =
+      SummariseInput(cloud, merged.duplicates, data.unit * data.spacing, data.unit * found.sigma);
   std::vector<RegionFace> shapes = FitShapes(data, options, move, found, pool);
 
   clock.Enter(&StageSeconds::optimize);

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "fitting/regions/region_shape.h"
@@ -13,11 +12,9 @@
 namespace batten::internal {
 namespace {
 
-using Pair = std::pair<int, int>;
-
 // The places where two regions are neighbours.
 struct Border {
-  Pair regions;
+  RegionPair regions;
   std::vector<Eigen::Vector3d> places;
   bool smooth = true;  // a sharp one is not arbitrary
   bool arbitrary = false;
@@ -33,30 +30,17 @@ struct Pieces {
 
 Pieces WithLeftovers(const RegionPoints& data, const RegionLabels& labels) {
   Pieces pieces{labels, static_cast<int>(labels.regions.size())};
-  for (std::vector<int>& left : SmoothLeftovers(data, labels.label, kFewestPoints)) {
-    for (const int point : left)
-      pieces.labels.label[std::size_t(point)] = static_cast<int>(pieces.labels.regions.size());
-    pieces.labels.regions.push_back({{}, std::move(left)});
-  }
+  for (std::vector<int>& left : SmoothLeftovers(data, labels.label, kFewestPoints))
+    Append({{}, std::move(left)}, pieces.labels);
   return pieces;
 }
 
 std::vector<Border> BordersOf(const RegionPoints& data, const Pieces& pieces) {
   // A piece and a face as much larger tell nothing of one another; left-over points are no face.
   constexpr double kComparable = 8;
-  std::map<Pair, std::vector<Eigen::Vector3d>> places;
-  const std::vector<int>& label = pieces.labels.label;
-  for (int k = 0; k < static_cast<int>(data.size()); ++k) {
-    const int here = label[std::size_t(k)];
-    for (const int other : data.Around(k)) {
-      const int there = label[std::size_t(other)];
-      if (other < k || here == there || here == kNoRegion || there == kNoRegion) continue;
-      if (std::min(here, there) >= pieces.shapes) continue;
-      places[std::minmax(here, there)].push_back((data.points.col(k) + data.points.col(other)) / 2);
-    }
-  }
   std::vector<Border> borders;
-  for (auto& [pair, found] : places) {
+  for (auto& [pair, found] : LinksOf(data, pieces.labels.label)) {
+    if (pair.first >= pieces.shapes) continue;
     const auto a = double(pieces.SizeOf(pair.first)), b = double(pieces.SizeOf(pair.second));
     const bool faces = pair.second < pieces.shapes;
     if ((faces ? std::max(a, b) : a) > kComparable * std::min(a, b)) continue;
@@ -134,9 +118,7 @@ bool DissolveOnce(const RegionPoints& data, double sigma, RegionLabels& labels, 
       dissolved = true;
       continue;
     }
-    for (const int point : labels.regions[k].points)
-      left.label[std::size_t(point)] = static_cast<int>(left.regions.size());
-    left.regions.push_back(std::move(labels.regions[k]));
+    Append(std::move(labels.regions[k]), left);
   }
   labels = std::move(left);
   return dissolved;
@@ -156,27 +138,14 @@ void DissolvePieces(const RegionPoints& data,
 std::vector<std::vector<int>> SmoothLeftovers(const RegionPoints& data,
                                               const std::vector<int>& label,
                                               int fewest) {
-  std::vector<std::vector<int>> pieces;
-  std::vector<bool> seen(label.size());
-  const auto open = [&](int k) {
-    return label[std::size_t(k)] == kNoRegion && !seen[std::size_t(k)] && data.turn[k] < kSameSheet;
-  };
-  for (int k = 0; k < static_cast<int>(label.size()); ++k) {
-    if (!open(k)) continue;
-    std::vector<int> piece{k};
-    seen[std::size_t(k)] = true;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (const int other : data.Around(piece[i])) {
-        if (!open(other)) continue;
-        if (data.normals.col(piece[i]).cross(data.normals.col(other)).norm() > kSameSheet) continue;
-        seen[std::size_t(other)] = true;
-        piece.push_back(other);
-      }
-    }
-    if (std::ssize(piece) < fewest) continue;
-    std::sort(piece.begin(), piece.end());
-    pieces.push_back(std::move(piece));
-  }
+  std::vector<Component> pieces = ConnectedSets(
+      data,
+      [&](int k) { return label[std::size_t(k)] == kNoRegion && data.turn[k] < kSameSheet; },
+      [&](int a, int b) {
+        return !(data.normals.col(a).cross(data.normals.col(b)).norm() > kSameSheet);
+      });
+  std::erase_if(pieces, [&](const Component& piece) { return std::ssize(piece) < fewest; });
+  for (Component& piece : pieces) std::sort(piece.begin(), piece.end());
   return pieces;
 }
 

@@ -46,15 +46,14 @@ std::vector<int> OnePerCube(const Eigen::Matrix3Xd& points, double side) {
 
 RegionLabels GrowCoarsely(const RegionPoints& data,
                           double sigma,
-                          int fewest,
                           const Progress& progress,
                           ThreadPool& pool) {
-  if (data.size() <= kMost) return GrowRegions(data, sigma, fewest, progress, pool);
+  if (data.size() <= kMost) return GrowRegions(data, sigma, progress, pool);
   constexpr double kWider = 1.2;
   double side = data.spacing * std::sqrt(double(data.size()) / double(kMost));
   std::vector<int> some = OnePerCube(data.points, side);
   while (std::ssize(some) > kMost) some = OnePerCube(data.points, side *= kWider);
-  RegionLabels labels = GrowRegions(PartOf(data, some, side, pool), sigma, fewest, progress, pool);
+  RegionLabels labels = GrowRegions(PartOf(data, some, side, pool), sigma, progress, pool);
   const std::vector<int> of_some = std::move(labels.label);
   labels.label.assign(static_cast<std::size_t>(data.size()), kNoRegion);
   for (std::size_t k = 0; k < some.size(); ++k) labels.label[std::size_t(some[k])] = of_some[k];

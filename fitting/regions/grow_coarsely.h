@@ -12,7 +12,9 @@ namespace batten::internal {
 // alone; the others are of none: SettleRegions gives them theirs. All points where they are few.
 // Noise that neighbours share, as depth cameras make it, is little alike among points farther
 // apart.
-RegionLabels GrowCoarsely(
-    const RegionPoints& data, double sigma, int fewest, const Progress& progress, ThreadPool& pool);
+RegionLabels GrowCoarsely(const RegionPoints& data,
+                          double sigma,
+                          const Progress& progress,
+                          ThreadPool& pool);
 
 }  // namespace batten::internal

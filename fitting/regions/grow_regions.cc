@@ -25,9 +25,9 @@ struct Grown {
 
 class RegionGrower {
  public:
-  RegionGrower(const RegionPoints& data, double sigma, int fewest, ThreadPool& pool)
-      : data_(data), sigma_(sigma), fewest_(static_cast<std::size_t>(fewest)), pool_(pool) {
-    labels_.label.assign(static_cast<std::size_t>(data.size()), kNoRegion);
+  RegionGrower(const RegionPoints& data, double sigma, ThreadPool& pool)
+      : data_(data), sigma_(sigma), pool_(pool), seen_(static_cast<std::size_t>(data.size())) {
+    labels_.label.assign(seen_.size(), kNoRegion);
   }
 
   RegionLabels Grow(const Progress& progress) && {
@@ -45,7 +45,8 @@ class RegionGrower {
       Report(progress, "regions", double(k) / double(seeds.size()));
       std::vector<int> flat;
       if (auto best = BestFrom(patch, flat)) {
-        Take(std::move(*best));
+        std::sort(best->points.begin(), best->points.end());
+        Append({best->shape, std::move(best->points)}, labels_);
       } else {
         // What lies about a failed seed would fail like it, and so would the rest of a large plane;
         // a small one may be a piece of a round face.
@@ -61,20 +62,19 @@ class RegionGrower {
   bool Free(int point) const { return labels_.label[std::size_t(point)] == kNoRegion; }
 
   // Free points about the seed on its sheet.
-  std::vector<int> PatchAbout(int seed) const {
+  std::vector<int> PatchAbout(int seed) {
     std::vector<int> patch{seed};
-    std::vector<bool>& seen = Seen();
-    seen[std::size_t(seed)] = true;
+    seen_[std::size_t(seed)] = true;
     for (std::size_t k = 0; k < patch.size() && patch.size() < kPatch; ++k) {
       for (const int other : data_.Around(patch[k])) {
-        if (seen[std::size_t(other)] || !Free(other) || patch.size() >= kPatch) continue;
+        if (seen_[std::size_t(other)] || !Free(other) || patch.size() >= kPatch) continue;
         const double turn = data_.normals.col(patch[k]).cross(data_.normals.col(other)).norm();
         if (turn > kSameSheet) continue;
-        seen[std::size_t(other)] = true;
+        seen_[std::size_t(other)] = true;
         patch.push_back(other);
       }
     }
-    for (const int point : patch) seen[std::size_t(point)] = false;
+    for (const int point : patch) seen_[std::size_t(point)] = false;
     return patch;
   }
 
@@ -125,7 +125,8 @@ class RegionGrower {
       }
       inside = std::move(kept);
     }
-    return inside.size() >= std::max(fewest_, points.size() / kShare) ? inside : points;
+    return inside.size() >= std::max(std::size_t{kFewestPoints}, points.size() / kShare) ? inside
+                                                                                         : points;
   }
 
   // One kind's shape and the points it explains.
@@ -149,7 +150,7 @@ class RegionGrower {
       const bool few = members.size() < 4 * kPatch;
       shape = ShapeThrough(data_, members, kind, sigma_, few ? nullptr : &best.shape);
     }
-    if (best.points.size() < fewest_) return best;
+    if (best.points.size() < kFewestPoints) return best;
     const std::vector<int> inside = Inside(best.points);
     const auto settled = ShapeThrough(data_, inside, kind, sigma_, &best.shape);
     if (!settled) return best;
@@ -171,41 +172,33 @@ class RegionGrower {
     for (const Grown& one : grown) {
       if (one.passed) most = std::max(most, one.points.size());
     }
-    if (most < fewest_) return std::nullopt;
+    if (most < kFewestPoints) return std::nullopt;
     for (Grown& one : grown) {
       if (one.passed && double(one.points.size()) >= kAsMany * double(most)) return std::move(one);
     }
     return std::nullopt;
   }
 
-  void Take(Grown grown) {
-    const auto label = static_cast<int>(labels_.regions.size());
-    std::sort(grown.points.begin(), grown.points.end());
-    for (const int point : grown.points) labels_.label[std::size_t(point)] = label;
-    labels_.regions.push_back({grown.shape, std::move(grown.points)});
-  }
-
-  std::vector<bool>& Seen() const {
-    seen_.resize(labels_.label.size());
-    return seen_;
-  }
-
   const RegionPoints& data_;
   const double sigma_;
-  const std::size_t fewest_;
   ThreadPool& pool_;
   RegionLabels labels_;
-  mutable std::vector<bool> seen_;  // all false between calls
+  std::vector<bool> seen_;  // all false between calls
 };
 
 }  // namespace
 
+void Append(Region region, RegionLabels& labels) {
+  for (const int point : region.points)
+    labels.label[std::size_t(point)] = static_cast<int>(labels.regions.size());
+  labels.regions.push_back(std::move(region));
+}
+
 RegionLabels GrowRegions(const RegionPoints& data,
                          double sigma,
-                         int fewest,
                          const Progress& progress,
                          ThreadPool& pool) {
-  return RegionGrower(data, sigma, fewest, pool).Grow(progress);
+  return RegionGrower(data, sigma, pool).Grow(progress);
 }
 
 std::optional<FittedSurface> SimplestShape(const RegionPoints& data,

@@ -27,6 +27,9 @@ struct RegionLabels {
   std::vector<int> label;  // kNoRegion: of none
 };
 
+// Adds a region and labels its points.
+void Append(Region region, RegionLabels& labels);
+
 // Sine: neighbours whose normals turn by more lie over an edge.
 inline constexpr double kSameSheet = 0.35;
 
@@ -41,10 +44,12 @@ inline constexpr double kNoisier = 10;
 // About each a shape of every kind is fitted to some thirty neighbours, and to what lies within
 // noise of it and hangs together, until that grows no more; of the shapes that their points, away
 // from their border, do not reject (TestShape) the simplest counts that explains nine tenths of
-// what any explains. [Besl & Jain 1988; Schnabel, Wahl & Klein 2007] Regions have at least `fewest`
-// points. Does not depend on the number of threads.
-RegionLabels GrowRegions(
-    const RegionPoints& data, double sigma, int fewest, const Progress& progress, ThreadPool& pool);
+// what any explains. [Besl & Jain 1988; Schnabel, Wahl & Klein 2007] Regions have at least
+// kFewestPoints. Does not depend on the number of threads.
+RegionLabels GrowRegions(const RegionPoints& data,
+                         double sigma,
+                         const Progress& progress,
+                         ThreadPool& pool);
 
 // The first shape of plane, sphere, cylinder, cone and torus that the points do not reject.
 std::optional<FittedSurface> SimplestShape(const RegionPoints& data,

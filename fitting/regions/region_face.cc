@@ -15,15 +15,6 @@
 namespace batten::internal {
 namespace {
 
-SurfaceShape Moved(SurfaceShape shape, const Eigen::Vector3d& move) {
-  if (auto* plane = std::get_if<PlaneShape>(&shape)) plane->point += move;
-  if (auto* sphere = std::get_if<SphereShape>(&shape)) sphere->center += move;
-  if (auto* cylinder = std::get_if<CylinderShape>(&shape)) cylinder->point += move;
-  if (auto* cone = std::get_if<ConeShape>(&shape)) cone->apex += move;
-  if (auto* torus = std::get_if<TorusShape>(&shape)) torus->center += move;
-  return shape;
-}
-
 PointMask NoneOf(std::size_t count) {
   return PointMask::Constant(static_cast<Eigen::Index>(count), false);
 }
@@ -119,7 +110,7 @@ PartFace CoveredFace(const RegionPoints& data,
   const ExactSurface local = PatchOf(face.shape, points, NoneOf(face.points.size()), pool);
   const ExactSurface patch = Placed(local, data.unit, data.middle + move);
   const Eigen::Matrix2Xd feet = FootPointsOn(local, points, pool);
-  PartFace made{Moved(face.shape.Shape(data.unit, data.middle), move), patch, ToNurbs(patch)};
+  PartFace made{face.shape.Shape(data.unit, data.middle + move), patch, ToNurbs(patch)};
   PointTrim trim = TrimToPoints(
       made.surface, feet, PolesOf(patch), data.unit * data.spacing, face.numbers.scale, pool);
   made.surface = std::move(trim.surface);

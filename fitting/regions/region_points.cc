@@ -95,11 +95,8 @@ RegionPoints PartOf(const RegionPoints& data,
   RegionPoints part;
   part.points = data.points(Eigen::all, points);
   part.spacing = spacing;
-  part.noise = data.noise;
   part.rounding = data.rounding;
   part.most_trend = data.most_trend;
-  part.unit = data.unit;
-  part.middle = data.middle;
   part.normals_estimated = true;
   const NeighbourIndex index(part.points, pool);
   LinkNeighbours(index, kFarNeighbour * spacing, part);

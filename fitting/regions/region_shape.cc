@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/regions/region_shape.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "batten/fitting/statistics.h"
+#include "batten/fitting/robust_loss.h"
 #include "fitting/core/shared_constants.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/primitives/surface_starts.h"
@@ -30,22 +29,12 @@ StartData StartsOf(const RegionPoints& data, const std::vector<int>& members) {
   start.sample = part(some);
   start.judges = part(few);
   start.oriented.push_back({start.judges.points, data.normals(Eigen::all, few)});
-  start.centroid = start.sample.points.rowwise().mean();
-  const Eigen::Matrix3Xd from = start.sample.points.colwise() - start.centroid;
-  Eigen::Index nearest;
-  from.colwise().squaredNorm().minCoeff(&nearest);
-  start.middle = start.sample.points.col(nearest);
-  start.inertia_axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(from * from.transpose()))
-          .eigenvectors()
-          .rowwise()
-          .reverse();
+  TakeMoments(start);
   return start;
 }
 
-double RobustScale(const FittedSurface& shape, const ShapeData& points, ThreadPool& pool) {
-  const Eigen::VectorXd off = SurfaceDistances(shape, points.points, pool).cwiseAbs();
-  return kMadToSigma * Median({off.begin(), off.end()});
+double ScaleAbout(const FittedSurface& shape, const ShapeData& points, ThreadPool& pool) {
+  return RobustScale(SurfaceDistances(shape, points.points, pool));
 }
 
 // Tukey's loss at the scale of the points, down to σ.
@@ -60,7 +49,7 @@ FittedSurface Settled(FittedSurface shape,
   shape = shape.TouchingNear(start.middle);
   double before = 0;
   for (int round = 0; round < rounds; ++round) {
-    const double scale = std::max(sigma, RobustScale(shape, points, pool));
+    const double scale = std::max(sigma, ScaleAbout(shape, points, pool));
     if (std::abs(scale - before) <= kSteady * scale) break;
     before = scale;
     shape = Minimised(shape, points, {Loss::kTukey, scale}, kSteps, pool).shape;
@@ -80,7 +69,7 @@ std::vector<FittedSurface> Nearest(std::vector<FittedSurface> starts,
                                    ThreadPool& pool) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const double scale = RobustScale(starts[k], start.judges, pool);
+    const double scale = ScaleAbout(starts[k], start.judges, pool);
     if (std::isfinite(scale)) order.emplace_back(scale, k);
   }
   std::sort(order.begin(), order.end());
@@ -122,7 +111,7 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
   double scale = std::numeric_limits<double>::infinity();
   for (FittedSurface& one : starts) {
     one = Settled(one, start, start.judges, sigma, kFewRounds, alone);
-    scale = std::min(scale, std::max(sigma, RobustScale(one, start.judges, alone)));
+    scale = std::min(scale, std::max(sigma, ScaleAbout(one, start.judges, alone)));
   }
   // Compared at the scale of the one that most points are closest to.
   std::optional<FittedSurface> best;
@@ -135,7 +124,7 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
   }
   if (!best) return std::nullopt;
   best = Settled(*best, start, start.judges, sigma, kRounds, alone);
-  if (!(RobustScale(*best, start.judges, alone) <= kFarOff * sigma)) return std::nullopt;
+  if (!(ScaleAbout(*best, start.judges, alone) <= kFarOff * sigma)) return std::nullopt;
   return Settled(*best, start, start.sample, sigma, 2, alone);
 }
 
@@ -166,10 +155,11 @@ ShapeTest TestShape(const RegionPoints& data,
       ++pairs;
     }
   }
-  test.trend = pairs > 0 && squares > 0 ? shared / pairs / (squares / count) : 0;
+  // The correlation of distances at neighbouring members, −1 … 1.
+  const double trend = pairs > 0 && squares > 0 ? shared / pairs / (squares / count) : 0;
   const double chance = kThreeSigmas / std::sqrt(2 * count);
   const bool near = test.rms <= kLargest * (1 + chance) * sigma;
-  const bool even = test.trend <= data.most_trend + kThreeSigmas / std::sqrt(std::max(1.0, pairs));
+  const bool even = trend <= data.most_trend + kThreeSigmas / std::sqrt(std::max(1.0, pairs));
   test.passed = near && (even || test.rms <= data.rounding);
   return test;
 }

@@ -27,8 +27,7 @@ std::optional<FittedSurface> ShapeThrough(const RegionPoints& data,
 
 // How the members lie about a shape.
 struct ShapeTest {
-  double rms = 0;    // robust: distances beyond 3.5 σ count as that large
-  double trend = 0;  // correlation of distances at neighbouring members, −1 … 1
+  double rms = 0;  // robust: distances beyond 3.5 σ count as that large
   bool passed = false;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "fitting/regions/region_shape.h"
@@ -17,53 +18,41 @@ constexpr double kPrice = 0.3;  // of a neighbour of another region, in the unit
 constexpr double kTurned = 2;   // price of a normal at right angles to the shape's
 constexpr int kMostSweeps = 30, kMostRounds = 4;
 
-// What a point pays for belonging to a region.
-class LabelPrices {
- public:
-  LabelPrices(const RegionPoints& data, const RegionLabels& labels, double sigma)
-      : data_(data), labels_(labels), sigma_(sigma) {}
-
-  int Best(int point) const {
-    const auto around = data_.Around(point);
-    int best = kNoRegion;
-    double least = kFarPoint * kFarPoint / 2;
-    std::vector<int> choices{labels_.label[std::size_t(point)]};
-    for (const int other : around) choices.push_back(labels_.label[std::size_t(other)]);
-    std::sort(choices.begin(), choices.end());
-    choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
-    for (const int choice : choices) {
-      if (choice == kNoRegion) continue;
-      const FittedSurface& shape = labels_.regions[std::size_t(choice)].shape;
-      const double off = shape.Distance(data_.points.col(point)) / sigma_;
-      double price = off * off / 2;
-      if (!(price < kFarPoint * kFarPoint / 2)) continue;
-      const double turned = NormalOff(data_, point, shape);
-      price += kTurned * turned * turned;
-      for (const int other : around) {
-        const int there = labels_.label[std::size_t(other)];
-        if (there != choice && there != kNoRegion) price += kPrice;
-      }
-      if (best == kNoRegion || price < least) {
-        least = price;
-        best = choice;
-      }
+// The region that a point pays least for belonging to.
+int BestLabel(const RegionPoints& data, const RegionLabels& labels, double sigma, int point) {
+  const auto around = data.Around(point);
+  int best = kNoRegion;
+  double least = kFarPoint * kFarPoint / 2;
+  std::vector<int> choices{labels.label[std::size_t(point)]};
+  for (const int other : around) choices.push_back(labels.label[std::size_t(other)]);
+  std::sort(choices.begin(), choices.end());
+  choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+  for (const int choice : choices) {
+    if (choice == kNoRegion) continue;
+    const FittedSurface& shape = labels.regions[std::size_t(choice)].shape;
+    const double off = shape.Distance(data.points.col(point)) / sigma;
+    double price = off * off / 2;
+    if (!(price < kFarPoint * kFarPoint / 2)) continue;
+    const double turned = NormalOff(data, point, shape);
+    price += kTurned * turned * turned;
+    for (const int other : around) {
+      const int there = labels.label[std::size_t(other)];
+      if (there != choice && there != kNoRegion) price += kPrice;
     }
-    return best;
+    if (best == kNoRegion || price < least) {
+      least = price;
+      best = choice;
+    }
   }
-
- private:
-  const RegionPoints& data_;
-  const RegionLabels& labels_;
-  const double sigma_;
-};
+  return best;
+}
 
 void Compete(const RegionPoints& data, double sigma, RegionLabels& labels) {
-  const LabelPrices prices(data, labels, sigma);
   const auto count = static_cast<int>(data.size());
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     int changes = 0;
     for (int k = 0; k < count; ++k) {
-      const int best = prices.Best(k);
+      const int best = BestLabel(data, labels, sigma, k);
       if (best == labels.label[std::size_t(k)]) continue;
       labels.label[std::size_t(k)] = best;
       ++changes;
@@ -106,20 +95,18 @@ void JoinNarrow(const RegionPoints& data,
 }
 
 // Regions as connected sets of points of one label; small ones have no region any more.
-void Connect(const RegionPoints& data, int fewest, RegionLabels& labels) {
+void Connect(const RegionPoints& data, RegionLabels& labels) {
   std::vector<Component> components = ComponentsOf(data, labels.label);
   JoinNarrow(data, labels.label, components);
-  std::erase_if(components, [&](const auto& one) { return std::ssize(one) < fewest; });
+  std::erase_if(components, [](const auto& one) { return std::ssize(one) < kFewestPoints; });
   for (Component& one : components) std::sort(one.begin(), one.end());
   std::sort(components.begin(), components.end());
-  std::vector<Region> parts;
-  std::vector<int> label(labels.label.size(), kNoRegion);
+  RegionLabels parts{{}, std::vector<int>(labels.label.size(), kNoRegion)};
   for (Component& one : components) {
     const int before = labels.label[std::size_t(one.front())];
-    for (const int point : one) label[std::size_t(point)] = static_cast<int>(parts.size());
-    parts.push_back({labels.regions[std::size_t(before)].shape, std::move(one)});
+    Append({labels.regions[std::size_t(before)].shape, std::move(one)}, parts);
   }
-  labels = {std::move(parts), std::move(label)};
+  labels = std::move(parts);
 }
 
 // Shapes from core points; of the kind they have, or a simpler or richer one where those ask for
@@ -149,34 +136,32 @@ bool JoinOne(const RegionPoints& data,
              RegionLabels& labels,
              std::map<std::pair<int, int>, bool>& tried,
              ThreadPool& pool) {
-  const auto touching = TouchingRegions(data, labels);
-  for (int a = 0; a < std::ssize(touching); ++a) {
-    for (const auto& [b, pairs] : touching[std::size_t(a)]) {
-      const Region &one = labels.regions[std::size_t(a)], &other = labels.regions[std::size_t(b)];
-      if (b < a || one.points.empty() || other.points.empty() || tried[{a, b}]) continue;
-      tried[{a, b}] = true;
-      if (!JoinSmoothly(data, labels, a, b)) continue;
-      std::vector<int> both;
-      std::merge(one.points.begin(),
-                 one.points.end(),
-                 other.points.begin(),
-                 other.points.end(),
-                 std::back_inserter(both));
-      const auto shape = SimplestShape(data, both, sigma, pool);
-      if (!shape) continue;
-      // Each side by itself: a large one would hide what a small one rejects.
-      if (!TestShape(data, one.points, *shape, sigma).passed ||
-          !TestShape(data, other.points, *shape, sigma).passed) {
-        continue;
-      }
-      for (const int point : other.points) labels.label[std::size_t(point)] = a;
-      labels.regions[std::size_t(a)] = {*shape, std::move(both)};
-      labels.regions[std::size_t(b)].points.clear();
-      for (auto& [key, done] : tried) {
-        if (key.first == a || key.second == a) done = false;
-      }
-      return true;
+  for (const auto& [pair, links] : LinksOf(data, labels.label)) {
+    const auto [a, b] = pair;
+    const Region &one = labels.regions[std::size_t(a)], &other = labels.regions[std::size_t(b)];
+    if (one.points.empty() || other.points.empty() || tried[pair]) continue;
+    tried[pair] = true;
+    if (!JoinSmoothly(data, labels, a, b)) continue;
+    std::vector<int> both;
+    std::merge(one.points.begin(),
+               one.points.end(),
+               other.points.begin(),
+               other.points.end(),
+               std::back_inserter(both));
+    const auto shape = SimplestShape(data, both, sigma, pool);
+    if (!shape) continue;
+    // Each side by itself: a large one would hide what a small one rejects.
+    if (!TestShape(data, one.points, *shape, sigma).passed ||
+        !TestShape(data, other.points, *shape, sigma).passed) {
+      continue;
     }
+    for (const int point : other.points) labels.label[std::size_t(point)] = a;
+    labels.regions[std::size_t(a)] = {*shape, std::move(both)};
+    labels.regions[std::size_t(b)].points.clear();
+    for (auto& [key, done] : tried) {
+      if (key.first == a || key.second == a) done = false;
+    }
+    return true;
   }
   return false;
 }
@@ -193,22 +178,10 @@ void JoinNeighbours(const RegionPoints& data,
 }  // namespace
 
 std::vector<Component> ComponentsOf(const RegionPoints& data, const std::vector<int>& label) {
-  std::vector<Component> components;
-  std::vector<bool> seen(label.size());
-  for (std::size_t k = 0; k < label.size(); ++k) {
-    if (label[k] == kNoRegion || seen[k]) continue;
-    Component part{static_cast<int>(k)};
-    seen[k] = true;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      for (const int other : data.Around(part[i])) {
-        if (seen[std::size_t(other)] || label[std::size_t(other)] != label[k]) continue;
-        seen[std::size_t(other)] = true;
-        part.push_back(other);
-      }
-    }
-    components.push_back(std::move(part));
-  }
-  return components;
+  return ConnectedSets(
+      data,
+      [&](int k) { return label[std::size_t(k)] != kNoRegion; },
+      [&](int a, int b) { return label[std::size_t(a)] == label[std::size_t(b)]; });
 }
 
 bool IsNarrow(const RegionPoints& data,
@@ -241,20 +214,18 @@ bool JoinSmoothly(const RegionPoints& data, const RegionLabels& labels, int a, i
   return count > 0 && sum <= kSmooth * count;
 }
 
-std::vector<std::vector<std::pair<int, int>>> TouchingRegions(const RegionPoints& data,
-                                                              const RegionLabels& labels) {
-  std::vector<std::map<int, int>> counts(labels.regions.size());
+std::map<RegionPair, std::vector<Eigen::Vector3d>> LinksOf(const RegionPoints& data,
+                                                           const std::vector<int>& label) {
+  std::map<RegionPair, std::vector<Eigen::Vector3d>> links;
   for (int k = 0; k < static_cast<int>(data.size()); ++k) {
-    const int here = labels.label[std::size_t(k)];
-    if (here == kNoRegion) continue;
+    const int here = label[std::size_t(k)];
     for (const int other : data.Around(k)) {
-      const int there = labels.label[std::size_t(other)];
-      if (there != kNoRegion && there != here) ++counts[std::size_t(here)][there];
+      const int there = label[std::size_t(other)];
+      if (here == kNoRegion || there == kNoRegion || here >= there) continue;
+      links[{here, there}].push_back((data.points.col(k) + data.points.col(other)) / 2);
     }
   }
-  std::vector<std::vector<std::pair<int, int>>> touching;
-  for (const auto& count : counts) touching.emplace_back(count.begin(), count.end());
-  return touching;
+  return links;
 }
 
 std::vector<int> CorePoints(const RegionPoints& data,
@@ -265,14 +236,12 @@ std::vector<int> CorePoints(const RegionPoints& data,
   constexpr std::size_t kLeast = 16;
   const Region& own = labels.regions[std::size_t(region)];
   // Which other regions are near each member.
-  std::map<int, std::vector<int>> near;  // by point
-  std::vector<int> border;
+  std::map<int, std::set<int>> near;  // by point
   for (const int point : own.points) {
     for (const int other : data.Around(point)) {
       const int there = labels.label[std::size_t(other)];
       if (there == kNoRegion || there == region) continue;
-      auto& list = near[point];
-      if (std::find(list.begin(), list.end(), there) == list.end()) list.push_back(there);
+      near[point].insert(there);
     }
   }
   for (int ring = 1; ring < kRings; ++ring) {
@@ -280,10 +249,7 @@ std::vector<int> CorePoints(const RegionPoints& data,
     for (const auto& [point, others] : before) {
       for (const int next : data.Around(point)) {
         if (labels.label[std::size_t(next)] != region) continue;
-        auto& list = near[next];
-        for (const int other : others) {
-          if (std::find(list.begin(), list.end(), other) == list.end()) list.push_back(other);
-        }
+        near[next].insert(others.begin(), others.end());
       }
     }
   }
@@ -303,14 +269,13 @@ std::vector<int> CorePoints(const RegionPoints& data,
   return core.size() >= kLeast ? core : own.points;
 }
 
-void SettleRegions(
-    const RegionPoints& data, double sigma, int fewest, RegionLabels& labels, ThreadPool& pool) {
+void SettleRegions(const RegionPoints& data, double sigma, RegionLabels& labels, ThreadPool& pool) {
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<int> before = labels.label;
     // Later rounds move borders only; what can be joined shows once shapes have been fitted again.
     if (round < 2) JoinNeighbours(data, sigma, labels, pool);
     Compete(data, sigma, labels);
-    Connect(data, fewest, labels);
+    Connect(data, labels);
     Refit(data, sigma, labels, pool);
     if (labels.label == before) break;
   }

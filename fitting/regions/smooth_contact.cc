@@ -15,14 +15,6 @@ using Eigen::Vector3d;
 
 bool Turned(const FittedSurface& shape) { return shape.kind >= SurfaceKind::kCylinder; }
 
-Vector3d OnAxis(const FittedSurface& shape) {
-  return shape.point - shape.Outward() / shape.axis_curvature;
-}
-
-Vector3d CenterOf(const FittedSurface& sphere) {
-  return sphere.point - sphere.normal / sphere.curvature;
-}
-
 // A line or circle of the plane near a place: its centre is at − normal/curvature.
 struct Profile {
   Vector2d at, normal;
@@ -106,15 +98,15 @@ std::optional<Found> Straight(const Vector3d& near, FittedSurface a, FittedSurfa
 std::optional<Found> Round(const Vector3d& near, FittedSurface a, FittedSurface b) {
   if (!Turned(a)) std::swap(a, b);
   if (!Turned(a)) return std::nullopt;
-  const Vector3d axis = a.Axis(), foot = OnAxis(a);
+  const Vector3d axis = a.Axis(), foot = a.OnAxis();
   Found found;
   if (b.kind == SurfaceKind::kPlane) {
     Add(b.normal, axis, found.aside);
   } else if (b.kind == SurfaceKind::kSphere) {
-    Add(CenterOf(b) - foot, axis, found.aside);
+    Add(b.Center() - foot, axis, found.aside);
   } else {
     Add(b.Axis(), axis, found.aside);
-    Add(OnAxis(b) - foot, axis, found.aside);
+    Add(b.OnAxis() - foot, axis, found.aside);
   }
   const Vector3d from = near - foot;
   const Vector3d out = from - from.dot(axis) * axis;
@@ -126,11 +118,6 @@ std::optional<Found> Round(const Vector3d& near, FittedSurface a, FittedSurface 
   return found;
 }
 
-double PipeRadius(const FittedSurface& shape) {
-  return 1 /
-         std::abs(shape.kind == SurfaceKind::kCylinder ? shape.axis_curvature : shape.curvature);
-}
-
 // The circle that is the middle of a torus.
 struct Spine {
   Vector3d center, axis;
@@ -138,7 +125,7 @@ struct Spine {
 };
 
 Spine SpineOf(const FittedSurface& torus) {
-  const Vector3d axis = torus.Axis(), foot = OnAxis(torus), tube = CenterOf(torus);
+  const Vector3d axis = torus.Axis(), foot = torus.OnAxis(), tube = torus.Center();
   const double height = (tube - foot).dot(axis);
   const Vector3d center = foot + height * axis;
   return {center, axis, (tube - center).norm()};
@@ -153,12 +140,12 @@ std::optional<std::pair<Eigen::VectorXd, FittedSurface>> Pipe(FittedSurface a, F
   }
   const Spine spine = SpineOf(a);
   const Vector3d way = ball ? Vector3d::Zero() : b.Axis();
-  Vector3d middle = ball ? CenterOf(b) : OnAxis(b);
+  Vector3d middle = ball ? b.Center() : b.OnAxis();
   middle -= (middle - spine.center).dot(way) * way;  // of an axis, nearest to the torus' centre
   const Vector3d off = middle - spine.center;
   const double height = off.dot(spine.axis);
   Eigen::VectorXd gap(ball ? 3 : 4);
-  gap.head<3>() << PipeRadius(b) - PipeRadius(a), height,
+  gap.head<3>() << b.PipeRadius() - a.PipeRadius(), height,
       (off - height * spine.axis).norm() - spine.radius;
   if (!ball) gap[3] = way.dot(spine.axis);
   const Vector3d across = ball ? spine.axis.cross(off).normalized() : way;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "fitting/primitives/algebraic_fits.h"
 #include "fitting/regions/region_shape.h"
 #include "geometry/numeric/dense_solvers.h"
 
@@ -16,28 +17,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-struct TurnedAxis {
-  Vector3d foot, along;
-};
-
-TurnedAxis AxisOf(const FittedSurface& shape) {
-  return {shape.point - shape.Outward() / shape.axis_curvature, shape.Axis()};
-}
+Axis AxisOf(const FittedSurface& shape) { return {shape.OnAxis(), shape.Axis()}; }
 
 // Heights along the axis and distances from it.
-Eigen::Matrix2Xd ProfileOf(const Eigen::Matrix3Xd& points, const TurnedAxis& axis) {
-  Eigen::Matrix2Xd profile(2, points.cols());
-  for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    const Vector3d from = points.col(k) - axis.foot;
-    const double height = from.dot(axis.along);
-    profile.col(k) << height, (from - height * axis.along).norm();
-  }
-  return profile;
+Eigen::Matrix2Xd ProfileOf(const Eigen::Matrix3Xd& points, const Axis& axis) {
+  return MeridianOf(points, axis).colwise().reverse();
 }
 
 // The straight profile of least squares, turned.
 std::optional<FittedSurface> Straight(const Eigen::Matrix2Xd& profile,
-                                      const TurnedAxis& axis,
+                                      const Axis& axis,
                                       const Vector3d& near) {
   constexpr double kAlong = 1e-3;  // sine: cones whose tip is a thousand times as far are none
   const Vector2d mean = profile.rowwise().mean();
@@ -45,17 +34,19 @@ std::optional<FittedSurface> Straight(const Eigen::Matrix2Xd& profile,
   const Eigen::Matrix2d spread = off * off.transpose();
   const double turn = std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2;
   const double up = std::cos(turn), out = std::sin(turn);
-  if (std::abs(out) < kAlong) return CylinderNear(near, axis.foot, axis.along, mean[1]);
-  if (std::abs(up) < kAlong) return PlaneAt(axis.foot + mean[0] * axis.along, axis.along);
-  const Vector3d tip = axis.foot + (mean[0] - mean[1] * up / out) * axis.along;
+  if (std::abs(out) < kAlong) return CylinderNear(near, axis.point, axis.direction, mean[1]);
+  if (std::abs(up) < kAlong) return PlaneAt(axis.point + mean[0] * axis.direction, axis.direction);
+  const Vector3d tip = axis.point + (mean[0] - mean[1] * up / out) * axis.direction;
   const bool widens = up * out > 0;
-  return ConeNear(
-      near, tip, widens ? axis.along : Vector3d(-axis.along), std::abs(std::atan(out / up)));
+  return ConeNear(near,
+                  tip,
+                  widens ? axis.direction : Vector3d(-axis.direction),
+                  std::abs(std::atan(out / up)));
 }
 
 // The round one, by the algebraic distance: of an arc's points within noise of it the same.
 std::optional<FittedSurface> Round(const Eigen::Matrix2Xd& profile,
-                                   const TurnedAxis& axis,
+                                   const Axis& axis,
                                    const Vector3d& near) {
   const Vector2d mean = profile.rowwise().mean();
   const Eigen::Matrix2Xd off = profile.colwise() - mean;
@@ -65,7 +56,8 @@ std::optional<FittedSurface> Round(const Eigen::Matrix2Xd& profile,
   const Vector2d center = mean + solved.head<2>();
   const double radius = std::sqrt(solved[2] + solved.head<2>().squaredNorm());
   if (!std::isfinite(radius) || !(center[1] > 0)) return std::nullopt;
-  return TorusNear(near, axis.foot + center[0] * axis.along, axis.along, center[1], radius);
+  return TorusNear(
+      near, axis.point + center[0] * axis.direction, axis.direction, center[1], radius);
 }
 
 bool Touch(const std::vector<FaceRelation>& relations, int a, int b) {
@@ -118,7 +110,7 @@ class JoinTurner {
   }
 
  private:
-  std::optional<FittedSurface> ShapeAbout(const TurnedAxis& axis,
+  std::optional<FittedSurface> ShapeAbout(const Axis& axis,
                                           const RegionFace& face,
                                           const Vector3d& near) const {
     const Eigen::Matrix2Xd profile = ProfileOf(data_.points(Eigen::all, face.core), axis);

@@ -76,7 +76,6 @@ BaseProfile::BaseProfile(const Eigen::Matrix2Xd& places,
   }
   lengths_.push_back(0);
   for (const auto& powers : spans_) lengths_.push_back(lengths_.back() + ArcOf(powers, width_));
-  speed_ = lengths_.back() / range_;
   const int count = spans * kSamplesASpan;
   sample_step_ = range_ / count;
   const Eigen::Index samples = closed ? count : count + 1;

@@ -24,8 +24,6 @@ class BaseProfile {
               ThreadPool& pool);
 
   double range() const { return range_; }
-  bool closed() const { return closed_; }
-  double speed() const { return speed_; }  // length divided by range: the mean of |C'|
 
   struct Jet {
     Eigen::Vector2d place, first, second;
@@ -43,7 +41,6 @@ class BaseProfile {
 
   double range_, width_;  // of a span
   bool closed_;
-  double speed_ = 1;
   std::vector<Eigen::Matrix<double, 2, 4>> spans_;  // coefficients of powers of s − start
   std::vector<double> lengths_;                     // at the spans' starts, and the end
   Eigen::MatrixX2d samples_;                        // padded with infinite ones

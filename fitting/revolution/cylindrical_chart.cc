@@ -14,10 +14,11 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kClear = 2.2;      // reaches from the axis …
-constexpr double kFarOut = 0.5;     // … or of the median radius
-constexpr double kHole = 3;         // spacings; a smaller gap at the axis is no hole
-constexpr int kCountedAtPole = 32;  // points that tell the spacing there
+constexpr double kClear = 2.2;        // reaches from the axis …
+constexpr double kFarOut = 0.5;       // … or of the median radius
+constexpr double kLeastClosed = 0.5;  // of the profile: so much counts as closed round the axis
+constexpr double kHole = 3;           // spacings; a smaller gap at the axis is no hole
+constexpr int kCountedAtPole = 32;    // points that tell the spacing there
 
 double Wrapped(double angle) { return angle - kTurn * std::round(angle / kTurn); }
 
@@ -157,27 +158,21 @@ SamplesAboutAxis CylindricalCoordinates(const RevolutionSamples& round, const Ax
   return seen;
 }
 
-std::vector<double> AngleSteps(const RevolutionSamples& round, const Eigen::VectorXd& angles) {
-  std::vector<double> steps;
-  steps.reserve(round.graph.edges.size());
-  for (const auto& [i, j] : round.graph.edges) steps.push_back(Wrapped(angles[j] - angles[i]));
-  return steps;
-}
-
 WayRound FindWayRound(const RevolutionSamples& round,
                       const SamplesAboutAxis& seen,
                       const std::vector<double>& along,
-                      double period,
-                      double least_closed) {
+                      double period) {
   constexpr int kParts = 720;
   constexpr double kHardlyCrossed = 0.25, kWellCrossed = 0.5;
   WayRound way;
-  const std::vector<double> steps = AngleSteps(round, seen.angles);
+  std::vector<double> steps;  // of the angle along the edges, each in (−π, π]
+  for (const auto& [i, j] : round.graph.edges)
+    steps.push_back(Wrapped(seen.angles[j] - seen.angles[i]));
   const GraphSteps graph{&round.graph.edges, steps, seen.size()};
   way.share = ClosedFraction(graph, seen.clear, kTurn / 2, along, kChartBand * seen.reach, period);
   const Gap gap = WidestGap(CrossingsOf(round, seen, steps, kParts));
   way.closed =
-      way.share >= least_closed || (way.share >= least_closed / 2 && gap.crossed >= kHardlyCrossed);
+      way.share >= kLeastClosed || (way.share >= kLeastClosed / 2 && gap.crossed >= kHardlyCrossed);
   way.winds = !way.closed && gap.crossed >= kWellCrossed;
   double low = kTurn, high = 0;
   for (Eigen::Index i = 0; i < seen.size(); ++i) {

@@ -29,9 +29,6 @@ struct SamplesAboutAxis {
 };
 SamplesAboutAxis CylindricalCoordinates(const RevolutionSamples& round, const AxisFrame& frame);
 
-// Computes the steps of the angle along the edges, each in (−π, π].
-std::vector<double> AngleSteps(const RevolutionSamples& round, const Eigen::VectorXd& angles);
-
 // Reaches across the way round in which ClosedFraction looks for nodes.
 inline constexpr double kChartBand = 4;
 
@@ -45,8 +42,7 @@ struct WayRound {
 WayRound FindWayRound(const RevolutionSamples& round,
                       const SamplesAboutAxis& seen,
                       const std::vector<double>& along,
-                      double period,
-                      double least_closed);
+                      double period);
 
 // The chart in which parameters are measured: the axis, the range of angles and the profile.
 struct CylindricalChart {

@@ -19,19 +19,11 @@
 namespace batten::internal {
 namespace {
 
-// Fallback parameters of a base that was not found.
-void PutAnywhere(const RoundCloud& cloud, RevolutionParameterization& base) {
-  base.length_u = base.length_v = std::max(cloud.spacing + 2 * cloud.margin, 1e-300);
-  base.parameters.setConstant(2, cloud.points.cols(), base.length_u / 2);
-}
+constexpr double kMostMisfit = 0.09;  // a ripple of amplitude 0.1 has 0.07, a cube 0.11
 
-RevolutionParameterization Refused(const RoundCloud& cloud,
-                                   const char* name,
-                                   std::string failure_reason) {
+RevolutionParameterization Refused(std::string failure_reason) {
   RevolutionParameterization base;
-  base.name = name;
   base.failure_reason = std::move(failure_reason);
-  PutAnywhere(cloud, base);
   return base;
 }
 
@@ -134,8 +126,7 @@ double TubeAngle(const Ring& ring, const Eigen::Vector2d& place) {
 // gap.
 WayRound FindWayAlong(const RevolutionSamples& round,
                       const Ring& ring,
-                      const SamplesAboutAxis& seen,
-                      double least_closed) {
+                      const SamplesAboutAxis& seen) {
   SamplesAboutAxis about = seen;  // with both angles exchanged
   for (Eigen::Index i = 0; i < seen.size(); ++i) {
     about.angles[i] = TubeAngle(ring, seen.places.col(i));
@@ -143,53 +134,36 @@ WayRound FindWayAlong(const RevolutionSamples& round,
   }
   std::vector<double> across(static_cast<size_t>(seen.size()));
   for (Eigen::Index i = 0; i < seen.size(); ++i) across[i] = ring.radius * seen.angles[i];
-  return FindWayRound(round, about, across, kTurn * ring.radius, least_closed);
+  return FindWayRound(round, about, across, kTurn * ring.radius);
 }
 
 }  // namespace
 
-RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
-                                            const RevolutionParameterizationOptions& options,
-                                            ThreadPool& pool) {
-  constexpr const char* kName = "revolution";
-  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
+RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud, ThreadPool& pool) {
   const std::optional<AxisFrame> preferred = SphereAxis(cloud.round, pool);
-  const RevolutionEstimate shape =
-      cloud.shape ? WithPreferredAxis(*cloud.shape, cloud.round, preferred, pool)
-                  : FindRevolution(cloud.round, preferred, pool);
-  if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
-    RevolutionParameterization base = Refused(cloud, kName, NoAxis(std::min(shape.misfit, 1.0)));
-    base.misfit = std::min(shape.misfit, 1.0);
-    return base;
+  const RevolutionEstimate shape = WithPreferredAxis(*cloud.shape, cloud.round, preferred, pool);
+  if (!shape.profile || !(shape.misfit <= kMostMisfit)) {
+    return Refused(NoAxis(std::min(shape.misfit, 1.0)));
   }
   CylindricalChart chart = ChartOf(shape);
   std::vector<double> lengths;
   for (const double foot : shape.feet) lengths.push_back(shape.profile->Length(foot));
-  chart.way = FindWayRound(cloud.round, shape.seen, lengths, chart.period, options.least_closed);
-  if (chart.way.winds) return Refused(cloud, kName, kSpiral);
+  chart.way = FindWayRound(cloud.round, shape.seen, lengths, chart.period);
+  if (chart.way.winds) return Refused(kSpiral);
   RevolutionParameterization base;
-  base.name = kName;
+  base.name = "revolution";
   base.misfit = shape.misfit;
   AssignParameters(chart, cloud, pool, base);
   base.why = WhyOf(base, chart.way, "a surface of revolution");
   return base;
 }
 
-RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
-                                        const RevolutionParameterizationOptions& options,
-                                        ThreadPool& pool) {
-  constexpr const char* kName = "sphere";
-  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
+RevolutionParameterization SphereBaseOf(const RoundCloud& cloud, ThreadPool& pool) {
   const FittedSphere sphere = FitSphere(cloud.round, pool);
-  if (!IsBall(cloud.round, sphere) || sphere.misfit > options.most_misfit) {
+  if (!IsBall(cloud.round, sphere) || sphere.misfit > kMostMisfit) {
     const double misfit = IsBall(cloud.round, sphere) ? std::min(sphere.misfit, 1.0) : 1;
-    RevolutionParameterization base =
-        Refused(cloud,
-                kName,
-                "the points are off every sphere by " + Percent(misfit) +
-                    " of its radius; choose another base");
-    base.misfit = misfit;
-    return base;
+    return Refused("the points are off every sphere by " + Percent(misfit) +
+                   " of its radius; choose another base");
   }
   CylindricalChart chart;
   chart.frame = AxisOfSphere(cloud.round, sphere);
@@ -206,44 +180,36 @@ RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
   chart.high = *std::max_element(lengths.begin(), lengths.end());
   chart.low_pole = 0;
   chart.high_pole = std::numbers::pi * radius;
-  chart.way = FindWayRound(cloud.round, seen, lengths, 0, options.least_closed);
+  chart.way = FindWayRound(cloud.round, seen, lengths, 0);
   RevolutionParameterization base;
-  base.name = kName;
+  base.name = "sphere";
   base.misfit = sphere.misfit;
   AssignParameters(chart, cloud, pool, base);
   base.why = WhyOf(base, chart.way, "a sphere");
   return base;
 }
 
-RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
-                                       const RevolutionParameterizationOptions& options,
-                                       ThreadPool& pool) {
-  constexpr const char* kName = "torus";
-  if (!cloud.round.ok()) return Refused(cloud, kName, cloud.round.failure_reason);
-  const RevolutionEstimate shape =
-      cloud.shape ? *cloud.shape : FindRevolution(cloud.round, std::nullopt, pool);
-  const auto refused = [&](const std::string& reason, double misfit) {
-    RevolutionParameterization base = Refused(cloud, kName, reason + "; choose another base");
-    base.misfit = misfit;
-    return base;
+RevolutionParameterization TorusBaseOf(const RoundCloud& cloud, ThreadPool& pool) {
+  const RevolutionEstimate& shape = *cloud.shape;
+  const auto refused = [](const std::string& reason) {
+    return Refused(reason + "; choose another base");
   };
-  if (!shape.profile || !(shape.misfit <= options.most_misfit)) {
-    return refused("the points are off every surface of revolution", 1);
+  if (!shape.profile || !(shape.misfit <= kMostMisfit)) {
+    return refused("the points are off every surface of revolution");
   }
   const Ring ring = FitTorus(cloud.round, shape.frame, pool);
-  if (!(ring.misfit <= options.most_misfit)) {
+  if (!(ring.misfit <= kMostMisfit)) {
     return refused("the points are off every torus by " + Percent(std::min(ring.misfit, 1.0)) +
-                       " of its radius",
-                   std::min(ring.misfit, 1.0));
+                   " of its radius");
   }
   if (!(ring.radius > ring.tube) || !(ring.tube > 0)) {
-    return refused("the tube of the torus would meet its axis", ring.misfit);
+    return refused("the tube of the torus would meet its axis");
   }
   const SamplesAboutAxis seen = CylindricalCoordinates(cloud.round, ring.frame);
-  WayRound tube = FindWayAlong(cloud.round, ring, seen, options.least_closed);
+  WayRound tube = FindWayAlong(cloud.round, ring, seen);
   tube.closed = tube.closed || shape.closed_along;
   if (!tube.closed && tube.turn < kTurn / 2) {
-    return refused("less than half of a tube is there", ring.misfit);
+    return refused("less than half of a tube is there");
   }
   CylindricalChart chart;
   chart.frame = ring.frame;
@@ -260,10 +226,10 @@ RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
   for (const auto place : seen.places.colwise()) lengths.push_back(chart.along(place));
   chart.low = *std::min_element(lengths.begin(), lengths.end());
   chart.high = *std::max_element(lengths.begin(), lengths.end());
-  chart.way = FindWayRound(cloud.round, seen, lengths, chart.period, options.least_closed);
-  if (chart.way.winds) return Refused(cloud, kName, kSpiral);
+  chart.way = FindWayRound(cloud.round, seen, lengths, chart.period);
+  if (chart.way.winds) return Refused(kSpiral);
   RevolutionParameterization base;
-  base.name = kName;
+  base.name = "torus";
   base.misfit = ring.misfit;
   AssignParameters(chart, cloud, pool, base);
   base.why = WhyOf(base, chart.way, "a torus");

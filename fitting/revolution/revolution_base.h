@@ -12,29 +12,18 @@
 
 namespace batten::internal {
 
-struct RevolutionParameterizationOptions {
-  double most_misfit = 0.09;  // a ripple of amplitude 0.1 has 0.07, a cube 0.11
-  double least_closed = 0.5;  // share of the profile closed round the axis that counts as closed
-};
-
 // Fits a surface of revolution: axis and profile by least squares, both directions open or closed.
 // A direction is closed if paths along the neighbour graph of the nodes go round; a spiral has
 // none. An end of the profile within three spacings of the axis is a pole. Open directions cover
 // the points, widened by the margin. Points (3 × m) are distinct and almost rid of outliers;
-// spacing and noise are those of MeasureCloud. Parameters are finite and inside even if the base is
-// refused. Bit for bit the same for every number of threads. O(m log m).
-RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud,
-                                            const RevolutionParameterizationOptions& options,
-                                            ThreadPool& pool);
+// spacing and noise are those of MeasureCloud. Bit for bit the same for every number of threads.
+// O(m log m).
+RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud, ThreadPool& pool);
 
 // Fits a sphere; its poles lie where the data leave the most area open, else on a coordinate axis.
-RevolutionParameterization SphereBaseOf(const RoundCloud& cloud,
-                                        const RevolutionParameterizationOptions& options,
-                                        ThreadPool& pool);
+RevolutionParameterization SphereBaseOf(const RoundCloud& cloud, ThreadPool& pool);
 
 // Fits a torus whose axis does not meet its tube and whose tube is covered by more than half.
-RevolutionParameterization TorusBaseOf(const RoundCloud& cloud,
-                                       const RevolutionParameterizationOptions& options,
-                                       ThreadPool& pool);
+RevolutionParameterization TorusBaseOf(const RoundCloud& cloud, ThreadPool& pool);
 
 }  // namespace batten::internal

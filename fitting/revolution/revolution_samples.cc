@@ -5,13 +5,10 @@
 #include <cmath>
 #include <string>
 
-#include "batten/fitting/statistics.h"
-
 namespace batten::internal {
 namespace {
 
 constexpr Eigen::Index kLeastNodes = 24;
-constexpr double kThin = 0.05;   // breadth over length; below, neighbourhoods are on a line
 constexpr double kFlat = 0.02;   // thickness over length; below, a plane serves better
 constexpr double kTurned = 0.1;  // share of contradicting edges; above, the shape is one-sided
 
@@ -22,18 +19,18 @@ SheetGraphOptions LooseOptions() {
   return loose;
 }
 
-std::string RefusalOf(const RevolutionSamples& round, const RevolutionSampleOptions& options) {
+std::string RefusalOf(const RevolutionSamples& round) {
   const PoissonDiskSamples& nodes = round.nodes();
   if (nodes.size() < kLeastNodes) {
     return "too few points, or too much noise, for a round shape: only " +
            std::to_string(nodes.size()) + " places of it can be told apart, and " +
            std::to_string(kLeastNodes) + " are needed";
   }
-  if (Median({nodes.breadth.begin(), nodes.breadth.end()}) < kThin) {
+  if (nodes.LieAlongLines()) {
     return "the points lie along lines: nothing tells how a surface runs between them; fit a "
            "curve, or a cloud with points in all directions";
   }
-  if (round.graph.share < options.least_share) {
+  if (round.graph.share < kConnectedShare) {
     return "the points hang together in several parts, or in none: the largest holds " +
            std::to_string(std::lround(100 * round.graph.share)) +
            " % of them; fit one part of the cloud at a time";
@@ -61,21 +58,15 @@ bool IsFlat(const PoissonDiskSamples& nodes, const Eigen::Matrix3Xd& centred) {
 RevolutionSamples SampleRevolution(const Eigen::Matrix3Xd& points,
                                    const NeighbourIndex& index,
                                    double noise,
-                                   const RevolutionSampleOptions& options,
                                    ThreadPool& pool) {
-  PoissonDiskOptions node_options;
-  node_options.most = options.nodes;
-  return RevolutionSamplesOf(
-      SamplePoissonDisk(points, index, noise, node_options, pool), noise, options);
+  return RevolutionSamplesOf(SamplePoissonDisk(points, index, noise, {}, pool), noise);
 }
 
-RevolutionSamples RevolutionSamplesOf(const PoissonDiskSamples& nodes,
-                                      double noise,
-                                      const RevolutionSampleOptions& options) {
+RevolutionSamples RevolutionSamplesOf(const PoissonDiskSamples& nodes, double noise) {
   RevolutionSamples round;
   round.noise = noise;
   round.graph = ConnectSheet(nodes, {});
-  if (round.graph.share < options.least_share) {
+  if (round.graph.share < kConnectedShare) {
     SheetGraph loose = ConnectSheet(nodes, LooseOptions());
     if (loose.share > round.graph.share) round.graph = std::move(loose);
   }
@@ -86,7 +77,7 @@ RevolutionSamples RevolutionSamplesOf(const PoissonDiskSamples& nodes,
   if (own.normals.cwiseProduct(centred).sum() < 0) {
     for (Eigen::Index i = 0; i < own.size(); ++i) own.Flip(i);
   }
-  round.failure_reason = RefusalOf(round, options);
+  round.failure_reason = RefusalOf(round);
   if (round.ok() && IsFlat(own, centred)) {
     round.failure_reason = "the points lie in a plane, which serves them as the base";
   }

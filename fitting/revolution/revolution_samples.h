@@ -27,11 +27,6 @@ struct RevolutionSamples {
   bool ok() const { return failure_reason.empty(); }
 };
 
-struct RevolutionSampleOptions {
-  Eigen::Index nodes = 2000;  // about
-  double least_share = 0.9;   // share of the nodes in the largest component
-};
-
 // Samples nodes of points (3 × m) that are distinct and almost rid of outliers; `noise` is their
 // standard deviation along the normal. If strict edges leave the shape in several components, as
 // along a sharp rim, edges may turn by more. The same for every order of the points up to rounding,
@@ -39,12 +34,9 @@ struct RevolutionSampleOptions {
 RevolutionSamples SampleRevolution(const Eigen::Matrix3Xd& points,
                                    const NeighbourIndex& index,
                                    double noise,
-                                   const RevolutionSampleOptions& options,
                                    ThreadPool& pool);
 
-// Uses nodes chosen before, as many as the options ask for.
-RevolutionSamples RevolutionSamplesOf(const PoissonDiskSamples& nodes,
-                                      double noise,
-                                      const RevolutionSampleOptions& options);
+// Uses nodes chosen before.
+RevolutionSamples RevolutionSamplesOf(const PoissonDiskSamples& nodes, double noise);
 
 }  // namespace batten::internal

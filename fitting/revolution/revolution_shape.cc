@@ -202,7 +202,6 @@ class RevolutionSearch {
   }
 
   bool found() const { return shape_.profile.has_value(); }
-  double misfit() const { return shape_.misfit; }
   double rms() const { return rms_; }
   bool closed() const { return shape_.closed_along; }
   const AxisFrame& frame() const { return shape_.frame; }
@@ -221,13 +220,9 @@ class RevolutionSearch {
   RevolutionEstimate Take() && {
     if (found()) {
       shape_.feet.assign(static_cast<size_t>(round_.count()), 0);
-      shape_.low = HUGE_VAL;
-      shape_.high = -HUGE_VAL;
-      for (Eigen::Index k = 0; k < parameters_.size(); ++k) {
-        shape_.feet[used_[k]] = parameters_[k];
-        shape_.low = std::min(shape_.low, parameters_[k]);
-        shape_.high = std::max(shape_.high, parameters_[k]);
-      }
+      for (Eigen::Index k = 0; k < parameters_.size(); ++k) shape_.feet[used_[k]] = parameters_[k];
+      shape_.low = parameters_.minCoeff();
+      shape_.high = parameters_.maxCoeff();
     }
     return std::move(shape_);
   }
@@ -338,9 +333,7 @@ class RevolutionSearch {
 
 }  // namespace
 
-RevolutionEstimate FindRevolution(const RevolutionSamples& round,
-                                  const std::optional<AxisFrame>& preferred,
-                                  ThreadPool& pool) {
+RevolutionEstimate FindRevolution(const RevolutionSamples& round, ThreadPool& pool) {
   std::vector<AxisFrame> axes =
       AxesOfRotation(round.nodes().places, round.nodes().normals, round.centre, round.size);
   const std::vector<AxisFrame> others = AxesOfInertia(round.nodes().places, round.centre);
@@ -360,7 +353,7 @@ RevolutionEstimate FindRevolution(const RevolutionSamples& round,
       best.emplace(std::move(search));
     }
   }
-  return WithPreferredAxis(std::move(*best).Take(), round, preferred, pool);
+  return std::move(*best).Take();
 }
 
 RevolutionEstimate WithPreferredAxis(RevolutionEstimate found,

@@ -24,15 +24,14 @@ struct RevolutionEstimate {
   double misfit = 0;         // distance of the nodes, root mean square, over their mean radius
 };
 
-// Fits axis and profile from the best of the axes estimated from the normals, or from the preferred
-// one if it is as good unchanged, as any axis of a sphere is. The profile is integrated along the
-// graph, its mean is fitted as a spline, and axis and profile are then refined together by least
-// squares distances of the nodes. Robust against ripples along and round. O(nodes · spans).
-RevolutionEstimate FindRevolution(const RevolutionSamples& round,
-                                  const std::optional<AxisFrame>& preferred,
-                                  ThreadPool& pool);
+// Fits axis and profile from the best of the axes estimated from the normals. The profile is
+// integrated along the graph, its mean is fitted as a spline, and axis and profile are then refined
+// together by least squares distances of the nodes. Robust against ripples along and round.
+// O(nodes · spans).
+RevolutionEstimate FindRevolution(const RevolutionSamples& round, ThreadPool& pool);
 
-// Returns the shape found without a preferred axis, or the one about that axis if it is as good.
+// Returns the shape found without a preferred axis, or the one about that axis if it is as good
+// unchanged, as any axis of a sphere is.
 RevolutionEstimate WithPreferredAxis(RevolutionEstimate found,
                                      const RevolutionSamples& round,
                                      const std::optional<AxisFrame>& preferred,

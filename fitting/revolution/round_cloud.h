@@ -15,7 +15,7 @@ struct RoundCloud {
   const Eigen::Matrix3Xd& points;
   const RevolutionSamples& round;
   double spacing, noise, margin;
-  const RevolutionEstimate* shape = nullptr;  // found about no preferred axis, if it is known
+  const RevolutionEstimate* shape = nullptr;  // about no preferred axis; spheres need none
 };
 
 }  // namespace batten::internal

@@ -9,6 +9,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "fitting/primitives/algebraic_fits.h"
+#include "fitting/primitives/angle_extent.h"
 #include "fitting/primitives/surface_minimum.h"
 #include "geometry/numeric/constants.h"
 
@@ -26,30 +27,14 @@ double EmptinessOf(const Eigen::Matrix3Xd& directions,
   constexpr double kPoleOfData = 0.015;
   const AxisFrame frame = FrameAbout(Eigen::Vector3d::Zero(), axis);
   double low = 1, high = -1;
-  constexpr int kParts = 512;  // of the circle, with the first and last angle in each
-  std::vector<double> first(kParts, HUGE_VAL), last(kParts, -HUGE_VAL);
+  std::vector<double> angles;
   for (const auto d : directions.colwise()) {
     const Eigen::Vector3d p = frame.axes.transpose() * d;
     low = std::min(low, p[2]);
     high = std::max(high, p[2]);
-    if (std::abs(p[2]) >= told) continue;
-    const double angle = std::atan2(p[1], p[0]) + kTurn / 2;
-    const int part = std::clamp(static_cast<int>(angle / kTurn * kParts), 0, kParts - 1);
-    first[part] = std::min(first[part], angle);
-    last[part] = std::max(last[part], angle);
+    if (std::abs(p[2]) < told) angles.push_back(std::atan2(p[1], p[0]));
   }
-  double gap = 0, start = HUGE_VAL, before = HUGE_VAL;
-  for (int part = 0; part < kParts; ++part) {
-    if (first[part] > last[part]) continue;
-    if (start == HUGE_VAL) {
-      start = first[part];
-    } else {
-      gap = std::max(gap, first[part] - before);
-    }
-    before = last[part];
-  }
-  if (start < HUGE_VAL) gap = std::max(gap, start + kTurn - before);
-  const double swept = kTurn - std::max(0.0, gap - reach);
+  const double swept = kTurn - std::max(0.0, WidestGapOf(angles).width - reach);
   // Half the height of a cap about a pole that random nodes leave empty.
   const double slack = std::min(1.0, reach * reach);
   const int poles = (low < -1 + slack ? 1 : 0) + (high > 1 - slack ? 1 : 0);
@@ -108,34 +93,20 @@ Eigen::Vector3d WidestGap(const Eigen::Matrix3Xd& directions) {
 }
 
 // Minimises the emptiness over axes, from coarse to fine steps.
-class AxisSearch {
- public:
-  AxisSearch(const Eigen::Matrix3Xd& directions, double reach)
-      : directions_(directions), reach_(reach) {}
-
-  double Of(const Eigen::Vector3d& axis, double told) const {
-    return EmptinessOf(directions_, axis, reach_, told);
+Eigen::Vector3d Refined(const Eigen::Matrix3Xd& directions, Eigen::Vector3d best, double reach) {
+  // The nearer to the poles angles count, the sharper the minimum and the harder to find.
+  for (const double told : {kTold, 0.85, kToldAtLast}) {
+    double least = EmptinessOf(directions, best, reach, told);
+    constexpr double kFirst = 0.1, kFinest = 2e-3, kBetter = 1e-4;
+    Climb(best, kFirst, kFinest, [&](const Eigen::Vector3d& next) {
+      const double own = EmptinessOf(directions, next, reach, told);
+      if (own >= least - kBetter) return false;
+      least = own;
+      return true;
+    });
   }
-
-  Eigen::Vector3d Refined(Eigen::Vector3d best) const {
-    // The nearer to the poles angles count, the sharper the minimum and the harder to find.
-    for (const double told : {kTold, 0.85, kToldAtLast}) {
-      double least = Of(best, told);
-      constexpr double kFirst = 0.1, kFinest = 2e-3, kBetter = 1e-4;
-      Climb(best, kFirst, kFinest, [&](const Eigen::Vector3d& next) {
-        const double own = Of(next, told);
-        if (own >= least - kBetter) return false;
-        least = own;
-        return true;
-      });
-    }
-    return best;
-  }
-
- private:
-  const Eigen::Matrix3Xd& directions_;
-  double reach_;
-};
+  return best;
+}
 
 }  // namespace
 
@@ -167,7 +138,6 @@ AxisFrame AxisOfSphere(const RevolutionSamples& round, const FittedSphere& spher
       (round.nodes().places.colwise() - sphere.centre).colwise().normalized();
   const PoissonDiskSamples& nodes = round.nodes();
   const double reach = Median({nodes.reach.begin(), nodes.reach.end()}) / sphere.radius;
-  const AxisSearch search(directions, reach);
   const Eigen::Vector3d mean = directions.rowwise().mean();
   const Eigen::Vector3d gap = WidestGap(directions);
   const AxisFrame across = FrameAbout(Eigen::Vector3d::Zero(), gap);
@@ -177,24 +147,24 @@ AxisFrame AxisOfSphere(const RevolutionSamples& round, const FittedSphere& spher
     const double angle = std::numbers::pi * i / kTried;
     const Eigen::Vector3d axis =
         std::cos(angle) * across.axes.col(0) + std::sin(angle) * across.axes.col(1);
-    const double own = search.Of(axis, kTold);
+    const double own = EmptinessOf(directions, axis, reach, kTold);
     if (own >= least_slice) continue;
     least_slice = own;
     slice = axis;
   }
   Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
-  double least = search.Of(best, kToldAtLast);
+  double least = EmptinessOf(directions, best, reach, kToldAtLast);
   const auto attempt = [&](const Eigen::Vector3d& axis) {
-    const double own = search.Of(axis, kToldAtLast);
+    const double own = EmptinessOf(directions, axis, reach, kToldAtLast);
     if (own >= least - kClearlyBetter) return;
     least = own;
     best = axis;
   };
   attempt(Eigen::Vector3d::UnitY());
   attempt(Eigen::Vector3d::UnitX());
-  attempt(search.Refined(gap));
-  attempt(search.Refined(slice));
-  if (mean.norm() > 0) attempt(search.Refined(mean.normalized()));
+  attempt(Refined(directions, gap, reach));
+  attempt(Refined(directions, slice, reach));
+  if (mean.norm() > 0) attempt(Refined(directions, mean.normalized(), reach));
   return FrameAbout(sphere.centre, best);
 }
 

@@ -40,13 +40,6 @@ std::vector<int> PartsOf(const TriangleTopology& topology, const std::vector<cha
   return part;
 }
 
-double AreaOfTriangle(const TriangleSurface& surface, int t) {
-  const auto corner = surface.triangles.col(t);
-  const Eigen::Vector3d a = surface.vertices.col(corner[0]);
-  return (surface.vertices.col(corner[1]) - a).cross(surface.vertices.col(corner[2]) - a).norm() /
-         2;
-}
-
 void TakeMajority(const TriangleTopology& topology, std::vector<char>& caps) {
   constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
@@ -69,7 +62,7 @@ void DropSmall(const TriangleSurface& surface,
     const std::vector<int> part = PartsOf(topology, caps);
     std::vector<double> areas(std::size_t(std::ranges::max(part)) + 1, 0.0);
     for (int t = 0; t < topology.triangles(); ++t)
-      areas[std::size_t(part[std::size_t(t)])] += AreaOfTriangle(surface, t);
+      areas[std::size_t(part[std::size_t(t)])] += NormalOf(surface, t).norm() / 2;
     if (areas.size() == 1) return;
     std::vector<char> drops(areas.size());
     for (std::size_t k = 0; k < areas.size(); ++k) drops[k] = areas[k] < least;

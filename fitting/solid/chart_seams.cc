@@ -81,9 +81,7 @@ void ChartSeams::FindAnchors(const std::vector<int>& held) {
   std::vector<char> is_held(std::size_t(topology_.vertices()), 0);
   for (const int v : held) is_held[std::size_t(v)] = 1;
   for (int v = 0; v < topology_.vertices(); ++v) {
-    const bool turns = TurnAbout(v) != 0;
-    if (!turns && !is_held[std::size_t(v)]) continue;
-    singular_ += turns;
+    if (TurnAbout(v) == 0 && !is_held[std::size_t(v)]) continue;
     anchors_.push_back(v);
     if (!has[std::size_t(component(v))]) pinned_.push_back(v);
     has[std::size_t(component(v))] = 1;

@@ -33,7 +33,6 @@ class ChartSeams {
   // every component that has none of these.
   const std::vector<int>& anchors() const { return anchors_; }
   const std::vector<int>& pinned() const { return pinned_; }  // of anchors: one of each component
-  int singular() const { return singular_; }
 
  private:
   void Comb(const std::vector<std::complex<double>>& planar_edges,
@@ -49,7 +48,7 @@ class ChartSeams {
   std::vector<int> turn_, line_;
   std::vector<char> forward_;
   std::vector<int> component_, anchors_, pinned_;
-  int lines_ = 0, singular_ = 0;
+  int lines_ = 0;
 };
 
 }  // namespace batten::internal

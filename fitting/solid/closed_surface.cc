@@ -14,6 +14,8 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
+#include "fitting/solid/surface_projector.h"
+#include "fitting/solid/triangle_curvature.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -282,15 +284,6 @@ void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
   }
 }
 
-double Area(const Mesh& mesh) {
-  double area = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Eigen::Vector3d& a = mesh.At(t[0]);
-    area += (mesh.At(t[1]) - a).cross(mesh.At(t[2]) - a).norm() / 2;
-  }
-  return area;
-}
-
 TriangleSurface SurfaceOf(const Mesh& mesh) {
   TriangleSurface surface;
   surface.vertices.resize(3, Eigen::Index(mesh.points.size()));
@@ -325,9 +318,9 @@ ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
   Mesh mesh{std::move(joined.points), CutFaces(faces, joined.place, closed.dropped)};
   MeshParts parts = TurnAlike(mesh.triangles, closed.turned);
   PartVertices(mesh);
-  const double area = Area(mesh);
+  const double area = AreaOf(SurfaceOf(mesh));
   closed.filled = FillHoles(mesh);
-  closed.filled_share = 1 - area / Area(mesh);
+  closed.filled_share = 1 - area / AreaOf(SurfaceOf(mesh));
   if (closed.filled_share > most_filled) throw OpenSurface(closed.filled, closed.filled_share);
   SpreadParts(mesh.triangles, parts);
   TurnOutwards(parts, mesh);
@@ -340,14 +333,7 @@ ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
 }
 
 Eigen::Matrix3Xd NormalsNear(const TriangleSurface& surface, const Eigen::Matrix3Xd& points) {
-  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
-  for (const auto t : surface.triangles.colwise()) {
-    const Eigen::Vector3d a = surface.vertices.col(t[0]);
-    const Eigen::Vector3d b = surface.vertices.col(t[1]) - a, c = surface.vertices.col(t[2]) - a;
-    const Eigen::Vector3d normal = b.cross(c);
-    for (const int v : t) normals.col(v) += normal;
-  }
-  for (Eigen::Index v = 0; v < normals.cols(); ++v) normals.col(v).stableNormalize();
+  const Eigen::Matrix3Xd normals = VertexNormals(surface);
   const std::vector<int> nearest = NeighbourIndex(surface.vertices).Nearest(points, 1);
   Eigen::Matrix3Xd found(3, points.cols());
   for (Eigen::Index k = 0; k < points.cols(); ++k)

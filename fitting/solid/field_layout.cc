@@ -13,6 +13,7 @@
 #include "fitting/solid/grid_faces.h"
 #include "fitting/solid/grid_map.h"
 #include "fitting/solid/quad_improver.h"
+#include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_curvature.h"
 #include "fitting/solid/triangle_topology.h"
 
@@ -29,12 +30,8 @@ Eigen::VectorXd FaceLengths(const TriangleSurface& surface,
   if (!by_curvature) return Eigen::VectorXd::Constant(topology.triangles(), length);
   Eigen::VectorXd sizes = FaceSizes(surface, topology, length);
   double count = 0;
-  for (int t = 0; t < topology.triangles(); ++t) {
-    const auto corner = surface.triangles.col(t);
-    const Eigen::Vector3d a = surface.vertices.col(corner[0]);
-    const Eigen::Vector3d b = surface.vertices.col(corner[1]) - a;
-    count += b.cross(surface.vertices.col(corner[2]) - a).norm() / (2 * sizes[t] * sizes[t]);
-  }
+  for (int t = 0; t < topology.triangles(); ++t)
+    count += NormalOf(surface, t).norm() / (2 * sizes[t] * sizes[t]);
   return sizes * std::sqrt(count / faces);
 }
 
@@ -58,13 +55,6 @@ QuadMesh Repaired(const QuadMesh& raw, const SurfaceProjector& projector) {
     improver.Improve();
     return improver.Mesh();
   }
-}
-
-QuadMesh Creased(const QuadMesh& raw,
-                 const TriangleSurface& surface,
-                 const SurfaceCreases& creases,
-                 const SurfaceProjector& projector) {
-  return OntoCreases(Repaired(raw, projector), surface, creases, projector, kEvenRounds);
 }
 
 }  // namespace
@@ -92,7 +82,9 @@ QuadMesh FieldLayout(const TriangleSurface& surface,
   Report(progress, "layout", 0.9);
   const QuadMesh raw = FacesOfGrid(even, topology, map, sharp);
   QuadMesh layout =
-      creases.none() ? Improved(raw, projector) : Creased(raw, surface, creases, projector);
+      creases.none()
+          ? Improved(raw, projector)
+          : OntoCreases(Repaired(raw, projector), surface, creases, projector, kEvenRounds);
   CheckQuadMesh(layout);
   if (EulerOf(layout) != EulerOf(surface)) throw RefusedData("its genus differs");
   return layout;

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "batten/fitting/refused_data.h"
+#include "fitting/neighbours/signed_sets.h"
 #include "fitting/solid/chart_seams.h"
 #include "fitting/solid/gaussian_lattice.h"
 
@@ -231,23 +231,18 @@ class CreaseLines {
 
 // The corners of creases, and a vertex of each connected part that has none.
 std::vector<int> AnchorsOf(const SurfaceCreases& creases) {
-  std::vector<int> anchors, part(creases.corner.size());
-  std::iota(part.begin(), part.end(), 0);
-  const auto root = [&](int v) {
-    while (part[std::size_t(v)] != v)
-      v = part[std::size_t(v)] = part[std::size_t(part[std::size_t(v)])];
-    return v;
-  };
-  for (const auto& [a, b] : creases.edges) part[std::size_t(root(a))] = root(b);
-  std::vector<char> has(part.size(), 0);
-  for (int v = 0; v < int(part.size()); ++v) {
+  std::vector<int> anchors;
+  SignedSets parts(std::ssize(creases.corner));
+  for (const auto& [a, b] : creases.edges) parts.Join(b, a);
+  std::vector<char> has(creases.corner.size(), 0);
+  for (int v = 0; v < int(has.size()); ++v) {
     if (!creases.corner[std::size_t(v)]) continue;
     anchors.push_back(v);
-    has[std::size_t(root(v))] = 1;
+    has[std::size_t(parts.Find(v).first)] = 1;
   }
   for (const auto& [a, b] : creases.edges) {
-    if (has[std::size_t(root(a))]) continue;
-    has[std::size_t(root(a))] = 1;
+    if (has[std::size_t(parts.Find(a).first)]) continue;
+    has[std::size_t(parts.Find(a).first)] = 1;
     anchors.push_back(a);
   }
   return anchors;
@@ -387,7 +382,6 @@ class GridMapper {
 
   GridMap MapOf(const Eigen::VectorXcd& free) const {
     GridMap map;
-    map.singular = seams_.singular();
     const int n = unknowns_.free();
     for (int h = 0; h < topology_.half_edges(); ++h) {
       Complex place = 0;

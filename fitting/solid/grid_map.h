@@ -21,7 +21,6 @@ struct GridMap {
   std::vector<Complex> corners;  // by half-edge: of its origin, in its triangle
   std::vector<int> turns;        // by half-edge: across it p becomes i^turn p + shift
   std::vector<Complex> shifts;   // with Gaussian integers
-  int singular = 0;              // vertices about which charts turn
   int turned_over = 0;           // triangles
 
   Complex Across(int h, Complex p) const;

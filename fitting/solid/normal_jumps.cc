@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "fitting/core/rounding.h"
+#include "fitting/solid/surface_projector.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -17,10 +19,7 @@ Eigen::Matrix3Xd MeanNormals(const TriangleSurface& surface, const TriangleTopol
   Eigen::Matrix3Xd normals(3, topology.triangles());
   Eigen::VectorXd areas(normals.cols());
   for (Eigen::Index t = 0; t < normals.cols(); ++t) {
-    const auto corner = surface.triangles.col(t);
-    const Eigen::Vector3d a = surface.vertices.col(corner[0]);
-    const Eigen::Vector3d cross =
-        (surface.vertices.col(corner[1]) - a).cross(surface.vertices.col(corner[2]) - a);
+    const Eigen::Vector3d cross = NormalOf(surface, t);
     areas[t] = cross.norm();
     normals.col(t) = cross.stableNormalized();
   }
@@ -52,7 +51,7 @@ class NormalJumps {
   // The angle between the normals of both sides at an edge.
   double Across(int h) {
     const std::array<Eigen::Vector3d, 2> normal = {NormalAt(h), NormalAt(topology_.Twin(h))};
-    return std::atan2(normal[0].cross(normal[1]).norm(), normal[0].dot(normal[1]));
+    return AngleBetween(normal[0], normal[1]);
   }
 
  private:
@@ -127,7 +126,7 @@ std::vector<double> MeanTurns(const TriangleSurface& surface, const TriangleTopo
   std::vector<double> turns;
   for (int h = 0; h < topology.half_edges(); ++h) {
     const Eigen::Vector3d one = normals.col(h / 3), two = normals.col(topology.Twin(h) / 3);
-    turns.push_back(std::atan2(one.cross(two).norm(), one.dot(two)));
+    turns.push_back(AngleBetween(one, two));
   }
   return turns;
 }

@@ -2,14 +2,13 @@
 #include "fitting/solid/paired_layout.h"
 
 #include <cmath>
-#include <cstdint>
 #include <string>
-#include <unordered_map>
 
 #include "batten/fitting/refused_data.h"
 #include "fitting/solid/even_triangles.h"
 #include "fitting/solid/matching_kernel.h"
 #include "fitting/solid/quad_improver.h"
+#include "fitting/solid/triangle_topology.h"
 #include "geometry/subdivision/catmull_clark.h"
 
 namespace batten::internal {
@@ -21,33 +20,24 @@ constexpr double kEven = 0.15;
 // All triangles in pairs. The dual graph has three edges at every node and no bridge, so it has a
 // perfect matching. [Petersen 1891; weights: Edmonds 1965]
 QuadMesh Paired(const TriangleSurface& surface) {
-  const auto count = int(surface.triangles.cols());
-  std::unordered_map<std::int64_t, int> left;
-  for (int t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
-      left[std::int64_t{a} << 32 | b] = 3 * t + k;
-    }
-  }
+  const TriangleTopology topology(surface);
   std::vector<std::array<int, 2>> edges;
   std::vector<int> weights;
   std::vector<Quad> quads;
-  for (int t = 0; t < count; ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
-      if (a > b) continue;
-      const int other = left.at(std::int64_t{b} << 32 | a);
-      const int c = surface.triangles((k + 2) % 3, t);
-      const int d = surface.triangles((other % 3 + 2) % 3, other / 3);
-      if (c == d) continue;
-      edges.push_back({t, other / 3});
-      const Quad quad = {a, d, b, c};
-      constexpr double kUnits = 10000;
-      weights.push_back(int(kUnits * std::max(-3.0, Squareness(surface.vertices, quad))));
-      quads.push_back(quad);
-    }
+  for (int h = 0; h < topology.half_edges(); ++h) {
+    const int other = topology.Twin(h);
+    const int a = topology.Origin(h), b = topology.Origin(other);
+    if (a > b) continue;
+    const int c = topology.Origin(TriangleTopology::Previous(h));
+    const int d = topology.Origin(TriangleTopology::Previous(other));
+    if (c == d) continue;
+    edges.push_back({h / 3, other / 3});
+    const Quad quad = {a, d, b, c};
+    constexpr double kUnits = 10000;
+    weights.push_back(int(kUnits * std::max(-3.0, Squareness(surface.vertices, quad))));
+    quads.push_back(quad);
   }
-  const std::vector<int> matched = PerfectMatching(count, edges, weights);
+  const std::vector<int> matched = PerfectMatching(topology.triangles(), edges, weights);
   if (matched.empty()) throw RefusedData("the triangles can't be paired");
   QuadMesh paired{surface.vertices, Eigen::Matrix4Xi(4, std::ssize(matched))};
   for (std::size_t k = 0; k < matched.size(); ++k)

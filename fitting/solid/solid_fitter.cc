@@ -10,6 +10,7 @@
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/refused_data.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/rounding.h"
 #include "fitting/neighbours/normals.h"
 #include "fitting/solid/solid_measurement.h"
@@ -99,14 +100,7 @@ SolidPoints Prepared(const PointCloud& cloud,
   if (statistics.outliers.size() == count) points.set_aside = statistics.outliers;
   data.weights = points.set_aside.select(0, data.weights.array());
   points.place = std::move(merged.place);
-  InputSummary& input = points.input;
-  input.points = cloud.size();
-  input.duplicates = merged.duplicates;
-  input.spacing = statistics.spacing;
-  input.noise = statistics.noise;
-  input.origin = cloud.origin();
-  input.box_min = data.points.rowwise().minCoeff() + cloud.origin();
-  input.box_max = data.points.rowwise().maxCoeff() + cloud.origin();
+  points.input = SummariseInput(cloud, merged.duplicates, statistics.spacing, statistics.noise);
   return points;
 }
 

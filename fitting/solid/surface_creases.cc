@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "fitting/core/rounding.h"
 #include "fitting/solid/normal_jumps.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -58,7 +58,7 @@ class MarkedEdges {
     const Eigen::Vector3d one = surface_.vertices.col(Target(h)) - surface_.vertices.col(Origin(h));
     const Eigen::Vector3d two =
         surface_.vertices.col(Target(next)) - surface_.vertices.col(Origin(next));
-    return std::atan2(one.cross(two).norm(), one.dot(two));
+    return AngleBetween(one, two);
   }
 
   // Whether two of them meet there at a corner.

@@ -4,10 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <utility>
-
-#include "batten/fitting/neighbours.h"
 
 namespace batten::internal {
 
@@ -37,27 +34,19 @@ Eigen::Vector3d NearestOnTriangle(const TriangleSurface& surface, int t, const E
   return a + vb * scale * ab + vc * scale * ac;
 }
 
-struct SurfaceProjector::Search {
-  NeighbourIndex index;
-};
-
 SurfaceProjector::SurfaceProjector(const TriangleSurface& surface)
-    : surface_(surface),
-      around_(std::size_t(surface.vertices.cols())),
-      search_(new Search{NeighbourIndex(surface.vertices)}) {
+    : surface_(surface), around_(std::size_t(surface.vertices.cols())), index_(surface.vertices) {
   for (int t = 0; t < surface.triangles.cols(); ++t) {
     for (const int v : surface.triangles.col(t)) around_[std::size_t(v)].push_back(t);
   }
 }
-
-SurfaceProjector::~SurfaceProjector() = default;
 
 Eigen::Vector3d SurfaceProjector::Nearest(const Eigen::Vector3d& p) const {
   constexpr int kVertices = 4;
   Eigen::Vector3d best = p;
   double least = std::numeric_limits<double>::infinity();
   const int count = int(std::min<Eigen::Index>(kVertices, surface_.vertices.cols()));
-  for (const int v : search_->index.Nearest(p, count)) {
+  for (const int v : index_.Nearest(p, count)) {
     for (const int t : around_[std::size_t(v)]) {
       const Eigen::Vector3d place = NearestOnTriangle(surface_, t, p);
       const double square = (place - p).squaredNorm();
@@ -75,13 +64,9 @@ int SurfaceProjector::TriangleNear(const Eigen::Vector3d& p,
   const int count = int(std::min<Eigen::Index>(kVertices, surface_.vertices.cols()));
   int best = -1;
   std::pair<bool, double> least = {true, std::numeric_limits<double>::infinity()};
-  for (const int v : search_->index.Nearest(p, count)) {
+  for (const int v : index_.Nearest(p, count)) {
     for (const int t : around_[std::size_t(v)]) {
-      const auto corner = surface_.triangles.col(t);
-      const Eigen::Vector3d a = surface_.vertices.col(corner[0]);
-      const Eigen::Vector3d normal =
-          (surface_.vertices.col(corner[1]) - a).cross(surface_.vertices.col(corner[2]) - a);
-      const std::pair<bool, double> its = {!(normal.dot(direction) > 0),
+      const std::pair<bool, double> its = {!(NormalOf(surface_, t).dot(direction) > 0),
                                            (NearestOnTriangle(surface_, t, p) - p).norm()};
       if (best >= 0 && its >= least) continue;
       least = its;
@@ -91,13 +76,16 @@ int SurfaceProjector::TriangleNear(const Eigen::Vector3d& p,
   return best;
 }
 
+Eigen::Vector3d NormalOf(const TriangleSurface& surface, Eigen::Index t) {
+  const auto corner = surface.triangles.col(t);
+  const Eigen::Vector3d a = surface.vertices.col(corner[0]);
+  return (surface.vertices.col(corner[1]) - a).cross(surface.vertices.col(corner[2]) - a);
+}
+
 double AreaOf(const TriangleSurface& surface) {
   double area = 0;
-  for (const auto t : surface.triangles.colwise()) {
-    const Eigen::Vector3d a = surface.vertices.col(t[0]);
-    const Eigen::Vector3d b = surface.vertices.col(t[1]) - a, c = surface.vertices.col(t[2]) - a;
-    area += b.cross(c).norm() / 2;
-  }
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t)
+    area += NormalOf(surface, t).norm() / 2;
   return area;
 }
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
+#include "batten/fitting/neighbours.h"
 #include "batten/geometry/triangle_surface.h"
 
 namespace batten::internal {
@@ -14,9 +14,6 @@ namespace batten::internal {
 class SurfaceProjector {
  public:
   explicit SurfaceProjector(const TriangleSurface& surface);
-  ~SurfaceProjector();
-  SurfaceProjector(const SurfaceProjector&) = delete;
-  SurfaceProjector& operator=(const SurfaceProjector&) = delete;
 
   // The nearest place on the triangles about the vertices nearest to p.
   Eigen::Vector3d Nearest(const Eigen::Vector3d& p) const;
@@ -25,14 +22,16 @@ class SurfaceProjector {
   int TriangleNear(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const;
 
  private:
-  struct Search;
   const TriangleSurface& surface_;
   std::vector<std::vector<int>> around_;  // triangles of each vertex
-  std::unique_ptr<Search> search_;
+  NeighbourIndex index_;
 };
 
 // The nearest place of one triangle.
 Eigen::Vector3d NearestOnTriangle(const TriangleSurface& surface, int t, const Eigen::Vector3d& p);
+
+// Normal to a triangle, twice as long as its area is large.
+Eigen::Vector3d NormalOf(const TriangleSurface& surface, Eigen::Index t);
 
 double AreaOf(const TriangleSurface& surface);
 

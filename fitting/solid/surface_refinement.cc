@@ -138,7 +138,8 @@ std::optional<RefinedSurface> RefinedOn(const Marks& missed,
   if (!found) return std::nullopt;
   refined.fit = *std::move(found);
   const Eigen::VectorXd here = std::exchange(refined.fit.held_out, fit.held_out);
-  refined.fit.held_out(rank) = here;
+  for (std::size_t k = 0; k < rank.size(); ++k)
+    refined.fit.held_out[rank[k]] = here[Eigen::Index(k)];
   const LimitSurface surface(refined.stencils, refined.fit.control_points);
   refined.fit.feet = FeetOn({surface, refined.stencils.patches(), no_feet},
                             coarse.data.points,

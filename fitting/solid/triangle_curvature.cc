@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/solid/surface_projector.h"
 #include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
@@ -12,19 +13,17 @@ namespace {
 
 using Complex = std::complex<double>;
 
+}  // namespace
+
 Eigen::Matrix3Xd VertexNormals(const TriangleSurface& surface) {
   Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols());
-  for (const auto t : surface.triangles.colwise()) {
-    const Eigen::Vector3d a = surface.vertices.col(t[0]);
-    const Eigen::Vector3d normal =
-        (surface.vertices.col(t[1]) - a).cross(surface.vertices.col(t[2]) - a);
-    for (const int v : t) normals.col(v) += normal;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const Eigen::Vector3d normal = NormalOf(surface, t);
+    for (const int v : surface.triangles.col(t)) normals.col(v) += normal;
   }
   for (auto normal : normals.colwise()) normal.stableNormalize();
   return normals;
 }
-
-}  // namespace
 
 std::vector<Complex> SquaresAcross(const TriangleTopology& topology,
                                    const std::vector<Complex>& planar) {

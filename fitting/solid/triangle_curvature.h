@@ -8,6 +8,9 @@
 
 namespace batten::internal {
 
+// Of length 1, in the mean of the triangles about each vertex, larger ones counting more.
+Eigen::Matrix3Xd VertexNormals(const TriangleSurface& surface);
+
 inline constexpr int kCurvatureRounds = 4;  // that make means of noise
 
 // Of every triangle, in the mean of those about it.

@@ -22,7 +22,6 @@ class TriangleTopology {
   int vertices() const { return static_cast<int>(outgoing_.size()); }
   int half_edges() const { return 3 * triangles(); }
 
-  static int TriangleOf(int h) { return h / 3; }
   static int Next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int Previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
   int Twin(int h) const { return twin_[std::size_t(h)]; }

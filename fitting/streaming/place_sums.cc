@@ -75,7 +75,7 @@ PlaceSums::Means PlaceSums::Collected() const {
     const double* sums = numbers_.data() + place * kNumbers;
     const double near = sums[kCount], far = sums[kFarCount];
     const bool shape = IsShape(sums);
-    (shape ? means.taken_back : means.set_aside) += far;
+    if (!shape) means.set_aside += far;
     const double count = near + (shape ? far : 0);
     if (count == 0) continue;
     means.used += count;

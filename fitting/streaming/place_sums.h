@@ -49,7 +49,7 @@ class PlaceSums {
   // that the surface does not have. Their numbers are told.
   struct Means {
     std::vector<PlaceMeans> places;
-    double used = 0, set_aside = 0, taken_back = 0;  // points
+    double used = 0, set_aside = 0;  // points
     double variance = 0;  // of offsets inside places, pooled; 0 where no place has two points
   };
   Means Collected() const;

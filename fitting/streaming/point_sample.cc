@@ -2,24 +2,11 @@
 #include "fitting/streaming/point_sample.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
+#include "geometry/numeric/mixed_bits.h"
+
 namespace batten::internal {
-namespace {
-
-// One step of SplitMix64. [Steele, Lea & Flood 2014]
-std::uint64_t Mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-
-std::uint64_t BitsOf(double value) { return std::bit_cast<std::uint64_t>(value + 0.0); }  // −0 is 0
-
-}  // namespace
-
 PointSample::PointSample(Eigen::Index size, std::uint64_t seed)
     : size_(static_cast<std::size_t>(size)),
       seed_(Mixed(seed)),
@@ -28,8 +15,7 @@ PointSample::PointSample(Eigen::Index size, std::uint64_t seed)
 void PointSample::Add(const Eigen::Matrix3Xd& points) {
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
     const double* p = points.data() + 3 * k;
-    const std::uint64_t hash =
-        Mixed(Mixed(Mixed(seed_ ^ BitsOf(p[0])) ^ BitsOf(p[1])) ^ BitsOf(p[2]));
+    const std::uint64_t hash = MixedBitsOf(p, seed_);
     if (hash >= limit_) continue;
     entries_.push_back({hash, p[0], p[1], p[2]});
     if (entries_.size() >= 2 * size_ + 64) Shrink();

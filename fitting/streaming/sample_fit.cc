@@ -31,18 +31,6 @@ double SampleFit::LimitOf(const Eigen::VectorXd& distances,
                   std::max(least, kBeyondSample * distances.cwiseAbs().maxCoeff()));
 }
 
-FitReport StartReport(const PreparedCloud& prepared, int threads) {
-  FitReport report;
-  report.threads = threads;
-  report.input = SummariseInput(prepared.merged.cloud, 0, prepared.statistics);
-  report.geometry.base = prepared.base.name;
-  report.geometry.base_why = prepared.base.why;
-  if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
-  report.warnings = prepared.warnings;
-  report.base_candidates = prepared.candidates;
-  return report;
-}
-
 SampleFit FitSample(const FirstLook& look,
                     SurfaceFitOptions options,
                     ThreadPool& pool,
@@ -51,8 +39,11 @@ SampleFit FitSample(const FirstLook& look,
   options.tolerance.reset();
   PointCloud cloud = PointCloud::FromWorld(look.sample);
   PreparedCloud prepared = PrepareCloud(cloud, options, pool, clock);
-  FittedState fitted =
-      FitOverBase(prepared, options, StartReport(prepared, pool.threads()), pool, clock);
+  FittedState fitted = FitOverBase(prepared,
+                                   options,
+                                   StartReport(prepared, prepared.merged.cloud, 0, pool.threads()),
+                                   pool,
+                                   clock);
   return {.cloud = std::move(cloud),
           .base = std::move(prepared.base),
           .surface = std::move(fitted.draft.surface),

@@ -38,7 +38,4 @@ SampleFit FitSample(const FirstLook& look,
                     ThreadPool& pool,
                     StageClock& clock);
 
-// The report as it is before a fit over prepared points.
-FitReport StartReport(const PreparedCloud& prepared, int threads);
-
 }  // namespace batten::internal

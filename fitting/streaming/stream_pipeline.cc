@@ -10,6 +10,7 @@
 #include "batten/fitting/distances.h"
 #include "batten/fitting/refused_data.h"
 #include "fitting/core/fit_end.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/streaming/sample_warnings.h"
 #include "fitting/surface/hold_between_points.h"
 #include "fitting/surface/surface_overshoot.h"
@@ -30,7 +31,8 @@ PreparedCloud PreparedMeans(const NearSurface& near,
                             double noise,
                             double margin) {
   const auto count = static_cast<Eigen::Index>(means.places.size());
-  if (count < 4) throw RefusedData("hardly any point is near the surface of the sample");
+  if (count < kFewestSurfacePoints)
+    throw RefusedData("hardly any point is near the surface of the sample");
   PreparedCloud prepared;
   prepared.merged.cloud = PointCloud(near.PointsOf(means.places), sample.cloud.origin());
   Eigen::VectorXd weights(count);
@@ -185,11 +187,12 @@ PlacesFit StreamPipeline::Solve() {
     const double margin = sample_.SpacingOf(look_.different) / 2 + 2 * sums.noise;
     PreparedCloud prepared = PreparedMeans(near, sums.means, sample_, sums.noise, margin);
     clock_.Enter(&StageSeconds::solve);
-    FittedState fitted = FitOverBase(prepared,
-                                     OptionsOfPlaces(sums.noise),
-                                     StartReport(prepared, pool_.threads()),
-                                     pool_,
-                                     clock_);
+    FittedState fitted =
+        FitOverBase(prepared,
+                    OptionsOfPlaces(sums.noise),
+                    StartReport(prepared, prepared.merged.cloud, 0, pool_.threads()),
+                    pool_,
+                    clock_);
     const double unknowns = Unknowns(fitted.draft.surface);
     const auto held = static_cast<double>(sums.means.places.size());
     const bool coarse = held < kPlacesOfControlPoint * unknowns &&

@@ -10,6 +10,7 @@
 #include "fitting/core/rounding.h"
 #include "fitting/core/rules.h"
 #include "fitting/core/shared_constants.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "fitting/surface/coefficient_bounds.h"
 #include "fitting/surface/data_box.h"
@@ -32,23 +33,6 @@ constexpr int kWidenings = 3;  // each time twice as wide
 // around do. 1 to 1000 predict left-out points of terrain as well; 1 lets overshoots of 398 points
 // in 9 x 8 control points pass.
 constexpr double kSmoothShape = 100;
-
-// Makes fixed unknowns' rows and columns those of the identity, times a unit.
-void FixRows(BlockBandedMatrix& matrix, const std::vector<char>& fixed, double unit) {
-  const int b = matrix.block_size();
-  const auto is_fixed = [&](int row) { return fixed[static_cast<size_t>(row)] != 0; };
-  for (int row = 0; row < matrix.blocks(); ++row) {
-    for (int below = 0; below <= std::min(matrix.bandwidth(), row); ++below) {
-      auto block = matrix.at(row, below);
-      for (int a = 0; a < b; ++a) {
-        if (is_fixed(row * b + a)) block.row(a).setZero();
-        if (is_fixed((row - below) * b + a)) block.col(a).setZero();
-      }
-      for (int a = 0; below == 0 && a < b; ++a)
-        if (is_fixed(row * b + a)) block(a, a) = unit;
-    }
-  }
-}
 
 // The active set and its solutions.
 class ActiveSet {
@@ -100,19 +84,17 @@ class ActiveSet {
 
   // Solves for what is not held. Returns false, and changes nothing, where that fails.
   bool Solve() {
-    std::vector<char> fixed(static_cast<size_t>(system_.unknowns()), 0);
+    std::vector<Eigen::Index> fixed;
     for (size_t k = 0; k < held_.size(); ++k)
-      if (held_[k] != 0)
-        fixed[static_cast<size_t>(system_.RowOf(static_cast<Eigen::Index>(k)))] = 1;
-    Eigen::MatrixXd kept = Rows();
-    for (Eigen::Index row = 0; row < kept.rows(); ++row)
-      if (!fixed[static_cast<size_t>(row)]) kept.row(row).setZero();
+      if (held_[k] != 0) fixed.push_back(system_.RowOf(static_cast<Eigen::Index>(k)));
+    const Eigen::MatrixXd all = Rows();
+    Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(all.rows(), all.cols());
+    kept(fixed, Eigen::all) = all(fixed, Eigen::all);
     BlockBandedMatrix reduced = matrix_;
     const double unit = matrix_.Trace() / system_.unknowns();
     Eigen::MatrixXd rows = system_.rhs() - matrix_.Times(kept);
-    FixRows(reduced, fixed, unit);
-    for (Eigen::Index row = 0; row < rows.rows(); ++row)
-      if (fixed[static_cast<size_t>(row)]) rows.row(row) = unit * kept.row(row);
+    reduced.Pin(fixed, unit);
+    rows(fixed, Eigen::all) = unit * kept(fixed, Eigen::all);
     if (!reduced.Factor(&pool_)) return false;
     reduced.Solve(rows);
     Eigen::MatrixXd solved = system_.Net(rows);
@@ -146,13 +128,12 @@ class ActiveSet {
 // Bounds by data nearby, where these leave cells without data.
 void HoldCoefficients(const FittingProblem& problem,
                       const PenalisedSystem& system,
-                      Eigen::Index measured,
                       double spacing,
                       ThreadPool& pool,
                       int most_rounds,
                       bool at_noise,
                       BoundedSolution& bounded) {
-  if (problem.poles().any() || FillsEveryCell(problem, measured)) return;
+  if (problem.poles().any() || FillsEveryCell(problem)) return;
   LinearSolution& solution = bounded.solution;
   const double smoothing = std::max(kSmoothShape, problem.smoothing());
   const Eigen::MatrixXd smooth = system.Net(system.Solve(smoothing, &pool).rows);
@@ -162,7 +143,7 @@ void HoldCoefficients(const FittingProblem& problem,
                       .norm()
                       .transpose());
   CoefficientBounds bounds =
-      BoundsFromData(problem, smooth, measured, kThreeSigmas * noise + kOfSpacing * spacing, pool);
+      BoundsFromData(problem, smooth, kThreeSigmas * noise + kOfSpacing * spacing, pool);
   const double squares = solution.residual_squares;
   const Eigen::MatrixXd free = solution.coefficients;
   for (int time = 0; bounds.Leaves(free); ++time) {
@@ -177,7 +158,7 @@ void HoldCoefficients(const FittingProblem& problem,
     bounded.held = set.held();
     solution.residual_squares = SquaresOf(problem, solution.coefficients, pool);
     const double allowed = std::max(kOfChance * set.held(), kOfFreedom * problem.unknowns()) /
-                           static_cast<double>(measured);
+                           static_cast<double>(problem.size());
     if (!at_noise || time == kWidenings || solution.residual_squares <= (1 + allowed) * squares)
       return;
     bounds.Widen(2);
@@ -190,12 +171,11 @@ void HoldCoefficients(const FittingProblem& problem,
 }  // namespace
 
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
-                                  Eigen::Index measured,
                                   double spacing,
                                   ThreadPool& pool,
-                                  int most_rounds,
                                   double held_rms,
-                                  double noise) {
+                                  double noise,
+                                  int most_rounds) {
   const PenalisedSystem system(problem, pool);
   const PenalisedSystem::Solution plain = system.Solve(problem.smoothing(), &pool);
   BoundedSolution bounded{{system.Net(plain.rows), 0, plain.raised}};
@@ -203,14 +183,14 @@ BoundedSolution SolveWithinBounds(const FittingProblem& problem,
   if (!Acts(Rule::kBounds)) return bounded;
   const double all = WeightOf(problem), squares = bounded.solution.residual_squares;
   const bool at_noise = squares <= kAtNoise * kAtNoise * noise * noise * all;
-  HoldCoefficients(problem, system, measured, spacing, pool, most_rounds, at_noise, bounded);
-  const double limit = at_noise
-                           ? (1 + kOfFreedom * problem.unknowns() / static_cast<double>(measured)) *
-                                 std::max(squares, bounded.solution.residual_squares)
-                           : kCostOfHolding * bounded.solution.residual_squares;
+  HoldCoefficients(problem, system, spacing, pool, most_rounds, at_noise, bounded);
+  const double limit =
+      at_noise ? (1 + kOfFreedom * problem.unknowns() / static_cast<double>(problem.size())) *
+                     std::max(squares, bounded.solution.residual_squares)
+               : kCostOfHolding * bounded.solution.residual_squares;
   double grown = 1;
   for (int time = 0; time <= (at_noise ? kWidenings : 0); ++time, grown *= 2) {
-    auto inside = HeldInBox(problem, bounded.solution, measured, pool, grown);
+    auto inside = HeldInBox(problem, bounded.solution, pool, grown);
     if (!inside) break;
     if (inside->residual_squares > std::max(limit, held_rms * held_rms * all)) continue;
     bounded.solution = std::move(*inside);

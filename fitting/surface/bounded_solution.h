@@ -10,8 +10,6 @@
 
 namespace batten::internal {
 
-inline constexpr double kAtNoise = 1.5;  // rms errors up to so many times the noise are noise
-
 struct BoundedSolution {
   LinearSolution solution;
   int held = 0;         // coefficients at a bound
@@ -28,15 +26,14 @@ struct BoundedSolution {
 // box of its data all the same, it is held in that (data_box.h). That is taken where the rms error
 // grows by a fifth at most, or is at most `held_rms`: what is trimmed away need not be held at the
 // points' cost. Where the values are followed to their `noise` (0: unknown), but no longer within
-// the bounds, these are too narrow for the shape, and wider ones are taken. The first
-// `measured` data count for bounds, which are slack by their spacing and noise. Values: heights or
-// points in space. O(m (p+1)(q+1)), and a factorization for each round.
+// the bounds, these are too narrow for the shape, and wider ones are taken. Bounds are slack by the
+// data's spacing and noise. Values: heights or points in space. O(m (p+1)(q+1)), and a
+// factorization for each round.
 BoundedSolution SolveWithinBounds(const FittingProblem& problem,
-                                  Eigen::Index measured,
                                   double spacing,
                                   ThreadPool& pool,
-                                  int most_rounds = 3,
                                   double held_rms = HUGE_VAL,
-                                  double noise = 0);
+                                  double noise = 0,
+                                  int most_rounds = 3);
 
 }  // namespace batten::internal

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/coefficient_bounds.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "batten/geometry/nurbs_surface.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
@@ -68,8 +71,7 @@ Axis AxisOf(const SplineBasis& basis) {
   Axis axis;
   axis.periodic = basis.periodic();
   const std::vector<double>& knots = basis.knots();
-  for (const int span : basis.Spans()) axis.breaks.push_back(knots[static_cast<size_t>(span)]);
-  axis.breaks.push_back(basis.upper());
+  axis.breaks = BreaksIn(basis);
   const int p = basis.degree();
   const double period = basis.upper() - basis.lower();
   for (int i = 0; i < basis.size(); ++i) {
@@ -98,18 +100,16 @@ Axis AxisOf(const SplineBasis& basis) {
 // Data sorted by cells.
 class Cells {
  public:
-  Cells(const FittingProblem& problem, Eigen::Index measured, const Axis& u, const Axis& v)
+  Cells(const FittingProblem& problem, const Axis& u, const Axis& v)
       : u_(u),
         v_(v),
         first_(static_cast<size_t>(u.size()) * v.size() + 1, 0),
         filled_(first_.size() - 1, 0) {
     const FittingData& data = problem.data();
     in_space_ = data.values.rows() == 3;
-    const auto counts = [&](Eigen::Index k) {
-      return data.weights.size() == 0 || data.weights[k] > 0;
-    };
-    std::vector<size_t> cell(static_cast<size_t>(measured));
-    for (Eigen::Index k = 0; k < measured; ++k) {
+    const auto counts = [&](Eigen::Index k) { return WeightOf(data, k) > 0; };
+    std::vector<size_t> cell(static_cast<size_t>(problem.size()));
+    for (Eigen::Index k = 0; k < problem.size(); ++k) {
       if (!counts(k)) continue;
       cell[static_cast<size_t>(k)] =
           At(u.SpanAt(data.parameters(0, k)), v.SpanAt(data.parameters(1, k)));
@@ -129,7 +129,7 @@ class Cells {
     for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
     data_.resize(first_.back());
     std::vector<size_t> next(first_.begin(), first_.end() - 1);
-    for (Eigen::Index k = 0; k < measured; ++k)
+    for (Eigen::Index k = 0; k < problem.size(); ++k)
       if (counts(k)) data_[next[cell[static_cast<size_t>(k)]]++] = k;
   }
 
@@ -241,24 +241,13 @@ class Cells {
   std::vector<size_t> holding_;     // cells that hold data
 };
 
-struct HeightRange {
-  double low = HUGE_VAL, high = -HUGE_VAL;
-
-  void Widen(double height) {
-    low = std::min(low, height);
-    high = std::max(high, height);
-  }
-  void Widen(const HeightRange& other) {
-    low = std::min(low, other.low);
-    high = std::max(high, other.high);
-  }
-};
+using Height = Eigen::Matrix<double, 1, 1>;
 
 // Of the heights in each cell.
-std::vector<HeightRange> RangesOf(const Cells& cells, const Eigen::MatrixXd& heights) {
-  std::vector<HeightRange> ranges(cells.size());
+std::vector<Eigen::AlignedBox1d> RangesOf(const Cells& cells, const Eigen::MatrixXd& heights) {
+  std::vector<Eigen::AlignedBox1d> ranges(cells.size());
   for (size_t cell = 0; cell < cells.size(); ++cell)
-    for (const Eigen::Index one : cells.In(cell)) ranges[cell].Widen(heights(0, one));
+    for (const Eigen::Index one : cells.In(cell)) ranges[cell].extend(Height(heights(0, one)));
   return ranges;
 }
 
@@ -270,28 +259,27 @@ double CoveredMargin(int degree) {
 
 }  // namespace
 
-bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured) {
+bool FillsEveryCell(const FittingProblem& problem) {
   const Axis u = AxisOf(problem.basis_u()), v = AxisOf(problem.basis_v());
-  return !Cells(problem, measured, u, v).HasGap();
+  return !Cells(problem, u, v).HasGap();
 }
 
 CoefficientBounds BoundsFromData(const FittingProblem& problem,
                                  const Eigen::MatrixXd& smooth,
-                                 Eigen::Index measured,
                                  double slack,
                                  ThreadPool& pool) {
   const SplineBasis &bu = problem.basis_u(), &bv = problem.basis_v();
   const Axis u = AxisOf(bu), v = AxisOf(bv);
-  const Cells cells(problem, measured, u, v);
+  const Cells cells(problem, u, v);
   const bool in_space = smooth.rows() == 3;
   const Eigen::MatrixXd off = problem.data().values - EvaluateAt(problem, smooth, pool);
   std::optional<NurbsSurface> surface;
   if (in_space) surface.emplace(bu, bv, smooth);
-  const auto heights = problem.data().values.row(0).head(measured);
+  const auto heights = problem.data().values.row(0);
   const double all_low = heights.minCoeff(), all_high = heights.maxCoeff(),
                beyond = kOfAll * (all_high - all_low) + slack;
-  const std::vector<HeightRange> ranges =
-      in_space ? std::vector<HeightRange>() : RangesOf(cells, off);
+  const std::vector<Eigen::AlignedBox1d> ranges =
+      in_space ? std::vector<Eigen::AlignedBox1d>() : RangesOf(cells, off);
   const double covered = CoveredMargin(std::max(bu.degree(), bv.degree()));
   const Eigen::Index count = problem.net_size();
   CoefficientBounds bounds{Eigen::VectorXd::Constant(count, -HUGE_VAL),
@@ -307,21 +295,21 @@ CoefficientBounds BoundsFromData(const FittingProblem& problem,
         if (!normal) continue;
         bounds.up.col(k) = *normal;
       }
-      HeightRange range;
+      Eigen::AlignedBox1d range;
       for (const size_t cell : support.cells) {
         if (!in_space) {
-          range.Widen(ranges[cell]);
+          range.extend(ranges[cell]);
           continue;
         }
         for (const Eigen::Index one : cells.In(cell))
-          range.Widen(bounds.up.col(k).dot(off.col(one)));
+          range.extend(Height(bounds.up.col(k).dot(off.col(one))));
       }
       const double reach = u.reach[static_cast<size_t>(i)] * v.reach[static_cast<size_t>(j)];
       const double margin = support.has_gap ? (reach - 1) / 2 : covered;
-      const double more = margin * (range.high - range.low) + slack;
+      const double more = margin * range.sizes()[0] + slack;
       const double middle = bounds.HeightOf(smooth, k);
-      bounds.low[k] = middle + range.low - more;
-      bounds.high[k] = middle + range.high + more;
+      bounds.low[k] = middle + range.min()[0] - more;
+      bounds.high[k] = middle + range.max()[0] + more;
       if (in_space || !support.has_gap) continue;
       const double least = all_low - beyond, most = all_high + beyond;
       bounds.low[k] = std::clamp(bounds.low[k], least, most);

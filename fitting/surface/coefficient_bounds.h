@@ -42,8 +42,8 @@ struct CoefficientBounds {
   }
 };
 
-// Whether the first `measured` data, those with positive weight, leave no quarter of a cell empty.
-bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured);
+// Whether the data with positive weight leave no quarter of a cell empty.
+bool FillsEveryCell(const FittingProblem& problem);
 
 // Bounds about a smooth shape, the net `smooth` over the problem's bases. A coefficient's interval
 // is the range of the heights above the shape, along its normal, that the data in its support have
@@ -59,11 +59,10 @@ bool FillsEveryCell(const FittingProblem& problem, Eigen::Index measured);
 //    around it. Of a height field no such coefficient leaves the range of all heights by more than
 //    a fifth of it and the slack.
 //  · elsewhere by what a spline within the range needs: the range itself for cubics.
-// Only the first `measured` data with positive weight count. Periodic directions wrap.
+// Only data with positive weight count. Periodic directions wrap.
 // O(m (p+1)(q+1)). [polar forms: Ramshaw 1989]
 CoefficientBounds BoundsFromData(const FittingProblem& problem,
                                  const Eigen::MatrixXd& smooth,
-                                 Eigen::Index measured,
                                  double slack,
                                  ThreadPool& pool);
 

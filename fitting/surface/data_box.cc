@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "batten/geometry/surface_evaluator.h"
+#include "fitting/least_squares/fitting_bases.h"
 #include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
@@ -44,12 +44,11 @@ struct Box {
   }
 };
 
-// Of some columns; of none: a point.
-Box BoxOf(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& kept) {
-  const Eigen::Index d = values.rows();
+// Of no columns: a point.
+Box BoxOf(const Eigen::MatrixXd& used) {
+  const Eigen::Index d = used.rows();
   Box box{Eigen::MatrixXd::Identity(d, d), Eigen::VectorXd::Zero(d), Eigen::VectorXd::Zero(d)};
-  if (kept.empty()) return box;
-  const Eigen::MatrixXd used = values(Eigen::all, kept);
+  if (used.cols() == 0) return box;
   const Eigen::VectorXd mean = used.rowwise().mean();
   const Eigen::MatrixXd off = used.colwise() - mean;
   if (d > 1) box.axes = EigenOf(off * off.transpose()).vectors;
@@ -58,10 +57,6 @@ Box BoxOf(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& kept) 
   box.high = along.rowwise().maxCoeff();
   box.diagonal = (box.high - box.low).norm();
   return box;
-}
-
-bool Counts(const FittingData& data, Eigen::Index k) {
-  return data.weights.size() == 0 || data.weights[k] > 0;
 }
 
 // The plane of least squares through heights; level across places that lie on a line.
@@ -74,19 +69,17 @@ Eigen::Vector3d PlaneThrough(const Eigen::Matrix2Xd& places, const Eigen::Vector
   return {mean - slopes.dot(middle), slopes[0], slopes[1]};
 }
 
-Box BoxOf(const FittingData& data, Eigen::Index measured) {
+Box BoxOf(const FittingData& data) {
   std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < measured; ++k)
-    if (Counts(data, k)) kept.push_back(k);
-  if (data.values.rows() > 1 || kept.empty()) return BoxOf(data.values, kept);
+  for (Eigen::Index k = 0; k < data.values.cols(); ++k)
+    if (WeightOf(data, k) > 0) kept.push_back(k);
+  if (data.values.rows() > 1 || kept.empty()) return BoxOf(data.values(Eigen::all, kept));
   const Eigen::Matrix2Xd places = data.parameters(Eigen::all, kept);
   const Eigen::VectorXd heights = data.values.row(0)(kept);
   const Eigen::Vector3d plane = PlaneThrough(places, heights);
   const Eigen::MatrixXd above =
       heights.transpose().array() - plane[0] - (plane.tail<2>().transpose() * places).array();
-  std::vector<Eigen::Index> all(kept.size());
-  std::iota(all.begin(), all.end(), Eigen::Index{0});
-  Box box = BoxOf(above, all);
+  Box box = BoxOf(above);
   box.plane = plane;
   box.grown = kGrownUp;
   // Parameters of heights are lengths.
@@ -183,10 +176,9 @@ FittingProblem WithPlaces(const FittingProblem& problem, const Leaving& held, do
 
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,
-                                        Eigen::Index measured,
                                         ThreadPool& pool,
                                         double grown) {
-  Box box = BoxOf(problem.data(), measured);
+  Box box = BoxOf(problem.data());
   box.grown *= grown;
   if (!(box.diagonal > 0)) return {};
   Leaving held = LeavingPlaces(problem, solution.coefficients, box, pool);
@@ -216,24 +208,8 @@ std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
   return inside;
 }
 
-double SquaresOf(const FittingProblem& problem,
-                 const Eigen::MatrixXd& coefficients,
-                 ThreadPool& pool) {
-  const Eigen::VectorXd squares =
-      (EvaluateAt(problem, coefficients, pool) - problem.data().values).colwise().squaredNorm();
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? weights.dot(squares) : squares.sum();
-}
-
-double WeightOf(const FittingProblem& problem) {
-  const Eigen::VectorXd& weights = problem.data().weights;
-  return weights.size() > 0 ? weights.sum() : static_cast<double>(problem.size());
-}
-
 double BeyondBox(const NurbsSurface& surface, const Eigen::Matrix3Xd& points) {
-  std::vector<Eigen::Index> all(static_cast<size_t>(points.cols()));
-  std::iota(all.begin(), all.end(), Eigen::Index{0});
-  const Box box = BoxOf(Eigen::MatrixXd(points), all);
+  const Box box = BoxOf(points);
   if (NetStays(surface.control_points(), box)) return 0;
   const SurfaceEvaluator evaluator(surface);
   double beyond = 0;

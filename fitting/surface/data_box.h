@@ -17,19 +17,12 @@ namespace batten::internal {
 // where the data do not determine it: places outside are data from then on, at the nearest point of
 // the box grown by nine tenths of that, with weights that grow from round to round; what is left
 // after six rounds fairness pulls in. Returns nothing where the solution stays in the box, which
-// its coefficients tell at once in most fits. The first `measured` data make the box: heights or
-// points; grown by `grown` times as much. O(coefficients), and a solve for each round.
+// its coefficients tell at once in most fits. Data are heights or points; the box is grown by
+// `grown` times as much. O(coefficients), and a solve for each round.
 std::optional<LinearSolution> HeldInBox(const FittingProblem& problem,
                                         const LinearSolution& solution,
-                                        Eigen::Index measured,
                                         ThreadPool& pool,
                                         double grown = 1);
-
-// Σ w |S − z|² over all data.
-double SquaresOf(const FittingProblem& problem,
-                 const Eigen::MatrixXd& coefficients,
-                 ThreadPool& pool);
-double WeightOf(const FittingProblem& problem);  // Σ w
 
 // How far a surface in space leaves the box of points (along their principal axes), over its
 // diagonal; zero up to a fifth. O(control points).

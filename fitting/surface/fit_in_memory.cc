@@ -107,7 +107,11 @@ class SurfacePipeline {
   // section with a sharp edge, if the points are one.
   FittedState Fitted(const PreparedCloud& prepared, const SurfaceFitOptions& options) {
     try {
-      return FitOverBase(prepared, options, StartReport(prepared), pool_, clock_);
+      return FitOverBase(prepared,
+                         options,
+                         StartReport(prepared, cloud_, prepared.merged.duplicates, pool_.threads()),
+                         pool_,
+                         clock_);
     } catch (const TwoSheets&) {
       if (given_ || prepared.symmetry || options.base != BaseShape::kAuto) throw;
       std::optional<PreparedCloud> wing = PreparedAsWing(options);
@@ -118,7 +122,11 @@ class SurfacePipeline {
           wing->candidates.begin(), prepared.candidates.begin(), prepared.candidates.end());
       prepared_ = *std::move(wing);
     }
-    return FitOverBase(prepared_, options, StartReport(prepared_), pool_, clock_);
+    return FitOverBase(prepared_,
+                       options,
+                       StartReport(prepared_, cloud_, prepared_.merged.duplicates, pool_.threads()),
+                       pool_,
+                       clock_);
   }
 
   std::optional<PreparedCloud> PreparedAsWing(SurfaceFitOptions options) {
@@ -158,18 +166,6 @@ class SurfacePipeline {
       degree = std::max(degree, laid.side.curve.basis().degree());
     }
     return options;
-  }
-
-  FitReport StartReport(const PreparedCloud& prepared) const {
-    FitReport report;
-    report.threads = pool_.threads();
-    report.input = SummariseInput(cloud_, prepared.merged.duplicates, prepared.statistics);
-    report.geometry.base = prepared.base.name;
-    report.geometry.base_why = prepared.base.why;
-    if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
-    report.warnings = prepared.warnings;
-    report.base_candidates = prepared.candidates;
-    return report;
   }
 
   const PointCloud& cloud_;

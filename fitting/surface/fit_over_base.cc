@@ -62,7 +62,7 @@ FitEstimator EstimatorOf(const PreparedCloud& prepared,
   const auto& points = prepared.conditions.points;
   estimator.held_points.resize(2, std::ssize(points));
   for (size_t k = 0; k < points.size(); ++k)
-    estimator.held_points.col(static_cast<Eigen::Index>(k)) = points[k].parameters;
+    estimator.held_points.col(static_cast<Eigen::Index>(k)) << points[k].u, points[k].v;
   return estimator;
 }
 

@@ -51,7 +51,7 @@ Side RangeOf(const Eigen::RowVectorXd& parameters, const char* name) {
 }
 
 void RequireSheet(const Eigen::Matrix3Xd& points) {
-  if (points.cols() < 4) {
+  if (points.cols() < kFewestSurfacePoints) {
     throw RefusedData("a surface needs at least 4 different points; there are " +
                       std::to_string(points.cols()));
   }

@@ -29,11 +29,10 @@ constexpr double kFewChanges = 0.01;
 constexpr double kConverged = 1e-3;           // share of points and of squares: the grid is kept
 constexpr int kLargeGrid = 1500;              // searching its size anew takes long …
 constexpr Eigen::Index kManyPoints = 200000;  // … as it does with many points
-constexpr Eigen::Index kFewestPoints = 4;
-constexpr double kMisses = 3;            // scale over noise; above: the shape is missed
-constexpr double kBeyondStructure = 2;   // spacings
-constexpr double kOnSurface = 0.8;       // share of a part's points
-constexpr double kLayersToRefuse = 0.4;  // share of places with two layers; above: refused
+constexpr double kMisses = 3;                 // scale over noise; above: the shape is missed
+constexpr double kBeyondStructure = 2;        // spacings
+constexpr double kOnSurface = 0.8;            // share of a part's points
+constexpr double kLayersToRefuse = 0.4;       // share of places with two layers; above: refused
 
 // Whether outliers that their neighbours tell are so many that a loss must bound them.
 bool StartsRobust(const FitContext& context) {
@@ -86,7 +85,7 @@ class InlierPasses {
         continue;
       }
       const PointMask now = WithoutIsolated(context_, found_.robust, InliersOfSurface());
-      if (now.count() < kFewestPoints) break;
+      if (now.count() < kFewestSurfacePoints) break;
       if (!found_.robust && !options_.loss && (now != used).any() && !now.all()) {
         found_.robust = true;  // outliers have bent the plain fit
         continue;

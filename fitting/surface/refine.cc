@@ -6,15 +6,16 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/solve_linear.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/fitting_bases.h"
-#include "fitting/parameterization/height_field.h"
 #include "fitting/surface/bounded_solution.h"
 
 namespace batten::internal {
@@ -25,7 +26,6 @@ constexpr double kGrowth = 1.25;      // factor on control points in a round, at
 constexpr double kWorthOfBest = 0.3;  // lines scoring less than this share wait for a later round
 constexpr double kNarrowestInSpacings = 0.65;  // spacings: no knot makes a narrower cell
 constexpr int kReweightingRounds = 15;
-constexpr int kMaxRounds = 200;
 
 struct Line {
   bool in_u;
@@ -57,14 +57,17 @@ double Emphasis(double distance, double tolerance) {
 
 class Refinement {
  public:
-  Refinement(const FittingProblem& problem,
-             const PlaneBase* base,
+  Refinement(const FitContext& context,
              const Eigen::Matrix3Xd& points,
-             const RefineOptions& options,
-             ThreadPool& pool)
-      : problem_(problem), base_(base), points_(points), options_(options), pool_(pool) {
-    limit_ = std::min<double>(options.max_control_points,
-                              static_cast<double>(points.cols()) / kPointsPerControlPoint);
+             const FittingProblem& problem)
+      : context_(context),
+        points_(points),
+        problem_(problem),
+        tolerance_(*context.options().tolerance) {
+    const SurfaceFitOptions& options = context.options();
+    limit_ =
+        std::min<double>(options.control_points ? problem.unknowns() : options.max_control_points,
+                         static_cast<double>(points.cols()) / kPointsPerControlPoint);
   }
 
   // Solves, measures distances, keeps the best state. Returns the number of points out of
@@ -87,21 +90,23 @@ class Refinement {
 
  private:
   LinearSolution Solve() const {
+    // Holding it in the box may cost any error where it is not to be trimmed to its points.
+    const bool untrimmed = context_.options().trim == Trimming::kNone;
     return SolveWithinBounds(problem_,
-                             points_.cols(),
-                             options_.spacing,
-                             pool_,
-                             1,  // round: it is one of many solves
-                             options_.held_rms,
-                             options_.noise)
+                             context_.spacing(),
+                             context_.pool(),
+                             untrimmed ? HUGE_VAL : kAtNoise * context_.noise(),
+                             context_.noise(),
+                             1)  // round: it is one of many solves
         .solution;
   }
 
-  NurbsSurface SurfaceOf(const FittingProblem& problem, const Eigen::MatrixXd& net) const {
-    const SplineBasis &basis_u = problem.basis_u(), &basis_v = problem.basis_v();
-    return base_ ? HeightSurface(*base_, basis_u, basis_v, net)
-                 : NurbsSurface(
-                       basis_u, basis_v, WithPolesClosed(net, basis_u, basis_v, problem.poles()));
+  // The surface of a solution, and the foot points of the data on it.
+  NurbsSurface SurfaceOf(const FittingProblem& problem, const LinearSolution& solution) const {
+    return context_.base().Surface(problem.basis_u(), problem.basis_v(), solution.coefficients);
+  }
+  PointDistances Distances(const FittingProblem& problem, const NurbsSurface& surface) const {
+    return DistancesFrom(surface, points_, problem.data().parameters, context_.pool());
   }
 
   // Removes knot lines that the tolerance does not need.
@@ -109,12 +114,10 @@ class Refinement {
     const auto start = std::chrono::steady_clock::now();
     const int before = best_problem_->unknowns();
     const auto kept = [&](const FittingProblem& problem, const LinearSolution& solution) {
-      const Eigen::Matrix2Xd places = problem.data().parameters.leftCols(points_.cols());
-      return DistancesFrom(SurfaceOf(problem, solution.coefficients), points_, places, pool_)
-                 .distances.cwiseAbs()
-                 .maxCoeff() <= options_.tolerance;
+      return Distances(problem, SurfaceOf(problem, solution)).distances.cwiseAbs().maxCoeff() <=
+             tolerance_;
     };
-    const FittingProblem fewer = RemoveKnotLines(*best_problem_, kept, pool_);
+    const FittingProblem fewer = RemoveKnotLines(*best_problem_, kept, context_.pool());
     if (fewer.unknowns() == before) return;
     Remember();
     problem_ = fewer;
@@ -125,11 +128,10 @@ class Refinement {
   Eigen::Index Measure(const char* stage,
                        const LinearSolution& solution,
                        std::chrono::steady_clock::time_point start) {
-    NurbsSurface surface = SurfaceOf(problem_, solution.coefficients);
-    PointDistances found =
-        DistancesFrom(surface, points_, problem_.data().parameters.leftCols(points_.cols()), pool_);
+    NurbsSurface surface = SurfaceOf(problem_, solution);
+    PointDistances found = Distances(problem_, surface);
     distances_ = found.distances;
-    const ErrorSummary error = Summarise(distances_, options_.tolerance);
+    const ErrorSummary error = Summarise(distances_, tolerance_);
     RoundSummary round;
     round.stage = stage;
     round.control_points_u = problem_.basis_u().size();
@@ -176,8 +178,7 @@ class Refinement {
     return true;
   }
 
-  // Reweights measured points by their distance against the tolerance; data behind them keep their
-  // weights.
+  // Reweights points by their distance against the tolerance.
   void Reweight() {
     const Eigen::VectorXd& given = problem_.data().weights;
     if (original_.size() == 0) {
@@ -185,7 +186,7 @@ class Refinement {
       emphasis_ = Eigen::VectorXd::Ones(problem_.size());
     }
     for (Eigen::Index k = 0; k < points_.cols(); ++k) {
-      emphasis_[k] = std::sqrt(emphasis_[k] * Emphasis(distances_[k], options_.tolerance));
+      emphasis_[k] = std::sqrt(emphasis_[k] * Emphasis(distances_[k], tolerance_));
     }
     problem_ = problem_.WithWeights(original_.cwiseProduct(emphasis_));
   }
@@ -193,8 +194,8 @@ class Refinement {
   // The expected number of points out of tolerance on a perfect surface, for normal noise of the
   // estimated size.
   double NoiseOut() const {
-    if (!(options_.noise > 0)) return 0;
-    const double beyond = std::erfc(options_.tolerance / (options_.noise * std::sqrt(2.0)));
+    if (!(context_.noise() > 0)) return 0;
+    const double beyond = std::erfc(tolerance_ / (context_.noise() * std::sqrt(2.0)));
     return static_cast<double>(points_.cols()) * beyond;
   }
 
@@ -210,22 +211,20 @@ class Refinement {
   void Collect(bool in_u, std::vector<Line>& lines) const {
     const SplineBasis& basis = in_u ? problem_.basis_u() : problem_.basis_v();
     const int added = in_u ? problem_.basis_v().size() : problem_.basis_u().size();
-    const std::vector<double> scores = SpanScores(
-        basis, problem_.data().parameters.row(in_u ? 0 : 1), distances_, options_.tolerance);
+    const std::vector<double> scores =
+        SpanScores(basis, problem_.data().parameters.row(in_u ? 0 : 1), distances_, tolerance_);
     for (const int span : basis.Spans()) {
       const double a = basis.knots()[span], b = basis.knots()[span + 1];
-      if (scores[span] > 0 && (b - a) / 2 >= kNarrowestInSpacings * options_.spacing) {
+      if (scores[span] > 0 && (b - a) / 2 >= kNarrowestInSpacings * context_.spacing()) {
         lines.push_back({in_u, (a + b) / 2, scores[span] / added});
       }
     }
   }
 
-  FittingProblem problem_;
-  const PlaneBase* base_;
+  const FitContext& context_;
   const Eigen::Matrix3Xd& points_;
-  const RefineOptions& options_;
-  ThreadPool& pool_;
-  double limit_;
+  FittingProblem problem_;
+  double tolerance_, limit_;
   Eigen::VectorXd distances_, original_, emphasis_;
   std::optional<NurbsSurface> best_;
   std::optional<FittingProblem> best_problem_;
@@ -240,16 +239,14 @@ class Refinement {
 
 }  // namespace
 
-RefineResult RefineToTolerance(const FittingProblem& problem,
-                               const PlaneBase* base,
+RefineResult RefineToTolerance(const FitContext& context,
                                const Eigen::Matrix3Xd& points,
-                               const RefineOptions& options,
-                               ThreadPool& pool,
-                               const Progress& progress) {
-  Refinement refinement(problem, base, points, options, pool);
+                               const FittingProblem& problem) {
+  Refinement refinement(context, points, problem);
+  const Progress& progress = context.options().progress;
   const auto cancelled = [&](double fraction) { return progress && !progress("refine", fraction); };
   double validation = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMostIterations; ++round) {
     const Eigen::Index out = refinement.Round("refine");
     if (out == 0) return refinement.Finish(EndCode::kToleranceReached);
     // No more points are out than noise alone explains: continue only while validation on left-out

@@ -9,6 +9,7 @@
 #include "batten/fitting/solve_linear.h"
 #include "fitting/constraints/constrained_surface.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/choose_smoothing.h"
 #include "fitting/least_squares/residual_noise.h"
@@ -57,14 +58,6 @@ FittingProblem CoarsestWithin(const FitContext& context, const ClassifiedPoints&
   return points.problem;
 }
 
-constexpr int kRoundsOfBounds = 3;
-
-// The rms error that holding a surface in the box of its points may leave: any where it is not to
-// be trimmed to them.
-double HeldRms(const FitContext& context) {
-  return context.options().trim == Trimming::kNone ? HUGE_VAL : kAtNoise * context.noise();
-}
-
 }  // namespace
 
 SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& points) {
@@ -80,10 +73,8 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
   if (options.smooth_by != SmoothBy::kWeight)
     problem = problem.WithSmoothing(Smoothing(context, problem));
   BoundedSolution held = SolveWithinBounds(problem,
-                                           points.cloud.size(),
                                            context.spacing(),
                                            pool,
-                                           kRoundsOfBounds,
                                            options.trim == Trimming::kNone ? HUGE_VAL : 0,
                                            context.noise());
   SolvedSurface solved{
@@ -102,25 +93,12 @@ SolvedSurface SolveToNoise(const FitContext& context, const ClassifiedPoints& po
 
 SolvedSurface RefineWithinTolerance(const FitContext& context, const ClassifiedPoints& points) {
   const SurfaceFitOptions& options = context.options();
-  const Parameterization& base = context.base();
   FittingProblem problem =
       options.control_points ? points.problem : CoarsestWithin(context, points);
-  RefineOptions refine;
-  refine.tolerance = *options.tolerance;
-  refine.noise = context.noise();
-  refine.held_rms = HeldRms(context);
-  refine.spacing = context.spacing();
-  refine.max_control_points =
-      options.control_points ? problem.unknowns() : options.max_control_points;
-  RefineResult refined = RefineToTolerance(problem,
-                                           base.plane ? &*base.plane : nullptr,
-                                           points.cloud.points(),
-                                           refine,
-                                           context.pool(),
-                                           options.progress);
+  RefineResult refined = RefineToTolerance(context, points.cloud.points(), problem);
   // Where parameters are part of the data the joint stage starts from those.
   Eigen::Matrix2Xd parameters =
-      base.exact ? problem.data().parameters : std::move(refined.parameters);
+      context.base().exact ? problem.data().parameters : std::move(refined.parameters);
   return {std::move(refined.surface),
           std::move(parameters),
           std::move(problem),

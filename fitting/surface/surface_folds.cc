@@ -4,26 +4,18 @@
 #include <vector>
 
 #include "batten/geometry/surface_evaluator.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
 
 constexpr int kPlacesOfSpan = 8;
 
-std::vector<double> PlacesOfFolds(const SplineBasis& basis) {
-  std::vector<double> places;
-  for (const int span : basis.Spans()) {
-    const double low = basis.knots()[span], high = basis.knots()[span + 1];
-    for (int k = 0; k < kPlacesOfSpan; ++k) places.push_back(low + (high - low) * k / kPlacesOfSpan);
-  }
-  places.push_back(basis.upper());
-  return places;
-}
-
 }  // namespace
 
 int FoldedPairs(const NurbsSurface& surface) {
-  const std::vector<double> us = PlacesOfFolds(surface.basis_u()), vs = PlacesOfFolds(surface.basis_v());
+  const std::vector<double> us = BreaksIn(surface.basis_u(), kPlacesOfSpan),
+                            vs = BreaksIn(surface.basis_v(), kPlacesOfSpan);
   SurfaceGrid grid;
   SurfaceEvaluator(surface).Grid(us, vs, grid);
   const auto normal = [&](size_t i, size_t j) {

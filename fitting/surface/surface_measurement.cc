@@ -34,7 +34,6 @@ constexpr double kFirmFairness = 1e-4, kFaintFairness = 1e-6;
 constexpr double kFairnessToHold = 0.1, kStepOfHolding = 100;
 constexpr double kExcessToOptimise = 1.2;  // residual over noise; above: joint optimization pays
 constexpr double kFollowsNoise = 0.8;      // residuals over noise; below: a warning of overfitting
-constexpr double kSharedAtMost = 2.5;      // residuals over noise; above: they are shape
 constexpr double kStructured = 0.15;  // share of the residuals' variance that is smooth in a cell
 constexpr double kPointsPerFreedomToOptimise = 2.5;
 constexpr int kMostToOptimise = 1500;
@@ -348,20 +347,6 @@ void OptimiseWhereItPays(SurfaceState& draft,
     return;
   }
   take();
-}
-
-InputSummary SummariseInput(const PointCloud& cloud,
-                            Eigen::Index duplicates,
-                            const CloudStatistics& statistics) {
-  InputSummary input;
-  input.points = cloud.size();
-  input.duplicates = duplicates;
-  input.spacing = statistics.spacing;
-  input.noise = statistics.noise;
-  input.origin = cloud.origin();
-  input.box_min = cloud.origin() + cloud.points().rowwise().minCoeff();
-  input.box_max = cloud.origin() + cloud.points().rowwise().maxCoeff();
-  return input;
 }
 
 SurfaceFit MeasureFit(const NurbsSurface& surface,

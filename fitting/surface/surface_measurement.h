@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/poles.h"
 #include "batten/fitting/surface_options.h"
 #include "batten/geometry/thread_pool.h"
@@ -38,11 +37,6 @@ void OptimiseWhereItPays(SurfaceState& draft,
                          ThreadPool& pool,
                          StageClock& clock,
                          FitReport& report);
-
-// The report's input section: points read, duplicates merged, spacing and noise.
-InputSummary SummariseInput(const PointCloud& cloud,
-                            Eigen::Index duplicates,
-                            const CloudStatistics& statistics);
 
 // The fit with its report, measured on the returned surface, rounding of far coordinates included.
 // `surface` is in the cloud's local coordinates, `merged` the cloud's distinct points, `used` the

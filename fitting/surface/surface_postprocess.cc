@@ -45,7 +45,7 @@ void SnapToShape(FittedState& fitted,
                        PoleConditionCount(bases.first, bases.second, draft.poles);
   const Eigen::VectorXd weights =
       weighted ? (draft.weights / draft.weights.mean()).eval() : Eigen::VectorXd();
-  std::optional<Snapped> snapped =
+  std::optional<DescribedSurface> snapped =
       SnapToPrimitive(draft.used.points(),
                       weights,
                       {squares, static_cast<double>(unknowns), options.tolerance},

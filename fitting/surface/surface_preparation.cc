@@ -13,7 +13,9 @@
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
 #include "fitting/cloud/local_outlier_factor.h"
+#include "fitting/core/input_summary.h"
 #include "fitting/core/rules.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/surface/base_beside_clutter.h"
 
 namespace batten::internal {
@@ -142,7 +144,7 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   if (cloud.size() == 0) throw RefusedData("the cloud holds no points");
   prepared.merged = MergeDuplicates(cloud);
   const PointCloud& points = prepared.merged.cloud;
-  if (points.size() < 4) {
+  if (points.size() < kFewestSurfacePoints) {
     throw RefusedData("a surface needs at least 4 different points; there are " +
                       std::to_string(points.size()));
   }
@@ -155,6 +157,22 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
   clock.Enter(&StageSeconds::parameterize);
   TakeBase(prepared, index, options, pool);
   return prepared;
+}
+
+FitReport StartReport(const PreparedCloud& prepared,
+                      const PointCloud& cloud,
+                      Eigen::Index duplicates,
+                      int threads) {
+  FitReport report;
+  report.threads = threads;
+  const CloudStatistics& measured = prepared.statistics;
+  report.input = SummariseInput(cloud, duplicates, measured.spacing, measured.noise);
+  report.geometry.base = prepared.base.name;
+  report.geometry.base_why = prepared.base.why;
+  if (prepared.base.plane) report.geometry.base_axes = prepared.base.plane->axes;
+  report.warnings = prepared.warnings;
+  report.base_candidates = prepared.candidates;
+  return report;
 }
 
 }  // namespace batten::internal

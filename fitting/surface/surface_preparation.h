@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/fit_report.h"
 #include "batten/fitting/point_cloud.h"
 #include "batten/fitting/progress.h"
 #include "batten/fitting/surface_options.h"
@@ -57,5 +58,11 @@ PreparedCloud PrepareCloud(const PointCloud& cloud,
 // Sorts points so that neighbours in the base are neighbours in memory, because later stages visit
 // them cell by cell.
 void SortByPlace(PreparedCloud& prepared);
+
+// The report as it is before a fit over prepared points, made of `cloud`.
+FitReport StartReport(const PreparedCloud& prepared,
+                      const PointCloud& cloud,
+                      Eigen::Index duplicates,
+                      int threads);
 
 }  // namespace batten::internal

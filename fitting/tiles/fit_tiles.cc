@@ -45,8 +45,7 @@ SurfaceFitOptions OptionsOfSample(const SurfaceFitOptions& options) {
 }
 
 void RequireOpen(const Parameterization& base) {
-  if (base.periodic_u || base.periodic_v || base.sharp_edge ||
-      base.poles.start != PoleKind::kNone || base.poles.end != PoleKind::kNone)
+  if (base.periodic_u || base.periodic_v || base.sharp_edge || base.poles.any())
     throw RefusedData("the points close on themselves (base " + base.name +
                       "): tiles are of open sheets");
 }
@@ -84,13 +83,14 @@ TileAxes AxesOf(const Parameterization& base,
                                               : "so many points allow, four to a cell") +
                       ": fewer tiles can be had");
   if (options.control_points)
-    return {TileAxis::Uniform(base.length_u, count_u, cells_u),
-            TileAxis::Uniform(base.length_v, count_v, cells_v)};
+    return {{base.length_u, count_u, cells_u}, {base.length_v, count_v, cells_v}};
   const int of_tile = std::min(cells_u / count_u, cells_v / count_v);
   int level = 0;
   while (level < kMostLevels && (of_tile >> (level + 1)) >= kCoarsestCells) ++level;
-  return {TileAxis::Of(base.length_u, count_u, (cells_u / count_u) >> level, level),
-          TileAxis::Of(base.length_v, count_v, (cells_v / count_v) >> level, level)};
+  const auto axis = [&](double length, int count, int cells) {
+    return TileAxis(length, count, (count * ((cells / count) >> level)) << level, level);
+  };
+  return {axis(base.length_u, count_u, cells_u), axis(base.length_v, count_v, cells_v)};
 }
 
 // Numbers of the points of each tile, as they are measured.

@@ -2,24 +2,13 @@
 #include "fitting/tiles/tile_axis.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace batten::internal {
 
-TileAxis::TileAxis(double length, std::vector<int> edges, int finest)
-    : length_(length), edges_(std::move(edges)), finest_(finest) {}
-
-TileAxis TileAxis::Of(double length, int strips, int coarsest_cells, int finest_level) {
-  std::vector<int> edges(static_cast<std::size_t>(strips) + 1);
-  for (int k = 0; k <= strips; ++k) edges[k] = (k * coarsest_cells) << finest_level;
-  return {length, std::move(edges), finest_level};
-}
-
-TileAxis TileAxis::Uniform(double length, int strips, int cells) {
-  std::vector<int> edges(static_cast<std::size_t>(strips) + 1);
+TileAxis::TileAxis(double length, int strips, int cells, int finest_level)
+    : length_(length), finest_(finest_level) {
   for (int k = 0; k <= strips; ++k)
-    edges[k] = static_cast<int>(static_cast<long long>(cells) * k / strips);
-  return {length, std::move(edges), 0};
+    edges_.push_back(static_cast<int>(static_cast<long long>(cells) * k / strips));
 }
 
 std::vector<double> TileAxis::Breaks() const {

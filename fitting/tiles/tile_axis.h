@@ -14,10 +14,9 @@ namespace batten::internal {
 // ones, bit by bit.
 class TileAxis {
  public:
-  // Strips of so many cells each on level 0.
-  static TileAxis Of(double length, int strips, int coarsest_cells, int finest_level);
-  // So many cells, on one level, in strips as equal as they can be.
-  static TileAxis Uniform(double length, int strips, int cells);
+  // So many cells of the finest level, in strips as equal as they can be; on a finest level above
+  // 0, strips are equal and have a multiple of 2^level cells.
+  TileAxis(double length, int strips, int cells, int finest_level = 0);
 
   int strips() const { return static_cast<int>(edges_.size()) - 1; }
   int finest_level() const { return finest_; }
@@ -34,7 +33,6 @@ class TileAxis {
   int StripOf(double at) const;
 
  private:
-  TileAxis(double length, std::vector<int> edges, int finest);
   double Knot(int cell) const { return cell == cells() ? length_ : length_ * cell / cells(); }
 
   double length_;

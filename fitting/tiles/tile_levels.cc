@@ -36,7 +36,12 @@ std::vector<int> StripsOfSpans(const SplineBasis& basis, const TileAxis& axis) {
   return strips;
 }
 
-}  // namespace
+// What the cells of a net tell of each tile (strips in u × in v).
+struct TileSums {
+  Eigen::ArrayXXd points, squares;
+  Eigen::ArrayXXd filled;  // cells that hold points
+  Eigen::ArrayXXd worst;  // the largest mean square of a cell beyond `noise_squared` and its chance
+};
 
 TileSums SumTiles(const TileNet& net,
                   const TileAxis& axis_u,
@@ -61,6 +66,8 @@ TileSums SumTiles(const TileNet& net,
   }
   return sums;
 }
+
+}  // namespace
 
 TileSearch::TileSearch(const FoldedPoints& points,
                        const TileAxis& axis_u,

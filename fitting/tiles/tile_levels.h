@@ -14,17 +14,6 @@
 
 namespace batten::internal {
 
-// What the cells of a net tell of each tile (strips in u × in v).
-struct TileSums {
-  Eigen::ArrayXXd points, squares;
-  Eigen::ArrayXXd filled;  // cells that hold points
-  Eigen::ArrayXXd worst;  // the largest mean square of a cell beyond `noise_squared` and its chance
-};
-TileSums SumTiles(const TileNet& net,
-                  const TileAxis& axis_u,
-                  const TileAxis& axis_v,
-                  double noise_squared);
-
 struct TileSearchOptions {
   double smoothing;
   std::optional<double> budget;  // of what the shape of a cell may miss, beside noise
@@ -41,9 +30,6 @@ class TileSearch {
              const TileSearchOptions& options,
              ThreadPool& pool);
 
-  // The level, for each tile, of the least error of left-out points as generalised cross-validation
-  // has it [Craven & Wahba 1979]; the coarsest that keeps the budget, if there is one.
-  const Eigen::ArrayXXi& wanted() const { return wanted_; }
   // Whether a tile wants the finest level there is.
   bool limited() const { return limited_; }
   // Standard deviation of points about the best nets.
@@ -66,6 +52,8 @@ class TileSearch {
   const TileSearchOptions options_;
   ThreadPool& pool_;
   std::vector<TileNet> nets_;  // by level
+  // The level, for each tile, of the least error of left-out points as generalised cross-validation
+  // has it [Craven & Wahba 1979]; the coarsest that keeps the budget, if there is one.
   Eigen::ArrayXXi best_, wanted_;
   bool limited_ = false;
   double noise_ = 0, done_ = 0;

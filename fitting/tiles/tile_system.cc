@@ -16,7 +16,6 @@
 namespace batten::internal {
 namespace {
 
-constexpr double kLeastSmoothing = 1e-7;  // from which fairness determines what it can
 constexpr int kAttempts = 6;
 
 // A diagonal that rounding of the sums cannot make indefinite, as PenalisedSystem has it.
@@ -79,7 +78,7 @@ TileNet SolveNet(const FoldedPoints& points,
   const Eigen::MatrixXd& rhs = equations.rhs();
   const Eigen::MatrixXd from =
       start ? Refined(*start, basis_u, basis_v) : Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols());
-  double weight = std::max(smoothing, kLeastSmoothing);
+  double weight = std::max(smoothing, kFirmSmoothing);
   for (int attempt = 0; attempt < kAttempts; ++attempt, weight *= 10) {
     TensorBand matrix = equations.band();
     fairness.AddTo(matrix, weight * unit);
@@ -93,13 +92,8 @@ TileNet SolveNet(const FoldedPoints& points,
                      each);
     if (solved.singular || !solved.rows.allFinite()) continue;
     CellErrors errors = ErrorsOfCells(moments, basis_u, basis_v, solved.rows, pool);
-    return {basis_u,
-            basis_v,
-            std::move(solved.rows),
-            std::move(errors),
-            solved.iterations,
-            solved.residual,
-            attempt > 0};
+    return {
+        basis_u, basis_v, std::move(solved.rows), std::move(errors), solved.residual, attempt > 0};
   }
   throw std::invalid_argument(
       "the points do not determine the control points: too few carry weight, or the degree is too "

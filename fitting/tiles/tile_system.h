@@ -19,9 +19,8 @@ struct FoldedPoints {
 
 struct TileNet {
   SplineBasis basis_u, basis_v;
-  Eigen::MatrixXd rows;  // coefficients, v fastest × d
-  CellErrors errors;     // of the cells of these bases
-  int iterations = 0;
+  Eigen::MatrixXd rows;      // coefficients, v fastest × d
+  CellErrors errors;         // of the cells of these bases
   double residual = 0;       // of the normal equations, relative
   bool regularised = false;  // fairness was raised: the points do not determine the coefficients
 };

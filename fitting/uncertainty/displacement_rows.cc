@@ -146,17 +146,7 @@ SparseRow DisplacementRows::At(double u, double v) const {
         PlaceOn(knot.more, u, v).position - PlaceOn(knot.less, u, v).position;
     add(first_knot_ + static_cast<int>(k), place.normal.dot(change) / (2 * knot.step));
   }
-  std::sort(row.begin(), row.end());
-  size_t kept = 0;
-  for (size_t k = 1; k < row.size(); ++k) {
-    if (row[k].first == row[kept].first) {
-      row[kept].second += row[k].second;
-    } else {
-      row[++kept] = row[k];
-    }
-  }
-  row.resize(row.empty() ? 0 : kept + 1);
-  return row;
+  return Merged(std::move(row));
 }
 
 Eigen::SparseMatrix<double> DisplacementRows::Fairness(FairnessEnergy energy) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -11,6 +12,21 @@ namespace batten::internal {
 
 // A sparse row vector: indices, all different, with values.
 using SparseRow = std::vector<std::pair<int, double>>;
+
+// Entries by index, those of one index added.
+inline SparseRow Merged(SparseRow row) {
+  std::sort(row.begin(), row.end());
+  size_t kept = 0;
+  for (size_t k = 1; k < row.size(); ++k) {
+    if (row[k].first == row[kept].first) {
+      row[kept].second += row[k].second;
+    } else {
+      row[++kept] = row[k];
+    }
+  }
+  row.resize(row.empty() ? 0 : kept + 1);
+  return row;
+}
 
 // Of a symmetric positive definite matrix M. O(f) with f the operations of its factorization, and
 // no more memory than the factor. [Takahashi, Fagan & Chen 1973; Erisman & Tinney 1975]

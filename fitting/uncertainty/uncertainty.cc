@@ -9,6 +9,7 @@
 
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/thread_pool.h"
+#include "fitting/core/shared_constants.h"
 #include "fitting/uncertainty/normal_form.h"
 
 namespace batten {
@@ -20,13 +21,6 @@ namespace {
 constexpr double kStep = 1e-3;
 constexpr double kHold = 1e9;      // weight of a held point against the heaviest of the others
 constexpr double kJitter = 1e-12;  // of the greatest diagonal entry: unknowns without data
-constexpr Eigen::Index kBlock = 256;
-
-Eigen::VectorXd Dense(const SparseRow& row, int size) {
-  Eigen::VectorXd dense = Eigen::VectorXd::Zero(size);
-  for (const auto& [index, value] : row) dense[index] += value;
-  return dense;
-}
 
 // The places of the images of the feet of points on a mirrored surface.
 Eigen::Matrix2Xd ImagesOf(const NurbsSurface& surface,
@@ -43,19 +37,6 @@ Eigen::Matrix2Xd ImagesOf(const NurbsSurface& surface,
   for (Eigen::Index k = 0; k < images.cols(); ++k)
     places.col(k) << feet[static_cast<size_t>(k)].u, feet[static_cast<size_t>(k)].v;
   return places;
-}
-
-SparseRow Sum(SparseRow a, const SparseRow& b) {
-  for (const auto& [index, value] : b) {
-    const auto found = std::lower_bound(
-        a.begin(), a.end(), index, [](const auto& entry, int at) { return entry.first < at; });
-    if (found != a.end() && found->first == index) {
-      found->second += value;
-    } else {
-      a.insert(found, {index, value});
-    }
-  }
-  return a;
 }
 
 }  // namespace
@@ -76,7 +57,9 @@ struct Uncertainty::State {
   SparseRow RowOf(Eigen::Index k) const {
     SparseRow row = rows.At(points.parameters(0, k), points.parameters(1, k));
     if (!images) return row;
-    return Sum(std::move(row), rows.At((*images)(0, k), (*images)(1, k)));
+    const SparseRow image = rows.At((*images)(0, k), (*images)(1, k));
+    row.insert(row.end(), image.begin(), image.end());
+    return Merged(std::move(row));
   }
   // What the fit takes of the variance of Σ w r over points, of the sum of whose rows this is the
   // form: of a mirrored surface half of each row is the image's.
@@ -149,10 +132,11 @@ void Uncertainty::State::Invert(const FitEstimator& estimator) {
 
 void Uncertainty::State::EstimateNoise() {
   const Eigen::Index count = points.size();
-  std::vector<double> taken(static_cast<size_t>((count + kBlock - 1) / kBlock), 0);
-  pool.For(count, kBlock, [&](Eigen::Index begin, Eigen::Index end) {
+  std::vector<double> taken(
+      static_cast<size_t>((count + kSlowPointsPerTask - 1) / kSlowPointsPerTask), 0);
+  pool.For(count, kSlowPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index k = begin; k < end; ++k) {
-      taken[static_cast<size_t>(begin / kBlock)] += points.weights[k] * Taken(RowOf(k));
+      taken[static_cast<size_t>(begin / kSlowPointsPerTask)] += points.weights[k] * Taken(RowOf(k));
     }
   });
   double trace = 0;
@@ -214,7 +198,7 @@ std::vector<PlaceUncertainty> Uncertainty::At(const Eigen::Matrix2Xd& parameters
   const Eigen::SparseMatrix<double> map = state.rows.Map();
   const Eigen::MatrixXd moved = map * state.bias;
   const int size_v = state.rows.shape().size_v();
-  state.pool.For(parameters.cols(), kBlock, [&](Eigen::Index begin, Eigen::Index end) {
+  state.pool.For(parameters.cols(), kSlowPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index k = begin; k < end; ++k) {
       const double u = parameters(0, k), v = parameters(1, k);
       const SparseRow row = state.rows.At(u, v);
@@ -246,8 +230,8 @@ Eigen::MatrixXd Uncertainty::Covariance(const std::vector<ShapeFunctional>& func
       Eigen::MatrixXd::Zero(unknowns, static_cast<Eigen::Index>(functionals.size()));
   for (size_t k = 0; k < functionals.size(); ++k) {
     for (const DisplacementTerm& term : functionals[k])
-      columns.col(static_cast<Eigen::Index>(k)) +=
-          term.factor * Dense(state.rows.At(term.u, term.v), unknowns);
+      for (const auto& [index, value] : state.rows.At(term.u, term.v))
+        columns(index, static_cast<Eigen::Index>(k)) += term.factor * value;
   }
   const Eigen::MatrixXd solved = state.at->Solve(columns);
   return state.variance * state.inflation * solved.transpose() * (state.spread * solved);

@@ -23,10 +23,9 @@ struct TreeEdge {
 OrientedNormals OrientNormals(const Eigen::Matrix3Xd& points, const Neighbourhoods& around) {
   const Eigen::Index count = points.cols();
   OrientedNormals result{Eigen::Matrix3Xd(3, count), Eigen::VectorXd(count)};
-  const int of_plane = std::min(kOfPlane, around.k), of_graph = std::min(kOfGraph, around.k);
   for (Eigen::Index k = 0; k < count; ++k) {
-    Eigen::Matrix3Xd near(3, of_plane);
-    for (int j = 0; j < of_plane; ++j) near.col(j) = points.col(around.At(k, j)) - points.col(k);
+    Eigen::Matrix3Xd near(3, kOfPlane);
+    for (int j = 0; j < kOfPlane; ++j) near.col(j) = points.col(around.At(k, j)) - points.col(k);
     const Eigen::Vector3d mean = near.rowwise().mean();
     near.colwise() -= mean;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(near * near.transpose());
@@ -35,9 +34,9 @@ OrientedNormals OrientNormals(const Eigen::Matrix3Xd& points, const Neighbourhoo
     result.roughness[k] = squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 1;
   }
   std::vector<TreeEdge> edges;
-  edges.reserve(static_cast<size_t>(count * (of_graph - 1)));
+  edges.reserve(static_cast<size_t>(count * (kOfGraph - 1)));
   for (Eigen::Index k = 0; k < count; ++k) {
-    for (int j = 1; j < of_graph; ++j) {
+    for (int j = 1; j < kOfGraph; ++j) {
       const int other = around.At(k, j);
       if (other == k) continue;
       const double turn = 1 - std::abs(result.normals.col(k).dot(result.normals.col(other)));

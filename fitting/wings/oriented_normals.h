@@ -13,12 +13,13 @@ namespace batten::internal {
 // Neighbours that give a point's plane, and those that it is linked with; itself included.
 inline constexpr int kOfPlane = 13, kOfGraph = 9;
 
-// Neighbours of every point, itself first: count · k indices, as NeighbourIndex::Nearest.
+// Neighbours of every point, itself first: kOfPlane indices each, as NeighbourIndex::Nearest.
 struct Neighbourhoods {
   std::vector<int> nearest;
-  int k = 0;
 
-  int At(Eigen::Index point, int j) const { return nearest[static_cast<size_t>(point * k + j)]; }
+  int At(Eigen::Index point, int j) const {
+    return nearest[static_cast<size_t>(point * kOfPlane + j)];
+  }
 };
 
 struct OrientedNormals {

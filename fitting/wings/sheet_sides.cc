@@ -56,12 +56,10 @@ class Grower {
       const std::vector<Eigen::Index> asked = Askable(sides.labelled);
       if (asked.empty()) return;
       const NeighbourIndex index(places);
-      const int k = static_cast<int>(std::min<Eigen::Index>(kAsked, places.cols()));
-      const std::vector<int> near = index.Nearest(points_(Eigen::all, asked), k);
+      const std::vector<int> near = index.Nearest(points_(Eigen::all, asked), kAsked);
       std::vector<std::optional<Eigen::Vector3d>> found(asked.size());
       for (size_t i = 0; i < asked.size(); ++i)
-        found[i] = NormalOf(
-            asked[i], {near.data() + i * static_cast<size_t>(k), size_t(k)}, known, sides.normals);
+        found[i] = NormalOf(asked[i], {near.data() + i * kAsked, kAsked}, known, sides.normals);
       Eigen::Index added = 0;
       for (size_t i = 0; i < asked.size(); ++i) {
         if (!found[i]) continue;
@@ -78,15 +76,14 @@ class Grower {
     PointMask moat = PointMask::Constant(points_.cols(), false);
     const std::vector<Eigen::Index> known = IndicesOf(sides.labelled),
                                     rest = IndicesOf(!sides.labelled);
-    if (rest.empty() || known.empty()) return moat;
+    if (rest.empty()) return moat;
     const Eigen::Matrix3Xd places = points_(Eigen::all, known);
-    const int k = static_cast<int>(std::min<Eigen::Index>(kAsked, places.cols()));
-    const std::vector<int> near = NeighbourIndex(places).Nearest(points_(Eigen::all, rest), k);
+    const std::vector<int> near = NeighbourIndex(places).Nearest(points_(Eigen::all, rest), kAsked);
     for (size_t i = 0; i < rest.size(); ++i) {
-      const size_t first = i * static_cast<size_t>(k);
+      const size_t first = i * kAsked;
       const Eigen::Vector3d normal = sides.normals.col(known[static_cast<size_t>(near[first])]);
       int own = 0, other = 0;
-      for (size_t j = first; j < first + static_cast<size_t>(k); ++j) {
+      for (size_t j = first; j < first + kAsked; ++j) {
         const Eigen::Index at = known[static_cast<size_t>(near[j])];
         if ((points_.col(at) - points_.col(rest[i])).norm() > kMoatReach * h_) break;
         const double cosine = normal.dot(sides.normals.col(at));
@@ -104,7 +101,7 @@ class Grower {
     for (Eigen::Index k = 0; k < points_.cols(); ++k) {
       if (labelled[k]) continue;
       int count = 0;
-      for (int j = 1; j < around_.k; ++j) {
+      for (int j = 1; j < kOfPlane; ++j) {
         const int other = around_.At(k, j);
         if ((points_.col(other) - points_.col(k)).norm() > 2 * h_) break;
         count += labelled[other] ? 1 : 0;
@@ -186,15 +183,15 @@ std::vector<std::vector<Eigen::Index>> CoreParts(const OrientedNormals& oriented
   std::vector<bool> open(static_cast<size_t>(count), false);
   for (Eigen::Index k = 0; k < count; ++k) {
     int turned = 0;
-    for (int j = 1; j < around.k; ++j) turned += agree(k, around.At(k, j)) ? 0 : 1;
+    for (int j = 1; j < kOfPlane; ++j) turned += agree(k, around.At(k, j)) ? 0 : 1;
     open[static_cast<size_t>(k)] =
-        oriented.roughness[k] < kFlatEnough && turned < kMostTurned * (around.k - 1);
+        oriented.roughness[k] < kFlatEnough && turned < kMostTurned * (kOfPlane - 1);
   }
   // Links both ways, so that parts do not depend on the order.
   std::vector<std::vector<int>> links(static_cast<size_t>(count));
   for (Eigen::Index k = 0; k < count; ++k) {
     if (!open[static_cast<size_t>(k)]) continue;
-    for (int j = 1; j < std::min(kOfGraph, around.k); ++j) {
+    for (int j = 1; j < kOfGraph; ++j) {
       const int other = around.At(k, j);
       if (!open[static_cast<size_t>(other)] || !agree(k, other)) continue;
       links[static_cast<size_t>(k)].push_back(other);
@@ -245,7 +242,7 @@ SheetSides TellSidesApart(const Eigen::Matrix3Xd& points,
     sides.failure_reason = "too few points to tell the sides of a thin section apart";
     return sides;
   }
-  const Neighbourhoods around{index.Nearest(points, kOfPlane), kOfPlane};
+  const Neighbourhoods around{index.Nearest(points, kOfPlane)};
   std::vector<double> distances(static_cast<size_t>(count));
   for (Eigen::Index k = 0; k < count; ++k)
     distances[static_cast<size_t>(k)] =
@@ -268,8 +265,8 @@ SheetSides TellSidesApart(const Eigen::Matrix3Xd& points,
     for (const Eigen::Index k : parts[p]) core[k] = true;
   for (Eigen::Index k = 0; k < count; ++k) {
     int inside = 0;
-    for (int j = 1; j < around.k; ++j) inside += core[around.At(k, j)] ? 1 : 0;
-    sides.labelled[k] = core[k] && inside > kInsideCore * (around.k - 1);
+    for (int j = 1; j < kOfPlane; ++j) inside += core[around.At(k, j)] ? 1 : 0;
+    sides.labelled[k] = core[k] && inside > kInsideCore * (kOfPlane - 1);
   }
   const double share = static_cast<double>(sides.labelled.count()) / static_cast<double>(count);
   if (share < kLeastCore) {

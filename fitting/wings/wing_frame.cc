@@ -40,14 +40,11 @@ Eigen::Matrix3Xd OutwardOf(const Eigen::Matrix3Xd& points,
   constexpr int kAround = 60;
   const std::vector<Eigen::Index> known = IndicesOf(sides.labelled);
   const Eigen::Matrix3Xd places = points(Eigen::all, known);
-  const auto each = static_cast<size_t>(std::min<Eigen::Index>(kAround, places.cols()));
-  const std::vector<int> near =
-      NeighbourIndex(places).Nearest(points(Eigen::all, some), static_cast<int>(each));
+  const std::vector<int> near = NeighbourIndex(places).Nearest(points(Eigen::all, some), kAround);
   Eigen::Matrix3Xd outward(3, some.size());
   for (size_t i = 0; i < some.size(); ++i) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (size_t j = 0; j < each; ++j)
-      mean += places.col(near[i * each + j]) / static_cast<double>(each);
+    for (size_t j = 0; j < kAround; ++j) mean += places.col(near[i * kAround + j]) / kAround;
     outward.col(static_cast<Eigen::Index>(i)) = points.col(some[i]) - mean;
   }
   return outward;

@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/nurbs/homogeneous.h"
 #include "geometry/bezier/limit_series.h"
 
 namespace batten {
 using namespace internal;
 namespace {
-
-template <typename Points>
-double BoxSize(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
 
 constexpr int kMostLines = 200;
 
@@ -114,12 +110,12 @@ int SeamOrder(const NurbsCurve<Dim>& curve, double tolerance) {
 template <int Dim>
 bool Closed(const NurbsCurve<Dim>& curve, double tolerance) {
   const double gap = (curve.At(curve.basis().lower()) - curve.At(curve.basis().upper())).norm();
-  return gap <= tolerance * BoxSize(curve.control_points());
+  return gap <= tolerance * BoxDiagonal(curve.control_points());
 }
 
 bool Closed(const NurbsSurface& surface, Direction direction, double tolerance) {
   const SplineBasis& basis = BasisOf(surface, direction);
-  const double allowed = tolerance * BoxSize(surface.control_points());
+  const double allowed = tolerance * BoxDiagonal(surface.control_points());
   const auto at = [&](double along, double across) {
     return direction == Direction::kU ? surface.At(along, across) : surface.At(across, along);
   };
@@ -178,9 +174,9 @@ std::optional<int> SeamContinuity(const NurbsSurface& surface,
 }
 
 CollapsedEdgeSet CollapsedEdges(const NurbsSurface& surface, double tolerance) {
-  const double allowed = tolerance * BoxSize(surface.control_points());
+  const double allowed = tolerance * BoxDiagonal(surface.control_points());
   const auto collapsed = [&](Direction along, double at) {
-    return BoxSize(LineAt(surface, along, at).control_points()) <= allowed;
+    return BoxDiagonal(LineAt(surface, along, at).control_points()) <= allowed;
   };
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
   return {collapsed(Direction::kV, u.lower()),

@@ -8,16 +8,12 @@
 #include "batten/geometry/closure.h"
 #include "batten/geometry/join.h"
 #include "batten/geometry/split.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/constants.h"
 #include "geometry/numeric/construction_checks.h"
 
 namespace batten::internal {
 namespace {
-
-double SizeOf(const NurbsCurve<3>& curve) {
-  const Eigen::Matrix3Xd& points = curve.control_points();
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
 
 double EndGap(const NurbsCurve<3>& curve) {
   return (curve.At(curve.basis().upper()) - curve.At(curve.basis().lower())).norm();
@@ -26,7 +22,8 @@ double EndGap(const NurbsCurve<3>& curve) {
 }  // namespace
 
 bool IsPoint(const NurbsCurve<3>& curve) {
-  return SizeOf(curve) <= 8 * kEpsilon * curve.control_points().cwiseAbs().maxCoeff();
+  return BoxDiagonal(curve.control_points()) <=
+         8 * kEpsilon * curve.control_points().cwiseAbs().maxCoeff();
 }
 
 bool LieAlong(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& direction) {
@@ -66,7 +63,7 @@ void RequireSameClosedness(const std::vector<NurbsCurve<3>>& curves,
 
 NurbsCurve<3> BegunAt(const NurbsCurve<3>& closed, double at) {
   const Eigen::VectorXd& weights = closed.weights();
-  const double tolerance = kCloses * SizeOf(closed);
+  const double tolerance = kCloses * BoxDiagonal(closed.control_points());
   if (closed.basis().periodic() || weights[0] == weights[weights.size() - 1]) {
     const NurbsCurve<3> periodic = Periodic(closed, tolerance);
     return Segment(periodic, at, at + (periodic.basis().upper() - periodic.basis().lower()));

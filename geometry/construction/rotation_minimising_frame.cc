@@ -12,6 +12,7 @@
 #include "batten/geometry/knot_vectors.h"
 #include "geometry/numeric/constants.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -22,10 +23,6 @@ std::string PlaceText(double at, const Eigen::Vector3d& point) {
 }
 
 Eigen::Vector3d AnyNormal(const Eigen::Vector3d& tangent) { return Frame({0, 0, 0}, tangent).x(); }
-
-double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& w) {
   Eigen::Matrix3d matrix;

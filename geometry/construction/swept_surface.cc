@@ -11,6 +11,7 @@
 #include "geometry/construction/curve_closure.h"
 #include "geometry/construction/one_sided_curve.h"
 #include "geometry/construction/rotation_minimising_frame.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
 
 namespace batten {
@@ -108,10 +109,6 @@ void RefuseFlat(const NurbsCurve<3>& profile, const Eigen::Vector3d& tangent) {
               "surface would lie on itself; turn the profile across the trajectory");
 }
 
-double Size(const Eigen::Matrix3Xd& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 // The turn that makes a closed trajectory close the surface.
 double ClosingTurn(const NurbsCurve<3>& trajectory,
                    const RotationMinimisingFrame& frame,
@@ -159,7 +156,7 @@ SweptSurface Sweep(const NurbsCurve<3>& profile,
   RefuseFlat(profile, trajectory.JetAt(trajectory.basis().lower()).first.stableNormalized());
   const CarriedProfile carried = ProfileFrom(profile, start);
   // What of the tolerance the frame may take, as an angle at the far end of the profile.
-  const double radius = std::max(carried.radius, Size(profile.control_points()));
+  const double radius = std::max(carried.radius, BoxDiagonal(profile.control_points()));
   const double accuracy = std::clamp(options.tolerance / (50 * radius), 1e-12, 1e-6);
   RefuseKinks(trajectory, std::max(accuracy, 1e-9), "Sweep");
   RotationMinimisingFrame frame(trajectory, accuracy, "Sweep");

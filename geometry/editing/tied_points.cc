@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/geometry/closure.h"
+#include "geometry/numeric/box_diagonal.h"
 
 namespace batten::internal {
 namespace {
@@ -16,11 +17,6 @@ bool Coincide(const Points& a, const Points& b, double size) {
   return ((a - b).colwise().norm().array() <= kCloses * size).all();
 }
 
-template <typename Points>
-double SizeOf(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 }  // namespace
 
 template <int Dim>
@@ -29,7 +25,7 @@ TiedPoints::TiedPoints(const NurbsCurve<Dim>& curve)
   std::iota(first_.begin(), first_.end(), 0);
   const auto& points = curve.control_points();
   closed_u_ = curve.basis().clamped() && !curve.basis().periodic() &&
-              Coincide(points.leftCols(1), points.rightCols(1), SizeOf(points));
+              Coincide(points.leftCols(1), points.rightCols(1), BoxDiagonal(points));
   if (closed_u_) Tie(0, points.cols() - 1);
 }
 
@@ -39,7 +35,7 @@ TiedPoints::TiedPoints(const NurbsSurface& surface, Of what)
   const SplineBasis &u = surface.basis_u(), &v = surface.basis_v();
   const Eigen::Index rows = DistinctPoints(u), columns = DistinctPoints(v),
                      last_u = surface.size_u() - 1, last_v = surface.size_v() - 1;
-  const double size = SizeOf(surface.control_points());
+  const double size = BoxDiagonal(surface.control_points());
   const auto row = [&](Eigen::Index i) {
     return surface.control_points().middleCols(i * surface.size_v(), surface.size_v());
   };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "geometry/bezier/spline_pieces.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
@@ -17,13 +18,6 @@ constexpr int kInVain = 2, kMostInVain = 8;
 constexpr double kClose = 2e-11;  // of the size: what deviates more is looked at by itself
 constexpr int kMostHalvings = 40;
 constexpr double kLeastPart = 1e-13;  // of an arc
-
-std::vector<double> BreaksOf(const SplineBasis& basis) {
-  std::vector<double> breaks;
-  for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
-  breaks.push_back(basis.upper());
-  return breaks;
-}
 
 // The span of a parameter, counted along the breaks.
 int SpanAt(const std::vector<double>& breaks, double u) {
@@ -77,7 +71,7 @@ class LoopCurves::Builder {
       : result_(result),
         size_(size),
         pieces_(surface),
-        breaks_{BreaksOf(surface.basis_u()), BreaksOf(surface.basis_v())} {}
+        breaks_{BreaksIn(surface.basis_u()), BreaksIn(surface.basis_v())} {}
 
   void AddArc(int index) {
     const MonotoneArc& arc = result_.arcs_[index];

@@ -7,6 +7,7 @@
 #include "geometry/forms/power_basis.h"
 #include "geometry/forms/power_checks.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten {
 using namespace internal;
@@ -28,12 +29,6 @@ Eigen::Matrix4Xd Changed(const Eigen::Matrix4Xd& cell,
     }
   }
   return whole;
-}
-
-std::vector<double> BreaksOf(const SplineBasis& basis) {
-  std::vector<double> breaks{basis.lower()};
-  for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span + 1]);
-  return breaks;
 }
 
 double LossOf(const PowerSurface& power, const NurbsSurface& surface) {
@@ -87,8 +82,8 @@ PowerSurface ToPower(const NurbsSurface& surface, double tolerance) {
   PowerSurface power;
   power.degree_u = surface.basis_u().degree();
   power.degree_v = surface.basis_v().degree();
-  power.breaks_u = BreaksOf(surface.basis_u());
-  power.breaks_v = BreaksOf(surface.basis_v());
+  power.breaks_u = BreaksIn(surface.basis_u());
+  power.breaks_v = BreaksIn(surface.basis_v());
   power.rational = surface.rational();
   const SurfacePieces pieces(surface);
   const Eigen::Index count = Eigen::Index{power.degree_u + 1} * (power.degree_v + 1);

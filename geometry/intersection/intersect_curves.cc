@@ -7,17 +7,12 @@
 #include "batten/geometry/foot_point.h"
 #include "batten/geometry/make_curve.h"
 #include "geometry/intersection/arc_meets.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
 
 namespace batten {
 using namespace internal;
 namespace {
-
-template <typename Geometry>
-double DiagonalOf(const Geometry& geometry) {
-  const auto& points = geometry.control_points();
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
 
 template <int Dim>
 Eigen::Vector3d MiddleOf(const NurbsCurve<Dim>& curve) {
@@ -148,7 +143,8 @@ CurveIntersection<Dim> Meet(const char* function,
                             const NurbsCurve<Dim>& second,
                             double tolerance) {
   const double working = WorkingTolerance(function, first, second, tolerance);
-  const double size = std::min(DiagonalOf(first), DiagonalOf(second));
+  const double size =
+      std::min(BoxDiagonal(first.control_points()), BoxDiagonal(second.control_points()));
   const Eigen::Vector3d origin = MiddleOf(first);
   ArcTree arcs(first, origin);
   CurveTarget<Dim> target(second, origin);
@@ -194,7 +190,7 @@ CurveIntersection<Dim> IntersectLine(const NurbsCurve<Dim>& curve,
   const Eigen::Matrix<double, Dim, 1> unit = direction / length;
   // The stretch of the line beside the control points.
   const Eigen::RowVectorXd along = unit.transpose() * (curve.control_points().colwise() - through);
-  const double margin = DiagonalOf(curve) / 2 + tolerance;
+  const double margin = BoxDiagonal(curve.control_points()) / 2 + tolerance;
   const double from = along.minCoeff() - margin, to = along.maxCoeff() + margin;
   const NurbsCurve<Dim> line = MakeLine<Dim>(through + from * unit, through + to * unit);
   CurveIntersection<Dim> met = Meet(kFunction, curve, line, tolerance);
@@ -310,7 +306,8 @@ CurveSurfaceIntersection IntersectCurveSurface(const NurbsCurve<3>& curve,
                                                double tolerance) {
   constexpr const char* kFunction = "IntersectCurveSurface";
   const double working = WorkingTolerance(kFunction, curve, surface, tolerance);
-  const double size = std::min(DiagonalOf(curve), DiagonalOf(surface));
+  const double size =
+      std::min(BoxDiagonal(curve.control_points()), BoxDiagonal(surface.control_points()));
   const Eigen::Vector3d origin = MiddleOf(curve);
   ArcTree arcs(curve, origin);
   SurfaceTarget target(surface, origin);

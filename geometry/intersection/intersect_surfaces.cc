@@ -11,6 +11,7 @@
 #include "geometry/intersection/contact_clusters.h"
 #include "geometry/intersection/pair_search.h"
 #include "geometry/intersection/shared_edges.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
@@ -22,11 +23,6 @@ namespace {
 // Touches reach 8 √(tolerance · size): a surface that is no larger has nothing else.
 constexpr double kTolerancesInSize = 64;
 
-double SizeOfNet(const NurbsSurface& surface) {
-  const auto& points = surface.control_points();
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 NurbsSurface WithoutTrims(const NurbsSurface& surface) { return surface.WithTrims({}); }
 
 double WorkingTolerance(const NurbsSurface& first,
@@ -34,7 +30,7 @@ double WorkingTolerance(const NurbsSurface& first,
                         const IntersectOptions& options) {
   if (options.tolerance) RequirePositive("IntersectSurfaces", "tolerance", *options.tolerance);
   constexpr double kOfTheSize = 1e-6, kLeastOfTheSize = 1e-12, kUnits = 64, kUnit = 0x1p-52;
-  const double a = SizeOfNet(first), b = SizeOfNet(second);
+  const double a = BoxDiagonal(first.control_points()), b = BoxDiagonal(second.control_points());
   if (options.tolerance && *options.tolerance * kTolerancesInSize >= std::min(a, b) &&
       std::min(a, b) > 0) {
     Reject("IntersectSurfaces",

@@ -6,16 +6,11 @@
 #include <utility>
 
 #include "geometry/intersection/normal_net.h"
+#include "geometry/numeric/box_diagonal.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
-
-std::vector<double> BreaksIn(const SplineBasis& basis) {
-  std::vector<double> breaks;
-  for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
-  breaks.push_back(basis.upper());
-  return breaks;
-}
 
 // For each span the break below and above it at which the shape may have a crease.
 std::vector<std::pair<double, double>> SmoothStretches(const SplineBasis& basis) {
@@ -118,7 +113,7 @@ PatchTree::PatchTree(const NurbsSurface& surface, const Eigen::Vector3d& origin)
       p_(surface.basis_u().degree()),
       q_(surface.basis_v().degree()) {
   const auto& points = surface.control_points();
-  size_ = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  size_ = BoxDiagonal(points);
   const SurfacePieces pieces(surface);
   const auto smooth_u = SmoothStretches(surface.basis_u());
   const auto smooth_v = SmoothStretches(surface.basis_v());

@@ -12,6 +12,7 @@
 #include "batten/geometry/project_curve.h"
 #include "batten/geometry/split.h"
 #include "geometry/intersection/net_cone.h"
+#include "geometry/numeric/box_diagonal.h"
 
 namespace batten::internal {
 namespace {
@@ -38,11 +39,6 @@ std::vector<DomainEdge> EdgesOf(const NurbsSurface& surface) {
           {edges[1], {u.upper(), v.lower()}, {u.upper(), v.upper()}},
           {edges[2], {u.lower(), v.lower()}, {u.upper(), v.lower()}},
           {edges[3], {u.lower(), v.upper()}, {u.upper(), v.upper()}}};
-}
-
-double SizeOfEdge(const NurbsCurve<3>& edge) {
-  const auto& points = edge.control_points();
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
 bool Holds(const ParameterBox& box, const Eigen::Vector2d& at) {
@@ -79,7 +75,7 @@ class EdgeMeets {
       : surface_(surface), other_(other), feet_(other), first_(first), met_(met) {}
 
   void Add(const DomainEdge& edge) {
-    if (SizeOfEdge(edge.curve) <= met_.tolerance) return;
+    if (BoxDiagonal(edge.curve.control_points()) <= met_.tolerance) return;
     for (const CurveSurfaceOverlap& one :
          IntersectCurveSurface(edge.curve, other_, met_.tolerance).overlaps) {
       AddStretch(edge, one.on_curve);
@@ -132,7 +128,7 @@ class EdgeMeets {
 
   void GiveWay(const NurbsCurve<3>& curve, BranchKind kind) {
     const CurveFootPoints<3> feet(curve);
-    const double size = SizeOfEdge(curve), near = kAlongside * met_.tolerance;
+    const double size = BoxDiagonal(curve.control_points()), near = kAlongside * met_.tolerance;
     std::erase_if(met_.branches, [&](const SurfaceBranch& branch) {
       const std::vector<double> places = PlacesAlong(branch.curve);
       return std::all_of(places.begin(), places.end(), [&](double t) {

@@ -13,6 +13,7 @@
 #include "batten/geometry/reverse.h"
 #include "geometry/editing/compatible_surfaces.h"
 #include "geometry/joining/end_jet.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/nurbs/homogeneous.h"
 
@@ -166,17 +167,18 @@ EdgePair NearestEdges(const NurbsSurface& first,
                       const std::optional<SurfaceEdge>& second_edge) {
   constexpr SurfaceEdge kEdges[] = {
       {Direction::kU, false}, {Direction::kU, true}, {Direction::kV, false}, {Direction::kV, true}};
-  const double size_1 = SizeOf(first.control_points()), size_2 = SizeOf(second.control_points());
+  const double size_1 = BoxDiagonal(first.control_points()),
+               size_2 = BoxDiagonal(second.control_points());
   EdgePair best;
   double open_by = 0;  // beside a closed edge
   for (const SurfaceEdge& a : kEdges) {
     if (first_edge && !(a == *first_edge)) continue;
     const Eigen::Matrix3Xd of_a = EdgePlaces(first, a);
-    if (SizeOf(of_a) <= kCloses * size_1) continue;
+    if (BoxDiagonal(of_a) <= kCloses * size_1) continue;
     for (const SurfaceEdge& b : kEdges) {
       if (second_edge && !(b == *second_edge)) continue;
       const Eigen::Matrix3Xd of_b = EdgePlaces(second, b);
-      if (SizeOf(of_b) <= kCloses * size_2) continue;
+      if (BoxDiagonal(of_b) <= kCloses * size_2) continue;
       const double open_a = OpenBy(first, a), open_b = OpenBy(second, b);
       if ((open_a > 0) != (open_b > 0)) {
         open_by = std::max(open_a, open_b);

@@ -6,6 +6,7 @@
 
 #include "batten/geometry/closure.h"
 #include "geometry/joining/end_jet.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
 #include "geometry/nurbs/homogeneous.h"
 
@@ -90,8 +91,8 @@ NurbsSurface Continued(const NurbsSurface& surface,
   for (Eigen::Index k = 0; k < std::ssize(rows); ++k)
     columns.middleCols(k * along, along) = rows[k];
   const Eigen::MatrixXd places = Places(columns, kContinuation, kRemedy);
-  const double size = SizeOf(places.leftCols(along));
-  RequireThat(size > kCloses * SizeOf(surface.control_points()),
+  const double size = BoxDiagonal(places.leftCols(along));
+  RequireThat(size > kCloses * BoxDiagonal(surface.control_points()),
               kContinuation,
               "the edge is a single point: there is no strip beyond it");
   Eigen::VectorXd weights = columns.row(3).transpose();

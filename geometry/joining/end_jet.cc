@@ -58,10 +58,6 @@ Eigen::MatrixXd Places(const Eigen::MatrixXd& columns,
   return places;
 }
 
-double SizeOf(const Eigen::MatrixXd& places) {
-  return (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).norm();
-}
-
 template EndJet EndJetOf(const NurbsCurve<2>&, bool);
 template EndJet EndJetOf(const NurbsCurve<3>&, bool);
 

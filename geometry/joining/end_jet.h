@@ -28,6 +28,4 @@ Eigen::MatrixXd Places(const Eigen::MatrixXd& columns,
                        const char* function,
                        const std::string& what);
 
-double SizeOf(const Eigen::MatrixXd& places);  // the diagonal of their box
-
 }  // namespace batten::internal

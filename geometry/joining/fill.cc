@@ -3,13 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "geometry/joining/hole_net.h"
 #include "geometry/joining/hole_sides.h"
 #include "geometry/joining/hole_system.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten {
 using namespace internal;
@@ -40,10 +40,6 @@ void CheckFill(const std::vector<FillSide>& sides, const FillOptions& options) {
   }
 }
 
-double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 // The direction into the patch across its edge, perpendicular to it.
 Eigen::Vector3d Inwards(const Eigen::Vector3d& tangent, const Eigen::Vector3d& across) {
   return (across - across.dot(tangent) / tangent.squaredNorm() * tangent).normalized();
@@ -59,7 +55,8 @@ void MeasureSide(const HoleSide& side,
   fill.position_gap = std::max(fill.position_gap, (jet.point - side.At(s)).norm());
   const auto plane = side.PlaneAt(s);
   if (!plane || !(along.norm() > 0)) return;
-  fill.outer_angle = std::max(fill.outer_angle, Angle(plane->outwards, Inwards(along, across)));
+  fill.outer_angle =
+      std::max(fill.outer_angle, AngleBetween(plane->outwards, Inwards(along, across)));
 }
 
 FillQuality QualityOf(const std::vector<NurbsSurface>& patches,
@@ -73,8 +70,8 @@ FillQuality QualityOf(const std::vector<NurbsSurface>& patches,
     for (int i = 0; i <= places; ++i) {
       const double t = static_cast<double>(i) / places;
       const SurfaceJet inner = patch.JetAt(t, 0), other = next.JetAt(0, t);
-      quality.inner_angle =
-          std::max(quality.inner_angle, Angle(inner.du.cross(inner.dv), other.du.cross(other.dv)));
+      quality.inner_angle = std::max(
+          quality.inner_angle, AngleBetween(inner.du.cross(inner.dv), other.du.cross(other.dv)));
       const SurfaceJet first = patch.JetAt(1, t), second = next.JetAt(t, 1);
       MeasureSide(sides[k], (1 - t) / 2, first, first.dv, -first.du, quality);
       MeasureSide(sides[k], (1 + t) / 2, second, second.du, -second.dv, quality);

@@ -9,11 +9,13 @@
 #include <string>
 
 #include "geometry/numeric/adaptive_sum.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/gauss_rule.h"
 #include "geometry/nurbs/rational_derivatives.h"
 #include "geometry/bezier/spline_pieces.h"
 #include "geometry/numeric/constants.h"
 #include "geometry/numeric/reject.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten {
 using namespace internal;
@@ -143,12 +145,6 @@ void Refine(const std::vector<Eigen::Matrix4Xd>& pieces, double size, std::vecto
   });
 }
 
-template <int Dim>
-double BoxSize(const NurbsCurve<Dim>& curve) {
-  const auto& points = curve.control_points();
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 double Sum(const std::vector<Cell>& cells) {
   CarriedSum sum;
   for (const Cell& cell : cells) sum.Add(cell.integral.value);
@@ -175,7 +171,7 @@ double Within(const NurbsCurve<Dim>& curve, double a, double b) {
     const double t1 = b >= high ? 1 : (b - low) / (high - low);
     cells.push_back(Measured(pieces, static_cast<int>(pieces.size()) - 1, t0, t1));
   }
-  Refine(pieces, BoxSize(curve), cells);
+  Refine(pieces, BoxDiagonal(curve.control_points()), cells);
   return Sum(cells);
 }
 
@@ -213,14 +209,12 @@ double ParameterAtLength(const NurbsCurve<Dim>& curve, double s) {
 
 template <int Dim>
 ArcLengthMap::ArcLengthMap(const NurbsCurve<Dim>& curve)
-    : basis_(curve.basis()), pieces_(PointsOfPieces(curve)) {
-  for (const int span : basis_.Spans()) breaks_.push_back(basis_.knots()[span]);
-  breaks_.push_back(basis_.upper());
+    : basis_(curve.basis()), pieces_(PointsOfPieces(curve)), breaks_(BreaksIn(basis_)) {
   std::vector<Cell> cells;
   for (int k = 0; k < static_cast<int>(pieces_.size()); ++k) {
     cells.push_back(Measured(pieces_, k, 0, 1));
   }
-  Refine(pieces_, BoxSize(curve), cells);
+  Refine(pieces_, BoxDiagonal(curve.control_points()), cells);
   CarriedSum sum;
   for (const Cell& cell : cells) {
     stretches_.push_back({cell.piece, cell.t0, cell.t1, sum.value(), cell.integral.value});

@@ -8,6 +8,7 @@
 
 #include "geometry/bezier/spline_pieces.h"
 #include "geometry/measure/trimmed_box.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/constants.h"
 
 namespace batten {
@@ -132,11 +133,6 @@ Eigen::AlignedBox3d BoxOf(const std::vector<Net>& nets,
   return box;
 }
 
-template <typename Points>
-double BoxSize(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 }  // namespace
 
 template <int Dim>
@@ -150,7 +146,7 @@ Eigen::AlignedBox<double, Dim> BoundingBox(const NurbsCurve<Dim>& curve) {
     for (int d = 0; d < Dim; ++d) net.numerators.push_back(piece.points.row(d).transpose());
     net.weight = piece.points.row(3).transpose();
   }
-  const Eigen::AlignedBox3d box = BoxOf(nets, centre, BoxSize(curve.control_points()), Dim);
+  const Eigen::AlignedBox3d box = BoxOf(nets, centre, BoxDiagonal(curve.control_points()), Dim);
   return {box.min().template head<Dim>(), box.max().template head<Dim>()};
 }
 
@@ -175,7 +171,7 @@ Eigen::AlignedBox3d BoundingBox(const NurbsSurface& surface) {
       }
     }
   }
-  return BoxOf(nets, centre, BoxSize(surface.control_points()), 3);
+  return BoxOf(nets, centre, BoxDiagonal(surface.control_points()), 3);
 }
 
 }  // namespace batten

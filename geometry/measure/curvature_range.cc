@@ -12,7 +12,9 @@
 #include "batten/geometry/curvature.h"
 #include "geometry/bezier/spline_pieces.h"
 #include "batten/geometry/trim_region.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten {
 using namespace internal;
@@ -20,11 +22,6 @@ namespace {
 
 constexpr double kUnbounded = 1e7;  // times one over the size
 constexpr double kFinest = 1e-8;    // of a span
-
-template <typename Points>
-double PieceBoxSize(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
 
 // Beyond the bound a curvature is infinite.
 double Limited(double curvature, double size) {
@@ -183,7 +180,7 @@ class BestSamples {
 class PlacesOnLoops {
  public:
   explicit PlacesOnLoops(const NurbsSurface& surface)
-      : in_u_(Breaks(surface.basis_u())), in_v_(Breaks(surface.basis_v())) {
+      : in_u_(BreaksIn(surface.basis_u())), in_v_(BreaksIn(surface.basis_v())) {
     constexpr double kTolerance = 1e-3;  // of the domain
     const double side = std::min(in_u_.back() - in_u_[0], in_v_.back() - in_v_[0]);
     places_.resize((in_u_.size() - 1) * (in_v_.size() - 1));
@@ -198,13 +195,6 @@ class PlacesOnLoops {
   }
 
  private:
-  static std::vector<double> Breaks(const SplineBasis& basis) {
-    std::vector<double> breaks;
-    for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
-    breaks.push_back(basis.upper());
-    return breaks;
-  }
-
   static int IndexOf(const std::vector<double>& breaks, double u) {
     const auto beyond = std::upper_bound(breaks.begin(), breaks.end(), u) - breaks.begin();
     return std::clamp(static_cast<int>(beyond) - 1, 0, static_cast<int>(breaks.size()) - 2);
@@ -225,7 +215,7 @@ class PlacesOnLoops {
 
 template <int Dim>
 std::optional<CurvatureInterval> CurvatureRange(const NurbsCurve<Dim>& curve) {
-  const double size = PieceBoxSize(curve.control_points());
+  const double size = BoxDiagonal(curve.control_points());
   double low = -kInfinity, high = -kInfinity;
   for (const CurvePiece& piece : PiecesOf(curve)) {
     low = std::max(low, GreatestOn(piece, -1));
@@ -241,7 +231,7 @@ template std::optional<CurvatureInterval> CurvatureRange(const NurbsCurve<3>&);
 std::optional<CurvatureInterval> CurvatureRange(const NurbsSurface& surface) {
   constexpr double kMostSamples = 400000;
   const SurfacePieces pieces(surface);
-  const double size = PieceBoxSize(surface.control_points());
+  const double size = BoxDiagonal(surface.control_points());
   const double cells = static_cast<double>(pieces.count_u()) * pieces.count_v();
   const int wanted = 2 * std::max(surface.basis_u().degree(), surface.basis_v().degree()) + 2;
   const int side = std::clamp(static_cast<int>(std::sqrt(kMostSamples / cells)) - 1, 2, wanted);

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/joins.h"
 
-#include <Eigen/Geometry>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "batten/geometry/curvature.h"
 #include "geometry/bezier/curve_frame.h"
 #include "geometry/measure/join_tolerances.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten {
 using namespace internal;
@@ -54,8 +53,7 @@ CurveJoin Measured(const CurveEnd& first, const CurveEnd& second, const JoinScal
   join.at = {first.at, second.at};
   join.position_gap = (first.point - second.point).norm();
   if (first.tangent && second.tangent) {
-    join.angle_gap = std::atan2(first.tangent->cross(*second.tangent).norm(),
-                                first.tangent->dot(*second.tangent));
+    join.angle_gap = AngleBetween(*first.tangent, *second.tangent);
   }
   double curvature = 0;
   if (first.curvature && second.curvature) {

@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "batten/geometry/foot_point.h"
-#include "geometry/nurbs/homogeneous.h"
 #include "batten/geometry/iso_curve.h"
-#include "geometry/measure/join_tolerances.h"
 #include "batten/geometry/joins.h"
+#include "geometry/measure/join_tolerances.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/numeric/polygon.h"
+#include "geometry/nurbs/homogeneous.h"
 
 namespace batten {
 using namespace internal;
@@ -231,8 +232,7 @@ class Measurement {
     const Side b = SideOf(second_, join_.edges[1], match.second, false, join_.reversed ? -1 : 1);
     if (!(match.gap <= widest_.gap)) widest_ = match;
     if (a.direction && b.direction) {
-      const double angle =
-          std::atan2(a.direction->cross(*b.direction).norm(), a.direction->dot(*b.direction));
+      const double angle = AngleBetween(*a.direction, *b.direction);
       if (!join_.angle_gap || angle > *join_.angle_gap) {
         join_.angle_gap = angle;
         most_bent_ = match;

@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/mesh/loop_parameters.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "geometry/numeric/polygon.h"
+
 namespace batten::internal {
 namespace {
-
-// The distance of a point from a straight piece.
-double Distance(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d along = b - a;
-  const double square = along.squaredNorm();
-  const double share = square > 0 ? std::clamp((point - a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (point - a - share * along).norm();
-}
 
 // How long a way is across the line from a to b.
 double Across(const Eigen::Vector3d& way, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -67,7 +60,8 @@ class LoopHalving {
       const Eigen::Vector2d on_line = a + share * (b - a);
       const Eigen::Vector3d curve = surface_.At(on_loop[0], on_loop[1]);
       const Eigen::Vector3d line = surface_.At(on_line[0], on_line[1]);
-      if (Distance(curve, first, last) > tolerance_ || Distance(line, first, last) > tolerance_ ||
+      if (DistanceFromSegment(curve, first, last) > tolerance_ ||
+          DistanceFromSegment(line, first, last) > tolerance_ ||
           Across(curve - line, first, last) > beside_) {
         return false;
       }

@@ -16,6 +16,7 @@
 #include "geometry/bezier/spline_pieces.h"
 #include "geometry/intersection/net_cone.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten {
 using namespace internal;
@@ -197,13 +198,6 @@ class OffsetFitter {
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   bool corner_ = true;
 };
-
-template <int Dim>
-NurbsCurve<3> InSpace(const NurbsCurve<Dim>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.control_points().cols());
-  points.topRows<Dim>() = curve.control_points();
-  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
-}
 
 template <int Dim>
 NurbsCurve<Dim> BackFrom(const NurbsCurve<3>& curve) {

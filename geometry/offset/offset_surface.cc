@@ -15,6 +15,7 @@
 #include "batten/geometry/clamp.h"
 #include "batten/geometry/curvature.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/numeric/polygon.h"
 #include "geometry/offset/exact_offset.h"
 #include "geometry/offset/self_crossings.h"
 
@@ -91,7 +92,7 @@ class OffsetMaker {
           const auto a = along_u ? surface_.NormalAt(low, other) : surface_.NormalAt(other, low);
           const auto b = along_u ? surface_.NormalAt(knot, other) : surface_.NormalAt(other, knot);
           if (!a || !b) continue;
-          const double angle = std::atan2(a->cross(*b).norm(), a->dot(*b));
+          const double angle = AngleBetween(*a, *b);
           RequireThat(angle <= kCrease,
                       kOffsetSurface,
                       "the surface has a crease of " + RoundedText(angle) + " rad at the knot " +

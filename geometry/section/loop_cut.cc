@@ -11,11 +11,12 @@
 #include <utility>
 
 #include "batten/geometry/join.h"
-#include "geometry/section/plane_curve_crossings.h"
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "batten/geometry/split.h"
 #include "batten/geometry/trim_loops.h"
+#include "geometry/numeric/polygon.h"
+#include "geometry/section/plane_curve_crossings.h"
 
 namespace batten::internal {
 namespace {
@@ -39,12 +40,6 @@ struct Cycle {
 };
 
 double AngleOf(const Eigen::Vector2d& d) { return std::atan2(d[1], d[0]); }
-
-double ControlLength(const NurbsCurve<2>& curve) {
-  const auto& P = curve.control_points();
-  const Eigen::Index n = P.cols() - 1;
-  return (P.rightCols(n) - P.leftCols(n)).colwise().norm().sum();
-}
 
 class Cutter {
  public:
@@ -148,7 +143,7 @@ class Cutter {
   }
 
   void AddPiece(const NurbsCurve<2>& curve, int from, int to, bool cutting) {
-    const NurbsCurve<2> even = Reparameterized(curve, 0, ControlLength(curve));
+    const NurbsCurve<2> even = Reparameterized(curve, 0, PolygonLength(curve.control_points()));
     if (!cutting) {
       AddEdge(even, from, to, Kind::kLoop);
     } else if (Inside(even)) {
@@ -270,7 +265,7 @@ class Cutter {
   // Whether the loop goes round the place, by its polygon.
   bool Winds(const NurbsCurve<2>& loop, const Eigen::Vector2d& at) const {
     constexpr double kOfTheLoop = 1e-6;
-    const Polygon polygon = LoopPolyline(loop, kOfTheLoop * ControlLength(loop));
+    const Polygon polygon = LoopPolyline(loop, kOfTheLoop * PolygonLength(loop.control_points()));
     bool winds = false;
     const Eigen::Index n = polygon.points.cols();
     for (Eigen::Index k = 0; k < n; ++k) {

@@ -15,7 +15,9 @@
 #include "geometry/bezier/bernstein.h"
 #include "geometry/bezier/spline_pieces.h"
 #include "geometry/measure/narrow_spans.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/construction_checks.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "geometry/section/section_fit.h"
 #include "geometry/section/section_trace.h"
 
@@ -31,11 +33,6 @@ Plane Checked(const char* function, const Plane& plane) {
               function,
               "plane.offset = " + NumberText(plane.offset) + " is not finite");
   return {plane.normal / length, plane.offset / length};
-}
-
-// The points of a curve moved by `shift`.
-NurbsCurve<3> Moved(const NurbsCurve<3>& curve, const Eigen::Vector3d& shift) {
-  return NurbsCurve<3>(curve.basis(), curve.control_points().colwise() + shift, curve.weights());
 }
 
 // The straight line in the domain along an edge, with the iso-curve there, above on its left where
@@ -113,7 +110,7 @@ PlaneSection Section(const NurbsSurface& surface,
   FittedChains fitted = SectionFitter(near, unit.normal, offset, tolerance).Fit(trace);
   for (FittedChain& chain : fitted.curves) {
     section.curves.push_back(
-        {std::move(chain.parameters), Moved(chain.points, middle), chain.closed});
+        {std::move(chain.parameters), Translated(chain.points, middle), chain.closed});
   }
   section.touches = std::move(fitted.touches);
   section.contains_patch = trace.contains_patch;
@@ -242,9 +239,7 @@ std::vector<PlaneCrossing> Crossings(const NurbsCurve<3>& curve,
     const double extent = std::max((curve.At(one.to) - start).norm(),
                                    (curve.At(one.from / 2 + one.to / 2) - start).norm());
     // A touch within the tolerance is so long where curvatures are not below one over the size.
-    const double size =
-        (curve.control_points().rowwise().maxCoeff() - curve.control_points().rowwise().minCoeff())
-            .norm();
+    const double size = BoxDiagonal(curve.control_points());
     const bool point = extent <= 4 * std::sqrt(tolerance * size);
     if (!point) {
       crossings.push_back({one.from, touches});

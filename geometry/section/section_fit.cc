@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "geometry/bezier/bernstein.h"
+#include "geometry/numeric/box_diagonal.h"
 
 namespace batten::internal {
 namespace {
@@ -40,9 +41,7 @@ SectionFitter::SectionFitter(const NurbsSurface& surface,
       normal_(normal),
       offset_(offset),
       tolerance_(tolerance),
-      size_((surface.control_points().rowwise().maxCoeff() -
-             surface.control_points().rowwise().minCoeff())
-                .norm()),
+      size_(BoxDiagonal(surface.control_points())),
       pieces_(surface) {}
 
 // The tangent (S_u f_v − S_v f_u), which has what is above on its left.

@@ -11,6 +11,8 @@
 #include "geometry/bezier/bernstein_polynomial.h"
 #include "batten/geometry/iso_curve.h"
 #include "geometry/bezier/spline_pieces.h"
+#include "geometry/numeric/box_diagonal.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten::internal {
 namespace {
@@ -76,11 +78,11 @@ class Tracer {
         tolerance_(tol),
         p_(surface.basis_u().degree()),
         q_(surface.basis_v().degree()),
-        breaks_u_(BreaksOf(surface.basis_u())),
-        breaks_v_(BreaksOf(surface.basis_v())) {
+        breaks_u_(BreaksIn(surface.basis_u())),
+        breaks_v_(BreaksIn(surface.basis_v())) {
     const auto& points = surface.control_points();
     const double units = 4 * std::numeric_limits<double>::epsilon();
-    const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+    const double size = BoxDiagonal(points);
     rounding_ = units * ((7 * p_ + 7 * q_ + 4) * size + 3 * points.cwiseAbs().maxCoeff() +
                          std::abs(offset));
     const auto edges = BoundaryCurves(surface);
@@ -106,13 +108,6 @@ class Tracer {
   }
 
  private:
-  static std::vector<double> BreaksOf(const SplineBasis& basis) {
-    std::vector<double> breaks;
-    for (const int span : basis.Spans()) breaks.push_back(basis.knots()[span]);
-    breaks.push_back(basis.upper());
-    return breaks;
-  }
-
   bool InPlane(const Eigen::Matrix3Xd& points) const {
     return ((normal_.transpose() * points).array() - offset_).abs().maxCoeff() <= rounding_;
   }

@@ -11,6 +11,7 @@
 
 #include "batten/geometry/make_curve.h"
 #include "batten/geometry/make_surface.h"
+#include "geometry/numeric/box_diagonal.h"
 #include "geometry/numeric/constants.h"
 #include "geometry/shapes/unit_arc.h"
 
@@ -110,12 +111,6 @@ std::optional<CircleAbout> ImageAbout(const Eigen::Vector3d& axis,
                      image.radius};
 }
 
-// The diagonal of the box of the points.
-template <typename Points>
-double Extent(const Points& points) {
-  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-}
-
 // How far a shape made is from the one given, in units of what is allowed; infinite where they are
 // not built alike.
 template <typename Shape>
@@ -123,7 +118,7 @@ double Mismatch(const Shape& given, const Shape& made) {
   constexpr double kRelative = 1e-13, kWeights = 1e-13, kPlaces = 8;
   const auto &p = given.control_points(), &q = made.control_points();
   if (p.cols() != q.cols()) return kInfinity;
-  const double allowed = kRelative * Extent(p) +
+  const double allowed = kRelative * BoxDiagonal(p) +
                          kPlaces * std::numeric_limits<double>::epsilon() * p.cwiseAbs().maxCoeff();
   return std::max((p - q).cwiseAbs().maxCoeff() / allowed,
                   (given.weights() - made.weights()).cwiseAbs().maxCoeff() / kWeights);
@@ -193,7 +188,7 @@ class RoundNet {
   int WidestRow() const {
     int widest = 0;
     for (int j = 1; j < surface_.size_v(); ++j) {
-      if (Extent(Row(j)) > Extent(Row(widest))) widest = j;
+      if (BoxDiagonal(Row(j)) > BoxDiagonal(Row(widest))) widest = j;
     }
     return widest;
   }

@@ -9,23 +9,16 @@
 #include <utility>
 
 #include "geometry/numeric/gauss_rule.h"
+#include "geometry/numeric/polygon.h"
+#include "geometry/nurbs/span_breaks.h"
 
 namespace batten {
 namespace {
 
-double AngleOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 // Places in a domain: so many in every span, and towards both of its ends.
 std::vector<double> PlacesOf(const SplineBasis& basis, int samples) {
-  std::vector<double> places;
+  std::vector<double> places = internal::BreaksIn(basis, samples);
   const double lower = basis.lower(), upper = basis.upper();
-  for (const int span : basis.Spans()) {
-    const double a = basis.knots()[span], b = basis.knots()[span + 1];
-    for (int k = 0; k < samples; ++k) places.push_back(a + (b - a) * k / samples);
-  }
-  places.push_back(upper);
   constexpr int kHalvings = 12;
   const double first = basis.knots()[basis.Spans().front() + 1] - lower;
   const double last = upper - basis.knots()[basis.Spans().back()];
@@ -73,7 +66,7 @@ void AuditEdge(const SolidModel& solid,
       audit.gap = std::max(audit.gap, (jet.point - on_curve).norm());
       normal[k] = jet.du.cross(jet.dv).stableNormalized();
     }
-    const double angle = AngleOf(normal[0], normal[1]);
+    const double angle = internal::AngleBetween(normal[0], normal[1]);
     if (std::abs(share - 0.5) < std::abs(middle - 0.5)) {
       middle = share;
       middle_angle = angle;
@@ -97,8 +90,8 @@ void AuditFace(const NurbsSurface& surface, int samples, SolidAudit& audit) {
   for (const double a : u) {
     for (std::size_t j = 0; j < v.size(); ++j) {
       row[j] = NormalOf(surface, a, v[j]);
-      double turn = j > 0 ? AngleOf(row[j], row[j - 1]) : 0;
-      if (!before.empty()) turn = std::max(turn, AngleOf(row[j], before[j]));
+      double turn = j > 0 ? internal::AngleBetween(row[j], row[j - 1]) : 0;
+      if (!before.empty()) turn = std::max(turn, internal::AngleBetween(row[j], before[j]));
       if (turn <= audit.turn) continue;
       audit.turn = turn;
       audit.turn_at = surface.At(a, v[j]);

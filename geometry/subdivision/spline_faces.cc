@@ -11,6 +11,7 @@
 
 #include "batten/geometry/iso_curve.h"
 #include "batten/geometry/split.h"
+#include "geometry/numeric/polygon.h"
 #include "geometry/numeric/reject.h"
 #include "geometry/subdivision/catmull_clark.h"
 #include "geometry/subdivision/limit_surface.h"
@@ -99,7 +100,7 @@ class RefinedNet {
     for (int k = 0; k < fan.sectors; ++k, h = mesh.Turned(h)) {
       const Eigen::Vector3d one = points_.col(mesh.Origin(QuadTopology::Next(h))) - centre;
       const Eigen::Vector3d two = points_.col(mesh.Origin(QuadTopology::Previous(h))) - centre;
-      sectors.push_back(std::atan2(one.cross(two).norm(), one.dot(two)));
+      sectors.push_back(AngleBetween(one, two));
       angle += sectors.back();
       if (k == 0) first = one.norm();
       last = two.norm();

@@ -18,6 +18,7 @@
 #include "batten/geometry/reparameterize.h"
 #include "batten/geometry/reverse.h"
 #include "batten/io/read_error.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/base/whole_file.h"
 #include "io/exchange/file_loops.h"
 #include "io/exchange/iges_header.h"
@@ -270,15 +271,11 @@ class Reader {
         const NurbsCurve<3> rail = Reparameterized(Rail(directrix), 0, 1);
         const std::vector<double> end = in.Reals(3);
         const Eigen::Vector3d by = Eigen::Map<const Eigen::Vector3d>(end.data()) - rail.At(0);
-        return {
-            Placed(entity,
-                   Ruled(rail,
-                         NurbsCurve<3>(
-                             rail.basis(), rail.control_points().colwise() + by, rail.weights()))),
-            {},
-            {},
-            false,
-            !KeepsParameters(At(directrix, "curve"))};
+        return {Placed(entity, Ruled(rail, Translated(rail, by))),
+                {},
+                {},
+                false,
+                !KeepsParameters(At(directrix, "curve"))};
       }
       case kIgesRevolution: {
         const NurbsCurve<3> axis = Rail(in.Entity());

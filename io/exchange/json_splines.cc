@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/editing/control_forms.h"
+
 namespace batten::internal {
 namespace {
 
@@ -112,11 +114,6 @@ std::vector<std::optional<Field>> ReadPeriodic(const Field& entry, size_t count)
   return flags;
 }
 
-// After how many control points a direction begins again.
-int Round(const SplineBasis& basis) {
-  return basis.periodic() ? basis.size() - basis.degree() : basis.size();
-}
-
 // Makes the control points of a net of rows × columns repeat exactly after `round_rows` and
 // `round_columns` of them. What rounding to decimals explains is forgiven, 1e-12 of the size and a
 // few units in the last place; more is refused.
@@ -170,7 +167,11 @@ NurbsSurface ReadJsonSurface(const Field& entry) {
   SplineBasis basis_v = ReadBasis(entry, "_v", size_v, periodic[1]);
   Eigen::Matrix3Xd points = ReadPoints<3>(control_points, std::int64_t{size_u} * size_v);
   Eigen::VectorXd weights = ReadWeights(control_points, points.cols());
-  CloseNet(control_points, {size_u, Round(basis_u)}, {size_v, Round(basis_v)}, points, weights);
+  CloseNet(control_points,
+           {size_u, DistinctPoints(basis_u)},
+           {size_v, DistinctPoints(basis_v)},
+           points,
+           weights);
   return NurbsSurface(
       std::move(basis_u), std::move(basis_v), std::move(points), std::move(weights));
 }
@@ -185,7 +186,7 @@ NurbsCurve<Dim> ReadJsonCurve(const Field& entry) {
   }
   SplineBasis basis = ReadBasis(entry, "", size, ReadPeriodic(entry, 1)[0]);
   Eigen::VectorXd weights = ReadWeights(control_points, points.cols());
-  CloseNet(control_points, {size, Round(basis)}, {1, 1}, points, weights);
+  CloseNet(control_points, {size, DistinctPoints(basis)}, {1, 1}, points, weights);
   return NurbsCurve<Dim>(std::move(basis), std::move(points), std::move(weights));
 }
 

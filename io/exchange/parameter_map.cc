@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/nurbs/span_breaks.h"
+
 namespace batten::internal {
 namespace {
 
@@ -119,10 +121,7 @@ NurbsCurve<2> CubicOf(const std::function<CurveNode(double)>& curve,
 }
 
 ParameterMap::ParameterMap(double first, double last, const SplineBasis& basis, bool angle)
-    : first_(first), last_(last), angle_(angle) {
-  for (const int span : basis.Spans()) breaks_.push_back(basis.knots()[span]);
-  breaks_.push_back(basis.upper());
-}
+    : first_(first), last_(last), breaks_(BreaksIn(basis)), angle_(angle) {}
 
 int ParameterMap::ArcOf(double parameter, double& from_middle) const {
   const int arcs = static_cast<int>(breaks_.size()) - 1;

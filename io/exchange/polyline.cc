@@ -2,7 +2,8 @@
 #include "io/exchange/polyline.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
+
+#include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
 namespace {
@@ -11,14 +12,6 @@ struct Place {
   double parameter;
   Eigen::Vector3d point;
 };
-
-double FromChord(const Place& a, const Place& b, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d chord = b.point - a.point;
-  const double length = chord.squaredNorm();
-  if (!(length > 0)) return (point - a.point).norm();
-  const double along = std::clamp((point - a.point).dot(chord) / length, 0.0, 1.0);
-  return (point - a.point - along * chord).norm();
-}
 
 class SpatialSort {
  public:
@@ -35,10 +28,12 @@ class SpatialSort {
     const Place middle = At(a.parameter + kHalf * (b.parameter - a.parameter));
     const bool ends =
         depth >= kDeepest || !(a.parameter < middle.parameter) || !(middle.parameter < b.parameter);
-    bool near = FromChord(a, b, middle.point) <= tolerance_;
+    bool near = DistanceFromSegment(middle.point, a.point, b.point) <= tolerance_;
     for (const double share : kBeside) {
       if (!near || ends) break;
-      near = FromChord(a, b, map_(a.parameter + share * (b.parameter - a.parameter))) <= tolerance_;
+      near = DistanceFromSegment(map_(a.parameter + share * (b.parameter - a.parameter)),
+                                 a.point,
+                                 b.point) <= tolerance_;
     }
     if (near || ends) {
       result.push_back(b.parameter);

@@ -21,6 +21,7 @@
 
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/reverse.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/opencascade/occt_convert.h"
 
 namespace batten::internal {
@@ -95,7 +96,7 @@ NurbsCurve<2> CurveOf(const TopoDS_Edge& edge, const TopoDS_Face& face, CurveSpe
 
 NurbsCurve<2> Moved(const NurbsCurve<2>& curve, const Eigen::Vector2d& by) {
   if (by.isZero(0)) return curve;
-  return NurbsCurve<2>(curve.basis(), curve.control_points().colwise() + by, curve.weights());
+  return Translated(curve, by);
 }
 
 Eigen::Vector2d Start(const NurbsCurve<2>& curve) { return curve.At(curve.basis().lower()); }

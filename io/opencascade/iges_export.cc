@@ -34,6 +34,7 @@
 #include "batten/geometry/join.h"
 #include "batten/geometry/trim_loops.h"
 #include "batten/io/read_error.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/base/time_stamp.h"
 #include "io/exchange/closed_form.h"
 #include "io/exchange/geometry_names.h"

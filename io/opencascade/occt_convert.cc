@@ -149,12 +149,6 @@ NurbsSurface FromOcct(const Geom_BSplineSurface& surface) {
       std::move(weights));
 }
 
-NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.control_points().cols());
-  points.topRows<2>() = curve.control_points();
-  return NurbsCurve<3>(curve.basis(), std::move(points), curve.weights());
-}
-
 Handle(TCollection_HAsciiString) Text(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());
 }

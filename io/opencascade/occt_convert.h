@@ -26,10 +26,6 @@ NurbsCurve<3> FromOcct(const Geom_BSplineCurve& curve);
 NurbsCurve<2> FromOcct(const Geom2d_BSplineCurve& curve);
 NurbsSurface FromOcct(const Geom_BSplineSurface& surface);
 
-// The curve at z = 0.
-NurbsCurve<3> InSpace(const NurbsCurve<2>& curve);
-inline const NurbsCurve<3>& InSpace(const NurbsCurve<3>& curve) { return curve; }
-
 Handle(TCollection_HAsciiString) Text(const std::string& text);
 
 }  // namespace batten::internal

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "batten/geometry/join.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/exchange/file_loops.h"
 #include "io/exchange/parameter_map.h"
 #include "io/opencascade/face_loops.h"
@@ -107,9 +108,7 @@ Eigen::Vector2d WayIntoDomain(const Geom_Surface& surface, const Wires& wires) {
 void Move(Wires& wires, const Eigen::Vector2d& by) {
   if (by.isZero(0)) return;
   for (auto& wire : wires) {
-    for (NurbsCurve<2>& curve : wire) {
-      curve = NurbsCurve<2>(curve.basis(), curve.control_points().colwise() + by, curve.weights());
-    }
+    for (NurbsCurve<2>& curve : wire) curve = Translated(curve, by);
   }
 }
 

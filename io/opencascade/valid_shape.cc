@@ -12,6 +12,7 @@
 
 #include "batten/geometry/exact_shape.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/exchange/closed_form.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/occt_exact.h"

@@ -13,6 +13,7 @@
 #include "batten/geometry/trim_region.h"
 #include "batten/io/geometry_json.h"
 #include "geometry/numeric/number_text.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten {
 using namespace internal;
@@ -28,16 +29,10 @@ struct Slack {
   double size = 0, rounding = 0;
 };
 
-Eigen::Matrix3Xd NetInSpace(const Eigen::MatrixXd& points) {
-  Eigen::Matrix3Xd space = Eigen::Matrix3Xd::Zero(3, points.cols());
-  space.topRows(points.rows()) = points;
-  return space;
-}
-
 Slack SlackOf(const Eigen::MatrixXd& control_points,
               const PointCloud& cloud,
               const Eigen::Vector3d& shift) {
-  const Eigen::Matrix3Xd net = NetInSpace(control_points);
+  const Eigen::Matrix3Xd net = PointsInSpace(control_points);
   const Eigen::Vector3d low = net.rowwise().minCoeff(), high = net.rowwise().maxCoeff();
   double far = net.cwiseAbs().maxCoeff();
   far = std::max(far, cloud.origin().cwiseAbs().maxCoeff() + shift.cwiseAbs().maxCoeff());
@@ -108,8 +103,7 @@ std::vector<PointBounds> BoundsTo(const NurbsCurve<Dim>& given,
                                   const Eigen::Vector3d& shift,
                                   ThreadPool& pool) {
   const Eigen::Matrix<double, Dim, 1> move = (shift - cloud.origin()).template head<Dim>();
-  const NurbsCurve<Dim> local(
-      given.basis(), given.control_points().colwise() + move, given.weights());
+  const NurbsCurve<Dim> local = Translated(given, move);
   const std::vector<CurveFoot> feet = CurveFootPoints<Dim>(local).Nearest(cloud.points(), pool);
   const Slack slack = SlackOf(given.control_points(), cloud, shift);
   std::vector<PointBounds> bounds;

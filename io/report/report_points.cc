@@ -7,19 +7,12 @@
 #include <iterator>
 
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/mixed_bits.h"
 
 namespace batten::internal {
 namespace {
 
 using Indices = std::vector<Eigen::Index>;
-
-// Well mixed bits of a number. [Steele, Lea & Flood 2014, SplitMix64]
-std::uint64_t Mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
 
 // Leaves the `count` of the greatest sizes; of equal ones those of the lowest numbers.
 void KeepFarthest(Indices& points, const Eigen::VectorXd& deviations, Eigen::Index count) {

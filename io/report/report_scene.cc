@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 #include <variant>
 
 #include "batten/fitting/deviation_map.h"
@@ -14,6 +13,7 @@
 #include "batten/geometry/bounding_box.h"
 #include "batten/geometry/curve_evaluator.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "geometry/nurbs/placed_curve.h"
 #include "io/report/report_curve.h"
 #include "io/report/report_points.h"
 #include "io/report/report_surface.h"
@@ -54,17 +54,6 @@ void CheckScene(const std::vector<Geometry>& geometry,
   }
 }
 
-// A curve in space; of the plane, at z = 0.
-NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
-  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, curve.control_points().cols());
-  points.topRows<2>() = curve.control_points();
-  return {curve.basis(), std::move(points), curve.weights()};
-}
-
-NurbsCurve<3> Moved(const NurbsCurve<3>& curve, const Eigen::Vector3d& by) {
-  return {curve.basis(), curve.control_points().colwise() + by, curve.weights()};
-}
-
 Eigen::AlignedBox3d BoxOf(const NurbsSurface& surface) { return BoundingBox(surface); }
 template <int Dim>
 Eigen::AlignedBox3d BoxOf(const NurbsCurve<Dim>& curve) {
@@ -94,7 +83,7 @@ Shapes ShapesOf(const std::vector<Geometry>& geometry, const Eigen::Vector3d& by
     } else {
       const auto* flat = std::get_if<NurbsCurve<2>>(&one);
       shapes.place.push_back(static_cast<int>(shapes.curves.size()));
-      shapes.curves.push_back(Moved(flat ? InSpace(*flat) : std::get<NurbsCurve<3>>(one), by));
+      shapes.curves.push_back(Translated(flat ? InSpace(*flat) : std::get<NurbsCurve<3>>(one), by));
     }
     shapes.is_surface.push_back(std::holds_alternative<NurbsSurface>(one));
   }

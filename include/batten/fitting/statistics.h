@@ -16,8 +16,11 @@ double Quantile(std::vector<double> values, double fraction);
 double QuantileInPlace(std::vector<double>& values, double fraction);  // reorders them
 inline double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
 
-// The least value that, with those below it, holds half of all weight, of pairs of a value and its
-// weight (positive); NaN of none. O(n log n).
-double WeightedMedian(std::vector<std::pair<double, double>> weighted);
+// The least value that, with those below it, holds a share of all weight, of pairs of a value and
+// its weight (positive); NaN of none. O(n log n).
+double WeightedQuantile(std::vector<std::pair<double, double>> weighted, double share);
+inline double WeightedMedian(std::vector<std::pair<double, double>> weighted) {
+  return WeightedQuantile(std::move(weighted), 0.5);
+}
 
 }  // namespace batten

@@ -21,13 +21,18 @@ Eigen::Matrix3Xd Square(Eigen::Index count, bool uneven, std::mt19937_64& random
   return points;
 }
 
+PointMask Kept(const Eigen::Matrix3Xd& points, const PointMask& mask, bool many_strays = false) {
+  ThreadPool alone(1);
+  return NonIsolatedPoints(points, mask, alone, many_strays);
+}
+
 TEST(CompanyTest, PointsOfAShapeHaveCompany) {
   for (const int seed : {1, 2, 3}) {
     for (const bool uneven : {false, true}) {
       SCOPED_TRACE(seed);
       std::mt19937_64 random(seed);
       const Eigen::Matrix3Xd points = Square(5000, uneven, random);
-      const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5000, true));
+      const PointMask kept = Kept(points, PointMask::Constant(5000, true));
       EXPECT_GE(kept.count(), 4998);  // a corner point may stand apart by chance
     }
   }
@@ -39,7 +44,7 @@ TEST(CompanyTest, AStepOfDensityIsNoReasonToStandAlone) {
   Eigen::Matrix3Xd points(3, 5500);
   points << Square(5000, false, random),
       Square(500, false, random).colwise() + Eigen::Vector3d(1, 0, 0);
-  EXPECT_GE(NonIsolatedPoints(points, PointMask::Constant(5500, true)).count(), 5496);
+  EXPECT_GE(Kept(points, PointMask::Constant(5500, true)).count(), 5496);
 }
 
 TEST(CompanyTest, StraysBesideAnEdgeHaveNone) {
@@ -51,7 +56,7 @@ TEST(CompanyTest, StraysBesideAnEdgeHaveNone) {
   for (int k = 0; k < 12; ++k) {
     points.col(5000 + k) << (k + 0.5) / 12, (k % 2 ? 1.07 + 0.06 * (k % 4) / 3 : -0.07), 0;
   }
-  const PointMask kept = NonIsolatedPoints(points, PointMask::Constant(5012, true));
+  const PointMask kept = Kept(points, PointMask::Constant(5012, true));
   EXPECT_EQ(kept.tail(12).count(), 0);
   EXPECT_GE(kept.head(5000).count(), 4998);
 }
@@ -67,9 +72,7 @@ TEST(CompanyTest, StraysHaveNoneNearAnEdgeNorAmongThemselves) {
     points.col(kPoints + k) << (k + 0.5) / kBeside, 1 + 2 * reach, 0;
   for (int k = 0; k < kGroup; ++k)  // a tenth of the density along each side
     points.col(kPoints + kBeside + k) << 1.3 + 0.14 * (k % 5), 0.3 + 0.14 * (k / 5), 0.02 * (k % 3);
-  ThreadPool alone(1);
-  const PointMask kept =
-      NonIsolatedPoints(points, PointMask::Constant(points.cols(), true), alone, true);
+  const PointMask kept = Kept(points, PointMask::Constant(points.cols(), true), true);
   EXPECT_EQ(kept.tail(kBeside + kGroup).count(), 0);
   EXPECT_GE(kept.head(kPoints).count(), kPoints - 4);
 }
@@ -79,9 +82,9 @@ TEST(CompanyTest, OnlyPointsUnderTheMaskAreAskedAndFewAreLetBe) {
   const Eigen::Matrix3Xd points = Square(60, false, random);
   PointMask mask = PointMask::Constant(60, true);
   mask.head(20).setConstant(false);
-  EXPECT_TRUE((NonIsolatedPoints(points, mask) == mask).all());
-  EXPECT_TRUE((NonIsolatedPoints(1e6 * points, PointMask::Constant(60, true)) ==
-               NonIsolatedPoints(points, PointMask::Constant(60, true)))
+  EXPECT_TRUE((Kept(points, mask) == mask).all());
+  EXPECT_TRUE((Kept(1e6 * points, PointMask::Constant(60, true)) ==
+               Kept(points, PointMask::Constant(60, true)))
                   .all());
 }
 

@@ -143,8 +143,6 @@ TEST(ConstrainedSurfaceTest, RecoversASurfaceThatMeetsItsConstraints) {
     const double size = Size(truth.control_points());
     EXPECT_LE((again.surface.control_points() - truth.control_points()).cwiseAbs().maxCoeff(),
               kIterated * size);
-    EXPECT_LE(again.residual_squares, 3000 * std::pow(kIterated * size, 2));
-    EXPECT_FALSE(again.regularised);
   }
 }
 

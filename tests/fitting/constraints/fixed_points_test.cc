@@ -15,11 +15,11 @@
 #include "fitting/constraints/constrained_surface.h"
 #include "fitting/least_squares/fairness.h"
 #include "fitting/least_squares/fitting_bases.h"
-#include "fitting/constraints/neighbour_edge.h"
 #include "fitting/least_squares/penalised_system.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/iso_curve.h"
+#include "neighbour_edge.h"
 #include "random_splines.h"
 #include "tolerances.h"
 #include "refusal.h"
@@ -57,6 +57,14 @@ FittingProblem Moved(const FittingProblem& problem, double unit, const Eigen::Ve
 NurbsSurface Free(const FittingProblem& problem, ThreadPool& pool) {
   return NurbsSurface(
       problem.basis_u(), problem.basis_v(), SolveLinear(problem, pool).coefficients);
+}
+
+// The edge of a surface that goes on the way the surface does, on the same side.
+FixedEdge EdgeOf(const NurbsSurface& surface, const SurfaceEdge& edge, bool tangent) {
+  FixedEdge fixed = EdgeOfNeighbour(surface, edge, edge, tangent);
+  if (fixed.across)
+    fixed.across = NurbsCurve<3>(fixed.across->basis(), -fixed.across->control_points());
+  return fixed;
 }
 
 // Fixed points off the surface by some noise, with turned normals.
@@ -178,19 +186,7 @@ TEST(FixedPointsTest, NoFeasibleChangeLowersTheSum) {
     const SurfaceEdge edges[] = {
         {Direction::kV, false}, {Direction::kU, true}, {Direction::kV, true}};
     for (int k = random.Integer(0, 3); k > 0; --k) {
-      const SurfaceEdge edge = edges[k - 1];
-      constraints.edges.push_back(
-          EdgeOfNeighbour(neighbour,
-                          edge,
-                          edge,
-                          edge.direction == Direction::kV ? problem.basis_u() : problem.basis_v(),
-                          false,
-                          random.Coin()));
-      // The same side of the same sheet.
-      if (constraints.edges.back().across) {
-        const NurbsCurve<3>& field = *constraints.edges.back().across;
-        constraints.edges.back().across = NurbsCurve<3>(field.basis(), -field.control_points());
-      }
+      constraints.edges.push_back(EdgeOf(neighbour, edges[k - 1], random.Coin()));
     }
     NurbsSurface best = SolveConstrained(problem, constraints, pool).surface;
     NurbsSurface other =
@@ -225,7 +221,6 @@ TEST(FixedPointsTest, SayWhichOfTwoPlacesAtOneParameterIsMissedAndByHowMuch) {
   const ConstrainedSolution twice =
       SolveConstrained(Problem(1), {{}, {{0.3, 0.4, place}, {0.3, 0.4, place}}}, pool);
   EXPECT_TRUE(twice.missed.empty());
-  EXPECT_EQ(twice.unknowns, 3 * 81 - 3);
   const ConstrainedSolution against =
       SolveConstrained(Problem(1), {{}, {{0.3, 0.4, place}, {0.3, 0.4, place + shift}}}, pool);
   EXPECT_THAT(against.missed,
@@ -237,8 +232,7 @@ TEST(FixedPointsTest, SayWhichOfTwoPlacesAtOneParameterIsMissedAndByHowMuch) {
 TEST(FixedPointsTest, OnAFixedEdgeFollowOrContradictIt) {
   ThreadPool pool(1);
   const NurbsSurface neighbour = Free(Problem(2), pool);
-  const FixedEdge edge = EdgeOfNeighbour(
-      neighbour, {Direction::kU, false}, {Direction::kU, false}, neighbour.basis_v(), false, false);
+  const FixedEdge edge = EdgeOf(neighbour, {Direction::kU, false}, false);
   const Eigen::Vector3d on = edge.curve.At(0.3);
   const Eigen::Vector3d tangent = edge.curve.Derivatives(0.3, 1).col(1).normalized();
   const Eigen::Vector3d across = tangent.unitOrthogonal();
@@ -268,7 +262,6 @@ TEST(FixedPointsTest, BeyondTheFreedomAreReported) {
     constraints.points.push_back({u, v, Sheet(u, v)});
   }
   const ConstrainedSolution solution = SolveConstrained(problem, constraints, pool);
-  EXPECT_EQ(solution.unknowns, 0);
   ASSERT_EQ(solution.missed.size(), 1u);
   EXPECT_THAT(solution.missed[0].condition, testing::HasSubstr("point 4"));
   EXPECT_NEAR(solution.missed[0].amount,
@@ -332,10 +325,7 @@ TEST(FixedPointsTest, TangentPlanesOnAllSidesGoTogetherAtTheirCorners) {
                                    {Direction::kU, true},
                                    {Direction::kV, false},
                                    {Direction::kV, true}}) {
-      const SplineBasis& along =
-          edge.direction == Direction::kV ? problem.basis_u() : problem.basis_v();
-      constraints.edges.push_back(EdgeOfNeighbour(whole, edge, edge, along, false, false));
-      constraints.edges.back().across = CrossDerivative(whole, edge);
+      constraints.edges.push_back(EdgeOf(whole, edge, true));
     }
     const ConstrainedSolution solution = SolveConstrained(problem, constraints, pool);
     for (const MissedConstraint& missed : solution.missed) ADD_FAILURE() << missed.Text();
@@ -359,7 +349,7 @@ TEST(FixedPointsTest, AFieldRunBackwardsIsReportedAsAFold) {
   ThreadPool pool(1);
   const NurbsSurface whole = Free(Problem(2), pool);
   const SurfaceEdge edge{Direction::kV, false};
-  FixedEdge fixed = EdgeOfNeighbour(whole, edge, edge, whole.basis_u(), false, true);
+  FixedEdge fixed = EdgeOfNeighbour(whole, edge, edge, true);
   const ConstrainedSolution solution = SolveConstrained(Problem(1), {{fixed}, {}}, pool);
   ASSERT_EQ(solution.missed.size(), 1u);
   EXPECT_NEAR(solution.missed[0].amount, std::numbers::pi, 1e-6);

@@ -20,6 +20,14 @@
 
 namespace batten::internal::symmetric_cloud_test {
 
+// The largest distance by which SymmetricNet moves a control point.
+double Asymmetry(const NurbsSurface& surface, Direction direction, const MirrorPlane& plane) {
+  return (SymmetricNet(surface, direction, plane).control_points() - surface.control_points())
+      .colwise()
+      .norm()
+      .maxCoeff();
+}
+
 // Half a sheet, x ≥ 0 in its own frame, bent symmetrically, with the frame's place in the world.
 struct HalfSheet {
   Eigen::Matrix3d turn;

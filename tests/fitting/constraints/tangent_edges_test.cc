@@ -11,10 +11,10 @@
 
 #include "fitting/constraints/constrained_surface.h"
 #include "fitting/least_squares/fitting_bases.h"
-#include "fitting/constraints/neighbour_edge.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/iso_curve.h"
 #include "batten/geometry/joins.h"
+#include "neighbour_edge.h"
 #include "tolerances.h"
 
 namespace batten::internal::tangent_edges_test {
@@ -107,16 +107,13 @@ TEST(TangentEdgesTest, GoOnFromANeighbourOfOtherKnotsAcrossAnyEdge) {
     const int p = 3, q = seed % 3 == 0 ? 4 : 3;
     const NurbsSurface neighbour = Free(Beyond(own, p, q, 7, seed, 1e-3), pool);
     const FittingProblem problem = ProblemOver(0, 1, 0, 1, p, q, 6, seed + 50, 1e-3);
-    const SplineBasis& along =
-        own.direction == Direction::kU ? problem.basis_v() : problem.basis_u();
-    const ConstrainedSolution solution = SolveConstrained(
-        problem, {{EdgeOfNeighbour(neighbour, Facing(own), own, along, false, true)}, {}}, pool);
+    const ConstrainedSolution solution =
+        SolveConstrained(problem, {{EdgeOfNeighbour(neighbour, Facing(own), own, true)}, {}}, pool);
     for (const MissedConstraint& missed : solution.missed) ADD_FAILURE() << missed.Text();
     EXPECT_LE(WidestAngle(solution.surface, own, neighbour, Facing(own)), 1e-6);
     const SurfaceJoin join = TestJoin(neighbour, solution.surface);
     EXPECT_GE(join.geometric, 1) << join.position_gap << " " << join.angle_gap.value_or(-1);
     EXPECT_LE(join.position_gap, kRounding);
-    EXPECT_LE(solution.angle_gap, 1e-6);
   }
 }
 

@@ -265,6 +265,32 @@ TEST(FitCurveTest, FollowsTheShapeAndNotTheNoise) {
   EXPECT_LT(std::sqrt(squares / kSeeds), 1.5);
 }
 
+// Of many points means are fitted first; what is left of the noise must be no more than of few, and
+// far points must be told as well.
+TEST(FitCurveTest, FollowsManyPointsAsCloselyAsTheirNumberAllows) {
+  constexpr Eigen::Index kMany = 40000, kEvery = 50;
+  for (const bool far_points : {false, true}) {
+    SCOPED_TRACE(far_points);
+    const PointCloud clean = NoisyArc(kMany, 5, 21);
+    Eigen::Matrix3Xd points = clean.points();
+    if (far_points) {
+      for (Eigen::Index k = 7; k < kMany; k += kEvery) points(1, k) += 0.5;
+    }
+    const CurveFit<2> fit = FitCurve<2>(PointCloud(points, {0, 0, 0}, 2));
+    const double n = fit.curve.basis().size();
+    EXPECT_LE(n, 24);
+    EXPECT_LT(OffTheCircle(fit.curve), 3 * kSigma * std::sqrt(n / static_cast<double>(kMany)));
+    EXPECT_NEAR(fit.report.input.noise, kSigma, 0.25 * kSigma);
+    EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
+    if (!far_points) continue;
+    Eigen::Index told = 0;
+    for (Eigen::Index k = 7; k < kMany; k += kEvery) told += fit.outliers[k];
+    EXPECT_EQ(told, kMany / kEvery);
+    // Beyond three deviations is one point of 370.
+    EXPECT_LE(fit.report.input.outliers, told + kMany / 200);
+  }
+}
+
 TEST(FitCurveTest, HalvesSpansUntilTheToleranceIsKept) {
   const int count = 400;
   Eigen::Matrix2Xd points(2, count);

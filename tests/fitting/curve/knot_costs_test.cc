@@ -17,6 +17,7 @@
 #include "fitting/least_squares/fairness.h"
 #include "batten/fitting/solve_linear.h"
 #include "fitting/curve/span_layout.h"
+#include "geometry/numeric/gauss_rule.h"
 #include "random_splines.h"
 #include "tolerances.h"
 
@@ -29,7 +30,7 @@ class DenseSum {
   DenseSum(const FittingProblem& problem, double lambda)
       : data_(problem.data()), basis_(problem.basis_u()), order_(std::min(2, basis_.degree())) {
     const auto count = problem.size();
-    const Quadrature rule(basis_.degree() + 1);
+    const GaussRule rule = GaussLegendre(basis_.degree() + 1);
     const std::vector<int> spans = basis_.Spans();
     rows_ = Eigen::MatrixXd::Zero(
         count + static_cast<Eigen::Index>(spans.size()) * rule.nodes.size(), DistinctCount(basis_));
@@ -47,9 +48,9 @@ class DenseSum {
       for (Eigen::Index g = 0; g < rule.nodes.size(); ++g) {
         Add(to++,
             span,
-            (a + b) / 2 + (b - a) / 2 * rule.nodes[g],
+            a + (b - a) * rule.nodes[g],
             order_,
-            std::sqrt(lambda * rule.weights[g] * (b - a) / 2));
+            std::sqrt(lambda * rule.weights[g] * (b - a)));
       }
     }
   }

@@ -220,22 +220,6 @@ TEST(SpanLayoutTest, IsAsEvenAsItsCornersAllow) {
   }
 }
 
-TEST(SpanLayoutTest, StretchesOnlyItsEndSpans) {
-  ForRandomLayouts([](RandomSplines& random, const SpanLayout& layout) {
-    if (layout.closed()) return;
-    const double lower = layout.breaks().front() - random.Real(0, 1),
-                 upper = layout.breaks().back() + random.Real(0, 1);
-    std::vector<double> expected = layout.breaks();
-    expected.front() = lower;
-    expected.back() = upper;
-    const SpanLayout longer = layout.Stretched(lower, upper);
-    EXPECT_EQ(longer.breaks(), expected);
-    EXPECT_EQ(longer.corners(), layout.corners());
-    EXPECT_EQ(longer.Basis().lower(), lower);
-    EXPECT_EQ(longer.Basis().upper(), upper);
-  });
-}
-
 TEST(SpanLayoutTest, TakesCornersInAnyOrderAndOnlyOnce) {
   const SpanLayout layout(3, {0, 1, 2, 3}, {2, 1, 2}, false);
   EXPECT_EQ(layout.corners(), (std::vector<double>{1, 2}));

@@ -101,7 +101,7 @@ TEST(RectangleLayoutTest, WindsAlongTheRamp) {
     const NeighbourIndex index(cloud.points);
     const RectangleLayout layout = LayoutOf(cloud.points, index, pool);
     ASSERT_EQ(layout.failure_reason(), "");
-    const RectangleParameters found = layout.Over(cloud.points);
+    const FlattenedBase found = layout.Over(cloud.points);
     EXPECT_TRUE(found.reached.all());
     EXPECT_GT(found.length_u, found.length_v);
     const Eigen::RowVectorXd share = found.parameters.row(0) / found.length_u;

@@ -32,19 +32,19 @@ Scale ScaleOf(const Eigen::Matrix3Xd& points, const NeighbourIndex& index, Threa
   return {found.spacing, found.noise};
 }
 
-SheetBase FlattenSheet(const Eigen::Matrix3Xd& points,
-                       const NeighbourIndex& index,
-                       double spacing,
-                       double noise,
-                       double margin,
-                       ThreadPool& pool,
-                       const Progress& progress = {}) {
-  SheetLayout layout(points, index, spacing, noise, margin, {}, pool, progress);
+FlattenedBase FlattenSheet(const Eigen::Matrix3Xd& points,
+                           const NeighbourIndex& index,
+                           double spacing,
+                           double noise,
+                           double margin,
+                           ThreadPool& pool,
+                           const Progress& progress = {}) {
+  SheetLayout layout(points, index, spacing, noise, margin, pool, progress);
   layout.LookCloser();
   return layout.Over(points);
 }
 
-SheetBase Flatten(const Eigen::Matrix3Xd& points, int threads = 2) {
+FlattenedBase Flatten(const Eigen::Matrix3Xd& points, int threads = 2) {
   ThreadPool pool(threads);
   const NeighbourIndex index(points);
   const Scale scale = ScaleOf(points, index, pool);
@@ -70,9 +70,9 @@ Eigen::Matrix2Xd FlatPlaces(const BentSheet& sheet, const SheetPoints& cloud) {
   return places;
 }
 
-double LongestSide(const SheetBase& base) { return std::max(base.length_u, base.length_v); }
+double LongestSide(const FlattenedBase& base) { return std::max(base.length_u, base.length_v); }
 
-void ExpectInside(const SheetBase& base) {
+void ExpectInside(const FlattenedBase& base) {
   EXPECT_TRUE(base.parameters.allFinite());
   EXPECT_GE(base.parameters.minCoeff(), 0);
   EXPECT_LE(base.parameters.row(0).maxCoeff(), base.length_u);
@@ -95,7 +95,7 @@ TEST(FlattenSheetTest, KeepsTheLengthsOfDevelopableSheets) {
     for (unsigned seed = 1; seed <= 2; ++seed) {
       SCOPED_TRACE(sheet.name + ", seed " + std::to_string(seed));
       const SheetPoints cloud = PointsOn(sheet, {.count = 5000, .seed = seed});
-      const SheetBase base = Flatten(cloud.points);
+      const FlattenedBase base = Flatten(cloud.points);
       ASSERT_EQ(base.failure_reason, "");
       ExpectInside(base);
       EXPECT_TRUE(base.reached.all());
@@ -116,7 +116,8 @@ TEST(FlattenSheetTest, GivesARectangularCloudItsRectangle) {
     ThreadPool pool(2);
     const NeighbourIndex index(cloud.points);
     const Scale scale = ScaleOf(cloud.points, index, pool);
-    const SheetBase base = FlattenSheet(cloud.points, index, scale.spacing, scale.noise, 0, pool);
+    const FlattenedBase base =
+        FlattenSheet(cloud.points, index, scale.spacing, scale.noise, 0, pool);
     // The last of many random points lies a small part of the spacing inside the edge.
     EXPECT_NEAR(base.length_u, 3, scale.spacing);
     EXPECT_NEAR(base.length_v, 1.2, scale.spacing);
@@ -135,7 +136,7 @@ TEST(FlattenSheetTest, KeepsItsPromiseForNoise) {
     SCOPED_TRACE(sheet.name);
     const SheetPoints cloud =
         PointsOn(sheet, {.count = 8000, .sigma = 5e-3, .isotropic = true, .seed = 3});
-    const SheetBase base = Flatten(cloud.points);
+    const FlattenedBase base = Flatten(cloud.points);
     ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     // Two components of the noise are along the sheet and belong to the parameters.
@@ -149,7 +150,7 @@ struct Senses {
   Eigen::Index positive = 0, negative = 0;
 };
 
-Senses SensesOf(const SheetBase& base,
+Senses SensesOf(const FlattenedBase& base,
                 const SheetPoints& cloud,
                 const BentSheet& sheet,
                 ThreadPool& pool) {
@@ -186,7 +187,7 @@ TEST(FlattenSheetTest, NeverFolds) {
     SCOPED_TRACE(sheet.name);
     const SheetPoints cloud =
         PointsOn(sheet, {.count = 10000, .sigma = 1e-3, .isotropic = true, .seed = 5});
-    const SheetBase base = Flatten(cloud.points);
+    const FlattenedBase base = Flatten(cloud.points);
     ASSERT_EQ(base.failure_reason, "");
     const Senses senses = SensesOf(base, cloud, sheet, pool);
     EXPECT_EQ(std::min(senses.positive, senses.negative), 0);
@@ -202,7 +203,7 @@ TEST(FlattenSheetTest, UnrollsTurnsThatAreThreeAndAHalfSpacingsApart) {
       const BentSheet sheet = Roll(1.5, apart * std::sqrt(3.2 / static_cast<double>(count)));
       const SheetPoints cloud =
           PointsOn(sheet, {.count = count, .sigma = 1e-3, .isotropic = true, .seed = seed});
-      const SheetBase base = Flatten(cloud.points);
+      const FlattenedBase base = Flatten(cloud.points);
       ASSERT_EQ(base.failure_reason, "");
       EXPECT_LE(RmsAfterMotion(base.parameters, FlatPlaces(sheet, cloud)),
                 5e-3 * LongestSide(base));
@@ -216,7 +217,7 @@ TEST(FlattenSheetTest, TellsHowMuchLengthsChangeOnACap) {
   double before = 0;
   for (const double angle : {20.0, 40.0, 60.0, 90.0, 120.0}) {
     SCOPED_TRACE("angle " + std::to_string(angle));
-    const SheetBase base =
+    const FlattenedBase base =
         Flatten(PointsOn(SphericalCap(angle), {.count = 4000, .sigma = 1e-3}).points);
     EXPECT_EQ(base.failure_reason, "");
     EXPECT_GT(base.distortion, before);
@@ -230,7 +231,7 @@ TEST(FlattenSheetTest, FollowsADensityThatChangesAcrossTheSheet) {
     SCOPED_TRACE("density " + std::to_string(density));
     const BentSheet sheet = ArcSheet(240);
     const SheetPoints cloud = PointsOn(sheet, {.count = 10000, .density = density, .seed = 2});
-    const SheetBase base = Flatten(cloud.points);
+    const FlattenedBase base = Flatten(cloud.points);
     ASSERT_EQ(base.failure_reason, "");
     ExpectInside(base);
     EXPECT_LE(RmsAfterMotion(base.parameters, FlatPlaces(sheet, cloud)), 5e-3 * LongestSide(base));
@@ -241,7 +242,7 @@ TEST(FlattenSheetTest, FollowsADensityThatChangesAcrossTheSheet) {
 TEST(FlattenSheetTest, SurvivesSpacingsThatChangeAHundredfold) {
   for (const BentSheet& sheet : {ArcSheet(240), ShellSheet(), WideningPipe()}) {
     SCOPED_TRACE(sheet.name);
-    const SheetBase base = Flatten(PointsOn(sheet, {.count = 10000, .density = 1e4}).points);
+    const FlattenedBase base = Flatten(PointsOn(sheet, {.count = 10000, .density = 1e4}).points);
     EXPECT_EQ(base.failure_reason, "");
     ExpectInside(base);
   }
@@ -259,7 +260,7 @@ TEST(FlattenSheetTest, RefusesWhatIsNoOpenSheetAndSaysWhy) {
                {TwistedBand(1, 0.3), "one-sided"}};
   for (const auto& [sheet, word] : cases) {
     SCOPED_TRACE(sheet.name);
-    const SheetBase base =
+    const FlattenedBase base =
         Flatten(PointsOn(sheet, {.count = 6000, .sigma = 1e-3, .isotropic = true}).points);
     EXPECT_FALSE(base.ok());
     EXPECT_THAT(base.failure_reason, HasSubstr(word));
@@ -273,7 +274,7 @@ TEST(FlattenSheetTest, RefusesSeveralSheets) {
   Eigen::Matrix3Xd two(3, 5000);
   two.leftCols(3000) = one;
   two.rightCols(2000) = one.leftCols(2000).colwise() + Eigen::Vector3d(4, 0, 0);
-  const SheetBase base = Flatten(two);
+  const FlattenedBase base = Flatten(two);
   EXPECT_THAT(base.failure_reason, HasSubstr("several sheets"));
   EXPECT_LT(base.share, 0.9);
   ExpectInside(base);
@@ -285,7 +286,8 @@ TEST(FlattenSheetTest, RefusesSeveralSheets) {
 TEST(FlattenSheetTest, RefusesFewPointsAndPointsOnLines) {
   for (Eigen::Index count = 1; count <= 50; ++count) {
     SCOPED_TRACE(std::to_string(count) + " points");
-    const SheetBase base = Flatten(PointsOn(ArcSheet(120), {.count = count, .sigma = 1e-4}).points);
+    const FlattenedBase base =
+        Flatten(PointsOn(ArcSheet(120), {.count = count, .sigma = 1e-4}).points);
     ExpectInside(base);
     EXPECT_EQ(base.parameters.cols(), count);
     if (count < 12) {
@@ -316,14 +318,14 @@ TEST(FlattenSheetTest, SurvivesCloudsThatAreNoSheets) {
 
 TEST(FlattenSheetTest, TurnsAndScalesWithTheCloud) {
   const SheetPoints cloud = PointsOn(ShellSheet(), {.count = 6000, .sigma = 1e-3});
-  const SheetBase base = Flatten(cloud.points);
+  const FlattenedBase base = Flatten(cloud.points);
   for (const double unit : {1e-6, 1.0, 1e6}) {
     SCOPED_TRACE("unit " + std::to_string(unit));
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -2) / 3).toRotationMatrix();
     const Eigen::Matrix3Xd moved =
         unit * ((turn * cloud.points).colwise() + Eigen::Vector3d(300, -500, 20));
-    const SheetBase other = Flatten(moved);
+    const FlattenedBase other = Flatten(moved);
     ASSERT_EQ(other.failure_reason, "");
     // The order in which nodes are taken depends on the coordinates; other nodes tell the same of
     // the sheet but for what their quadrics leave out.
@@ -341,8 +343,8 @@ TEST(FlattenSheetTest, DoesNotDependOnTheOrderOfThePoints) {
   const auto flatten = [&](const Eigen::Matrix3Xd& points) {
     return FlattenSheet(points, NeighbourIndex(points), 0.04, 1e-3, 0.02, pool);
   };
-  const SheetBase base = flatten(cloud.points);
-  const SheetBase shuffled = flatten(cloud.points(Eigen::all, order));
+  const FlattenedBase base = flatten(cloud.points);
+  const FlattenedBase shuffled = flatten(cloud.points(Eigen::all, order));
   EXPECT_NEAR(shuffled.length_u, base.length_u, kIterated);
   EXPECT_LE((shuffled.parameters - base.parameters(Eigen::all, order)).cwiseAbs().maxCoeff(),
             kIterated);
@@ -351,7 +353,7 @@ TEST(FlattenSheetTest, DoesNotDependOnTheOrderOfThePoints) {
 TEST(FlattenSheetTest, GivesTheSameBitsForEveryNumberOfThreads) {
   for (const BentSheet& sheet : {ShellSheet(), TorusSheet()}) {
     const Eigen::Matrix3Xd points = PointsOn(sheet, {.count = 6000, .sigma = 1e-3}).points;
-    const SheetBase one = Flatten(points, 1), three = Flatten(points, 3);
+    const FlattenedBase one = Flatten(points, 1), three = Flatten(points, 3);
     EXPECT_EQ(one.parameters, three.parameters);
     EXPECT_EQ(one.distortion, three.distortion);
     EXPECT_TRUE((one.reached == three.reached).all());
@@ -363,7 +365,7 @@ TEST(FlattenSheetTest, PassesOverPointsOffTheSheet) {
   Eigen::Matrix3Xd points(3, 5003);
   points.leftCols(5000) = cloud.points;
   points.rightCols(3) << 0, 0.3, 8, 0, 0.2, 8, 0.7, -3, 8;
-  const SheetBase base = Flatten(points);
+  const FlattenedBase base = Flatten(points);
   EXPECT_EQ(base.failure_reason, "");
   EXPECT_TRUE(base.reached.head(5000).all());
   EXPECT_FALSE(base.reached.tail(3).any());
@@ -391,13 +393,13 @@ TEST(SheetLayoutTest, GivesSomePointsThePlacesThatAllGiveThem) {
     const Eigen::Matrix3Xd points = PointsOn(sheet, {.count = 6000, .sigma = 1e-3}).points;
     const NeighbourIndex index(points);
     const Scale scale = ScaleOf(points, index, pool);
-    SheetLayout layout(points, index, scale.spacing, scale.noise, scale.Margin(), {}, pool);
+    SheetLayout layout(points, index, scale.spacing, scale.noise, scale.Margin(), pool);
     layout.LookCloser();
-    const SheetBase all = layout.Over(points);
+    const FlattenedBase all = layout.Over(points);
     EXPECT_EQ(all.parameters, Flatten(points).parameters);
     std::vector<Eigen::Index> some(2000);
     for (Eigen::Index k = 0; k < 2000; ++k) some[static_cast<size_t>(k)] = 3 * k;
-    const SheetBase part = layout.Over(points(Eigen::all, some));
+    const FlattenedBase part = layout.Over(points(Eigen::all, some));
     EXPECT_EQ(part.failure_reason, all.failure_reason);
     EXPECT_EQ(part.distortion, all.distortion);
     EXPECT_TRUE((part.reached == all.reached(some)).all());

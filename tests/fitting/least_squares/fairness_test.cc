@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/numeric/gauss_rule.h"
 #include "random_splines.h"
 #include "tolerances.h"
 
@@ -70,9 +71,10 @@ Eigen::VectorXd Product(const Eigen::VectorXd& outer, const Eigen::VectorXd& inn
 }
 
 Eigen::MatrixXd DenseForm(
-    const FairnessForm& form, int outer, int inner, int bandwidth, double weight) {
-  BlockBandedMatrix matrix(outer, inner, bandwidth);
-  form.AddTo(matrix, weight);
+    const FairnessForm& form, int outer, int inner, int bandwidth, int reach, double weight) {
+  TensorBand band(outer, inner, bandwidth, reach);
+  form.AddTo(band, weight);
+  const BlockBandedMatrix matrix = band.Of({0, outer, 0, inner});
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
   for (int row = 0; row < outer; ++row) {
     for (int below = 0; below <= std::min(row, bandwidth); ++below) {
@@ -87,9 +89,15 @@ Eigen::MatrixXd DenseForm(
 // Bases whose functions have square integrable second derivatives where the degree is 2 or more.
 const BasisKind kSmooth{.most_spans = 5, .highest_multiplicity = 1};
 
-TEST(QuadratureTest, IsExactUpToTwiceItsCountLessOne) {
+// The rule over [−1, 1].
+GaussRule SymmetricRule(int count) {
+  const GaussRule rule = GaussLegendre(count);
+  return {(2 * rule.nodes).array() - 1, 2 * rule.weights};
+}
+
+TEST(GaussLegendreTest, IsExactUpToTwiceItsCountLessOne) {
   for (int count = 1; count <= 26; ++count) {
-    const Quadrature quadrature(count);
+    const GaussRule quadrature = SymmetricRule(count);
     for (int degree = 0; degree <= 2 * count - 1; ++degree) {
       const double sum = (quadrature.weights.array() * quadrature.nodes.array().pow(degree)).sum();
       const double expected = degree % 2 == 1 ? 0 : 2.0 / (degree + 1);
@@ -98,17 +106,17 @@ TEST(QuadratureTest, IsExactUpToTwiceItsCountLessOne) {
   }
 }
 
-TEST(QuadratureTest, IsNotExactBeyond) {
+TEST(GaussLegendreTest, IsNotExactBeyond) {
   for (int count = 1; count <= 6; ++count) {
-    const Quadrature quadrature(count);
+    const GaussRule quadrature = SymmetricRule(count);
     const double sum = (quadrature.weights.array() * quadrature.nodes.array().pow(2 * count)).sum();
     EXPECT_GT(std::abs(sum - 2.0 / (2 * count + 1)), kHalfDigits) << count << " nodes";
   }
 }
 
-TEST(QuadratureTest, HasPositiveWeightsAndNodesInside) {
+TEST(GaussLegendreTest, HasPositiveWeightsAndNodesInside) {
   for (int count = 1; count <= 26; ++count) {
-    const Quadrature quadrature(count);
+    const GaussRule quadrature = SymmetricRule(count);
     EXPECT_GT(quadrature.weights.minCoeff(), 0);
     EXPECT_LT(quadrature.nodes.cwiseAbs().maxCoeff(), 1);
   }
@@ -322,7 +330,7 @@ TEST(FairnessFormTest, IsTheQuadraticFormOfTheMatrixItAdds) {
     const SplineBasis u = random.Basis(random.Integer(1, 5)),
                       v = random.Basis(random.Integer(1, 5));
     const FairnessForm form(u, &v);
-    const Eigen::MatrixXd matrix = DenseForm(form, u.size(), v.size(), u.degree(), 1);
+    const Eigen::MatrixXd matrix = DenseForm(form, u.size(), v.size(), u.degree(), v.degree(), 1);
     const Eigen::VectorXd c = RandomVector(random, matrix.rows());
     const double scale = kRounding * matrix.cwiseAbs().sum();
     EXPECT_NEAR(form.Energy(c), c.dot(matrix * c), scale);
@@ -335,8 +343,8 @@ TEST(FairnessFormTest, AddsInProportionToItsWeight) {
   RandomSplines random(1);
   const SplineBasis u = random.Basis(3), v = random.Basis(2);
   const FairnessForm form(u, &v);
-  const Eigen::MatrixXd once = DenseForm(form, u.size(), v.size(), 3, 1);
-  const Eigen::MatrixXd half = DenseForm(form, u.size(), v.size(), 3, 0.5);
+  const Eigen::MatrixXd once = DenseForm(form, u.size(), v.size(), 3, 2, 1);
+  const Eigen::MatrixXd half = DenseForm(form, u.size(), v.size(), 3, 2, 0.5);
   EXPECT_LE((half - 0.5 * once).cwiseAbs().maxCoeff(), kRounding * once.cwiseAbs().maxCoeff());
 }
 

@@ -21,6 +21,7 @@
 #include "random_splines.h"
 #include "tolerances.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/gauss_rule.h"
 
 namespace batten::internal::periodic_problem_test {
 
@@ -115,13 +116,13 @@ class DenseProblem {
   // √weight and functions at the nodes of an exact rule on every span.
   static std::vector<std::pair<double, Eigen::MatrixXd>> Nodes(const SplineBasis& basis) {
     std::vector<std::pair<double, Eigen::MatrixXd>> nodes;
-    const Quadrature rule(basis.degree() + 1);
+    const GaussRule rule = GaussLegendre(basis.degree() + 1);
     for (const int span : basis.Spans()) {
       const double a = basis.knots()[static_cast<size_t>(span)],
                    b = basis.knots()[static_cast<size_t>(span) + 1];
       for (Eigen::Index g = 0; g < rule.nodes.size(); ++g) {
-        nodes.emplace_back(std::sqrt(rule.weights[g] * (b - a) / 2),
-                           FunctionRows(basis, span, (a + b) / 2 + (b - a) / 2 * rule.nodes[g]));
+        nodes.emplace_back(std::sqrt(rule.weights[g] * (b - a)),
+                           FunctionRows(basis, span, a + (b - a) * rule.nodes[g]));
       }
     }
     return nodes;

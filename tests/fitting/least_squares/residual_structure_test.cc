@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "fitting/cloud/double_layer_test.h"
 #include "tolerances.h"
 
 namespace batten::internal::residual_structure_test {
@@ -21,6 +20,7 @@ namespace batten::internal::residual_structure_test {
 using std::numbers::pi;
 
 constexpr double kLength = 3, kWidth = 2;
+constexpr double kLayersAbove = 0.1;  // of this share the points are two sheets
 
 using Shape = std::function<double(double, double)>;
 

@@ -30,7 +30,7 @@ TEST(BandedLuTest, AgreesWithADenseSolution) {
     }
     const Eigen::MatrixXd rhs = Eigen::MatrixXd::NullaryExpr(
         size, 3, [&](Eigen::Index, Eigen::Index) { return random.Real(-1, 1); });
-    Eigen::MatrixXd solution = rhs;
+    RightSides solution = rhs;
     ASSERT_EQ(banded.Factor(0), size);
     banded.Solve(solution);
     EXPECT_LE((dense * solution - rhs).norm(), kRounding * (1 + solution.norm()));

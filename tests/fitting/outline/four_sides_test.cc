@@ -9,7 +9,7 @@
 
 namespace batten::internal::four_sides_test {
 
-std::optional<std::array<OutlineSide, 4>> SidesOf(const OutlinedCloud& cloud) {
+std::optional<std::vector<NurbsCurve<2>>> SidesOf(const OutlinedCloud& cloud) {
   OutlineOptions options;
   options.spacing = 1;
   options.length_u = cloud.length_u;
@@ -32,9 +32,9 @@ void ExpectSides(int count, Scatter scatter, unsigned seed) {
   const Places& corners = cloud.shape.corners;
   const Eigen::Vector2d places[4] = {corners[0], corners[2], corners[3], corners[1]};
   for (size_t k = 0; k < 4; ++k) {
-    const NurbsCurve<2>& side = (*sides)[k].curve;
+    const NurbsCurve<2>& side = (*sides)[k];
     const Eigen::Vector2d end = side.At(side.basis().upper());
-    const NurbsCurve<2>& next = (*sides)[(k + 1) % 4].curve;
+    const NurbsCurve<2>& next = (*sides)[(k + 1) % 4];
     EXPECT_EQ(end, next.At(next.basis().lower()));
     EXPECT_LE((side.At(side.basis().lower()) - places[k]).norm(), near);
     for (int i = 0; i <= 100; ++i) {
@@ -74,9 +74,9 @@ TEST(FourSidesTest, ARectangleHasItsOwn) {
   const OutlinedCloud cloud = CloudIn(shape, 10000, Scatter::kRandom, 1, 0.5);
   const auto sides = SidesOf(cloud);
   ASSERT_TRUE(sides);
-  EXPECT_EQ((*sides)[0].curve.control_points().col(3), Eigen::Vector2d(cloud.length_u, 0));
-  EXPECT_EQ((*sides)[2].curve.control_points().col(3), Eigen::Vector2d(0, cloud.length_v));
-  EXPECT_EQ((*sides)[3].curve.basis().degree(), 3);
+  EXPECT_EQ((*sides)[0].control_points().col(3), Eigen::Vector2d(cloud.length_u, 0));
+  EXPECT_EQ((*sides)[2].control_points().col(3), Eigen::Vector2d(0, cloud.length_v));
+  EXPECT_EQ((*sides)[3].basis().degree(), 3);
 }
 
 }  // namespace batten::internal::four_sides_test

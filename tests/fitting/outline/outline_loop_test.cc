@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+#include "geometry/editing/loop_nesting.h"
+
 namespace batten::internal {
 namespace {
 
@@ -61,7 +63,7 @@ TEST(PinToBorderTest, LeavesSpikesOut) {
     for (int k = 0; k < 8; ++k) turned.col(k) = polygon.col((first + k) % 8);
     OutlineLoop loop = SampledOutline(turned, [](const Eigen::Vector2d&) { return 0.0; });
     PinToBorder(loop, {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()});
-    EXPECT_NEAR(SignedArea(PolygonOf(loop)), 80, 1e-9);
+    EXPECT_NEAR(PolygonArea(PolygonOf(loop)), 80, 1e-9);
     for (size_t k = 0; k < loop.size(); ++k) {
       const Eigen::Vector2d &a = loop[k].place, &b = loop[(k + 1) % loop.size()].place,
                             &c = loop[(k + 2) % loop.size()].place;

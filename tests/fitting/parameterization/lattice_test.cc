@@ -64,7 +64,7 @@ TEST(LatticeHeightsTest, TakesNoOtherCloudForARaster) {
 TEST(LatticeHeightsTest, IsThePlaneOfSteepRasters) {
   const Eigen::Matrix3Xd points = Raster(60, 60, 0.1, 1e-6, 2);
   ThreadPool pool(2);
-  const PlaneBase base = FindPlaneBase(points, NeighbourIndex(points, pool), 0.6, 0.3, {}, pool);
+  const PlaneBase base = FindPlaneBase(points, NeighbourIndex(points, pool), 0.6, 0.3, 1, pool);
   EXPECT_TRUE(base.lattice);
   EXPECT_EQ(base.overlap, 0);
   EXPECT_EQ(base.axes.col(2), Eigen::Vector3d::UnitZ());

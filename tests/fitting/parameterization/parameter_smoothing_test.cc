@@ -55,7 +55,8 @@ Settled Settle(const Eigen::Matrix3Xd& points,
   const BaseScore score(cloud, kept, options, pool);
   const PointMask all = PointMask::Constant(cloud.size(), true);
   Settled settled{base, false, score.Of(base, all), {}};
-  settled.any = SmoothParameters(settled.base, cloud, mask, score, pool);
+  const BaseScore::Value own = score.Of(base, score.sample() && mask);
+  settled.any = SmoothParameters(settled.base, cloud, mask, score, own, pool).has_value();
   settled.after = score.Of(settled.base, all);
   return settled;
 }

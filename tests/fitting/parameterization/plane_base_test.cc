@@ -45,7 +45,8 @@ Eigen::Matrix3Xd Sheet(RandomSplines& random,
 }
 
 PlaneBase Find(const Eigen::Matrix3Xd& points, double spacing, double margin = 0) {
-  return FindPlaneBase(points, NeighbourIndex(points), spacing, margin);
+  ThreadPool one(1);
+  return FindPlaneBase(points, NeighbourIndex(points), spacing, margin, 1, one);
 }
 
 double AngleTo(const PlaneBase& base, const Eigen::Vector3d& axis) {
@@ -280,11 +281,11 @@ TEST(FindPlaneBaseTest, IsTheSameOnAnyNumberOfThreads) {
     if (steep > 1) points.row(0) += 0.8 * points.row(2);
     points = (RandomTurn(random) * points).eval();
     const NeighbourIndex index(points);
-    const PlaneBase one = FindPlaneBase(points, index, 0.02, 0.01);
+    const PlaneBase one = Find(points, 0.02, 0.01);
     for (const int threads : {1, 2, 5}) {
       SCOPED_TRACE(testing::Message() << steep << " on " << threads);
       ThreadPool pool(threads);
-      const PlaneBase base = FindPlaneBase(points, index, 0.02, 0.01, {}, pool);
+      const PlaneBase base = FindPlaneBase(points, index, 0.02, 0.01, 1, pool);
       EXPECT_EQ(base.axes, one.axes);
       EXPECT_EQ(base.origin, one.origin);
       EXPECT_EQ(base.length_u, one.length_u);

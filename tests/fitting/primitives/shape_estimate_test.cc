@@ -82,7 +82,7 @@ Calibration Calibrated(SurfaceKind kind, int draws, int points, double part, uns
     const Estimated found =
         Estimate(RandomPoints(truth, PieceOf(truth, part, random), points, random, sigma), kind);
     const Eigen::VectorXd off =
-        Errors(found, truth).cwiseAbs().cwiseQuotient(found.estimate.deviations);
+        Errors(found, truth).cwiseAbs().cwiseQuotient(found.estimate.standard_deviations);
     result.outside += (off.array() > 3).cast<int>().matrix();
     result.squares += off.cwiseMin(5).squaredNorm() / static_cast<double>(off.size() * draws);
   }

@@ -41,12 +41,13 @@ TEST(SnapTest, TakesTheKindThatThePointsAreOf) {
     const Eigen::Matrix3Xd points =
         RandomPoints(truth, PieceOf(truth, 0.5, random), kPoints, random, sigma);
     const double squares = SquaresLeft(truth, points, sigma, 60);
-    const std::optional<Snapped> snapped =
+    const std::optional<DescribedSurface> snapped =
         SnapToPrimitive(points, {}, Left(squares, 60), 1e-12, 1, pool);
     ASSERT_TRUE(snapped);
     EXPECT_EQ(snapped->summary.kind, Name(kind));
     EXPECT_THAT(snapped->summary.why, HasSubstr("explains the points as well (F = "));
-    EXPECT_GT(snapped->chance, 0.01);
+    const std::string& why = snapped->summary.why;
+    EXPECT_GE(std::stod(why.substr(why.find("p = ") + 4)), 0.01);
     EXPECT_LT(DistanceTo(truth.shape, snapped->surface.At(0.5, 0.5)), 5 * sigma);
     // A free form that leaves much less shows that the points are not quite of the shape.
     EXPECT_FALSE(SnapToPrimitive(points, {}, Left(0.8 * squares, 60), 1e-12, 1, pool));
@@ -64,7 +65,8 @@ TEST(SnapTest, ExactPointsSnap) {
     const Eigen::Matrix3Xd points = RandomPoints(truth, PieceOf(truth, 0.5, random), 1000, random);
     FreeFormResidual left;
     left.unknowns = 100;
-    const std::optional<Snapped> snapped = SnapToPrimitive(points, {}, left, 1e-12, 1, pool);
+    const std::optional<DescribedSurface> snapped =
+        SnapToPrimitive(points, {}, left, 1e-12, 1, pool);
     ASSERT_TRUE(snapped);
     EXPECT_EQ(snapped->summary.kind, Name(kind));
   }

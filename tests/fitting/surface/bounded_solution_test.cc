@@ -71,7 +71,7 @@ std::pair<double, double> RangeOf(const FittingProblem& problem, const Eigen::Ma
 
 BoundedSolution Bounded(const FittingProblem& problem, int threads = 1) {
   ThreadPool pool(threads);
-  return SolveWithinBounds(problem, problem.size(), 1 / std::sqrt(4000.0), pool);
+  return SolveWithinBounds(problem, 1 / std::sqrt(4000.0), pool);
 }
 
 TEST(SolveWithinBoundsTest, LeavesSmoothDataAlone) {
@@ -200,8 +200,8 @@ TEST(BoundsFromDataTest, AllowEveryPolynomialWhoseRangeTheDataShow) {
             polynomial, [&](double u, double v) { return !in_empty_cell(u, v); }, 40000, 0, random),
         1e-14);
     const Eigen::MatrixXd net = SolveLinear(problem, pool).coefficients;
-    const CoefficientBounds bounds = BoundsFromData(
-        problem, Eigen::MatrixXd::Zero(1, problem.net_size()), problem.size(), 0, pool);
+    const CoefficientBounds bounds =
+        BoundsFromData(problem, Eigen::MatrixXd::Zero(1, problem.net_size()), 0, pool);
     const auto is_inner = [&](int function, int cell) {  // of the function's cells
       const int first = std::max(0, function - degree), last = std::min(7, function);
       return cell > first && cell < last;
@@ -237,7 +237,7 @@ TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceOverATaperedOutline) {
     ThreadPool pool(1);
     const double free = SolveLinear(problem, pool).residual_squares;
     const BoundedSolution held =
-        SolveWithinBounds(problem, kCount, 1 / std::sqrt(kCount), pool, 3, HUGE_VAL, kSigma);
+        SolveWithinBounds(problem, 1 / std::sqrt(kCount), pool, HUGE_VAL, kSigma);
     EXPECT_LE(held.solution.residual_squares, (1 + kMatters) * free) << cells;
   }
 }
@@ -257,8 +257,7 @@ TEST(SolveWithinBoundsTest, CostsNoMoreThanChanceWithinARoundOutline) {
     const FittingProblem problem = Over(3, cells, Heights(dish, inside, kCount, kSigma, random));
     ThreadPool pool(1);
     const double free = SolveLinear(problem, pool).residual_squares;
-    const BoundedSolution held =
-        SolveWithinBounds(problem, kCount, 1 / std::sqrt(kCount), pool, 3, 0, kSigma);
+    const BoundedSolution held = SolveWithinBounds(problem, 1 / std::sqrt(kCount), pool, 0, kSigma);
     const double chance = std::max<double>(6 * held.held, 0.4 * problem.unknowns()) / kCount;
     EXPECT_LE(held.solution.residual_squares, (1 + chance) * free) << cells;
   }
