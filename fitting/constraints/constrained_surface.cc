@@ -326,6 +326,8 @@ ConstrainedSolution SolveConstrained(const FittingProblem& problem,
                                      ThreadPool& pool) {
   if (problem.is_curve() || problem.data().values.rows() != 3)
     Reject("SolveConstrained", "the data must be points in space over two parameters");
+  if (problem.poles().any() || problem.basis_u().periodic() || problem.basis_v().periodic())
+    Reject("SolveConstrained", "a surface that closes or has a pole takes no constraints");
   const Eigen::Vector3d centre = problem.size() > 0
                                      ? Eigen::Vector3d(problem.data().values.rowwise().mean())
                                      : Eigen::Vector3d(Eigen::Vector3d::Zero());

@@ -34,7 +34,7 @@ inline constexpr int kMostIterations = 500;
 // Rounds of a robust mean or fit of a few points, whose weights hardly change any more.
 inline constexpr int kRobustRounds = 3;
 
-// Points that a thread takes at once, where no result depends on it.
+// Points that a thread takes at once, where at most the order of sums depends on it.
 inline constexpr int kPointsPerTask = 1024;
 
 // The same where a point takes long (a search, a robust fit): 1024 would make too few tasks.

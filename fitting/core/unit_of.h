@@ -10,7 +10,7 @@ namespace batten::internal {
 
 // The power of two next to the longest side of the columns' bounding box, so that division by it is
 // exact; 1 where there is no size. Optimisers that work in it give the same steps in every unit.
-inline double UnitOf(const Eigen::MatrixXd& points) {
+inline double UnitOf(const Eigen::Ref<const Eigen::MatrixXd>& points) {
   constexpr int kMostBits = 450;  // the fourth power is still a number
   double size = 0;
   if (points.cols() > 0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/grid/net_distance.h"
 
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,8 @@ double NetDistance(const NurbsSurface& a, const NurbsSurface& b, int cuts) {
     first = RefineKnots(first, direction, more);
     second = RefineKnots(second, direction, more);
   }
+  if (first.size_u() != second.size_u() || first.size_v() != second.size_v())
+    throw std::invalid_argument("NetDistance: the surfaces have other degrees or domains");
   return (first.control_points() - second.control_points()).colwise().norm().maxCoeff();
 }
 

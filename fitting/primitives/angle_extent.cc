@@ -38,10 +38,12 @@ AngleGap WidestGapOf(const std::vector<double>& angles) {
   }
   std::erase_if(sectors, [](const Sector& s) { return s.first > s.last; });
   if (sectors.empty()) return {};
-  AngleGap widest{sectors.front().first + kTurn - sectors.back().last, sectors.front().first};
+  AngleGap widest{sectors.front().first + kTurn - sectors.back().last,
+                  sectors.front().first,
+                  sectors.back().last - sectors.front().first};
   for (size_t k = 1; k < sectors.size(); ++k) {
     const double gap = sectors[k].first - sectors[k - 1].last;
-    if (gap > widest.width) widest = {gap, sectors[k].first};
+    if (gap > widest.width) widest = {gap, sectors[k].first, kTurn - gap};
   }
   return widest;
 }
@@ -50,7 +52,7 @@ AngleGap WidestGapOf(const std::vector<double>& angles) {
 AngleRange ArcCovered(const std::vector<double>& angles) {
   const AngleGap widest = WidestGapOf(angles);
   if (AllRound(widest.width, std::ssize(angles))) return {angles.front(), kTurn};
-  return {widest.end, kTurn - widest.width};
+  return {widest.end, widest.rest};
 }
 
 AngleRange AnglesCovered(const std::vector<double>& angles) {

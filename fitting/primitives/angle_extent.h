@@ -11,6 +11,7 @@ namespace batten::internal {
 // The widest gap between neighbours round the circle.
 struct AngleGap {
   double width = 0, end = 0;  // no width where there are no angles
+  double rest = 0;            // the range of them all, from the gap's end
 };
 
 // Of angles in [−π, π], in linear time; gaps below a 4096th of the circle may be missed.

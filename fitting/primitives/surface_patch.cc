@@ -106,7 +106,6 @@ ExactSurface PlanePatch(const FittedSurface& shape,
                            return {from.dot(plan.x()), from.dot(plan.y())};
                          }),
                 outliers);
-  // Only points outermost in some direction can be corners of the hull.
   const TurnedRectangle box =
       SmallestRectangleAround(ConvexHullOf({places.colwise().begin(), places.colwise().end()}));
   if (!(box.high[0] > box.low[0] && box.high[1] > box.low[1])) RefuseThin(shape);

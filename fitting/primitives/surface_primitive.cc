@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "batten/fitting/distances.h"
-#include "batten/geometry/closure.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/core/distributions.h"
 #include "fitting/core/rounding.h"
@@ -173,6 +172,24 @@ bool AcrossTheAxis(const ExactTorus& torus) {
   return torus.major + torus.minor * std::cos(torus.tube.start + torus.tube.sweep / 2) < 0;
 }
 
+std::vector<bool> ClosedWays(const ExactSurface& patch) {
+  if (const auto* s = std::get_if<ExactCylinder>(&patch)) return {s->angles.full(), false};
+  if (const auto* s = std::get_if<ExactCone>(&patch)) return {s->angles.full(), false};
+  if (const auto* s = std::get_if<ExactSphere>(&patch)) return {s->longitude.full(), false};
+  if (const auto* s = std::get_if<ExactTorus>(&patch)) return {s->round.full(), s->tube.full()};
+  return {false, false};
+}
+
+std::vector<bool> PolesOf(const NurbsSurface& surface) {
+  const auto one_point = [&](int j) {
+    for (int i = 1; i < surface.size_u(); ++i) {
+      if (surface.control_point(i, j) != surface.control_point(0, j)) return false;
+    }
+    return true;
+  };
+  return {one_point(0), one_point(surface.size_v() - 1)};
+}
+
 }  // namespace
 
 bool LooksAlike(const FittedSurface& shape, const ExactSurface& patch) {
@@ -270,10 +287,8 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
                             described.surface.basis_v().degree()};
   report.geometry.control_points = {described.surface.size_u(), described.surface.size_v()};
   report.geometry.rational = described.surface.rational();
-  report.geometry.closed = {Closed(described.surface, Direction::kU),
-                            Closed(described.surface, Direction::kV)};
-  const CollapsedEdgeSet collapsed = CollapsedEdges(described.surface);
-  report.geometry.poles = {collapsed.v_lower, collapsed.v_upper};
+  report.geometry.closed = ClosedWays(described.patch);
+  report.geometry.poles = PolesOf(described.surface);
   PrimitiveSummary& numbers = described.summary;
   numbers.why = why;
   PrimitiveFit result{{}, std::move(described.surface), {}, {}, {}, {}};
@@ -289,9 +304,15 @@ PrimitiveFit SurfaceMeasurement(PrimitiveInput& input,
     result.shape =
         TorusShape{*numbers.center, *numbers.axis, *numbers.major_radius, *numbers.minor_radius};
   }
-  result.parameters = feet(Eigen::all, input.merged.place);
-  result.residuals = distances(input.merged.place);
-  result.outliers = fit.outliers(input.merged.place);
+  if (input.merged.duplicates == 0) {
+    result.parameters = std::move(feet);
+    result.residuals = std::move(distances);
+    result.outliers = fit.outliers;
+  } else {
+    result.parameters = feet(Eigen::all, input.merged.place);
+    result.residuals = distances(input.merged.place);
+    result.outliers = fit.outliers(input.merged.place);
+  }
   FinishReport(input, std::move(numbers), "surface", result);
   return result;
 }

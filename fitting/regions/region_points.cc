@@ -88,6 +88,7 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   return data;
 }
 
+// Without noise, unit and middle, which only the whole has.
 RegionPoints PartOf(const RegionPoints& data,
                     const std::vector<int>& points,
                     double spacing,

@@ -16,7 +16,8 @@ namespace batten::internal {
 // A direction is closed if paths along the neighbour graph of the nodes go round; a spiral has
 // none. An end of the profile within three spacings of the axis is a pole. Open directions cover
 // the points, widened by the margin. Points (3 × m) are distinct and almost rid of outliers;
-// spacing and noise are those of MeasureCloud. Bit for bit the same for every number of threads.
+// spacing and noise are those of MeasureCloud. The cloud's way round is known and, but for a
+// sphere's base, its shape. Bit for bit the same for every number of threads.
 // O(m log m).
 RevolutionParameterization RevolutionBaseOf(const RoundCloud& cloud, ThreadPool& pool);
 

@@ -12,7 +12,6 @@
 
 #include "batten/fitting/distances.h"
 #include "batten/fitting/solve_linear.h"
-#include "fitting/core/shared_constants.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/knots/knot_line_removal.h"
 #include "fitting/least_squares/fitting_bases.h"
@@ -246,7 +245,8 @@ RefineResult RefineToTolerance(const FitContext& context,
   const Progress& progress = context.options().progress;
   const auto cancelled = [&](double fraction) { return progress && !progress("refine", fraction); };
   double validation = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMostIterations; ++round) {
+  constexpr int kMaxRounds = 200;
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::Index out = refinement.Round("refine");
     if (out == 0) return refinement.Finish(EndCode::kToleranceReached);
     // No more points are out than noise alone explains: continue only while validation on left-out

@@ -66,6 +66,54 @@ struct Sorted {
   }
 };
 
+// A dense form over the unknowns that rows of one cell share.
+class CellForm {
+ public:
+  void Add(const SparseRow& row, double weight) {
+    for (const auto& [index, value] : row) {
+      const auto found = std::lower_bound(indices_.begin(), indices_.end(), index);
+      if (found == indices_.end() || *found != index) Insert(index);
+    }
+    places_.clear();
+    for (const auto& [index, value] : row) {
+      const auto found = std::lower_bound(indices_.begin(), indices_.end(), index);
+      places_.push_back(found - indices_.begin());
+    }
+    for (size_t a = 0; a < row.size(); ++a) {
+      for (size_t b = 0; b < row.size(); ++b)
+        form_(places_[a], places_[b]) += weight * row[a].second * row[b].second;
+    }
+  }
+
+  void MoveTo(std::vector<Eigen::Triplet<double>>& entries) {
+    for (size_t a = 0; a < indices_.size(); ++a) {
+      for (size_t b = 0; b < indices_.size(); ++b)
+        entries.emplace_back(indices_[a],
+                             indices_[b],
+                             form_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
+    }
+    indices_.clear();
+    form_.resize(0, 0);
+  }
+
+ private:
+  void Insert(int index) {
+    const auto at = std::lower_bound(indices_.begin(), indices_.end(), index) - indices_.begin();
+    const Eigen::Index old = form_.rows();
+    Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(old + 1, old + 1);
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index k = 0; k <= old; ++k)
+      if (k != at) kept.push_back(k);
+    wider(kept, kept) = form_;
+    form_ = std::move(wider);
+    indices_.insert(indices_.begin() + at, index);
+  }
+
+  std::vector<int> indices_;
+  std::vector<Eigen::Index> places_;
+  Eigen::MatrixXd form_;
+};
+
 // Sums over the blocks of one width: squares found and expected, and how many.
 struct Growth {
   double found = 0, expected = 0, blocks = 0;
@@ -106,30 +154,12 @@ Eigen::SparseMatrix<double> NormalForm(const DisplacementRows& rows,
                                        const WeighedPoints& points,
                                        const RowOfPoint& row_of) {
   std::vector<Eigen::Triplet<double>> entries;
+  CellForm cell;
   const Sorted sorted(rows.shape(), points.parameters, 1);
   sorted.ForEach([&](size_t first, size_t last) {
-    // A dense form over the unknowns that rows of one cell share.
-    std::vector<SparseRow> shared;
-    std::map<int, int> place;
-    for (size_t k = first; k < last; ++k) {
-      shared.push_back(row_of(sorted.order[k]));
-      for (const auto& [index, value] : shared.back()) place[index] = 0;
-    }
-    int count = 0;
-    for (auto& [index, at] : place) at = count++;
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
-    for (size_t k = first; k < last; ++k) {
-      const SparseRow& row = shared[k - first];
-      const double weight = points.weights[sorted.order[k]];
-      std::vector<int> at;
-      for (const auto& [index, value] : row) at.push_back(place[index]);
-      for (size_t a = 0; a < row.size(); ++a) {
-        for (size_t b = 0; b < row.size(); ++b)
-          sums(at[a], at[b]) += weight * row[a].second * row[b].second;
-      }
-    }
-    for (const auto& [i, a] : place)
-      for (const auto& [j, b] : place) entries.emplace_back(i, j, sums(a, b));
+    for (size_t k = first; k < last; ++k)
+      cell.Add(row_of(sorted.order[k]), points.weights[sorted.order[k]]);
+    cell.MoveTo(entries);
   });
   Eigen::SparseMatrix<double> form(rows.unknowns(), rows.unknowns());
   form.setFromTriplets(entries.begin(), entries.end());
