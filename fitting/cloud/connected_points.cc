@@ -113,6 +113,7 @@ std::pair<Eigen::Index, Eigen::Index> Largest(const std::vector<Eigen::Index>& r
 // The least index of each one's set.
 std::vector<Eigen::Index> RootsOf(SignedSets& sets, int count) {
   std::vector<Eigen::Index> firsts(static_cast<size_t>(count), -1), roots;
+  roots.reserve(static_cast<size_t>(count));
   for (int k = 0; k < count; ++k) {
     Eigen::Index& first = firsts[static_cast<size_t>(sets.Find(k).first)];
     roots.push_back(first < 0 ? first = k : first);

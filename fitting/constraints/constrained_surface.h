@@ -26,7 +26,7 @@ struct ConstrainedSolution {
 // earlier are met and the solution says by how much each other is missed.
 //
 // Throws std::invalid_argument as edge_rows.h says, unless the problem is of points in space, where
-// fixed points lie outside the domain or are not finite, or a normal is zero, and where the points
+// the surface closes or has a pole, where fixed points lie outside the domain or are not finite, or a normal is zero, and where the points
 // do not determine the control points.
 // O(m + n · min(n_u, n_v)² + n · min(n_u, n_v) · t) with t coefficients along tangent fields and
 // conditions.

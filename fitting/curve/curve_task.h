@@ -29,7 +29,7 @@ struct CurveTask {
   double noise = 0;        // standard deviation across the curve; 0: unknown
   CurveDistance distance = CurveDistance::kPoint;  // kParameter or kPoint
   std::optional<DistanceModel> model = {};         // to go on with after points
-  // Their parameters, sharpest first; of a closed curve one is at the seam.
+  // Parameters of corners, sharpest first; of a closed curve one is at the seam.
   std::vector<double> corners = {};
   // Data at corners, where points follow the curve closely: each holds its corner. Between sides
   // that hardly part nothing else would.

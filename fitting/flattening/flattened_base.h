@@ -13,7 +13,8 @@
 
 namespace batten::internal {
 
-// Parameters of points, as lengths along a sheet or a tube, and how well it lies in the plane.
+// Parameters of points, as lengths along a sheet, a rectangle or a tube, and how well it lies in
+// the plane.
 struct FlattenedBase {
   // 2 × m in [0, length_u] × [0, length_v]: a smooth function of the point.
   Eigen::Matrix2Xd parameters;

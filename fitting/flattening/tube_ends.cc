@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kBinInSpacings = 4;
 constexpr double kLeastBins = 12, kMostBins = 96;
-constexpr int kMostHarmonics = 6;
+constexpr int kMostHarmonics = PeriodicWave::kMostHarmonics;
 constexpr int kEndRounds = 4;     // of bins below the wave of the round before
 constexpr int kReweightings = 6;  // of bins that have no place near the edge
 
@@ -112,11 +112,11 @@ PeriodicWave WaveUnder(const Eigen::Matrix2Xd& places,
 PeriodicWave::PeriodicWave(double period, int harmonics)
     : coefficients(Eigen::VectorXd::Zero(2 * harmonics + 1)), period_(period) {}
 
-Eigen::VectorXd PeriodicWave::TermsAt(double u) const {
+PeriodicWave::Terms PeriodicWave::TermsAt(double u) const {
   const double angle = 2 * std::numbers::pi * u / period_;
   const std::complex<double> step(std::cos(angle), std::sin(angle));
   std::complex<double> turned = 1;
-  Eigen::VectorXd terms(coefficients.size());
+  Terms terms(coefficients.size());
   terms[0] = 1;
   for (Eigen::Index k = 1; k < terms.size(); k += 2) {
     turned *= step;

@@ -11,9 +11,12 @@ namespace batten::internal {
 // A Fourier series round a tube: c0 + Σ c_k cos(2πku/P) + d_k sin(2πku/P).
 class PeriodicWave {
  public:
+  static constexpr int kMostHarmonics = 6;
+  using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * kMostHarmonics + 1, 1>;
+
   PeriodicWave(double period, int harmonics);
   // Its terms at u: 1, cos, sin, cos 2, sin 2, …
-  Eigen::VectorXd TermsAt(double u) const;
+  Terms TermsAt(double u) const;
   double At(double u) const;
   Eigen::VectorXd coefficients;
 

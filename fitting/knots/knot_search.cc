@@ -39,7 +39,9 @@ std::vector<double> InteriorKnots(const SplineBasis& basis) {
 // Others in their place.
 KnotGaps WithInteriorKnots(const KnotGaps& gaps, const std::vector<double>& interior) {
   const SplineBasis& basis = gaps.basis();
-  return KnotGaps(WithInnerKnots(WithoutInnerKnots(basis, InteriorKnots(basis)), interior));
+  std::vector<double> knots = basis.knots();
+  std::erase_if(knots, [&](double t) { return t > basis.lower() && t < basis.upper(); });
+  return KnotGaps(WithInnerKnots(SplineBasis(basis.degree(), std::move(knots)), interior));
 }
 
 KnotGaps WithoutKnot(const KnotGaps& gaps, size_t index) {

@@ -23,7 +23,7 @@ struct NetBox {
 // The matrix over a net of n × m coefficients, inner index fastest, whose entry of (i,j) and (k,l)
 // depends on the unordered pairs {i,k} and {j,l} only and vanishes beyond p and q: a sum of
 // products of a symmetric outer and a symmetric inner factor, such as normal matrices and energies
-// of tensor-product splines over open bases. (p+1)(q+1) numbers a coefficient.
+// of tensor-product splines, coefficients that repeat apart. (p+1)(q+1) numbers a coefficient.
 class TensorBand {
  public:
   TensorBand(int outer_size, int inner_size, int outer_reach, int inner_reach);

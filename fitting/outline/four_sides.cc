@@ -41,7 +41,9 @@ bool NeverTurnsBack(const NurbsCurve<2>& side) {
 
 std::optional<std::vector<NurbsCurve<2>>> FourSides(const OutlineCurve& outer) {
   const NurbsCurve<2>& loop = outer.loop;
-  if (outer.corners.size() != 4 || outer.corners.front() != loop.basis().lower()) return {};
+  if (outer.corners.size() != 4 || outer.corners.front() != loop.basis().lower() ||
+      loop.basis().degree() > kOutlineDegree || loop.rational())
+    return {};
   std::vector<NurbsCurve<2>> parts;
   for (size_t k = 0; k < 4; ++k) {
     const double end = k < 3 ? outer.corners[k + 1] : loop.basis().upper();

@@ -10,6 +10,7 @@
 #include "batten/geometry/bounding_box.h"
 #include "fitting/core/rounding.h"
 #include "geometry/editing/loop_nesting.h"
+#include "geometry/numeric/constants.h"
 
 namespace batten::internal {
 namespace {
@@ -214,13 +215,19 @@ bool MatchSeams(std::vector<OutlineSpline>& splines,
 
 namespace {
 
-// The box of one span, by the control points that make it.
+// The box of one span, by the control points that make it, less what rounding may have added: an
+// end on a side is not beyond it.
 Eigen::AlignedBox2d BoxOf(const OutlineSpline& spline, int span) {
   const int p = spline.basis.degree(), first = span - p;
   const auto knots = spline.basis.knots().begin() + first;
   Eigen::Matrix2Xd points(2, p + 1);
   for (int i = 0; i <= p; ++i) points.col(i) = spline.points.col(spline.unknown[first + i]);
-  return BoundingBox(NurbsCurve<2>(SplineBasis(p, {knots, knots + 2 * p + 2}), std::move(points)));
+  const double rounding = 32 * kEpsilon * points.cwiseAbs().maxCoeff();
+  Eigen::AlignedBox2d box =
+      BoundingBox(NurbsCurve<2>(SplineBasis(p, {knots, knots + 2 * p + 2}), std::move(points)));
+  box.min().array() += rounding;
+  box.max().array() -= rounding;
+  return box;
 }
 
 // The greatest value of `sign` times a coordinate over all spans that may exceed the limit: a span

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -138,18 +139,19 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening) {
   // Looks closer first where the first attempt changes lengths by more than `distortion`.
-  const auto closer_beyond = [&](double distortion, bool last_resort) -> BaseMethod {
+  const auto closer_beyond = [&](std::optional<double> distortion, bool last_resort) -> BaseMethod {
     return {.name = "sheet",
             .make =
                 [&input, &plane, flattening, distortion](const InlierSubset& some) {
                   SheetLayout& layout = flattening->layout();
-                  if (layout.found().distortion > distortion) layout.LookCloser();
+                  if (distortion && !(layout.found().distortion <= *distortion))
+                    layout.LookCloser();
                   return OverSheet(input, plane, layout, some);
                 },
             .smooth = true,
             .last_resort = last_resort};
   };
-  return {closer_beyond(kInfinity, false), closer_beyond(kTorn, true), closer_beyond(-1, true)};
+  return {closer_beyond(std::nullopt, false), closer_beyond(kTorn, true), closer_beyond(-1, true)};
 }
 
 BaseMethod RectangleCandidate(const BaseInput& input) {

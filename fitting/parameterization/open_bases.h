@@ -38,7 +38,7 @@ std::vector<BaseMethod> SheetCandidates(const BaseInput& input,
                                         const PlaneBase& plane,
                                         std::shared_ptr<SheetFlattening> flattening);
 
-// Whether a map onto a rectangle may make sides of the sheet's own.
+// Whether a map onto a rectangle, or round a wing, may make sides of the sheet's own.
 bool SidesAreFree(const SurfaceFitOptions& options);
 
 // The sheet mapped onto a rectangle where it runs in space, if it has four corners: where the plane

@@ -46,7 +46,7 @@ class PlaceSums {
 
   // The means of places that hold points, in the order of the places. Points beyond the limit
   // count where they are most of a place, or at least five of it, and nearly equally far off: shape
-  // that the surface does not have. Their numbers are told.
+  // that the surface does not have.
   struct Means {
     std::vector<PlaceMeans> places;
     double used = 0, set_aside = 0;  // points

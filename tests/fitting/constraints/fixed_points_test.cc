@@ -12,17 +12,18 @@
 #include <stdexcept>
 #include <string>
 
+#include "batten/fitting/solve_linear.h"
+#include "batten/geometry/insert_knots.h"
+#include "batten/geometry/iso_curve.h"
+#include "batten/geometry/knot_vectors.h"
 #include "fitting/constraints/constrained_surface.h"
 #include "fitting/least_squares/fairness.h"
 #include "fitting/least_squares/fitting_bases.h"
 #include "fitting/least_squares/penalised_system.h"
-#include "batten/fitting/solve_linear.h"
-#include "batten/geometry/insert_knots.h"
-#include "batten/geometry/iso_curve.h"
 #include "neighbour_edge.h"
 #include "random_splines.h"
-#include "tolerances.h"
 #include "refusal.h"
+#include "tolerances.h"
 
 namespace batten::internal::fixed_points_test {
 
@@ -310,6 +311,24 @@ TEST(FixedPointsTest, WhatCannotBeAskedIsRefusedByName) {
   EXPECT_THAT(Refusal({{}, {{0.5, 1.5, o}}}), testing::HasSubstr("outside the domain"));
   EXPECT_THAT(Refusal({{}, {{0.5, 0.5, std::nullopt, o}}}), testing::HasSubstr("normal"));
   EXPECT_THAT(Refusal({{}, {{0.5, 0.5}}}), testing::HasSubstr("neither place nor normal"));
+}
+
+TEST(FixedPointsTest, SurfacesThatCloseOrHaveAPoleAreRefused) {
+  ThreadPool pool(1);
+  const FittingProblem open = Problem(1);
+  const SplineBasis round = PeriodicUniformKnots(3, 9, 0, 1);
+  const FittingProblem closing[] = {
+      FittingProblem(round, open.basis_v(), Sampled(2000, 1, 1e-3), 1e-6),
+      FittingProblem(open.basis_u(), round, Sampled(2000, 1, 1e-3), 1e-6),
+      open.WithPoles({PoleKind::kSmooth, PoleKind::kNone})};
+  for (const FittingProblem& problem : closing) {
+    EXPECT_THAT(RefusalOf(
+                    [&] {
+                      SolveConstrained(problem, {{}, {{0.5, 0.5, Sheet(0.5, 0.5)}}}, pool);
+                    },
+                    ""),
+                testing::HasSubstr("closes or has a pole"));
+  }
 }
 
 // A smooth surface about the unit square gives neighbours on all sides that go together.

@@ -48,6 +48,29 @@ TEST(TensorBandTest, IsTheMatrixOfItsNumbers) {
   }
 }
 
+// Rows that stand for one coefficient are added up, as around a ring.
+TEST(TensorBandTest, AddsRowsThatRepeat) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE(seed);
+    const int n = 6 + seed % 5, m = 5 + seed % 4, p = 1 + seed % 3, q = 1 + seed % 2;
+    const int around = seed % 2 == 0 ? n - p : n, along = seed % 4 < 2 ? m - q : m;
+    const Pair pair = RandomPair(n, m, p, q, seed);
+    std::vector<int> outer, inner;
+    for (int i = 0; i < n; ++i) outer.push_back(i % around);
+    for (int j = 0; j < m; ++j) inner.push_back(j % along);
+    BlockBandedMatrix matrix(around, along, around - 1);
+    pair.band.AddTo(matrix, outer, inner);
+    Eigen::MatrixXd gathers = Eigen::MatrixXd::Zero(around * along, n * m);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < m; ++j) gathers(outer[i] * along + inner[j], i * m + j) = 1;
+    }
+    const Eigen::MatrixXd found =
+        matrix.Times(Eigen::MatrixXd::Identity(around * along, around * along));
+    EXPECT_LT((found - gathers * pair.dense * gathers.transpose()).cwiseAbs().maxCoeff(),
+              kRounding * pair.dense.norm());
+  }
+}
+
 TEST(TensorBandTest, ABoxIsItsRowsAndColumns) {
   const int n = 9, m = 7;
   const Pair pair = RandomPair(n, m, 3, 2, 1);
