@@ -16,6 +16,7 @@
 #include "batten/fitting/fit_surface.h"
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/surface_evaluator.h"
+#include "geometry/nurbs/span_breaks.h"
 #include "known_sheets.h"
 
 using namespace batten;
@@ -31,16 +32,8 @@ constexpr double kSigma = 1e-3;
 // Neighbouring places of a fine grid whose normals turn by more than a right angle.
 int Folds(const NurbsSurface& surface) {
   constexpr int kPerSpan = 6;
-  const auto steps = [](const SplineBasis& basis) {
-    std::vector<double> result;
-    for (const int span : basis.Spans()) {
-      const double low = basis.knots()[span], high = basis.knots()[span + 1];
-      for (int k = 0; k < kPerSpan; ++k) result.push_back(low + (high - low) * k / kPerSpan);
-    }
-    result.push_back(basis.upper());
-    return result;
-  };
-  const std::vector<double> us = steps(surface.basis_u()), vs = steps(surface.basis_v());
+  const std::vector<double> us = BreaksIn(surface.basis_u(), kPerSpan),
+                            vs = BreaksIn(surface.basis_v(), kPerSpan);
   SurfaceGrid grid;
   SurfaceEvaluator(surface).Grid(us, vs, grid);
   const auto columns = static_cast<Eigen::Index>(vs.size());

@@ -9,7 +9,7 @@
 #include "batten/geometry/plane_section.h"
 #include "batten/geometry/split.h"
 #include "batten/io/geometry_file.h"
-#include "cli/arguments/plane_curves.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {

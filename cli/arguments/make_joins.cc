@@ -16,6 +16,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
 namespace {

@@ -5,13 +5,9 @@
 #include <utility>
 #include <variant>
 
-#include "cli/arguments/make_values.h"
+#include "geometry/nurbs/placed_curve.h"
 
 namespace batten::internal {
-
-NurbsCurve<3> InSpace(const NurbsCurve<2>& curve) {
-  return Lifted(curve, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
-}
 
 void MatchDimensions(std::vector<Geometry>& shapes) {
   const auto plane = [](const Geometry& one) { return std::holds_alternative<NurbsCurve<2>>(one); };

@@ -11,6 +11,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/enum_name.h"
 
 namespace batten {
 namespace {
@@ -45,8 +46,7 @@ const char* Name(Termination termination) {
                                      "max_iterations",
                                      "stalled",
                                      "cancelled"};
-  static_assert(kNames.size() == static_cast<std::size_t>(Termination::kCancelled) + 1);
-  return kNames[static_cast<std::size_t>(termination)];
+  return NameIn<Termination::kCancelled>(kNames, termination);
 }
 
 const char* Name(EndCode code) {
@@ -59,8 +59,7 @@ const char* Name(EndCode code) {
                                      "max_iterations",
                                      "time_limit",
                                      "cancelled"};
-  static_assert(kNames.size() == static_cast<std::size_t>(EndCode::kCancelled) + 1);
-  return kNames[static_cast<std::size_t>(code)];
+  return NameIn<EndCode::kCancelled>(kNames, code);
 }
 
 Termination TerminationOf(EndCode code) {

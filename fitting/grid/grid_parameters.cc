@@ -9,6 +9,7 @@
 #include <string>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/enum_name.h"
 #include "geometry/numeric/polygon.h"
 
 namespace batten {
@@ -191,8 +192,7 @@ void CheckGiven(const Eigen::VectorXd& t, int lines, bool closed, const std::str
 
 const char* Name(GridParameterization parameterization) {
   static constexpr std::array kNames{"auto", "given", "uniform", "chord", "centripetal"};
-  static_assert(kNames.size() == static_cast<std::size_t>(GridParameterization::kCentripetal) + 1);
-  return kNames[static_cast<std::size_t>(parameterization)];
+  return NameIn<GridParameterization::kCentripetal>(kNames, parameterization);
 }
 
 CollapsedLines PolesOf(const PointNet& net, const GridClosing& closed) {

@@ -11,6 +11,7 @@
 
 #include "batten/geometry/knot_vectors.h"
 #include "geometry/numeric/dense_solvers.h"
+#include "geometry/numeric/enum_name.h"
 #include "geometry/numeric/polygon.h"
 #include "geometry/numeric/reject.h"
 
@@ -111,8 +112,7 @@ Eigen::VectorXd UniversalParameters(int degree, Eigen::Index count) {
 const char* Name(CurveParameterization parameterization) {
   static constexpr std::array kNames{
       "given", "uniform", "chord", "centripetal", "foley", "universal"};
-  static_assert(kNames.size() == static_cast<std::size_t>(CurveParameterization::kUniversal) + 1);
-  return kNames[static_cast<std::size_t>(parameterization)];
+  return NameIn<CurveParameterization::kUniversal>(kNames, parameterization);
 }
 
 Eigen::VectorXd CurveParameters(const Eigen::Ref<const Eigen::MatrixXd>& points,

@@ -21,7 +21,7 @@ namespace {
 
 // Surfaces have the kinds from the plane on, in the same order.
 std::optional<SurfaceKind> SurfaceOf(PrimitiveKind kind) {
-  if (kind < PrimitiveKind::kPlane) return std::nullopt;
+  if (kind < PrimitiveKind::kPlane || kind > PrimitiveKind::kTorus) return std::nullopt;
   return static_cast<SurfaceKind>(static_cast<int>(kind) - static_cast<int>(PrimitiveKind::kPlane));
 }
 

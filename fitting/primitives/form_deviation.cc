@@ -9,6 +9,7 @@
 
 #include "fitting/core/mask_indices.h"
 #include "fitting/primitives/linear_chebyshev.h"
+#include "geometry/numeric/enum_name.h"
 
 namespace batten {
 using namespace internal;
@@ -125,8 +126,7 @@ std::optional<FormShape> ShapeOf(const PrimitiveFit& fit) {
 
 const char* NameOf(FormShape::Kind kind) {
   static constexpr std::array kNames{"flatness", "roundness", "sphericity", "cylindricity"};
-  static_assert(kNames.size() == static_cast<std::size_t>(FormShape::Kind::kCylinder) + 1);
-  return kNames[static_cast<std::size_t>(kind)];
+  return NameIn<FormShape::Kind::kCylinder>(kNames, kind);
 }
 
 // Chebyshev steps, each as far as it makes the zone narrower.

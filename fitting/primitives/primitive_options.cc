@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/numeric/enum_name.h"
 #include "geometry/numeric/reject.h"
 
 namespace batten {
@@ -12,8 +13,7 @@ using namespace internal;
 const char* Name(PrimitiveKind kind) {
   static constexpr std::array kNames{
       "auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"};
-  static_assert(kNames.size() == static_cast<std::size_t>(PrimitiveKind::kTorus) + 1);
-  return kNames[static_cast<std::size_t>(kind)];
+  return NameIn<PrimitiveKind::kTorus>(kNames, kind);
 }
 
 void Check(const PrimitiveFitOptions& options) {

@@ -18,6 +18,7 @@
 #include "fitting/primitives/surface_minimum.h"
 #include "fitting/regions/settle_regions.h"
 #include "geometry/numeric/dense_solvers.h"
+#include "geometry/numeric/enum_name.h"
 
 namespace batten::internal {
 namespace {
@@ -327,8 +328,7 @@ std::vector<Freedoms> ConstrainedStep(const std::vector<FittedSurface>& shapes,
 const char* Name(RelationKind kind) {
   static constexpr std::array kNames{
       "parallel", "perpendicular", "coaxial", "coplanar", "equal radius", "tangent"};
-  static_assert(kNames.size() == static_cast<std::size_t>(RelationKind::kTangent) + 1);
-  return kNames[static_cast<std::size_t>(kind)];
+  return NameIn<RelationKind::kTangent>(kNames, kind);
 }
 
 std::vector<FaceJoin> SmoothJoins(const RegionPoints& data, const RegionLabels& labels) {

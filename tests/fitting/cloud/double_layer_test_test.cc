@@ -13,15 +13,15 @@ constexpr double kLayersAbove = 0.1;  // of this share a cloud is two sheets
 constexpr Eigen::Index kCount = 6000;
 constexpr double kSpacing = 0.0129;  // of so many points on the unit square
 
-// A sheet bent over x and y, a share of its points raised by `apart`.
+// A bent sheet, a share of its points raised by `apart`.
 Eigen::Matrix3Xd Sheets(double share, double apart, double sigma, unsigned seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> place;
   std::normal_distribution<double> normal;
   Eigen::Matrix3Xd points(3, kCount);
   for (auto p : points.colwise()) {
-    const double x = place(engine), y = place(engine), angle = x - 0.5;
-    const double r = 1 + (place(engine) < share ? apart : 0) + sigma * normal(engine);
+    const double x = place(engine), y = place(engine), angle = 2 * (x - 0.5);
+    const double r = 0.5 + (place(engine) < share ? apart : 0) + sigma * normal(engine);
     p << r * std::sin(angle), y, r * std::cos(angle);
   }
   return points;

@@ -47,7 +47,7 @@ TEST(SnapTest, TakesTheKindThatThePointsAreOf) {
     EXPECT_EQ(snapped->summary.kind, Name(kind));
     EXPECT_THAT(snapped->summary.why, HasSubstr("explains the points as well (F = "));
     const std::string& why = snapped->summary.why;
-    EXPECT_GE(std::stod(why.substr(why.find("p = ") + 4)), 0.01);
+    EXPECT_GT(std::stod(why.substr(why.find("p = ") + 4)), 0.01);
     EXPECT_LT(DistanceTo(truth.shape, snapped->surface.At(0.5, 0.5)), 5 * sigma);
     // A free form that leaves much less shows that the points are not quite of the shape.
     EXPECT_FALSE(SnapToPrimitive(points, {}, Left(0.8 * squares, 60), 1e-12, 1, pool));

@@ -370,6 +370,7 @@ TEST(RevolutionParameterizationTest, GivesTheSameBitsForEveryNumberOfThreads) {
 
 // Both poles may be sought among the same points.
 TEST(RevolutionParameterizationTest, FewRoughPointsHaveTheirEndsInOrder) {
+  int found = 0;
   for (const Eigen::Index count : {40, 60, 90, 120}) {
     for (const double sigma : {0.03, 0.1, 0.2}) {
       for (const double part : {0.5, 0.7, 1.0}) {
@@ -382,6 +383,7 @@ TEST(RevolutionParameterizationTest, FewRoughPointsHaveTheirEndsInOrder) {
           for (BaseOf* base_of : {RevolutionBaseOf, SphereBaseOf}) {
             const RevolutionParameterization base = Find(base_of, cloud.points);
             if (!base.ok()) continue;
+            ++found;
             EXPECT_GT(base.length_u, 0);
             EXPECT_GT(base.length_v, 0);
             ExpectInside(base);
@@ -390,6 +392,7 @@ TEST(RevolutionParameterizationTest, FewRoughPointsHaveTheirEndsInOrder) {
       }
     }
   }
+  EXPECT_GT(found, 0);
 }
 
 TEST(RevolutionParameterizationTest, SurvivesAnyCloud) {
