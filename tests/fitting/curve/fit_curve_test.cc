@@ -266,26 +266,27 @@ TEST(FitCurveTest, FollowsTheShapeAndNotTheNoise) {
 }
 
 // Of many points means are fitted first; what is left of the noise must be no more than of few, and
-// far points must be told as well.
+// outliers must be told as well, far ones and those of a few noises that only a loss finds.
 TEST(FitCurveTest, FollowsManyPointsAsCloselyAsTheirNumberAllows) {
-  constexpr Eigen::Index kMany = 40000, kEvery = 50;
-  for (const bool far_points : {false, true}) {
-    SCOPED_TRACE(far_points);
+  constexpr Eigen::Index kMany = 40000, kEvery = 20;
+  for (const double off : {0.0, 8 * kSigma, 0.5}) {
+    SCOPED_TRACE(off);
     const PointCloud clean = NoisyArc(kMany, 5, 21);
     Eigen::Matrix3Xd points = clean.points();
-    if (far_points) {
-      for (Eigen::Index k = 7; k < kMany; k += kEvery) points(1, k) += 0.5;
-    }
-    const CurveFit<2> fit = FitCurve<2>(PointCloud(points, {0, 0, 0}, 2));
+    for (Eigen::Index k = 7; k < kMany; k += kEvery)
+      points.col(k) += off * clean.points().col(k).normalized();
+    CurveFitOptions options;
+    if (off > 0) options.loss = Loss::kTukey;
+    const CurveFit<2> fit = FitCurve<2>(PointCloud(points, {0, 0, 0}, 2), options);
     const double n = fit.curve.basis().size();
     EXPECT_LE(n, 24);
     EXPECT_LT(OffTheCircle(fit.curve), 3 * kSigma * std::sqrt(n / static_cast<double>(kMany)));
     EXPECT_NEAR(fit.report.input.noise, kSigma, 0.25 * kSigma);
     EXPECT_EQ(fit.report.termination, Termination::kNoiseReached);
-    if (!far_points) continue;
+    if (off == 0) continue;
     Eigen::Index told = 0;
     for (Eigen::Index k = 7; k < kMany; k += kEvery) told += fit.outliers[k];
-    EXPECT_EQ(told, kMany / kEvery);
+    EXPECT_GE(told, 0.99 * kMany / kEvery);
     // Beyond three deviations is one point of 370.
     EXPECT_LE(fit.report.input.outliers, told + kMany / 200);
   }
