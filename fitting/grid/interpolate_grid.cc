@@ -9,8 +9,8 @@
 #include "batten/geometry/knot_vectors.h"
 #include "fitting/grid/line_least_squares.h"
 #include "fitting/grid/value_span.h"
-#include "fitting/interpolation/collocation.h"
 #include "fitting/knots/data_knots.h"
+#include "fitting/linear/collocation.h"
 
 namespace batten {
 using namespace internal;

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "fitting/linear/coefficient_order.h"
-#include "fitting/interpolation/collocation.h"
-#include "fitting/knots/data_knots.h"
 #include "batten/geometry/knot_vectors.h"
+#include "fitting/knots/data_knots.h"
+#include "fitting/linear/coefficient_order.h"
+#include "fitting/linear/collocation.h"
 
 namespace batten {
 using namespace internal;

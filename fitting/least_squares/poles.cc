@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fitting/linear/coefficient_order.h"
+#include "fitting/linear/collocation.h"
 
 namespace batten {
 using namespace internal;
@@ -16,35 +17,48 @@ namespace {
 // splines that take the values of 1, cos kφ and sin kφ, φ the angle, at the Greville abscissae.
 Eigen::MatrixXd Harmonics(const SplineBasis& basis, double turn, int order) {
   const int m = DistinctCount(basis), p = basis.degree();
-  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(m, m), values(m, 1 + 2 * order);
+  std::vector<SplineCondition> conditions;
+  for (int i = 0; i < m; ++i) conditions.push_back({basis.Clamp(basis.Greville(i))});
+  std::ranges::sort(conditions, {}, &SplineCondition::u);
+  Eigen::MatrixXd values(1 + 2 * order, m);
+  for (int i = 0; i < m; ++i) {
+    const double u = conditions[static_cast<size_t>(i)].u;
+    const double angle = turn * (u - basis.lower()) / (basis.upper() - basis.lower());
+    values(0, i) = 1;
+    for (int k = 1; k <= order; ++k) {
+      values(2 * k - 1, i) = std::cos(k * angle);
+      values(2 * k, i) = std::sin(k * angle);
+    }
+  }
+  if (const auto control = SolveConditions(basis, conditions, values))
+    return control->leftCols(m).transpose();
+  // The minimum-norm solution where collocation is nearly singular.
+  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(m, m);
   double N[kMaxDegree + 1];
   for (int i = 0; i < m; ++i) {
-    const double u = basis.Clamp(basis.Greville(i));
+    const double u = conditions[static_cast<size_t>(i)].u;
     const int span = basis.Span(u);
     basis.Values(span, u, N);
     for (int r = 0; r <= p; ++r) at(i, DistinctIndex(basis, span - p + r)) += N[r];
-    const double angle = turn * (u - basis.lower()) / (basis.upper() - basis.lower());
-    values(i, 0) = 1;
-    for (int k = 1; k <= order; ++k) {
-      values(i, 2 * k - 1) = std::cos(k * angle);
-      values(i, 2 * k) = std::sin(k * angle);
-    }
   }
-  // The minimum-norm solution where collocation is nearly singular.
-  return at.completeOrthogonalDecomposition().solve(values);
+  return at.completeOrthogonalDecomposition().solve(values.transpose());
 }
 
-// An orthonormal basis of a span of columns, and one of what is orthogonal to it. There are as many
-// inside as columns, or rows: also where, over a small angle, rounding tells no more of them apart.
-struct Split {
-  Eigen::MatrixXd inside, outside;
-};
-Split SplitBy(const Eigen::MatrixXd& columns) {
+// An orthonormal basis of a span of columns, as many as columns, or rows: also where, over a small
+// angle, rounding tells no more of them apart.
+Eigen::MatrixXd Inside(const Eigen::MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  const Eigen::MatrixXd q =
-      qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.rows());
-  const Eigen::Index inside = std::min(columns.rows(), columns.cols());
-  return {q.leftCols(inside), q.rightCols(columns.rows() - inside)};
+  return qr.householderQ() *
+         Eigen::MatrixXd::Identity(columns.rows(), std::min(columns.rows(), columns.cols()));
+}
+
+// An orthonormal basis of what is orthogonal to them.
+Eigen::MatrixXd Outside(const Eigen::MatrixXd& columns) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  const Eigen::Index outside = std::max<Eigen::Index>(columns.rows() - columns.cols(), 0);
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(columns.rows(), outside);
+  basis.bottomRows(outside).setIdentity();
+  return qr.householderQ() * basis;
 }
 
 // The functional that maps 1 to one, γ and δ to zero: the mean part of a row, constant in angle.
@@ -87,9 +101,9 @@ Eigen::MatrixXd PoleConditions(const SplineBasis& basis_u,
   const Eigen::Index columns = Eigen::Index{m} * size_v;
   if (!poles.any()) return Eigen::MatrixXd(0, columns);
   const Eigen::MatrixXd first = Harmonics(basis_u, poles.turn, 1);
-  const Eigen::MatrixXd differ = SplitBy(Eigen::VectorXd::Ones(m)).outside.transpose(),
-                        off_first = SplitBy(first).outside.transpose(),
-                        off_second = SplitBy(Harmonics(basis_u, poles.turn, 2)).outside.transpose();
+  const Eigen::MatrixXd differ = Outside(Eigen::VectorXd::Ones(m)).transpose(),
+                        off_first = Outside(first).transpose(),
+                        off_second = Outside(Harmonics(basis_u, poles.turn, 2)).transpose();
   const Eigen::RowVectorXd middle = MiddleForm(first).transpose();
   Eigen::MatrixXd conditions =
       Eigen::MatrixXd::Zero(PoleConditionCount(basis_u, basis_v, poles), columns);
@@ -131,8 +145,8 @@ PoleFreedom FreeVariablesOf(const SplineBasis& basis_u,
   if (!poles.any()) return freedom;
   const int m = DistinctCount(basis_u);
   const Eigen::MatrixXd first = Harmonics(basis_u, poles.turn, 1);
-  const Eigen::MatrixXd in_first = SplitBy(first).inside,
-                        in_second = SplitBy(Harmonics(basis_u, poles.turn, 2)).inside;
+  const Eigen::MatrixXd in_first = Inside(first),
+                        in_second = Inside(Harmonics(basis_u, poles.turn, 2));
   const Eigen::VectorXd middle = in_first.transpose() * MiddleForm(first);
   const auto add = [&](int j, Eigen::Index from, const Eigen::MatrixXd& form) {
     freedom.rows.push_back({j, from, form});
@@ -147,7 +161,7 @@ PoleFreedom FreeVariablesOf(const SplineBasis& basis_u,
       const Eigen::VectorXd with_pole = in_first * middle / middle.squaredNorm();
       const double length = std::sqrt(m + with_pole.squaredNorm());
       edge /= length;
-      next << with_pole / length, in_first * SplitBy(middle).outside;
+      next << with_pole / length, in_first * Outside(middle);
     } else {
       edge.normalize();
     }
@@ -165,8 +179,8 @@ Eigen::MatrixXd WithPolesClosed(Eigen::MatrixXd coefficients,
   if (!poles.any()) return coefficients;
   const int m = DistinctCount(basis_u), size_v = basis_v.size();
   const Eigen::MatrixXd first = Harmonics(basis_u, poles.turn, 1);
-  const Eigen::MatrixXd in_first = SplitBy(first).inside,
-                        in_second = SplitBy(Harmonics(basis_u, poles.turn, 2)).inside;
+  const Eigen::MatrixXd in_first = Inside(first),
+                        in_second = Inside(Harmonics(basis_u, poles.turn, 2));
   const Eigen::VectorXd middle = MiddleForm(first);
   const auto at = [&](int i, int j) { return Eigen::Index{i} * size_v + j; };
   const auto row_off = [&](int j, const Eigen::VectorXd& pole) {

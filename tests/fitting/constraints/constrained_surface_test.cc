@@ -10,12 +10,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "fitting/interpolation/collocation.h"
-#include "fitting/least_squares/fitting_bases.h"
 #include "batten/fitting/solve_linear.h"
 #include "batten/geometry/insert_knots.h"
 #include "batten/geometry/iso_curve.h"
 #include "batten/geometry/joins.h"
+#include "fitting/least_squares/fitting_bases.h"
+#include "fitting/linear/collocation.h"
 #include "known_clouds.h"
 #include "random_splines.h"
 #include "tolerances.h"

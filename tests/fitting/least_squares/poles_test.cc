@@ -121,6 +121,32 @@ TEST(PolesTest, WhatIsFreeMeetsTheConditions) {
   }
 }
 
+// A dense decomposition would take minutes here.
+TEST(PolesTest, ThousandsOfPointsAroundArePlacedAtOnce) {
+  const SplineBasis u = PeriodicUniformKnots(3, 4000, 0, 7), v = FittingBasis(3, 6, 0, 3);
+  const Poles poles{PoleKind::kSmooth, PoleKind::kNone, 2 * kPi};
+  const PoleFreedom freedom = FreeVariablesOf(u, v, poles);
+  ASSERT_EQ(freedom.rows.size(), 3u);
+  EXPECT_EQ(freedom.unknowns, 8);  // the pole and two slopes; five of the row after
+  for (const TiedRow& row : freedom.rows) {
+    // Splines over uniform knots have the harmonics of their values.
+    for (const Eigen::VectorXd& column : row.form.colwise()) {
+      Eigen::VectorXd left = column;
+      for (int k = 0; k <= (row.j == 2 ? 2 : 1); ++k) {
+        Eigen::MatrixXd wave(left.size(), k == 0 ? 1 : 2);
+        for (Eigen::Index i = 0; i < left.size(); ++i) {
+          const double angle = 2 * kPi * k * static_cast<double>(i) / left.size();
+          wave(i, 0) = std::cos(angle);
+          if (k > 0) wave(i, 1) = std::sin(angle);
+        }
+        left -= wave *
+                (wave.transpose() * left).cwiseQuotient(wave.colwise().squaredNorm().transpose());
+      }
+      EXPECT_LT(left.norm(), 1e-11);
+    }
+  }
+}
+
 // Over so little of a turn the harmonics are the same to rounding.
 TEST(PolesTest, NarrowSlicesKeepTheirConditionsApart) {
   std::mt19937_64 random(5);

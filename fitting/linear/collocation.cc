@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fitting/interpolation/collocation.h"
+#include "fitting/linear/collocation.h"
 
 #include <algorithm>
 #include <cmath>
