@@ -70,10 +70,24 @@ bool BaseComparison::Beats(const ScoredBase& one, const ScoredBase& best) {
   return IsBetter(*one.value, *best.value);
 }
 
-bool BaseComparison::Settle(ScoredBase& scored) {
+bool BaseComparison::Settle(ScoredBase& scored, ScoredBase* best) {
+  std::optional<BaseScore::Value> rival;
+  if (best) {
+    rival = ValueOf(*best);
+    rival->score *= kHopeless;
+    if (best->attempt.certain) {  // then it has to be simpler, however near it is
+      rival->score = 0;
+      rival->control_points = static_cast<int>(kFarFewer * rival->control_points);
+    }
+  }
   BaseAttempt& made = scored.attempt;
-  if (!SettleParameters(
-          made.base, input_.cloud, made.reached, score().sample(), input_.margin(), input_.pool))
+  if (!SettleParameters(made.base,
+                        input_.cloud,
+                        made.reached,
+                        score().sample(),
+                        input_.margin(),
+                        rival ? &*rival : nullptr,
+                        input_.pool))
     return false;
   made.base.why += "; parameters settled on a surface of few control points";
   scored.value.reset();

@@ -36,9 +36,9 @@ class BaseComparison {
   // needs no smoothing, a sheet is judged as it was laid out, and has to be clearly better.
   bool Beats(const ScoredBase& one, const ScoredBase& best);
 
-  // Moves the parameters of a base that has its value as it was laid out: SettleParameters, false
-  // where it cannot, or SmoothParameters.
-  bool Settle(ScoredBase& scored);
+  // SettleParameters: false where it cannot, or shows on the way that it will not beat the best.
+  bool Settle(ScoredBase& scored, ScoredBase* best);
+  // SmoothParameters of a base that has its value as it was laid out.
   void Smooth(ScoredBase& scored);
 
  private:

@@ -119,11 +119,12 @@ class BaseContest {
     ScoredBase scored{std::move(made), candidate.name};
     if (candidate.name == "rectangle") {
       // A map is good to a share of the sheet's width: what does not settle is no base.
-      scored.as_laid = ValueOf(scored);
-      if (!comparison_.Settle(scored)) {
+      ScoredBase as_laid = scored;
+      if (!comparison_.Settle(scored, best_ ? &*best_ : nullptr)) {
         row.refused = "its parameters settle on no surface of few control points";
         return;
       }
+      scored.as_laid = ValueOf(as_laid);
     } else if (candidate.smooth && Acts(Rule::kSmoothedParameters)) {
       scored.as_laid = ValueOf(scored);
       comparison_.Smooth(scored);

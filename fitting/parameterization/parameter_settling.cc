@@ -16,7 +16,6 @@
 #include "fitting/joint/joint_optimization.h"
 #include "fitting/knots/knot_grid_selection.h"
 #include "fitting/least_squares/fitting_bases.h"
-#include "fitting/parameterization/base_score.h"
 #include "fitting/parameterization/parameter_smoothing.h"
 
 namespace batten::internal {
@@ -64,10 +63,12 @@ class Settler {
  public:
   Settler(FittingProblem start, ThreadPool& pool) : start_(std::move(start)), pool_(pool) {}
 
-  std::optional<Net> Run(double shorter_side) const {
+  // None where it is no better than a rival by its control points.
+  std::optional<Net> Run(double shorter_side, const BaseScore::Value* rival) const {
     const auto [cells_u, cells_v] = FirstCells(kFirstMisfit * shorter_side);
     std::optional<Net> best = At(start_, cells_u, cells_v, kFirstSteps);
     for (int round = 0; best && round < kMostRounds; ++round) {
+      if (IsBehind(*best, rival)) return std::nullopt;
       std::optional<Net> next;
       double gain = 0;
       for (const auto& [u, v] : {std::pair{Finer(best->cells_u), best->cells_v},
@@ -83,6 +84,7 @@ class Settler {
       if (!next) break;
       best = std::move(next);
     }
+    if (best && IsBehind(*best, rival)) return std::nullopt;
     return best;
   }
 
@@ -106,6 +108,10 @@ class Settler {
   }
 
  private:
+  static bool IsBehind(const Net& net, const BaseScore::Value* rival) {
+    return rival && net.problem.unknowns() > rival->control_points && net.score > rival->score;
+  }
+
   // Grows a net of linear fits in the direction that pays more until it is near enough.
   std::pair<int, int> FirstCells(double near) const {
     const auto misfit = [&](int cells_u, int cells_v) {
@@ -222,6 +228,7 @@ bool SettleParameters(Parameterization& base,
                       const PointMask& mask,
                       const PointMask& sample,
                       double margin,
+                      const BaseScore::Value* rival,
                       ThreadPool& pool) {
   const std::vector<Eigen::Index> all = IndicesOf(mask);
   const PointMask few = SomeUnder(mask && sample, kMostSettled), most = SomeUnder(mask, kMostLast);
@@ -235,7 +242,7 @@ bool SettleParameters(Parameterization& base,
     return settled.ProblemOf(points, some, kProbeDegree, kProbeDegree, kSettledSmoothing);
   };
   const std::optional<Net> net =
-      Settler(problem_of(few), pool).Run(std::min(base.length_u, base.length_v));
+      Settler(problem_of(few), pool).Run(std::min(base.length_u, base.length_v), rival);
   if (!net) return false;
   MoveToFeet(net->Surface(), points, all, settled, pool);
   // The rectangle now ends at the points, and a net over it brings them all to rest.

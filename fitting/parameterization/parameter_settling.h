@@ -3,6 +3,7 @@
 #pragma once
 
 #include "batten/geometry/thread_pool.h"
+#include "fitting/parameterization/base_score.h"
 #include "fitting/parameterization/parameterization.h"
 
 namespace batten::internal {
@@ -15,13 +16,15 @@ namespace batten::internal {
 // map's: a net that is too coarse for their wrinkles cannot keep them. `sample` marks the points
 // that shape the surface, some thousands; those under the mask are moved. The rectangle becomes
 // that of the points' new parameters, widened by `margin`. Returns whether the surface could be
-// settled; if not the base is left unchanged. O(points of the sample) a step, some dozens.
-// [alternation after Hoschek 1988; tangent distances: Wang, Pottmann & Liu 2006]
+// settled; if not, or where a net of more control points than the rival's (null: none) is behind
+// it, the base is left unchanged. O(points of the sample) a step, some dozens. [alternation after
+// Hoschek 1988; tangent distances: Wang, Pottmann & Liu 2006]
 bool SettleParameters(Parameterization& base,
                       const PointCloud& points,
                       const PointMask& mask,
                       const PointMask& sample,
                       double margin,
+                      const BaseScore::Value* rival,
                       ThreadPool& pool);
 
 }  // namespace batten::internal
