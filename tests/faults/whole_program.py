@@ -298,7 +298,7 @@ class Shape:
         return np.array([self.at(u, v) for u in axes[0] for v in axes[1]])
 
 
-def check_report(report, folder, mirror):
+def check_report(report, folder, mirror, of_own_face):
     shapes = [Shape(entry) for entry in strict(open(os.path.join(folder, "part.json"), encoding="utf-8").read())["shape"]["data"]]
     with open(os.path.join(folder, "points.csv"), encoding="ascii") as file:
         rows = list(csv.DictReader(file))
@@ -318,11 +318,13 @@ def check_report(report, folder, mirror):
         measured = np.linalg.norm(foot - points[k])
         if abs(measured - abs(distances[k])) > slack:
             raise Wrong(f"point {k}: {abs(distances[k])} is said, {measured} to its place")
-    # No sample of untrimmed shapes is nearer.
-    samples = np.vstack([shape.samples(14 if shape.surface else 150) for shape in shapes]) + shift
+    # No sample of untrimmed shapes is nearer; points of parts are measured from their own face.
+    sampled = [shape.samples(14 if shape.surface else 150) + shift for shape in shapes]
+    samples = np.vstack(sampled)
     if not any(shape.trimmed for shape in shapes):
         for k in range(0, len(rows), max(1, len(rows) // 60)):
-            nearest = np.linalg.norm(samples - points[k], axis=1).min()
+            others = sampled[int(rows[k].get("index") or 0)] if of_own_face else samples
+            nearest = np.linalg.norm(others - points[k], axis=1).min()
             if nearest < abs(distances[k]) - slack:
                 raise Wrong(f"point {k}: {abs(distances[k])} is said, a sample is {nearest} away")
     summaries = [("error_all", np.full(len(rows), True))]
@@ -358,7 +360,8 @@ def case(batten, seed, number, folder):
     if code in (0, 3):
         try:
             if words[1] != "solid":
-                check_report(report, folder, MIRRORS.get(words[words.index("--symmetric") + 1]) if "--symmetric" in words else None)
+                mirror = MIRRORS.get(words[words.index("--symmetric") + 1]) if "--symmetric" in words else None
+                check_report(report, folder, mirror, words[1] == "parts")
         except Wrong as wrong:
             raise Wrong(f"{name}: {' '.join(words)}\n  {wrong}") from None
         for _ in range(2):
