@@ -61,7 +61,9 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
   if (faces < 6) throw RefusedData("a layout of fewer than six faces closes nothing");
   const TriangleSurface surface = WithEvenCaps(given);
   const SurfaceProjector projector(surface);
-  const SurfaceCreases sharp = CreasesOf(surface, ShortestCrease(surface, faces));
+  const SurfaceCreases borders = WithCapBorders({}, surface),
+                       sharp = WithCapBorders(CreasesOf(surface, ShortestCrease(surface, faces)),
+                                              surface);
   const bool open = !surface.caps.empty();
   // Faces of one size meet the points as well as any. Where that leaves too few of them on thin
   // parts, or a face that spans more than half a circle, as from the tip of an ear to the head,
@@ -74,7 +76,7 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
   };
   std::vector<Attempt> attempts = {
       {1, false, false}, {1, true, false}, {1.2, false, false}, {1.5, true, false}};
-  if (!sharp.none()) {
+  if (sharp.edges != borders.edges) {
     attempts.insert(attempts.begin(), {{1, false, true}, {1, true, true}, {1.2, false, true}});
   }
   std::string why;
@@ -82,7 +84,7 @@ QuadMesh LayoutOf(const TriangleSurface& given, int faces, const Progress& progr
   double least = 0;
   for (const auto& [finer, by_curvature, heed_sharp] : attempts) {
     try {
-      const SurfaceCreases creases = WithCapBorders(heed_sharp ? sharp : SurfaceCreases(), surface);
+      const SurfaceCreases& creases = heed_sharp ? sharp : borders;
       QuadMesh layout =
           FieldLayout(surface, creases, projector, faces * finer, by_curvature, progress);
       if (open) layout.caps = CapFaces(layout, surface);
