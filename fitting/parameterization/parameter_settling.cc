@@ -63,7 +63,7 @@ class Settler {
  public:
   Settler(FittingProblem start, ThreadPool& pool) : start_(std::move(start)), pool_(pool) {}
 
-  // None where it is no better than a rival by its control points.
+  // None where it is behind the rival (null: there is none), or points are too few.
   std::optional<Net> Run(double shorter_side, const BaseScore::Value* rival) const {
     const auto [cells_u, cells_v] = FirstCells(kFirstMisfit * shorter_side);
     std::optional<Net> best = At(start_, cells_u, cells_v, kFirstSteps);
