@@ -43,8 +43,8 @@ const PoissonFunctions& LoadPoisson() {
   throw std::runtime_error(
       std::string("a surface about points needs the module ") + kModule +
       ", which does not load (" + reason +
-      "); it is in the package libbatten0-reconstruction, or set BATTEN_MODULES to the "
-      "folder that holds it");
+      "); it is in the package libbatten0-reconstruction, a build has it once ./scripts/start is "
+      "through, and BATTEN_MODULES may name the folder that holds it");
 }
 
 const PoissonFunctions& Poisson() {
