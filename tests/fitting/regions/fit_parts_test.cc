@@ -164,7 +164,7 @@ TEST_P(MachinedPartTest, IsTheSameOnAnyNumberOfThreads) {
 
 INSTANTIATE_TEST_SUITE_P(All, MachinedPartTest, testing::Range(0, 7));
 
-TEST(FitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
+TEST(LongFitPartsTest, NumbersAreWithinTwoStandardDeviationsNineteenTimesInTwenty) {
   Deviations deviations;
   unsigned seed = 20;
   for (const TruthPart& part : MachinedParts()) {
@@ -284,7 +284,7 @@ TEST(FitPartsTest, WhatIsNotTrueIsNoRelation) {
   }
 }
 
-TEST(FitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
+TEST(LongFitPartsTest, PartsAreSolidsWithTheirEdgesAndVertices) {
   PartFitOptions options;
   options.regularise = options.solid = true;
   for (const TruthPart& part : MachinedParts()) {
@@ -426,7 +426,7 @@ TEST(FitPartsTest, RefusesWhatHasNoFaces) {
   EXPECT_THROW(FitParts(PointCloud(points), options), std::invalid_argument);
 }
 
-TEST(FitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
+TEST(LongFitPartsTest, AFreeSurfaceIsAFaceOfItsOwn) {
   // A block whose top is a wave.
   TruthPart part = BoxPart();
   TruthFace top = FlatFace({0, 0, 0.4}, {1, 0, 0}, {0, 0.7, 0});

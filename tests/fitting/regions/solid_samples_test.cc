@@ -146,7 +146,7 @@ TEST(SolidGenusTest, TheHandleOfATorusIsWhereItsLoopsLeaveIt) {
   EXPECT_EQ(GenusOf(whole), 0);
 }
 
-TEST(SolidSamplesTest, BodiesApartAreCountedAndOthersRefused) {
+TEST(LongSolidSamplesTest, BodiesApartAreCountedAndOthersRefused) {
   const auto pair = [](double scale, double move) {
     const Eigen::Matrix3Xd one = SampledPart(BoxPart(), kPoints, 1e-4, 7).points;
     Eigen::Matrix3Xd both(3, 2 * kPoints);

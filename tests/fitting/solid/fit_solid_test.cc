@@ -173,7 +173,7 @@ PointCloud BumpyBall(int each, double noise) {
   return PointCloud(points);
 }
 
-TEST(FitSolidTest, IsFinerWhereItsLayoutMissesThePoints) {
+TEST(LongFitSolidTest, IsFinerWhereItsLayoutMissesThePoints) {
   const QuadMesh layout = CubeSphere(2);
   for (const double noise : {0.0, 1e-3}) {
     const PointCloud cloud = BumpyBall(3000, noise);

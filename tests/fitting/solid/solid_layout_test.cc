@@ -202,7 +202,7 @@ TEST(FitSolidTest, SecondsTellOfLayoutsAndOtherFits) {
 }
 
 // Caps of few faces have corners, which stay: no other layout needs to be tried.
-TEST(LayoutOfTest, FollowsTheBordersOfSmallCaps) {
+TEST(LongLayoutOfTest, FollowsTheBordersOfSmallCaps) {
   TriangleSurface ball = Closed(CubeSphere(5)).surface;
   for (auto p : ball.vertices.colwise()) p.normalize();
   const Eigen::Vector3d up = Eigen::Vector3d(1, 2, 3).normalized();

@@ -18,7 +18,7 @@ struct Case {
 
 // Law: the surface closes at the edge, bit for bit; the points are fitted to their noise; and the
 // truth is much nearer than the points are, the edge within two spacings.
-TEST(FitWingsTest, CloseAtTheEdgeAndFitToTheNoise) {
+TEST(LongFitWingsTest, CloseAtTheEdgeAndFitToTheNoise) {
   unsigned seed = 11;
   for (const Case& one :
        {Case{{}, 30000, 5e-4},

@@ -157,7 +157,7 @@ PointCloud Step(unsigned seed, double height) {
   return PointCloud::FromWorld(points);
 }
 
-TEST(HoldBetweenPointsTest, FitsOfStepsStayWithinThreeSpacingsOfTheirHeights) {
+TEST(LongHoldBetweenPointsTest, FitsOfStepsStayWithinThreeSpacingsOfTheirHeights) {
   int left = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const SurfaceFit fit = FitSurface(Step(seed, 0.1 * (1 + seed % 4)), {});
@@ -198,7 +198,7 @@ PointCloud Quarry(unsigned seed) {
 
 // Four of six left by more than three spacings where local foot points had the last word: on
 // walls they miss what global ones find.
-TEST(HoldBetweenPointsTest, FitsOfTerracesStayWithinThreeSpacingsOfTheirHeights) {
+TEST(LongHoldBetweenPointsTest, FitsOfTerracesStayWithinThreeSpacingsOfTheirHeights) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const SurfaceFit fit = FitSurface(Quarry(seed), {});
     ASSERT_TRUE(fit.report.overshoot);
