@@ -63,6 +63,15 @@ TEST_F(OutputsTest, AMissingModuleIsSaidBeforeTheInputIsRead) {
   EXPECT_THAT(said(), HasSubstr("none.xyz"));
 }
 
+TEST_F(OutputsTest, AModuleThatIsNotBuiltYetIsNamedWithWhatBuildsIt) {
+  if (std::filesystem::exists("/usr/local/lib/batten")) GTEST_SKIP() << "a module is installed";
+  EXPECT_EQ(Shell("mkdir bin; cp \"$B\" bin; BATTEN_MODULES= bin/batten fit solid c.xyz -o a.stl"),
+            1);
+  EXPECT_THAT(said(), HasSubstr("libbatten_reconstruction.so"));
+  EXPECT_THAT(said(), HasSubstr("./scripts/start"));
+  EXPECT_FALSE(Has("a.stl"));
+}
+
 TEST_F(OutputsTest, NothingIsLeftWhereOneOfTheOutputsFails) {
   folder_.With("g.json", kRationalPatch);
   std::filesystem::create_symlink("/dev/full", folder_.File("r.json"));

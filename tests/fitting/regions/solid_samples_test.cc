@@ -146,17 +146,22 @@ TEST(SolidGenusTest, TheHandleOfATorusIsWhereItsLoopsLeaveIt) {
   EXPECT_EQ(GenusOf(whole), 0);
 }
 
-TEST(LongSolidSamplesTest, BodiesApartAreCountedAndOthersRefused) {
-  const auto pair = [](double scale, double move) {
-    const Eigen::Matrix3Xd one = SampledPart(BoxPart(), kPoints, 1e-4, 7).points;
-    Eigen::Matrix3Xd both(3, 2 * kPoints);
-    both << one, (scale * one).colwise() + Eigen::Vector3d::Constant(move);
-    return SolidOf(both);
-  };
-  const PartsFit apart = pair(1, 3);
+// A box, and beside it one that is scaled and moved along all axes.
+PartsFit TwoBoxes(double scale, double move) {
+  const Eigen::Matrix3Xd one = SampledPart(BoxPart(), kPoints, 1e-4, 7).points;
+  Eigen::Matrix3Xd both(3, 2 * kPoints);
+  both << one, (scale * one).colwise() + Eigen::Vector3d::Constant(move);
+  return SolidOf(both);
+}
+
+TEST(SolidSamplesTest, BodiesApartAreCounted) {
+  const PartsFit apart = TwoBoxes(1, 3);
   ASSERT_TRUE(apart.solid) << apart.no_solid;
   EXPECT_EQ(apart.bodies, 2);
-  const PartsFit nested = pair(0.5, 0.1);
+}
+
+TEST(SolidSamplesTest, BodiesInOneAnotherAreRefused) {
+  const PartsFit nested = TwoBoxes(0.5, 0.1);
   EXPECT_FALSE(nested.solid);
   EXPECT_NE(nested.no_solid.find("2 bodies, of which two lie in one another"), std::string::npos)
       << nested.no_solid;

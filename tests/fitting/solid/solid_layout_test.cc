@@ -202,11 +202,11 @@ TEST(FitSolidTest, SecondsTellOfLayoutsAndOtherFits) {
 }
 
 // Caps of few faces have corners, which stay: no other layout needs to be tried.
-TEST(LongLayoutOfTest, FollowsTheBordersOfSmallCaps) {
+void FollowsTheBordersOfCapsAbove(const std::vector<double>& heights) {
   TriangleSurface ball = Closed(CubeSphere(5)).surface;
   for (auto p : ball.vertices.colwise()) p.normalize();
   const Eigen::Vector3d up = Eigen::Vector3d(1, 2, 3).normalized();
-  for (const double height : {0.8, 0.87, 0.93}) {
+  for (const double height : heights) {
     ball.caps.clear();
     for (const auto t : ball.triangles.colwise())
       ball.caps.push_back(up.dot(ball.vertices(Eigen::all, t).rowwise().mean()) > height);
@@ -225,6 +225,10 @@ TEST(LongLayoutOfTest, FollowsTheBordersOfSmallCaps) {
     }
   }
 }
+
+TEST(LayoutOfTest, FollowsTheBordersOfASmallCap) { FollowsTheBordersOfCapsAbove({0.87}); }
+
+TEST(LongLayoutOfTest, FollowsTheBordersOfSmallCaps) { FollowsTheBordersOfCapsAbove({0.8, 0.93}); }
 
 TEST(LayoutFacesTest, GrowWithThePointsWithinBounds) {
   EXPECT_EQ(LayoutFaces(0), LayoutFaces(100));
