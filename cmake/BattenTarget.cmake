@@ -8,6 +8,13 @@ target_compile_options(batten_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-vir
                        $<IF:$<BOOL:${BATTEN_UNITY}>,-Wno-subobject-linkage,-Wshadow>
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # GCC bug 105651: false alarms in std::string
                        $<$<BOOL:${BATTEN_WARNINGS_AS_ERRORS}>:-Werror>)
+# GCC collects its garbage again and again on the way to a gigabyte: with memory for each core it need not (4 % of a build's time).
+cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)  # MB
+cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+math(EXPR memory "${memory} / ${cores}")
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND memory GREATER 3000)
+  target_compile_options(batten_flags INTERFACE --param=ggc-min-expand=1000 --param=ggc-min-heapsize=4000000)
+endif()
 target_include_directories(batten_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
 # An executable maps the libraries it calls and no others.
 target_link_options(batten_flags INTERFACE LINKER:--as-needed)
@@ -27,7 +34,8 @@ set(BATTEN_DENSE_ROOMS python primitives ordering flattening regions interpolati
 function(batten_unite TARGET NAME)
   set(group 0)
   set(most ${BATTEN_UNITY_LINES})
-  if(NAME IN_LIST BATTEN_DENSE_ROOMS)
+  string(REGEX REPLACE "_first$" "" room ${NAME})
+  if(room IN_LIST BATTEN_DENSE_ROOMS)
     math(EXPR most "${most} / 3")
   endif()
   set(lines ${most})
@@ -51,26 +59,57 @@ function(batten_unite TARGET NAME)
   endif()
 endfunction()
 
-# batten_rooms(TARGET room...): adds the sources of the rooms, folders beside the calling CMakeLists.txt.
+# batten_rooms(TARGET room...): adds the sources of the rooms, folders beside the calling CMakeLists.txt; to TARGET_first, where
+# there is such a target, those that the first surface takes.
 function(batten_rooms TARGET)
   foreach(room IN LISTS ARGN)
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${room}/*.cc)
     if(NOT sources)
       message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR}/${room}: no sources")
     endif()
+    set(first "")
+    if(TARGET ${TARGET}_first)
+      foreach(source IN LISTS sources)
+        if(source IN_LIST BATTEN_FIRST_SOURCES)
+          list(APPEND first ${source})
+        endif()
+      endforeach()
+      list(REMOVE_ITEM sources ${first})
+      batten_unite(${TARGET}_first ${room}_first ${first})
+    endif()
     batten_unite(${TARGET} ${room} ${sources})
   endforeach()
 endfunction()
 
-# batten_library(NAME room...): the static library of one folder, its rooms in their order, lowest first. Its public headers are
-# the files of include/batten/NAME: what is installed, each of which compiles alone.
+# batten_in_two(TARGET private...): the static library TARGET, and TARGET_first, the part of it that the first surface takes,
+# which TARGET has in itself as well. Both are compiled against the private libraries.
+function(batten_in_two TARGET)
+  add_library(${TARGET}_first STATIC)
+  add_library(${TARGET} STATIC $<TARGET_OBJECTS:${TARGET}_first>)
+  foreach(part ${TARGET}_first ${TARGET})
+    target_compile_features(${part} PUBLIC cxx_std_20)
+    target_link_libraries(${part} PRIVATE $<BUILD_INTERFACE:batten_flags>)
+    foreach(private IN LISTS ARGN)
+      target_link_libraries(${part} PRIVATE ${private})
+    endforeach()
+  endforeach()
+endfunction()
+
+# batten_library(NAME ROOMS room... PUBLIC library... PRIVATE library...): the static library of one folder, its rooms in their
+# order, lowest first. Its public headers are the files of include/batten/NAME: what is installed, each of which compiles alone.
 function(batten_library NAME)
-  add_library(batten_${NAME} STATIC)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ROOMS;PUBLIC;PRIVATE")
+  batten_in_two(batten_${NAME} ${arg_PRIVATE})
   add_library(batten::${NAME} ALIAS batten_${NAME})
   set_target_properties(batten_${NAME} PROPERTIES EXPORT_NAME ${NAME})
-  target_compile_features(batten_${NAME} PUBLIC cxx_std_20)
-  batten_rooms(batten_${NAME} ${ARGN})
+  batten_rooms(batten_${NAME} ${arg_ROOMS})
+  foreach(library IN LISTS arg_PUBLIC)
+    target_link_libraries(batten_${NAME} PUBLIC ${library})
+    if(TARGET ${library}_first)
+      set(library ${library}_first)
+    endif()
+    target_link_libraries(batten_${NAME}_first PUBLIC ${library})
+  endforeach()
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/batten/${NAME}/*.h)
   target_sources(batten_${NAME} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${headers})
-  target_link_libraries(batten_${NAME} PRIVATE $<BUILD_INTERFACE:batten_flags>)
 endfunction()

@@ -12,7 +12,7 @@ endif()
 add_library(batten_shared SHARED)
 add_library(batten::batten ALIAS batten_shared)
 foreach(folder geometry fitting io)
-  target_sources(batten_shared PRIVATE $<TARGET_OBJECTS:batten_${folder}>)
+  target_sources(batten_shared PRIVATE $<TARGET_OBJECTS:batten_${folder}_first> $<TARGET_OBJECTS:batten_${folder}>)
 endforeach()
 set(symbols ${PROJECT_SOURCE_DIR}/cmake/batten.map)
 set_target_properties(batten_shared PROPERTIES OUTPUT_NAME batten EXPORT_NAME batten LINKER_LANGUAGE CXX

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "cli/terminal/cli11_forward.h"
 
@@ -31,5 +32,15 @@ void AddProjectCommand(CLI::App& app, Action& action);
 void AddSampleCommand(CLI::App& app, Action& action);
 void AddSectionCommand(CLI::App& app, Action& action);
 void AddTessellateCommand(CLI::App& app, Action& action);
+
+// A command of the program.
+struct ProgramCommand {
+  const char* name;
+  bool of_fit;                              // `batten fit NAME`, else `batten NAME`
+  void (*add)(CLI::App& parent, Action&);  // null: not in this build (batten_first)
+};
+
+// All commands, in the order in which help lists them.
+std::span<const ProgramCommand> AllCommands();
 
 }  // namespace batten::internal

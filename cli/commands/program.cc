@@ -218,6 +218,16 @@ void AddHelpCommand(CLI::App& app, Action& action) {
   });
 }
 
+// A command that batten_first does not have takes any words and says what it needs.
+void AddCommandToBuild(CLI::App& parent, const char* name) {
+  CLI::App& command = *parent.add_subcommand(name, "Not built yet: ./scripts/start builds it");
+  command.set_help_flag();
+  command.prefix_command();
+  command.callback([typed = (parent.get_parent() ? "fit " : "") + std::string(name)] {
+    throw UsageError("'batten " + typed + "' is not built yet: ./scripts/start builds it");
+  });
+}
+
 const char* const kPurpose =
     "batten turns measured points into NURBS curves and surfaces that CAD accepts.";
 
@@ -257,24 +267,14 @@ void AddAll(CLI::App& app, Action& action) {
   fit.footer(
       "Examples:\n  batten fit surface scan.ply -o part.step\n"
       "  batten fit curve section.xyz -o section.step\n  batten fit surface --help");
-  AddFitSurfaceCommand(fit, action);
-  AddFitCurveCommand(fit, action);
-  AddFitPrimitiveCommand(fit, action);
-  AddFitPartsCommand(fit, action);
-  AddFitSolidCommand(fit, action);
-  AddCompareCommand(app, action);
-  AddBatchCommand(app, action);
-  AddEvaluateCommand(app, action);
-  AddProjectCommand(app, action);
-  AddEditCommand(app, action);
-  AddSectionCommand(app, action);
-  AddIntersectCommand(app, action);
-  AddMakeCommand(app, action);
-  AddConvertCommand(app, action);
-  AddAnalyzeCommand(app, action);
-  AddInfoCommand(app, action);
-  AddSampleCommand(app, action);
-  AddTessellateCommand(app, action);
+  for (const ProgramCommand& command : AllCommands()) {
+    CLI::App& parent = command.of_fit ? fit : app;
+    if (command.add) {
+      command.add(parent, action);
+    } else {
+      AddCommandToBuild(parent, command.name);
+    }
+  }
   AddCompletionCommand(app, action);
   AddHelpCommand(app, action);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {

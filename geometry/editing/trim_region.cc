@@ -13,7 +13,7 @@ using namespace internal;
 namespace {
 
 constexpr double kNear = 1e-12;    // of the domain: places that near to a loop are on it
-constexpr double kMargin = 1e-11;  // arcs count as entering squares that near to them
+constexpr double kArcMargin = 1e-11;  // arcs count as entering squares that near to them
 constexpr int kOutside = -1, kInside = -2;
 
 // An arc along a side of the domain: the part that counts lies on one side of it only.
@@ -40,8 +40,8 @@ class TrimRegion::Index {
       box_.extend(arc.from).extend(arc.to);
       along_domain_.push_back(AlongDomain(arc));
     }
-    box_.min().array() -= 2 * kMargin;
-    box_.max().array() += 2 * kMargin;
+    box_.min().array() -= 2 * kArcMargin;
+    box_.max().array() += 2 * kArcMargin;
     constexpr double kFewest = 64, kMost = 1024;
     count_ = static_cast<int>(
         std::clamp(8 * std::sqrt(static_cast<double>(arcs_.size())), kFewest, kMost));
@@ -103,17 +103,17 @@ class TrimRegion::Index {
       const auto square = [&](double value, int axis) {
         return Square(Eigen::Vector2d::Constant(value), axis);
       };
-      const int top = square(arc.High(1) + kMargin, 1);
-      for (int row = square(arc.Low(1) - kMargin, 1); row <= top; ++row) {
-        const double y0 = box_.min()[1] + row * size_[1] - kMargin;
-        const double y1 = y0 + size_[1] + 2 * kMargin;
+      const int top = square(arc.High(1) + kArcMargin, 1);
+      for (int row = square(arc.Low(1) - kArcMargin, 1); row <= top; ++row) {
+        const double y0 = box_.min()[1] + row * size_[1] - kArcMargin;
+        const double y1 = y0 + size_[1] + 2 * kArcMargin;
         double x0 = arc.from[0], x1 = arc.to[0];
         if (arc.from[1] != arc.to[1]) {
           x0 = arc.At(arc.Where(1, y0))[0];
           x1 = arc.At(arc.Where(1, y1))[0];
         }
         const auto [low, high] = std::minmax(x0, x1);
-        rows[row].push_back({square(low - kMargin, 0), square(high + kMargin, 0), k});
+        rows[row].push_back({square(low - kArcMargin, 0), square(high + kArcMargin, 0), k});
       }
     }
     return rows;

@@ -9,10 +9,12 @@
 #include <filesystem>
 #include <string>
 
+#include "cli/commands/commands.h"
 #include "test_clouds.h"
 
 namespace batten::internal::outputs_test {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -70,6 +72,32 @@ TEST_F(OutputsTest, AModuleThatIsNotBuiltYetIsNamedWithWhatBuildsIt) {
   EXPECT_THAT(said(), HasSubstr("libbatten_reconstruction.so"));
   EXPECT_THAT(said(), HasSubstr("./scripts/start"));
   EXPECT_FALSE(Has("a.stl"));
+}
+
+// batten_first, which scripts/start fits with before the rest is compiled.
+TEST_F(OutputsTest, TheFirstProgramFitsAsTheWholeDoesAndNamesWhatIsStillToBeBuilt) {
+  ::setenv("F", BATTEN_FIRST, 1);
+  const std::string fit = " fit surface c.xyz -o ";
+  ASSERT_EQ(Shell("\"$F\"" + fit + "f.step && \"$F\" convert f.step f.json"), 0) << said();
+  ASSERT_EQ(Shell("\"$B\"" + fit + "w.step && \"$B\" convert w.step w.json"), 0) << said();
+  EXPECT_EQ(folder_.Text("f.json"), folder_.Text("w.json"));
+  EXPECT_EQ(Shell("\"$F\" tessellate f.step -o f.stl && \"$F\" f.step --at 0.5,0.5"), 2);
+  EXPECT_THAT(said(), HasSubstr("'batten info' is not built yet: ./scripts/start builds it"));
+  EXPECT_TRUE(Has("f.stl"));
+  // Every command is known to both, and either runs or says what it needs.
+  std::string later;
+  for (const ProgramCommand& command : AllCommands()) {
+    const std::string typed = (command.of_fit ? "fit " : "") + std::string(command.name);
+    SCOPED_TRACE(typed);
+    if (Shell("\"$F\" " + typed + " --help") == 0) {
+      EXPECT_THAT(said(), HasSubstr("Examples:"));
+    } else {
+      EXPECT_EQ(said(), "batten: 'batten " + typed + "' is not built yet: ./scripts/start builds it\n");
+      later += command.name + std::string(" ");
+    }
+  }
+  EXPECT_THAT(later, AllOf(HasSubstr("solid"), HasSubstr("compare"), Not(HasSubstr("surface"))));
+  EXPECT_EQ(Shell("\"$F\" --help | grep -q \"Not built yet: ./scripts/start builds it\""), 0);
 }
 
 TEST_F(OutputsTest, NothingIsLeftWhereOneOfTheOutputsFails) {
