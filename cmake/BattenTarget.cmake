@@ -11,9 +11,19 @@ target_compile_options(batten_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-vir
 # GCC collects its garbage again and again on the way to a gigabyte: with memory for each core it need not (4 % of a build's time).
 cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)  # MB
 cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
-math(EXPR memory "${memory} / ${cores}")
-if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND memory GREATER 3000)
-  target_compile_options(batten_flags INTERFACE --param=ggc-min-expand=1000 --param=ggc-min-heapsize=4000000)
+if(EXISTS /sys/fs/cgroup/memory.max)  # of a container
+  file(STRINGS /sys/fs/cgroup/memory.max limit)
+  if(limit MATCHES "^[0-9]+$")
+    math(EXPR limit "${limit} / 1000000")
+    if(limit LESS memory)
+      set(memory ${limit})
+    endif()
+  endif()
+endif()
+math(EXPR least "4000 * ${cores}")
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND memory GREATER least)
+  target_compile_options(batten_flags INTERFACE
+    $<$<CONFIG:Release>:--param=ggc-min-expand=1000> $<$<CONFIG:Release>:--param=ggc-min-heapsize=4000000>)
 endif()
 target_include_directories(batten_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/include)
 # An executable maps the libraries it calls and no others.
@@ -22,11 +32,11 @@ target_link_options(batten_flags INTERFACE LINKER:--as-needed)
 # Where the modules that are loaded when needed are installed.
 set(BATTEN_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/batten)
 
-# Lines of source that one unity file takes at most: a translation unit stays under a minute.
-set(BATTEN_UNITY_LINES 4500)
+# Lines of source that one unity file takes at most: a translation unit stays under half a minute, most of them.
+set(BATTEN_UNITY_LINES 2600)
 
 # Rooms whose lines take two to five times as long as others': small matrices of fixed sizes, or bindings.
-set(BATTEN_DENSE_ROOMS python primitives ordering flattening regions interpolation intersection)
+set(BATTEN_DENSE_ROOMS python primitives wings least_squares ordering flattening regions interpolation intersection)
 
 # batten_unite(TARGET NAME source...): compiles the sources of one room in a few translation units, in alphabetical
 # order, so that the headers of Eigen are read and its templates instantiated once for all of them. Kernels

@@ -32,7 +32,7 @@ function(batten_find_first OUT)
   set(first "")
   while(todo)
     list(POP_FRONT todo file)
-    if(seen_${file})
+    if(seen_${file} OR NOT EXISTS ${file})  # the compiler tells of a header that is not there
       continue()
     endif()
     set(seen_${file} TRUE)

@@ -29,10 +29,10 @@ pcl_headers() {
   (cd build/pcl && apt-get -q download libpcl-dev && dpkg-deb -x libpcl-dev_*.deb . && rm libpcl-dev_*.deb)
 }
 
-# build PRESET [target...]
+# build PRESET [target...]; it configures each time, for what the first surface takes is read from the sources as they are.
 build() {
   local preset=$1
   shift
-  [ -f "build/$preset/build.ninja" ] || cmake --preset "$preset"
+  cmake --preset "$preset"
   cmake --build "build/$preset" -j "$(nproc)" ${@:+--target "$@"}
 }

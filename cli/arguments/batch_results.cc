@@ -80,8 +80,10 @@ std::string LastLine(std::string errors) {
 std::string Message(const Json& report, int exit_code, const std::string& errors) {
   constexpr int kSignal = 128;
   if (exit_code > kSignal) return fmt::format("ended by signal {}", exit_code - kSignal);
-  if (exit_code == kDone || exit_code == kToleranceMissed) {
+  if (IsWritten(exit_code)) {
     std::vector<std::string> sentences;
+    for (const Json& doubt : report.value("doubt", Json::array()))
+      sentences.push_back("doubtful: " + doubt.value("words", ""));
     const Json::json_pointer words("/end/words");
     if (exit_code == kToleranceMissed && report.contains(words) && report[words].is_string())
       sentences.push_back(report[words].get<std::string>());
@@ -127,13 +129,14 @@ tr.missed td.state {{ color: #96660a; font-weight: bold; }}
 
 std::string PageRow(const BatchJob& job, const BatchResult* result, const std::string& page) {
   const int code = result == nullptr ? kDone : result->exit_code;
-  const bool written = result != nullptr && (code == kDone || code == kToleranceMissed);
+  const bool written = result != nullptr && IsWritten(code);
   const std::vector<std::string> outputs = written && !job.output.empty()
                                                ? std::vector<std::string>{job.output}
                                                : std::vector<std::string>{};
   const char* const state = result == nullptr          ? "not run"
                             : code == kDone            ? "done"
                             : code == kToleranceMissed ? "tolerance missed"
+                            : code == kDoubtful        ? "doubtful"
                                                        : "failed";
   const char* const row_class = code == kDone ? ""
                                 : written     ? " class=\"missed\""
@@ -224,17 +227,19 @@ std::string ToIndexPage(const std::vector<BatchJob>& jobs,
                         const BatchResults& results,
                         const std::string& title,
                         const std::string& page) {
-  size_t done = 0, missed = 0;
+  size_t done = 0, missed = 0, doubtful = 0;
   for (const auto& [at, result] : results) {
     done += result.exit_code == kDone ? 1 : 0;
     missed += result.exit_code == kToleranceMissed ? 1 : 0;
+    doubtful += result.exit_code == kDoubtful ? 1 : 0;
   }
   const std::string counts =
-      fmt::format("{} jobs: {} done, {} tolerance missed, {} failed, {} not run",
+      fmt::format("{} jobs: {} done, {} tolerance missed, {} doubtful, {} failed, {} not run",
                   jobs.size(),
                   done,
                   missed,
-                  results.size() - done - missed,
+                  doubtful,
+                  results.size() - done - missed - doubtful,
                   jobs.size() - results.size());
   std::string html = fmt::format(fmt::runtime(kPageHead), InMarkup(title), counts);
   for (size_t k = 0; k < jobs.size(); ++k) {

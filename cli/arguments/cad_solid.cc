@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/io/read_error.h"
+#include "batten/io/solid_writer.h"
 #include "cli/arguments/part_words.h"
 #include "cli/terminal/terminal.h"
 
@@ -72,15 +74,54 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
   return code;
 }
 
+// Under these options; a reason and no code where it ends before a solid that meets the demands.
+CadOutcome TryCadSolid(const FitArguments& a,
+                       SolidKind kind,
+                       const SolidDemands& demands,
+                       FitFiles& files,
+                       const PointCloud& cloud,
+                       const PartFitOptions& options) {
+  try {
+    if (kind == SolidKind::kAuto) {
+      PartFitOptions quick = options;
+      quick.regularise = quick.solid = false;
+      const double share = ExactShare(FitParts(Glance(cloud), quick));
+      if (share < kMostlyExact) return {std::nullopt, TooFewWords(share)};
+    }
+    PartsFit fit = FitParts(cloud, options);
+    std::string reason = WhyNot(fit, kind, demands.genus);
+    if (reason.empty() && demands.volume) {
+      reason = VolumeWords(CensusOf(*fit.solid).volume, demands);
+    }
+    if (!reason.empty()) return {std::nullopt, reason};
+    const int code = Written(a, files, fit);
+    if (kind == SolidKind::kAuto && !a.flags.quiet) {
+      PrintNote("--kind auto: cad, for all faces are exact and their edges close");
+    }
+    return {code, ""};
+  } catch (const RefusedData& refusal) {
+    return {std::nullopt, refusal.what()};
+  } catch (const WriteError& refusal) {
+    return {std::nullopt, refusal.what()};
+  }
+}
+
 }  // namespace
 
 std::string GenusWords(int genus, int asked) {
   return fmt::format("its genus is {}, not {} (--genus)", genus, asked);
 }
 
+std::string VolumeWords(double volume, const SolidDemands& demands) {
+  constexpr double kKept = 0.002;  // a chord of a thousandth of the size costs less
+  if (!demands.volume || std::abs(volume - *demands.volume) <= kKept * *demands.volume) return "";
+  return fmt::format("its volume is {:.6g}, that of the mesh {:.6g}", volume, *demands.volume);
+}
+
 SolidKind ToSolidKind(const std::string& word) {
   return word == "cad"       ? SolidKind::kCad
          : word == "organic" ? SolidKind::kOrganic
+         : word == "faceted" ? SolidKind::kFaceted
                              : SolidKind::kAuto;
 }
 
@@ -89,7 +130,7 @@ CadOutcome RunCadSolid(const FitArguments& a,
                        const SolidDemands& demands,
                        FitFiles& files,
                        const PointCloud& cloud) {
-  if (kind == SolidKind::kOrganic) return {};
+  if (kind == SolidKind::kOrganic || kind == SolidKind::kFaceted) return {};
   PartFitOptions options;
   options.tolerance = a.tolerance;
   options.regularise = true;
@@ -98,33 +139,18 @@ CadOutcome RunCadSolid(const FitArguments& a,
   options.most_invented = demands.most_invented;
   options.shift = files.shift();
   options = WithWork(std::move(options), a);
-  std::string reason;
-  try {
-    if (kind == SolidKind::kAuto) {
-      PartFitOptions quick = options;
-      quick.regularise = quick.solid = false;
-      const double share = ExactShare(FitParts(Glance(cloud), quick));
-      if (share < kMostlyExact) throw RefusedData(TooFewWords(share));
-    }
-    PartsFit fit = FitParts(cloud, options);
-    reason = WhyNot(fit, kind, demands.genus);
-    if (reason.empty()) {
-      const int code = Written(a, files, fit);
-      if (kind == SolidKind::kAuto && !a.flags.quiet) {
-        PrintNote("--kind auto: cad, for all faces are exact and their edges close");
-      }
-      return {code, ""};
-    }
-  } catch (const RefusedData& refusal) {
-    reason = refusal.what();
-  } catch (const WriteError& refusal) {
-    reason = refusal.what();
+  CadOutcome outcome = TryCadSolid(a, kind, demands, files, cloud, options);
+  if (!outcome.code && demands.least_noise > 0) {
+    // Facets that are exact by themselves stand for round faces where their chords count as noise.
+    options.least_noise = demands.least_noise;
+    const CadOutcome rounded = TryCadSolid(a, kind, demands, files, cloud, options);
+    if (rounded.code) return rounded;
   }
-  if (kind == SolidKind::kCad) {
-    files.Refuse("makes no solid of exact faces: " + reason +
+  if (!outcome.code && kind == SolidKind::kCad) {
+    files.Refuse("makes no solid of exact faces: " + outcome.reason +
                  " (--kind organic makes one of smooth faces, fit parts writes the exact ones)");
   }
-  return {std::nullopt, reason};
+  return outcome;
 }
 
 }  // namespace batten::internal

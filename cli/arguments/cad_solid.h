@@ -9,7 +9,7 @@
 
 namespace batten::internal {
 
-enum class SolidKind { kAuto, kCad, kOrganic };
+enum class SolidKind { kAuto, kCad, kOrganic, kFaceted };
 
 SolidKind ToSolidKind(const std::string& word);
 
@@ -22,10 +22,15 @@ struct CadOutcome {
 struct SolidDemands {
   double most_invented = 0.15;  // of its area, the share without points near
   std::optional<int> genus = std::nullopt;
+  std::optional<double> volume = std::nullopt;  // of the mesh that it stands for
+  double least_noise = 0;                       // of points on the chords of that mesh
 };
 
 // Why a solid of another genus is refused.
 std::string GenusWords(int genus, int asked);
+
+// Why a solid of this volume does not stand for the mesh; empty where it does, or there is none.
+std::string VolumeWords(double volume, const SolidDemands& demands);
 
 // Takes the road over planes, cylinders, cones, spheres and tori; kCad refuses where it ends before
 // a solid that meets the demands.

@@ -148,6 +148,10 @@ void AddEveryFitsArguments(CLI::App& command,
           },
           "Seconds for the fit; then the best so far is written, and the exit code is 3 [none]")
       ->type_name("S");
+  command.add_flag(
+      "--accept-doubt",
+      a.accept_doubt,
+      "A result that may be wrong, which the first line says, ends with code 0 and not 4");
   if (loss != nullptr) {
     Allow(AddText(command, "--loss", a.loss, loss, "LOSS"),
           {"auto", "none", "huber", "cauchy", "tukey", "truncated"});
@@ -264,6 +268,7 @@ void GroupFitFlags(CLI::App& command) {
               "--spline",
               "--method",
               "--time-limit",
+              "--accept-doubt",
               "--memory",
               "--checkpoint",
               "--tiles"});
@@ -475,6 +480,11 @@ void FitFiles::NoteTimeLimit(FitReport& report) const {
   report.warnings.push_back(report.end.words);
 }
 
+void FitFiles::TakePoints(const PointCloud& points) {
+  file_.points_in_file += points.size() - file_.cloud.size();
+  file_.cloud = points;
+}
+
 void FitFiles::Keep(const std::vector<Eigen::Index>& points) {
   file_.cloud = file_.cloud.Picked(points);
 }
@@ -523,6 +533,24 @@ std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry,
   WriteMeshes(meshes, a_.out, {.format = out_format_, .metres = MetresIn(a_.output.unit)});
   return MeshWords(summary);
 }
+
+namespace {
+
+// What of any fit makes its result doubtful: errors that are no noise, and many points left out.
+void NoteDoubts(FitReport& report) {
+  constexpr double kMostLeftOut = 0.1;
+  if (report.end.code == EndCode::kStructuredResiduals) {
+    report.doubts.push_back({"structured_residuals", report.end.words});
+  }
+  const double left_out =
+      double(report.input.outliers) / double(std::max<Eigen::Index>(report.input.points, 1));
+  if (left_out > kMostLeftOut) {
+    report.doubts.push_back(
+        {"points_left_out", fmt::format("{:.0f} % of the points are left out", 100 * left_out)});
+  }
+}
+
+}  // namespace
 
 int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
@@ -580,10 +608,16 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   const double before = read_seconds_ + prepared_seconds_ + report.seconds.total;
   report.seconds.total = std::max(before, Seconds());
   report.seconds.write = report.seconds.total - before;
-  if (a_.out != "-") target.result_line = a_.out + ": " + report.OneLine();
+  NoteDoubts(report);
+  std::string doubt;
+  for (const Doubt& one : report.doubts) doubt += (doubt.empty() ? "doubtful: " : "; ") + one.words;
+  if (a_.out != "-") {
+    target.result_line = a_.out + ": " + doubt + (doubt.empty() ? "" : "; ") + report.OneLine();
+  }
   WriteReports(report, target);
   if (!mesh.empty() && !a_.flags.quiet) PrintNote(a_.out + ": " + mesh);
-  return ExitCode(report);
+  const int code = ExitCode(report);
+  return code == kDone && !doubt.empty() && !a_.accept_doubt ? kDoubtful : code;
 }
 
 }  // namespace batten::internal

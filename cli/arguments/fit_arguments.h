@@ -40,6 +40,7 @@ struct FitArguments {
   CommonFlags flags;
   WorkFlags work;
   std::optional<double> tolerance, time_limit, sew;
+  bool accept_doubt = false;
   bool uncertainty = false;     // of curves and surfaces
   std::string uncertainty_map;  // a file; empty: none
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
@@ -123,6 +124,9 @@ class FitFiles {
   // Goes on with the points that stand for those of a source.
   void TakeSample(const CloudFileSource& source, Eigen::Index points, const PointCloud& sample);
 
+  // Whether only some points of the files are taken (--box, --where and their like).
+  bool picked() const { return file_.filtered > 0 || cleaned_ > 0; }
+
   // What the program ends with for a fit of this report.
   static int ExitCode(const FitReport& report);
 
@@ -159,6 +163,9 @@ class FitFiles {
   // Whether time was up, and not the user's patience; the limit ends then, and a report is told.
   bool TimeIsUp() const;
   void NoteTimeLimit(FitReport& report) const;
+
+  // Goes on with these points in place of those that were read.
+  void TakePoints(const PointCloud& points);
 
   // Goes on with these points of the cloud alone.
   void Keep(const std::vector<Eigen::Index>& points);

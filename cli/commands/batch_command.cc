@@ -104,9 +104,7 @@ class Batch {
     for (size_t k = 0; k < jobs_.size(); ++k) {
       const auto found = earlier.find(jobs_[k].fingerprint);
       if (found == earlier.end()) continue;
-      const int code = found->second.exit_code;
-      if ((code == kDone || code == kToleranceMissed) && AllThere(jobs_[k]))
-        results_[k] = found->second;
+      if (IsWritten(found->second.exit_code) && AllThere(jobs_[k])) results_[k] = found->second;
     }
   }
 
@@ -203,13 +201,14 @@ class Batch {
   std::ptrdiff_t CountOf(int code) const {
     return std::count_if(results_.begin(), results_.end(), [&](const auto& entry) {
       const int of_job = entry.second.exit_code;
-      return of_job == code || (code == kBadInput && of_job != kDone && of_job != kToleranceMissed);
+      return of_job == code || (code == kBadInput && !IsWritten(of_job));
     });
   }
 
   int ExitCode() const {
     if (CountOf(kBadInput) > 0) return kBadInput;
-    return CountOf(kToleranceMissed) > 0 ? kToleranceMissed : kDone;
+    if (CountOf(kToleranceMissed) > 0) return kToleranceMissed;
+    return CountOf(kDoubtful) > 0 ? kDoubtful : kDone;
   }
 
   const BatchArguments& a_;

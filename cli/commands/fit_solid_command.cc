@@ -3,6 +3,7 @@
 // out.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -13,16 +14,19 @@
 #include <vector>
 
 #include "batten/fitting/closed_surface.h"
+#include "batten/fitting/faceted_solid.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/fitting/solid_layout.h"
 #include "batten/geometry/quad_mesh.h"
+#include "batten/geometry/triangle_samples.h"
 #include "batten/io/file_format.h"
 #include "batten/io/mesh_writer.h"
 #include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
 #include "batten/io/reconstruct_surface.h"
 #include "cli/arguments/cad_solid.h"
+#include "cli/arguments/faceted_solid.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/mesh_output.h"
 #include "cli/commands/commands.h"
@@ -39,7 +43,7 @@ namespace {
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
-  std::string kind = "auto";
+  std::string kind = "auto", points = "faces";
   int faces = 0;
   SolidDemands demands;
   bool keep_outliers = false, every_face = false;
@@ -106,11 +110,33 @@ std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
   return closed;
 }
 
-// The points have the normals of the faces.
-void TakeFaces(const ClosedSurface& faces, PointCloud& cloud, SolidFitOptions& options) {
+// A mesh is a surface: beside its vertices count points on its triangles, where these are large.
+struct MeshPoints {
+  PointCloud cloud;          // the vertices, then the points on triangles
+  Eigen::Matrix3Xd normals;  // of those
+};
+
+MeshPoints PointsOn(const ClosedSurface& faces, const PointCloud& vertices) {
+  constexpr Eigen::Index kEnough = 20000;  // for faces of a hundredth of the area
+  TriangleSurface local = faces.surface;
+  local.vertices.colwise() -= vertices.origin();
+  TriangleSamples samples =
+      SampleTriangles(local, SampleSpacing(local, std::max(kEnough, vertices.size())));
+  Eigen::Matrix3Xd points(3, vertices.size() + samples.points.cols());
+  points << vertices.points(), samples.points;
+  return {PointCloud(std::move(points), vertices.origin()), std::move(samples.normals)};
+}
+
+// The points have the normals of the faces, the last of them those of `on`.
+void TakeFaces(const ClosedSurface& faces,
+               PointCloud& cloud,
+               SolidFitOptions& options,
+               const Eigen::Matrix3Xd& on = {}) {
   TriangleSurface local = faces.surface;
   local.vertices.colwise() -= cloud.origin();
-  cloud.set_normals(NormalsNear(local, cloud.points()));
+  Eigen::Matrix3Xd normals(3, cloud.size());
+  normals << NormalsNear(local, cloud.points().leftCols(cloud.size() - on.cols())), on;
+  cloud.set_normals(std::move(normals));
   // A vertex on a sharp edge is no outlier.
   options.keep_outliers = true;
 }
@@ -182,17 +208,32 @@ SolidKind KindOf(const FitSolidArguments& a) {
   const bool layout = !a.quads.empty() || a.faces > 0 || !a.mesh_out.empty() ||
                       !a.layout_out.empty() || a.every_face || a.keep_outliers || a.open ||
                       a.smoothing != "auto" || a.clean == "none";
-  if (layout && kind == SolidKind::kCad) {
-    throw UsageError(
-        "--kind cad: --quads, --faces, --mesh-out, --layout-out, --open, --every-face, "
-        "--smoothing, "
-        "--keep-outliers and --clean none are of --kind organic");
+  if (layout && (kind == SolidKind::kCad || kind == SolidKind::kFaceted)) {
+    throw UsageError("--kind " + a.kind +
+                     ": --quads, --faces, --mesh-out, --layout-out, --open, --every-face, "
+                     "--smoothing, "
+                     "--keep-outliers and --clean none are of --kind organic");
   }
   const bool triangles = NamesMesh(a.out, a.out_format);
-  if (triangles && kind == SolidKind::kCad)
-    throw UsageError("-o " + a.out +
-                     ": --kind cad writes .step; batten tessellate makes triangles of it");
+  if (triangles && (kind == SolidKind::kCad || kind == SolidKind::kFaceted))
+    throw UsageError("-o " + a.out + ": --kind " + a.kind +
+                     " writes .step; batten tessellate makes triangles of it");
   return layout || triangles ? SolidKind::kOrganic : kind;
+}
+
+// The mesh of the file, whose triangles count; none where only points do, or it does not close.
+struct MeshOfFile {
+  std::optional<ClosedSurface> closed;
+  std::string refused;  // why it does not close
+};
+
+MeshOfFile ReadMesh(const FitSolidArguments& a, const FitFiles& files) {
+  if (a.points == "vertices" || !a.quads.empty() || a.open || files.picked()) return {};
+  try {
+    return {FacesOf(a), ""};
+  } catch (const RefusedData& refusal) {
+    return {std::nullopt, refusal.what()};
+  }
 }
 
 int RunFitSolid(const FitSolidArguments& a) {
@@ -219,14 +260,49 @@ int RunFitSolid(const FitSolidArguments& a) {
   PointCloud cloud = files.Read(false);
   options.shift = files.shift();
   if (!mesh) RefuseTinyBody(files, cloud);
-  const CadOutcome cad = RunCadSolid(a, kind, a.demands, files, cloud);
+  const MeshOfFile mesh_given = ReadMesh(a, files);
+  Eigen::Matrix3Xd on;  // normals of the points on triangles
+  SolidDemands demands = a.demands;
+  if (mesh_given.closed) {
+    if (kind == SolidKind::kFaceted)
+      return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, "");
+    MeshPoints points = PointsOn(*mesh_given.closed, cloud);
+    files.TakePoints(points.cloud);
+    cloud = std::move(points.cloud);
+    on = std::move(points.normals);
+    constexpr double kCrease =
+        25 * std::numbers::pi / 180;  // polygons of more than 14 sides are round
+    constexpr double kSpread = 0.3;   // standard deviation of places on a chord, of its height
+    if (on.cols() > 0)
+      demands.least_noise = kSpread * ChordHeight(mesh_given.closed->surface, kCrease);
+    if (mesh_given.closed->filled == 0) demands.volume = EnclosedVolume(mesh_given.closed->surface);
+    if (!a.flags.quiet && on.cols() > 0)
+      PrintNote(
+          fmt::format("{}: a mesh of {} triangles; {} points on them count beside its vertices",
+                      a.clouds.front(),
+                      mesh_given.closed->surface.triangles.cols(),
+                      on.cols()));
+  } else if (kind == SolidKind::kFaceted) {
+    files.Refuse("makes no solid of plane faces: " +
+                 (mesh_given.refused.empty()
+                      ? std::string("it holds no faces (--kind auto fits points)")
+                      : mesh_given.refused));
+  }
+  const CadOutcome cad = RunCadSolid(a, kind, demands, files, cloud);
   if (cad.code) return *cad.code;
+  // A smooth surface through the middles of facets is no better than they are.
+  const bool coarse = 2 * on.cols() > cloud.size();
+  if (kind == SolidKind::kAuto && coarse) {
+    return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, cad.reason);
+  }
+  const bool may_be_faceted = kind == SolidKind::kAuto && mesh_given.closed;
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (!a.quads.empty()) {
     layout = LayoutOnFaces(a, layout, cloud, options);
   } else {
-    const std::optional<ClosedSurface> faces = files.Explained([&] { return FacesOf(a); });
-    if (faces) TakeFaces(*faces, cloud, options);
+    const std::optional<ClosedSurface> faces =
+        mesh_given.closed ? mesh_given.closed : files.Explained([&] { return FacesOf(a); });
+    if (faces) TakeFaces(*faces, cloud, options, on);
     // Holes are closed smoothly beyond points, which triangles across them do not.
     const ClosedSurface closed = faces && !a.open ? *faces : SurfaceAbout(a, files, cloud);
     RefuseGenus(a, files, closed.genus);
@@ -241,9 +317,26 @@ int RunFitSolid(const FitSolidArguments& a) {
     over = closed.surface;
   }
   files.NotePrepared();
-  SolidFit fit = files.Explained([&] {
-    return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
+  std::string why;
+  SolidFit fit = files.Explained([&]() -> SolidFit {
+    try {
+      return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
+    } catch (const RefusedData& refusal) {
+      if (!may_be_faceted) throw;
+      why = refusal.what();
+      return {};
+    }
   });
+  if (why.empty()) why = VolumeWords(fit.audit.volume, demands);
+  if (may_be_faceted && !why.empty()) {
+    return WriteFacetedSolid(
+        a,
+        files,
+        *mesh_given.closed,
+        cloud,
+        fmt::format("with exact faces: {}; with smooth ones: {}", cad.reason, why));
+  }
+  if (!why.empty()) fit.report.doubts.push_back({"volume", why});
   RefuseGenus(a, files, fit.layout.genus);
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);
@@ -255,7 +348,7 @@ int RunFitSolid(const FitSolidArguments& a) {
     PrintNote(a.out + ": " + SolidWords(fit));
     if (!cad.reason.empty()) PrintNote("--kind auto: organic, for " + cad.reason);
   }
-  return fit.report.end.code == EndCode::kStructuredResiduals ? kToleranceMissed : code;
+  return code;
 }
 
 }  // namespace
@@ -279,10 +372,19 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
                  "--kind",
                  a->kind,
                  "organic: smooth faces over a layout; cad: planes, cylinders, cones, spheres "
-                 "and tori with sharp edges; auto: cad where the faces close")
+                 "and tori with sharp edges; faceted: the plane faces of a closed mesh; auto: cad "
+                 "where the faces close, else organic where it has the mesh's volume, else faceted")
              ->capture_default_str()
              ->type_name("KIND"),
-        {"auto", "cad", "organic"});
+        {"auto", "cad", "organic", "faceted"});
+  Allow(*command
+             .add_option("--points",
+                         a->points,
+                         "What of a mesh counts: faces, its whole surface, or vertices, as if it "
+                         "held nothing else")
+             ->capture_default_str()
+             ->type_name("WHAT"),
+        {"faces", "vertices"});
   command
       .add_option(
           "--quads",
@@ -347,7 +449,7 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   GroupFitFlags(command);
   GroupFlags(command,
              "Which shape",
-             {"--kind", "--quads", "--faces", "--genus", "--open", "--every-face"});
+             {"--kind", "--points", "--quads", "--faces", "--genus", "--open", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"
@@ -355,6 +457,9 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "  batten fit solid mesh.obj -o part.step --faces 800 --report part-report.json\n"
       "  batten fit solid scan.xyz -o part.step --quads layout.obj\n"
       "  batten fit solid machined.ply -o part.step --kind cad\n"
+      "A closed mesh is a surface: points on its triangles count where vertices are sparse, and "
+      "the\n"
+      "solid has its volume.\n"
       "The layout is made from the faces of the file, repaired where they nearly close, or else "
       "from a\n"
       "Poisson reconstruction about the points, which have to go all round the body. One that is\n"
@@ -375,7 +480,9 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
       "else nothing is written, and the reason is said. Triangles are watertight too, within the\n"
       "chord tolerance of batten tessellate or half of T.\n"
       "Exit code 3 says the solid is written, but the tolerance is not reached, or one point in\n"
-      "twenty is farther from it than points are from one another.");
+      "twenty is farther from it than points are from one another; 4 that it is doubtful, such as "
+      "one\n"
+      "in plane faces of a mesh of which neither exact nor smooth faces keep the volume.");
   command.callback([a, &action] { action = [a] { return RunFitSolid(*a); }; });
 }
 

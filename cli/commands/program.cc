@@ -218,14 +218,22 @@ void AddHelpCommand(CLI::App& app, Action& action) {
   });
 }
 
-// A command that batten_first does not have takes any words and says what it needs.
-void AddCommandToBuild(CLI::App& parent, const char* name) {
-  CLI::App& command = *parent.add_subcommand(name, "Not built yet: ./scripts/start builds it");
-  command.set_help_flag();
-  command.prefix_command();
-  command.callback([typed = (parent.get_parent() ? "fit " : "") + std::string(name)] {
-    throw UsageError("'batten " + typed + "' is not built yet: ./scripts/start builds it");
-  });
+// Of a command that batten_first does not have, so that it is listed.
+void AddNameAlone(CLI::App& parent, const char* name) {
+  parent.add_subcommand(name, "Not in this first program: ./scripts/start builds the whole one");
+}
+
+// What such a command needs, before its words are looked at.
+void RefuseNameAlone(const std::vector<std::string>& words) {
+  for (const ProgramCommand& command : AllCommands()) {
+    const std::size_t place = command.of_fit ? 1 : 0;
+    const bool named = words.size() > place && words[place] == command.name &&
+                       (!command.of_fit || words[0] == "fit");
+    if (!named || command.add != nullptr) continue;
+    throw UsageError("'batten " + std::string(command.of_fit ? "fit " : "") + command.name +
+                     "' is not in this first program; ./scripts/start builds "
+                     "build/release/bin/batten, which has it");
+  }
 }
 
 const char* const kPurpose =
@@ -260,7 +268,8 @@ void AddAll(CLI::App& app, Action& action) {
       "the result one JSON object.\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
-      "130 interrupted. Results go to standard output, everything else to standard error.");
+      "4 written, but doubtful: the first line says why (--accept-doubt makes it 0); 130 "
+      "interrupted. Results go to standard output, everything else to standard error.");
   app.require_subcommand(1);
   CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");
   fit.require_subcommand(1);
@@ -272,7 +281,7 @@ void AddAll(CLI::App& app, Action& action) {
     if (command.add) {
       command.add(parent, action);
     } else {
-      AddCommandToBuild(parent, command.name);
+      AddNameAlone(parent, command.name);
     }
   }
   AddCompletionCommand(app, action);
@@ -322,6 +331,7 @@ int RunProgram(int argc, char** argv) {
       return kDone;
     }
     const std::vector<std::string> words = InFull(app, typed);
+    RefuseNameAlone(words);
     KeepCommandLine(argc > 0 ? argv[0] : "batten", words);
     if (Parse(app, words) < 0) return Flushed(kDone);
     WatchForInterrupt();

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "batten/fitting/closed_surface.h"
 #include "batten/io/file_format.h"
+#include "batten/io/polygon_reader.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "cli/terminal/cli11.h"
@@ -55,6 +57,18 @@ bool HoldsGeometry(const Words& words, size_t place) {
   return IsGeometryFormat(InputFormat(words[place], FormatGiven(words)));
 }
 
+// Whether the file holds a closed mesh, which is a body and no sheet.
+bool HoldsBody(const Words& words, size_t place) {
+  const std::string& path = words[place];
+  if (!MayHoldFaces(path) || !FormatGiven(words).empty()) return false;
+  try {
+    const PolygonMesh mesh = ReadPolygons(path);
+    return !mesh.faces.empty() && CloseSurface(mesh.vertices, mesh.faces).filled == 0;
+  } catch (const std::exception&) {
+    return false;  // the fit says why
+  }
+}
+
 bool GivesOutput(const Words& words) {
   return Given(words, "--output") ||
          std::any_of(words.begin(), words.end(), [](const std::string& word) {
@@ -89,7 +103,9 @@ Words WithCommand(const CLI::App& app, Words words) {
     words.erase(words.begin());
     words.emplace_back("--help");
   } else if (StandsForCommand(app, words, 0)) {
-    const Words command = HoldsGeometry(words, 0) ? Words{"info"} : Words{"fit", "surface"};
+    const Words command = HoldsGeometry(words, 0) ? Words{"info"}
+                          : HoldsBody(words, 0)   ? Words{"fit", "solid"}
+                                                  : Words{"fit", "surface"};
     words.insert(words.begin(), command.begin(), command.end());
   } else if (!words.empty() && words[0] == "fit" &&
              StandsForCommand(*app.get_subcommand("fit"), words, 1)) {
@@ -97,7 +113,7 @@ Words WithCommand(const CLI::App& app, Words words) {
       throw UsageError(
           words[1] + " holds geometry: a fit is of points ('batten info' says what a file holds)");
     }
-    words.insert(words.begin() + 1, "surface");
+    words.insert(words.begin() + 1, HoldsBody(words, 1) ? "solid" : "surface");
   }
   return words;
 }

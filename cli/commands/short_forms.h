@@ -10,7 +10,7 @@
 namespace batten::internal {
 
 // The words after the program's name with the command that a file in its place stands for:
-//   scan.ply …, fit scan.ply …   fit surface scan.ply …
+//   scan.ply …, fit scan.ply …   fit surface scan.ply …, fit solid … where it holds a closed mesh
 //   part.step …                  info part.step …
 //   help fit …                   fit … --help
 // All others come back as they are. A command is one even where a file has its name. Throws

@@ -253,7 +253,7 @@ PartsFit FitParts(const PointCloud& cloud, const PartFitOptions& options) {
   StageClock clock;
   Report(options.progress, "prepare", 0);
   const MergedCloud merged = DifferentPoints(cloud);
-  RegionPoints data = MakeRegionPoints(merged.cloud, options.seed, pool);
+  RegionPoints data = MakeRegionPoints(merged.cloud, options.seed, pool, options.least_noise);
   // Within a tolerance that is given a shape may miss what it misses.
   if (options.tolerance) data.most_trend = 1;
 

@@ -16,6 +16,9 @@ void Check(const PartFitOptions& options) {
   if (!(options.most_invented >= 0 && options.most_invented <= 1)) {
     Reject(function, "most_invented must be in [0, 1]");
   }
+  if (!(options.least_noise >= 0 && std::isfinite(options.least_noise))) {
+    Reject(function, "least_noise must not be negative");
+  }
   if (!options.shift.allFinite()) Reject(function, "shift must be finite");
 }
 

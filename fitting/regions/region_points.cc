@@ -61,7 +61,10 @@ void TakeTurns(RegionPoints& data) {
 
 }  // namespace
 
-RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, ThreadPool& pool) {
+RegionPoints MakeRegionPoints(const PointCloud& cloud,
+                              std::uint64_t seed,
+                              ThreadPool& pool,
+                              double least_noise) {
   RegionPoints data;
   const Eigen::Matrix3Xd& points = cloud.points();
   data.unit = UnitOf(points);
@@ -76,7 +79,7 @@ RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, Threa
   const CloudStatistics statistics =
       MeasureCloud(data.points, index, {.seed = seed, .find_outliers = false}, pool);
   data.spacing = statistics.spacing;
-  data.noise = std::max(statistics.noise, data.rounding);
+  data.noise = std::max({statistics.noise, data.rounding, least_noise / data.unit});
   if (cloud.normals().cols() == cloud.size() && !cloud.normals().isZero(0)) {
     data.normals = cloud.normals();
     for (auto normal : data.normals.colwise()) normal.stableNormalize();

@@ -40,8 +40,12 @@ struct RegionPoints {
 };
 
 // Of distinct points; the cloud's normals where it has them, else those of planes through
-// neighbours. Points are neighbours where either is among the nearest of the other. O(m log m).
-RegionPoints MakeRegionPoints(const PointCloud& cloud, std::uint64_t seed, ThreadPool& pool);
+// neighbours, and no less noise than that (the data's unit). Points are neighbours where either is
+// among the nearest of the other. O(m log m).
+RegionPoints MakeRegionPoints(const PointCloud& cloud,
+                              std::uint64_t seed,
+                              ThreadPool& pool,
+                              double least_noise = 0);
 
 // Some of them by themselves, so far apart: neighbours, no farther than a few spacings, and normals
 // among these alone. Points of a narrow face are seen so once those of the faces beside it are

@@ -7,11 +7,13 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
+#include "batten/fitting/faceted_solid.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
 #include "fitting/solid/surface_projector.h"
@@ -107,6 +109,89 @@ EdgeFaces EdgesOf(const std::vector<Triangle>& triangles) {
     for (std::size_t k = 0; k < 3; ++k) edges[KeyOf(own[k], own[(k + 1) % 3])].push_back(t);
   }
   return edges;
+}
+
+// The ends of edges that only one triangle has, and the number of these edges.
+std::vector<int> BorderVertices(const std::vector<Triangle>& triangles, std::size_t& edges) {
+  std::set<int> ends;
+  edges = 0;
+  for (const auto& [key, faces] : EdgesOf(triangles)) {
+    if (faces.size() != 1) continue;
+    ++edges;
+    ends.insert(int(key >> 32));
+    ends.insert(int(key & 0xffffffff));
+  }
+  return {ends.begin(), ends.end()};
+}
+
+// Of every vertex the one that stands for it: the first of the given ones within `reach`, else
+// itself.
+std::vector<int> Welded(const Mesh& mesh, std::vector<int> vertices, double reach) {
+  std::vector<int> stands(mesh.points.size());
+  std::iota(stands.begin(), stands.end(), 0);
+  std::stable_sort(vertices.begin(), vertices.end(), [&](int a, int b) {
+    return mesh.At(a).x() < mesh.At(b).x();
+  });
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const Eigen::Vector3d& p = mesh.At(vertices[k]);
+    for (std::size_t j = k; j-- > 0 && p.x() - mesh.At(vertices[j]).x() <= reach;) {
+      const int first = stands[std::size_t(vertices[j])];
+      if ((mesh.At(first) - p).norm() > reach) continue;
+      stands[std::size_t(vertices[k])] = first;
+      break;
+    }
+  }
+  return stands;
+}
+
+// Points of no triangle go; returns how many.
+int DropUnused(Mesh& mesh) {
+  std::vector<int> number(mesh.points.size(), -1);
+  std::vector<Eigen::Vector3d> points;
+  for (Triangle& t : mesh.triangles) {
+    for (int& v : t) {
+      int& n = number[std::size_t(v)];
+      if (n < 0) {
+        n = int(points.size());
+        points.push_back(mesh.At(v));
+      }
+      v = n;
+    }
+  }
+  const int dropped = int(mesh.points.size() - points.size());
+  mesh.points = std::move(points);
+  return dropped;
+}
+
+// Joins vertices of open edges that are one but for the last digits of their file: within single
+// precision, then farther while that closes edges and makes no triangle vanish. Returns how many
+// were joined.
+int WeldBorders(Mesh& mesh, double precision) {
+  constexpr double kStep = 4, kMost = 1e-3;  // of the size
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh.points) box.extend(p);
+  std::size_t open = 0;
+  std::vector<int> borders = BorderVertices(mesh.triangles, open);
+  bool welded = false;
+  for (double reach = precision; open > 0 && reach > 0 && reach < kMost * box.diagonal().norm();
+       reach *= kStep) {
+    const std::vector<int> stands = Welded(mesh, borders, reach);
+    std::vector<Triangle> triangles = mesh.triangles;
+    bool vanishes = false;
+    for (Triangle& t : triangles) {
+      for (int& v : t) v = stands[std::size_t(v)];
+      vanishes = vanishes || t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    }
+    if (vanishes) break;
+    std::size_t left = 0;
+    std::vector<int> next = BorderVertices(triangles, left);
+    if (left >= open) continue;
+    mesh.triangles = std::move(triangles);
+    borders = std::move(next);
+    open = left;
+    welded = true;
+  }
+  return welded ? DropUnused(mesh) : 0;
 }
 
 bool RunsAlong(const Triangle& t, int a, int b) {
@@ -316,6 +401,7 @@ ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
   JoinedPoints joined = JoinPoints(vertices, faces);
   closed.joined = joined.joined;
   Mesh mesh{std::move(joined.points), CutFaces(faces, joined.place, closed.dropped)};
+  closed.joined += WeldBorders(mesh, SinglePrecisionOf(vertices));
   MeshParts parts = TurnAlike(mesh.triangles, closed.turned);
   PartVertices(mesh);
   const double area = AreaOf(SurfaceOf(mesh));

@@ -48,4 +48,12 @@ SolidCensus WriteSolid(const TrimmedSolid& solid,
   return census;
 }
 
+SolidCensus CensusOf(const TrimmedSolid& solid) {
+  const GeometryWriteOptions options;
+  SolidCensus census;
+  OpenCascade().export_trimmed_solid(
+      solid, "the solid", LengthUnitOf(options.unit).step, OcctSchema(options.step_schema), census);
+  return census;
+}
+
 }  // namespace batten

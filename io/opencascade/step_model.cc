@@ -23,7 +23,13 @@ std::string Damage(const Handle(StepData_StepModel) & model, int index) {
   const Handle(Interface_ReportEntity) report = model->ReportEntity(index);
   if (!report->IsError()) return "";
   const Handle(Interface_Check) check = report->Check();
-  return check->NbFails() > 0 ? check->CFail(1) : "it can't be read";
+  if (check->NbFails() == 0) return "it can't be read";
+  // What is said in words, and left out by `$`, has no part in the shape.
+  for (int fail = 1; fail <= check->NbFails(); ++fail) {
+    const std::string_view words = check->CFail(fail);
+    if (words.find("(description) not a quoted String") == words.npos) return std::string(words);
+  }
+  return "";
 }
 
 // Whether the entity is a curve on a surface that names no curve, which the translator does not

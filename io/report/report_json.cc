@@ -297,6 +297,14 @@ Json Profile(const ProfileVerdict& profile) {
           {"decision", Name(profile.decision)}};
 }
 
+Json DoubtsOf(const FitReport& report) {
+  Json doubts = Json::array();
+  for (const Doubt& doubt : report.doubts) {
+    doubts.push_back({{"code", doubt.code}, {"words", doubt.words}});
+  }
+  return doubts;
+}
+
 }  // namespace
 
 std::string ToReportJson(const FitReport& report, const ReportContext& context) {
@@ -315,6 +323,7 @@ std::string ToReportJson(const FitReport& report, const ReportContext& context) 
                {"peak_memory_bytes", context.peak_memory_bytes},
                {"threads", report.threads},
                {"warnings", report.warnings},
+               {"doubt", DoubtsOf(report)},
                {"version", context.version}};
   if (!report.base_candidates.empty()) json["base_candidates"] = Candidates(report.base_candidates);
   if (report.overshoot) json["overshoot"] = Overshoot(*report.overshoot);

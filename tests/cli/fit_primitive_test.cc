@@ -107,10 +107,12 @@ TEST_F(FitPrimitiveCommandTest, SetsOutliersAside) {
   std::vector<Row> rows = Arc(100, 200, true, 1e-3);
   for (int k = 0; k < 100; k += 4) rows[k] = {5.0 + 0.05 * k, 7.5 - 0.01 * k};
   const std::string cloud = File(rows);
-  const Json plain = Fit({cloud, "--kind", "circle"});
+  const Json plain = Fit({cloud, "--kind", "circle", "--accept-doubt"});
   EXPECT_GT(std::abs(plain["geometry"]["primitive"]["radius"].get<double>() - 2), 0.05);
   for (const char* loss : {"huber", "cauchy", "tukey"}) {
-    const Json report = Fit({cloud, "--kind", "auto", "--loss", loss, "--tolerance", "0.01"});
+    const Json report =
+        Fit({cloud, "--kind", "auto", "--loss", loss, "--tolerance", "0.01", "--accept-doubt"});
+    EXPECT_EQ(report["doubt"][0]["code"], "points_left_out");
     EXPECT_NEAR(report["geometry"]["primitive"]["radius"].get<double>(), 2, 1e-3) << loss;
     EXPECT_GE(report["input"]["outliers"].get<int>(), 23);
     EXPECT_TRUE(report["tolerance_reached"].get<bool>());

@@ -82,7 +82,8 @@ TEST_F(OutputsTest, TheFirstProgramFitsAsTheWholeDoesAndNamesWhatIsStillToBeBuil
   ASSERT_EQ(Shell("\"$B\"" + fit + "w.step && \"$B\" convert w.step w.json"), 0) << said();
   EXPECT_EQ(folder_.Text("f.json"), folder_.Text("w.json"));
   EXPECT_EQ(Shell("\"$F\" tessellate f.step -o f.stl && \"$F\" f.step --at 0.5,0.5"), 2);
-  EXPECT_THAT(said(), HasSubstr("'batten info' is not built yet: ./scripts/start builds it"));
+  EXPECT_THAT(said(),
+              HasSubstr("'batten info' is not in this first program; ./scripts/start builds"));
   EXPECT_TRUE(Has("f.stl"));
   // Every command is known to both, and either runs or says what it needs.
   std::string later;
@@ -92,12 +93,16 @@ TEST_F(OutputsTest, TheFirstProgramFitsAsTheWholeDoesAndNamesWhatIsStillToBeBuil
     if (Shell("\"$F\" " + typed + " --help") == 0) {
       EXPECT_THAT(said(), HasSubstr("Examples:"));
     } else {
-      EXPECT_EQ(said(), "batten: 'batten " + typed + "' is not built yet: ./scripts/start builds it\n");
+      EXPECT_EQ(said(),
+                "batten: 'batten " + typed +
+                    "' is not in this first program; ./scripts/start builds "
+                    "build/release/bin/batten, which has it\n");
       later += command.name + std::string(" ");
     }
   }
   EXPECT_THAT(later, AllOf(HasSubstr("solid"), HasSubstr("compare"), Not(HasSubstr("surface"))));
-  EXPECT_EQ(Shell("\"$F\" --help | grep -q \"Not built yet: ./scripts/start builds it\""), 0);
+  EXPECT_EQ(Shell("\"$F\" --help | grep -q \"Not in this first program: ./scripts/start builds\""),
+            0);
 }
 
 TEST_F(OutputsTest, NothingIsLeftWhereOneOfTheOutputsFails) {

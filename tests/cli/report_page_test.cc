@@ -117,7 +117,7 @@ TEST_F(ReportPageTest, CurvesPrimitivesGridsAndComparisonsHavePages) {
   EXPECT_TRUE(curves["signed"]);
   EXPECT_EQ(curves["cloud"]["shown"], 240);
   const Json plane =
-      Page({"fit", "primitive", cloud_, "-o", folder_.File("p.step"), "--kind", "plane"});
+      Page({"fit", "primitive", cloud_, "-o", folder_.File("p.step"), "--kind", "plane"}, 4);
   EXPECT_EQ(plane["surfaces"].size(), 1u);
   const Json sheet =
       Page({"fit", "surface", lattice, "-o", folder_.File("g.json"), "--grid", "12,9"});

@@ -4,9 +4,13 @@ Usage: slow_tests_test.py CTEST BUILD ROOT"""
 import re
 import subprocess
 import sys
+import tempfile
 
 ctest, build, root = sys.argv[1:]
-listed = subprocess.run([ctest, "--test-dir", build, "-N", "-L", "slow"], capture_output=True, text=True, check=True).stdout
+with tempfile.TemporaryDirectory() as folder:  # in the build's own folder it would write over the log of the run that it is of
+    with open(folder + "/CTestTestfile.cmake", "w", encoding="utf-8") as f:
+        f.write(f'subdirs("{build}/tests")\n')
+    listed = subprocess.run([ctest, "--test-dir", folder, "-N", "-L", "slow"], capture_output=True, text=True, check=True).stdout
 there = set(re.findall(r"Test +#\d+: (\S+)", listed))
 with open(root + "/tests/slow_tests.txt", encoding="utf-8") as f:
     named = {line.strip() for line in f if line.strip() and not line.startswith("#")}

@@ -12,7 +12,7 @@ namespace batten {
 // A closed surface made of faces that were not quite one, and what was done to them.
 struct ClosedSurface {
   TriangleSurface surface;
-  int joined = 0;           // vertices at the place of another
+  int joined = 0;           // vertices at the place of another, or at open edges nearly so
   int dropped = 0;          // faces without area, or there twice
   int turned = 0;           // faces turned round
   int filled = 0;           // holes closed
@@ -20,11 +20,12 @@ struct ClosedSurface {
   int components = 0, genus = 0;
 };
 
-// Joins vertices at one place, cuts faces into triangles, drops those without area or twice there,
-// turns faces alike and outwards, parts surfaces that touch at a vertex only, and closes holes by
-// triangles about their middles. Throws RefusedData, naming it, where more than two faces meet at
-// an edge, a surface has one side only, no face is left, or holes are more than `most_filled` of
-// the area, or the boxes of two bodies overlap.
+// Joins vertices at one place, and those of open edges within the digits of a file; cuts faces into
+// triangles, drops those without area or twice there, turns faces alike and outwards, parts
+// surfaces that touch at a vertex only, and closes holes by triangles about their middles. Throws
+// RefusedData, naming it, where more than two faces meet at an edge, a surface has one side only,
+// no face is left, or holes are more than `most_filled` of the area, or the boxes of two bodies
+// overlap.
 ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled = 0.15);

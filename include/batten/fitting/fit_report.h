@@ -50,6 +50,12 @@ struct FitEnd {
                                                         // ended short of noise and tolerance
 };
 
+// Why a result that is written may be wrong.
+struct Doubt {
+  std::string code;   // a word for scripts, such as "faceted"
+  std::string words;  // a sentence without a full stop
+};
+
 // Orthogonal distances of points to a geometry, in the data's units. Signed values are along the
 // surface normal (curves: not signed, both zero).
 struct ErrorSummary {
@@ -247,6 +253,7 @@ struct FitReport {
   std::vector<RoundSummary> iterations;
   StageSeconds seconds;
   std::vector<std::string> warnings;
+  std::vector<Doubt> doubts;
   int threads = 1;
 
   // The errors to which the tolerance applies: parameter_error or error.

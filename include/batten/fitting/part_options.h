@@ -29,6 +29,9 @@ struct PartFitOptions {
   bool solid = false;
   // Of the area of a solid that is made, the greatest share without points near, in [0, 1].
   double most_invented = 0.15;
+  // How far the points may be from the body besides their noise, such as those on the chords of a
+  // mesh: at least this is taken for their standard deviation. >= 0
+  double least_noise = 0;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // subtracted from the coordinates of the result
   std::uint64_t seed = 1;                           // of samples for spacing and noise
   int threads = 0;                                  // 0: all cores

@@ -27,4 +27,8 @@ SolidCensus WriteSolid(const TrimmedSolid& solid,
                        const std::string& path,
                        const GeometryWriteOptions& options = {});
 
+// What that solid has, proved in the same way, with nothing written. Throws WriteError with the
+// reason where it is no solid.
+SolidCensus CensusOf(const TrimmedSolid& solid);
+
 }  // namespace batten

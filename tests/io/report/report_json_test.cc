@@ -86,6 +86,7 @@ TEST(ReportJsonTest, HasEveryFieldOfTheContractInItsOrder) {
                    "peak_memory_bytes",
                    "threads",
                    "warnings",
+                   "doubt",
                    "version",
                    "base_candidates"}));
   EXPECT_EQ(json["end"],

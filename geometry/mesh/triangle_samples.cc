@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "batten/geometry/triangle_samples.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace batten {
+namespace {
+
+// Twice the area of a triangle along its normal.
+Eigen::Vector3d Directed(const TriangleSurface& surface, Eigen::Index t) {
+  const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
+  return (surface.vertices.col(surface.triangles(1, t)) - a)
+      .cross(surface.vertices.col(surface.triangles(2, t)) - a);
+}
+
+// The points of a sequence of low discrepancy in the unit square, those of its upper right half
+// folded into the lower left one.
+Eigen::Vector2d PlaceInTriangle(Eigen::Index k) {
+  constexpr double kPlastic =
+      1.32471795724474602596;  // its powers part the square evenly (Roberts 2018)
+  const double n = static_cast<double>(k) + 0.5;
+  double u = std::fmod(n / kPlastic, 1.0), v = std::fmod(n / (kPlastic * kPlastic), 1.0);
+  if (u + v > 1) {
+    u = 1 - u;
+    v = 1 - v;
+  }
+  return {u, v};
+}
+
+constexpr double kPointsOfCorners = 0.5;  // a closed mesh has half as many vertices as triangles
+
+}  // namespace
+
+double AreaOf(const TriangleSurface& surface) {
+  double area = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t)
+    area += Directed(surface, t).norm() / 2;
+  return area;
+}
+
+double SampleSpacing(const TriangleSurface& surface, Eigen::Index points) {
+  return std::sqrt(AreaOf(surface) / static_cast<double>(points));
+}
+
+double ChordHeight(const TriangleSurface& surface, double crease) {
+  constexpr double kFlat = 1e-3;  // radians: less is rounding
+  constexpr double kShare = 0.95;
+  const Eigen::Index count = surface.triangles.cols();
+  std::unordered_map<std::int64_t, Eigen::Index>
+      known;  // half-edges: corner k of triangle t as 3t + k
+  const auto key = [](int from, int to) { return std::int64_t{from} << 32 | std::int64_t{to}; };
+  const auto corner = [&](Eigen::Index h, Eigen::Index k) {
+    return surface.triangles((h % 3 + k) % 3, h / 3);
+  };
+  for (Eigen::Index h = 0; h < 3 * count; ++h) known.emplace(key(corner(h, 0), corner(h, 1)), h);
+  std::vector<std::pair<double, double>> heights;  // and the area of each
+  double area = 0;
+  for (const auto& [ends, h] : known) {
+    const auto twin =
+        known.find(key(static_cast<int>(ends & 0xffffffff), static_cast<int>(ends >> 32)));
+    if (twin == known.end() || twin->second < h) continue;
+    const Eigen::Vector3d one = Directed(surface, h / 3),
+                          other = Directed(surface, twin->second / 3);
+    const double turn = std::atan2(one.cross(other).norm(), one.dot(other));
+    if (!(turn > kFlat && turn < crease)) continue;
+    const Eigen::Vector3d edge = surface.vertices.col(static_cast<int>(ends & 0xffffffff)) -
+                                 surface.vertices.col(static_cast<int>(ends >> 32));
+    // Chords of the circle that the two triangles turn along: their heights over the edge.
+    const double a = one.norm() / edge.norm(), b = other.norm() / edge.norm();
+    const double longer = std::max(a, b);
+    heights.emplace_back(2 * turn / (a + b) * longer * longer / 8, one.norm() + other.norm());
+    area += heights.back().second;
+  }
+  std::sort(heights.begin(), heights.end());
+  double below = 0;
+  for (const auto& [height, own] : heights) {
+    below += own;
+    if (below >= kShare * area) return height;
+  }
+  return 0;
+}
+
+TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing) {
+  std::vector<Eigen::Index> owners;
+  double due = 0;  // what is left of a point goes to the next triangle
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const double cells = Directed(surface, t).norm() / 2 / (spacing * spacing);
+    if (!(cells > kPointsOfCorners)) continue;
+    due += cells - kPointsOfCorners;
+    for (; due >= 1; due -= 1) owners.push_back(t);
+  }
+  const auto count = static_cast<Eigen::Index>(owners.size());
+  TriangleSamples samples{
+      Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), Eigen::VectorXi(count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index t = owners[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d at = PlaceInTriangle(k);
+    const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t)),
+                          b = surface.vertices.col(surface.triangles(1, t)),
+                          c = surface.vertices.col(surface.triangles(2, t));
+    samples.points.col(k) = a + at[0] * (b - a) + at[1] * (c - a);
+    samples.normals.col(k) = Directed(surface, t).normalized();
+    samples.triangles[k] = static_cast<int>(t);
+  }
+  return samples;
+}
+
+}  // namespace batten
