@@ -104,6 +104,7 @@ TEST(CleaningTest, TakesStrayPointsAwayBeforeTheFitOrNone) {
                                    folder.File("r.json"),
                                    "--base",
                                    "plane",
+                                   "--accept-doubt",
                                    "--clean",
                                    how});
     EXPECT_EQ(run.code, 0) << run.err;
