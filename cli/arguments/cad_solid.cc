@@ -38,12 +38,13 @@ std::string TooFewWords(double share) {
 }
 
 // Why the part is no solid of exact faces; empty where it is one.
-std::string WhyNot(const PartsFit& fit, SolidKind kind, std::optional<int> genus) {
+std::string WhyNot(const PartsFit& fit, SolidKind kind, const SolidDemands& demands) {
   const double share = ExactShare(fit);
   if (share < kMostlyExact) return TooFewWords(share);
   if (!fit.solid) return fit.no_solid;
-  if (genus && fit.genus != *genus) return GenusWords(fit.genus, *genus);
-  const bool several = kind == SolidKind::kAuto && fit.bodies > 1;
+  if (demands.genus && fit.genus != *demands.genus) return GenusWords(fit.genus, *demands.genus);
+  // The bodies of a mesh are known, those of points may be one.
+  const bool several = kind == SolidKind::kAuto && fit.bodies > 1 && !demands.volume;
   return several ? fmt::format("the faces are {} bodies", fit.bodies) : "";
 }
 
@@ -89,7 +90,7 @@ CadOutcome TryCadSolid(const FitArguments& a,
       if (share < kMostlyExact) return {std::nullopt, TooFewWords(share)};
     }
     PartsFit fit = FitParts(cloud, options);
-    std::string reason = WhyNot(fit, kind, demands.genus);
+    std::string reason = WhyNot(fit, kind, demands);
     if (reason.empty() && demands.volume) {
       reason = VolumeWords(CensusOf(*fit.solid).volume, demands);
     }

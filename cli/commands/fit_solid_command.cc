@@ -40,6 +40,9 @@
 namespace batten::internal {
 namespace {
 
+// Edges of a mesh that turn by more are sharp: polygons of more than 14 sides are round.
+constexpr double kCrease = 25 * std::numbers::pi / 180;
+
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
@@ -270,9 +273,7 @@ int RunFitSolid(const FitSolidArguments& a) {
     files.TakePoints(points.cloud);
     cloud = std::move(points.cloud);
     on = std::move(points.normals);
-    constexpr double kCrease =
-        25 * std::numbers::pi / 180;  // polygons of more than 14 sides are round
-    constexpr double kSpread = 0.3;   // standard deviation of places on a chord, of its height
+    constexpr double kSpread = 0.3;  // standard deviation of places on a chord, of its height
     if (on.cols() > 0)
       demands.least_noise = kSpread * ChordHeight(mesh_given.closed->surface, kCrease);
     if (mesh_given.closed->filled == 0) demands.volume = EnclosedVolume(mesh_given.closed->surface);
@@ -290,10 +291,17 @@ int RunFitSolid(const FitSolidArguments& a) {
   }
   const CadOutcome cad = RunCadSolid(a, kind, demands, files, cloud);
   if (cad.code) return *cad.code;
-  // A smooth surface through the middles of facets is no better than they are.
-  const bool coarse = 2 * on.cols() > cloud.size();
-  if (kind == SolidKind::kAuto && coarse) {
-    return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, cad.reason);
+  // A smooth surface over sharp edges that few vertices draw is no better than the facets.
+  constexpr double kMostSharp = 0.02;
+  if (kind == SolidKind::kAuto && 2 * on.cols() > cloud.size() &&
+      SharpShare(mesh_given.closed->surface, kCrease) > kMostSharp) {
+    return WriteFacetedSolid(
+        a,
+        files,
+        *mesh_given.closed,
+        cloud,
+        "with exact faces: " + cad.reason +
+            "; smooth ones (--kind organic) are for meshes without sharp edges");
   }
   const bool may_be_faceted = kind == SolidKind::kAuto && mesh_given.closed;
   std::optional<TriangleSurface> over;  // from which layouts are made

@@ -33,6 +33,35 @@ Eigen::Vector2d PlaceInTriangle(Eigen::Index k) {
   return {u, v};
 }
 
+// An edge between two triangles: by what angle they turn, and twice their areas.
+struct EdgeTurn {
+  double turn, length, one, other;
+};
+
+std::vector<EdgeTurn> EdgeTurns(const TriangleSurface& surface) {
+  const auto corner = [&](Eigen::Index h, Eigen::Index k) {
+    return surface.triangles((h % 3 + k) % 3, h / 3);
+  };
+  const auto key = [](int from, int to) { return std::int64_t{from} << 32 | std::int64_t{to}; };
+  std::unordered_map<std::int64_t, Eigen::Index>
+      known;  // half-edges: corner k of triangle t as 3t + k
+  const Eigen::Index count = 3 * surface.triangles.cols();
+  for (Eigen::Index h = 0; h < count; ++h) known.emplace(key(corner(h, 0), corner(h, 1)), h);
+  std::vector<EdgeTurn> turns;
+  for (Eigen::Index h = 0; h < count; ++h) {
+    const auto twin = known.find(key(corner(h, 1), corner(h, 0)));
+    if (twin == known.end() || twin->second < h) continue;
+    const Eigen::Vector3d one = Directed(surface, h / 3),
+                          other = Directed(surface, twin->second / 3);
+    const double length =
+        (surface.vertices.col(corner(h, 1)) - surface.vertices.col(corner(h, 0))).norm();
+    if (!(length > 0)) continue;
+    turns.push_back(
+        {std::atan2(one.cross(other).norm(), one.dot(other)), length, one.norm(), other.norm()});
+  }
+  return turns;
+}
+
 constexpr double kPointsOfCorners = 0.5;  // a closed mesh has half as many vertices as triangles
 
 }  // namespace
@@ -51,30 +80,14 @@ double SampleSpacing(const TriangleSurface& surface, Eigen::Index points) {
 double ChordHeight(const TriangleSurface& surface, double crease) {
   constexpr double kFlat = 1e-3;  // radians: less is rounding
   constexpr double kShare = 0.95;
-  const Eigen::Index count = surface.triangles.cols();
-  std::unordered_map<std::int64_t, Eigen::Index>
-      known;  // half-edges: corner k of triangle t as 3t + k
-  const auto key = [](int from, int to) { return std::int64_t{from} << 32 | std::int64_t{to}; };
-  const auto corner = [&](Eigen::Index h, Eigen::Index k) {
-    return surface.triangles((h % 3 + k) % 3, h / 3);
-  };
-  for (Eigen::Index h = 0; h < 3 * count; ++h) known.emplace(key(corner(h, 0), corner(h, 1)), h);
   std::vector<std::pair<double, double>> heights;  // and the area of each
   double area = 0;
-  for (const auto& [ends, h] : known) {
-    const auto twin =
-        known.find(key(static_cast<int>(ends & 0xffffffff), static_cast<int>(ends >> 32)));
-    if (twin == known.end() || twin->second < h) continue;
-    const Eigen::Vector3d one = Directed(surface, h / 3),
-                          other = Directed(surface, twin->second / 3);
-    const double turn = std::atan2(one.cross(other).norm(), one.dot(other));
-    if (!(turn > kFlat && turn < crease)) continue;
-    const Eigen::Vector3d edge = surface.vertices.col(static_cast<int>(ends & 0xffffffff)) -
-                                 surface.vertices.col(static_cast<int>(ends >> 32));
+  for (const EdgeTurn& edge : EdgeTurns(surface)) {
+    if (!(edge.turn > kFlat && edge.turn < crease)) continue;
     // Chords of the circle that the two triangles turn along: their heights over the edge.
-    const double a = one.norm() / edge.norm(), b = other.norm() / edge.norm();
+    const double a = edge.one / edge.length, b = edge.other / edge.length;
     const double longer = std::max(a, b);
-    heights.emplace_back(2 * turn / (a + b) * longer * longer / 8, one.norm() + other.norm());
+    heights.emplace_back(2 * edge.turn / (a + b) * longer * longer / 8, edge.one + edge.other);
     area += heights.back().second;
   }
   std::sort(heights.begin(), heights.end());
@@ -84,6 +97,15 @@ double ChordHeight(const TriangleSurface& surface, double crease) {
     if (below >= kShare * area) return height;
   }
   return 0;
+}
+
+double SharpShare(const TriangleSurface& surface, double crease) {
+  double all = 0, sharp = 0;
+  for (const EdgeTurn& edge : EdgeTurns(surface)) {
+    all += edge.length;
+    if (edge.turn >= crease) sharp += edge.length;
+  }
+  return all > 0 ? sharp / all : 0;
 }
 
 TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing) {

@@ -28,6 +28,10 @@ double SampleSpacing(const TriangleSurface& surface, Eigen::Index points);
 // keeps below. 0 where there are no such edges. O(n)
 double ChordHeight(const TriangleSurface& surface, double crease);
 
+// The share of sharp edges, those that turn by more than `crease` (radians), in the length of all
+// edges. O(n)
+double SharpShare(const TriangleSurface& surface, double crease);
+
 // The area of the triangles.
 double AreaOf(const TriangleSurface& surface);
 
