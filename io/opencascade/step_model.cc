@@ -16,6 +16,16 @@
 namespace batten::internal {
 namespace {
 
+// The first failure of a check; empty where there is none. What is said in words, and left out by
+// `$`, has no part in the shape.
+std::string FailureOf(const Handle(Interface_Check) & check) {
+  for (int fail = 1; fail <= check->NbFails(); ++fail) {
+    const std::string_view words = check->CFail(fail);
+    if (words.find("(description) not a quoted String") == words.npos) return std::string(words);
+  }
+  return "";
+}
+
 // Why OpenCASCADE could not fill the entity; empty when it could.
 std::string Damage(const Handle(StepData_StepModel) & model, int index) {
   const std::string_view type = model->Value(index)->DynamicType()->Name();
@@ -23,13 +33,7 @@ std::string Damage(const Handle(StepData_StepModel) & model, int index) {
   const Handle(Interface_ReportEntity) report = model->ReportEntity(index);
   if (!report->IsError()) return "";
   const Handle(Interface_Check) check = report->Check();
-  if (check->NbFails() == 0) return "it can't be read";
-  // What is said in words, and left out by `$`, has no part in the shape.
-  for (int fail = 1; fail <= check->NbFails(); ++fail) {
-    const std::string_view words = check->CFail(fail);
-    if (words.find("(description) not a quoted String") == words.npos) return std::string(words);
-  }
-  return "";
+  return check->NbFails() == 0 ? "it can't be read" : FailureOf(check);
 }
 
 // Whether the entity is a curve on a surface that names no curve, which the translator does not
@@ -54,9 +58,8 @@ bool LacksItsPoint(const Handle(Standard_Transient) & entity) {
 }  // namespace
 
 void CheckStepModel(const Handle(StepData_StepModel) & model, const std::string& path) {
-  if (model->GlobalCheck()->HasFailed()) {
-    throw ReadError(path, std::string("is damaged: ") + model->GlobalCheck()->CFail(1));
-  }
+  const std::string failure = FailureOf(model->GlobalCheck());
+  if (!failure.empty()) throw ReadError(path, "is damaged: " + failure);
   for (int i = 1; i <= model->NbEntities(); ++i) {
     std::string damage = Damage(model, i);
     if (damage.empty() && LacksItsCurve(model->Value(i))) damage = "it does not name a curve";

@@ -166,6 +166,23 @@ TEST(StepTest, KeepsSurfacesExactAndValid) {
   }
 }
 
+// As KittyCAD's files have it: `$` stands for a value that is not given.
+TEST(StepTest, ADescriptionMayBeLeftOut) {
+  RandomGeometry random(kSeed);
+  const TemporaryFolder folder;
+  const NurbsSurface surface = random.Surface(3, 2, true, false);
+  WriteStep({surface}, folder.File("a.step"));
+  std::string text = folder.Text("a.step");
+  const std::string words = "'confusion accuracy'";
+  const auto at = text.find(words);
+  ASSERT_NE(at, text.npos);
+  text.replace(at, words.size(), "$");
+  const std::vector<Geometry> back = ReadStep(folder.With("b.step", text));
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(std::get<NurbsSurface>(back[0]).control_points(),
+            std::get<NurbsSurface>(ReadStep(folder.File("a.step"))[0]).control_points());
+}
+
 TEST(StepTest, KeepsUnclampedSurfacesExactAndValid) {
   SCOPED_TRACE(kSeed);
   RandomGeometry random(kSeed);
