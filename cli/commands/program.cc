@@ -268,8 +268,8 @@ void AddAll(CLI::App& app, Action& action) {
       "the result one JSON object.\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
-      "4 written, but doubtful: the first line says why (--accept-doubt makes it 0); 130 "
-      "interrupted. Results go to standard output, everything else to standard error.");
+      "4 written, but doubtful: the first line says why (--accept-doubt makes it 0); 130 interrupted.\n"
+      "Results go to standard output, everything else to standard error.");
   app.require_subcommand(1);
   CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");
   fit.require_subcommand(1);
