@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -62,14 +61,7 @@ int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
     if (fit.invented > 0.01) {
       PrintWarning(fmt::format("{:.0f} % of the area have no points near", 100 * fit.invented));
     }
-    PrintNote(fmt::format("{}: {} of {} faces, {} edges; volume {:.6g}, area {:.6g}",
-                          a.out,
-                          census.solids == 1 ? "a watertight solid"
-                                             : fmt::format("{} watertight solids", census.solids),
-                          census.faces,
-                          census.edges,
-                          census.volume,
-                          census.area));
+    PrintNote(a.out + ": " + CensusWords(census, "faces"));
     if (!a.flags.json) fmt::print("{}", PartTable(fit.summary));
   }
   return code;
@@ -92,7 +84,8 @@ CadOutcome TryCadSolid(const FitArguments& a,
     PartsFit fit = FitParts(cloud, options);
     std::string reason = WhyNot(fit, kind, demands);
     if (reason.empty() && demands.volume) {
-      reason = VolumeWords(CensusOf(*fit.solid).volume, demands);
+      const auto doubt = VolumeDoubt(CensusOf(*fit.solid).volume, *demands.volume);
+      if (doubt) reason = doubt->words;
     }
     if (!reason.empty()) return {std::nullopt, reason};
     const int code = Written(a, files, fit);
@@ -109,14 +102,19 @@ CadOutcome TryCadSolid(const FitArguments& a,
 
 }  // namespace
 
-std::string GenusWords(int genus, int asked) {
-  return fmt::format("its genus is {}, not {} (--genus)", genus, asked);
+std::string CensusWords(const SolidCensus& census, const char* faces) {
+  return fmt::format("{} of {} {}, {} edges; volume {:.6g}, area {:.6g}",
+                     census.solids == 1 ? "a watertight solid"
+                                        : fmt::format("{} watertight solids", census.solids),
+                     census.faces,
+                     faces,
+                     census.edges,
+                     census.volume,
+                     census.area);
 }
 
-std::string VolumeWords(double volume, const SolidDemands& demands) {
-  constexpr double kKept = 0.002;  // a chord of a thousandth of the size costs less
-  if (!demands.volume || std::abs(volume - *demands.volume) <= kKept * *demands.volume) return "";
-  return fmt::format("its volume is {:.6g}, that of the mesh {:.6g}", volume, *demands.volume);
+std::string GenusWords(int genus, int asked) {
+  return fmt::format("its genus is {}, not {} (--genus)", genus, asked);
 }
 
 SolidKind ToSolidKind(const std::string& word) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "batten/fitting/faceted_solid.h"
 #include "cli/arguments/fit_arguments.h"
 
 namespace batten::internal {
@@ -22,15 +23,15 @@ struct CadOutcome {
 struct SolidDemands {
   double most_invented = 0.15;  // of its area, the share without points near
   std::optional<int> genus = std::nullopt;
-  std::optional<double> volume = std::nullopt;  // of the mesh that it stands for
-  double least_noise = 0;                       // of points on the chords of that mesh
+  std::optional<MeshVolume> volume = std::nullopt;  // of the mesh that it stands for
+  double least_noise = 0;                           // of points on the chords of that mesh
 };
 
 // Why a solid of another genus is refused.
 std::string GenusWords(int genus, int asked);
 
-// Why a solid of this volume does not stand for the mesh; empty where it does, or there is none.
-std::string VolumeWords(double volume, const SolidDemands& demands);
+// "a watertight solid of 6 faces, 12 edges; volume …": what a written solid has.
+std::string CensusWords(const SolidCensus& census, const char* faces);
 
 // Takes the road over planes, cylinders, cones, spheres and tori; kCad refuses where it ends before
 // a solid that meets the demands.

@@ -13,6 +13,7 @@
 #include "batten/fitting/point_mask.h"
 #include "batten/geometry/make_surface.h"
 #include "batten/geometry/spline_basis.h"
+#include "cli/arguments/cad_solid.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -81,10 +82,8 @@ int WriteFacetedSolid(const FitArguments& a,
                              why));
   }
   std::vector<Geometry> faces;
-  std::vector<NurbsSurface> planes;
   for (const TrimmedSolidFace& face : made.solid.faces) {
-    planes.push_back(SurfaceOf(made.solid, face));
-    faces.emplace_back(planes.back());
+    faces.emplace_back(SurfaceOf(made.solid, face));
   }
   // The vertices of the mesh, each at its place on a face that has it.
   const Eigen::Index points = local.vertices.cols();
@@ -101,7 +100,7 @@ int WriteFacetedSolid(const FitArguments& a,
     const PlaneShape& plane = std::get<PlaneShape>(made.solid.faces[owner].carrier);
     const Eigen::Vector3d p = local.vertices.col(k);
     residuals[k] = (p - plane.point).dot(plane.normal);
-    parameters.col(k) = PlaceOn(planes[owner], p);
+    parameters.col(k) = PlaceOn(std::get<NurbsSurface>(faces[owner]), p);
   }
   files.TakePoints(PointCloud(mesh.surface.vertices.colwise() - cloud.origin(), cloud.origin()));
   FitReport report;
@@ -120,14 +119,7 @@ int WriteFacetedSolid(const FitArguments& a,
   const int code =
       files.Write(faces, residuals, parameters, PointMask::Constant(points, false), report, owners);
   if (!a.flags.quiet) {
-    PrintNote(fmt::format("{}: {} of {} plane faces, {} edges; volume {:.6g}, area {:.6g}",
-                          a.out,
-                          census.solids == 1 ? "a watertight solid"
-                                             : fmt::format("{} watertight solids", census.solids),
-                          census.faces,
-                          census.edges,
-                          census.volume,
-                          census.area));
+    PrintNote(a.out + ": " + CensusWords(census, "plane faces"));
   }
   return code;
 }

@@ -534,24 +534,6 @@ std::string FitFiles::WriteShapes(const std::vector<Geometry>& geometry,
   return MeshWords(summary);
 }
 
-namespace {
-
-// What of any fit makes its result doubtful: errors that are no noise, and many points left out.
-void NoteDoubts(FitReport& report) {
-  constexpr double kMostLeftOut = 0.1;
-  if (report.end.code == EndCode::kStructuredResiduals) {
-    report.doubts.push_back({"structured_residuals", report.end.words});
-  }
-  const double left_out =
-      double(report.input.outliers) / double(std::max<Eigen::Index>(report.input.points, 1));
-  if (left_out > kMostLeftOut) {
-    report.doubts.push_back(
-        {"points_left_out", fmt::format("{:.0f} % of the points are left out", 100 * left_out)});
-  }
-}
-
-}  // namespace
-
 int FitFiles::Write(const std::vector<Geometry>& geometry,
                     const Eigen::VectorXd& residuals,
                     const Eigen::MatrixXd& parameters,
@@ -608,9 +590,9 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   const double before = read_seconds_ + prepared_seconds_ + report.seconds.total;
   report.seconds.total = std::max(before, Seconds());
   report.seconds.write = report.seconds.total - before;
-  NoteDoubts(report);
   std::string doubt;
-  for (const Doubt& one : report.doubts) doubt += (doubt.empty() ? "doubtful: " : "; ") + one.words;
+  for (const Doubt& one : report.Doubts())
+    doubt += (doubt.empty() ? "doubtful: " : "; ") + one.words;
   if (a_.out != "-") {
     target.result_line = a_.out + ": " + doubt + (doubt.empty() ? "" : "; ") + report.OneLine();
   }

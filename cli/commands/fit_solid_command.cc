@@ -40,9 +40,6 @@
 namespace batten::internal {
 namespace {
 
-// Edges of a mesh that turn by more are sharp: polygons of more than 14 sides are round.
-constexpr double kCrease = 25 * std::numbers::pi / 180;
-
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
@@ -266,6 +263,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   const MeshOfFile mesh_given = ReadMesh(a, files);
   Eigen::Matrix3Xd on;  // normals of the points on triangles
   SolidDemands demands = a.demands;
+  const PointCloud vertices = cloud;
   if (mesh_given.closed) {
     if (kind == SolidKind::kFaceted)
       return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, "");
@@ -273,10 +271,10 @@ int RunFitSolid(const FitSolidArguments& a) {
     files.TakePoints(points.cloud);
     cloud = std::move(points.cloud);
     on = std::move(points.normals);
-    constexpr double kSpread = 0.3;  // standard deviation of places on a chord, of its height
-    if (on.cols() > 0)
-      demands.least_noise = kSpread * ChordHeight(mesh_given.closed->surface, kCrease);
-    if (mesh_given.closed->filled == 0) demands.volume = EnclosedVolume(mesh_given.closed->surface);
+    // Places on a chord are 4 t (1 - t) of its height from the arc: their standard deviation.
+    const double spread = 2 / (3 * std::sqrt(5.0));
+    if (on.cols() > 0) demands.least_noise = spread * ChordHeight(mesh_given.closed->surface);
+    if (mesh_given.closed->filled == 0) demands.volume = VolumeOf(mesh_given.closed->surface);
     if (!a.flags.quiet && on.cols() > 0)
       PrintNote(
           fmt::format("{}: a mesh of {} triangles; {} points on them count beside its vertices",
@@ -291,17 +289,24 @@ int RunFitSolid(const FitSolidArguments& a) {
   }
   const CadOutcome cad = RunCadSolid(a, kind, demands, files, cloud);
   if (cad.code) return *cad.code;
-  // A smooth surface over sharp edges that few vertices draw is no better than the facets.
-  constexpr double kMostSharp = 0.02;
-  if (kind == SolidKind::kAuto && 2 * on.cols() > cloud.size() &&
-      SharpShare(mesh_given.closed->surface, kCrease) > kMostSharp) {
-    return WriteFacetedSolid(
-        a,
-        files,
-        *mesh_given.closed,
-        cloud,
-        "with exact faces: " + cad.reason +
-            "; smooth ones (--kind organic) are for meshes without sharp edges");
+  if (on.cols() > 0) {
+    // Of scans less than a quarter of the area is so, of what CAD programs write more than two
+    // fifths.
+    constexpr double kMostSparse = 1.0 / 3;
+    if (SparseShare(mesh_given.closed->surface) <= kMostSparse) {
+      cloud = vertices;  // which stand for the surface, with their noise
+      files.TakePoints(cloud);
+      on.resize(3, 0);
+    } else if (kind == SolidKind::kAuto) {
+      return WriteFacetedSolid(
+          a,
+          files,
+          *mesh_given.closed,
+          cloud,
+          "with exact faces: " + cad.reason +
+              "; smooth ones (--kind organic) are for meshes whose vertices are "
+              "as dense everywhere");
+    }
   }
   const bool may_be_faceted = kind == SolidKind::kAuto && mesh_given.closed;
   std::optional<TriangleSurface> over;  // from which layouts are made
@@ -325,26 +330,26 @@ int RunFitSolid(const FitSolidArguments& a) {
     over = closed.surface;
   }
   files.NotePrepared();
-  std::string why;
+  std::optional<Doubt> doubt;
   SolidFit fit = files.Explained([&]() -> SolidFit {
     try {
       return over ? FitSolid(cloud, *over, a.faces, options) : FitSolid(cloud, layout, options);
     } catch (const RefusedData& refusal) {
       if (!may_be_faceted) throw;
-      why = refusal.what();
+      doubt = Doubt{"refused", refusal.what()};
       return {};
     }
   });
-  if (why.empty()) why = VolumeWords(fit.audit.volume, demands);
-  if (may_be_faceted && !why.empty()) {
+  if (!doubt && demands.volume) doubt = VolumeDoubt(fit.audit.volume, *demands.volume);
+  if (may_be_faceted && doubt) {
     return WriteFacetedSolid(
         a,
         files,
         *mesh_given.closed,
         cloud,
-        fmt::format("with exact faces: {}; with smooth ones: {}", cad.reason, why));
+        fmt::format("with exact faces: {}; with smooth ones: {}", cad.reason, doubt->words));
   }
-  if (!why.empty()) fit.report.doubts.push_back({"volume", why});
+  if (doubt) fit.report.doubts.push_back(*doubt);
   RefuseGenus(a, files, fit.layout.genus);
   std::vector<Geometry> faces;
   for (const SolidFace& face : fit.solid.faces) faces.emplace_back(face.surface);

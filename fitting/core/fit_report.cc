@@ -12,8 +12,11 @@
 #include "batten/fitting/statistics.h"
 #include "fitting/core/rounding.h"
 #include "geometry/numeric/enum_name.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten {
+using namespace internal;
+
 namespace {
 
 // Formats a value down to the second digit of its deviation, with ten digits where there is none.
@@ -155,6 +158,27 @@ bool FitReport::leaves_points() const {
   if (!overshoot || overshoot->asked_for) return false;
   return overshoot->of_box || (overshoot->in_spacings > kLeaves &&
                                overshoot->max > std::max(error.max, error.tolerance.value_or(0)));
+}
+
+std::vector<Doubt> FitReport::Doubts() const {
+  constexpr double kMostLeftOut = 0.1, kFarInNoise = 10, kFarInSize = 0.01;
+  std::vector<Doubt> all = doubts;
+  if (end.words.empty()) return all;  // nothing was fitted
+  if (end.code == EndCode::kStructuredResiduals) all.push_back({"structured_residuals", end.words});
+  const double left_out = static_cast<double>(input.outliers) /
+                          static_cast<double>(std::max<Eigen::Index>(input.points, 1));
+  if (left_out > kMostLeftOut) {
+    all.push_back({"points_left_out",
+                   NumberText(std::round(100 * left_out)) + " % of the points are left out"});
+  }
+  const double size = (input.box_max - input.box_min).norm();
+  if (size > 0 && error.max > std::max(kFarInNoise * input.noise, kFarInSize * size)) {
+    all.push_back({"points_missed",
+                   "a point that counts is missed by " + RoundedText(error.max) + ", " +
+                       NumberText(std::round(1000 * error.max / size) / 10) +
+                       " % of the points' size"});
+  }
+  return all;
 }
 
 StageSeconds& StageSeconds::operator+=(const StageSeconds& more) {

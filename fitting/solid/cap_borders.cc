@@ -11,6 +11,7 @@
 #include "fitting/solid/crease_layout.h"
 #include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/subdivision/quad_topology.h"
 
 namespace batten::internal {

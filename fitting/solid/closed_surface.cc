@@ -16,8 +16,8 @@
 #include "batten/fitting/faceted_solid.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
-#include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_curvature.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten {
@@ -167,7 +167,8 @@ int DropUnused(Mesh& mesh) {
 // precision, then farther while that closes edges and makes no triangle vanish. Returns how many
 // were joined.
 int WeldBorders(Mesh& mesh, double precision) {
-  constexpr double kStep = 4, kMost = 1e-3;  // of the size
+  constexpr double kStep = 4;     // budget: a dozen rounds
+  constexpr double kMost = 1e-3;  // level: no vertex moves by more of the size
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : mesh.points) box.extend(p);
   std::size_t open = 0;

@@ -13,6 +13,7 @@
 #include "batten/fitting/refused_data.h"
 #include "fitting/solid/quad_improver.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/subdivision/quad_topology.h"
 
 namespace batten::internal {

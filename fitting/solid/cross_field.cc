@@ -8,8 +8,8 @@
 #include <cmath>
 #include <complex>
 
-#include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_curvature.h"
+#include "geometry/mesh/triangle_measure.h"
 
 namespace batten::internal {
 namespace {

@@ -2,25 +2,23 @@
 #include "batten/fitting/faceted_solid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "batten/geometry/exact_shape.h"
+#include "batten/geometry/triangle_samples.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/mesh/triangle_measure.h"
+#include "geometry/numeric/number_text.h"
+#include "geometry/numeric/polygon.h"
 
 namespace batten {
 using namespace internal;
 
 namespace {
-
-// Twice the area of a triangle along its normal.
-Eigen::Vector3d Directed(const TriangleSurface& surface, int triangle) {
-  const Eigen::Vector3i corner = surface.triangles.col(triangle);
-  const Eigen::Vector3d a = surface.vertices.col(corner[0]);
-  return (surface.vertices.col(corner[1]) - a).cross(surface.vertices.col(corner[2]) - a);
-}
 
 // Which plane each triangle is of: planes grow from the largest triangle that is left, and are
 // fitted to what they have.
@@ -33,7 +31,7 @@ class PlaneGrower {
         face_of(std::size_t(topology.triangles()), -1) {
     std::vector<double> size(face_of.size());
     for (int t = 0; t < topology.triangles(); ++t)
-      size[std::size_t(t)] = Directed(surface, t).norm();
+      size[std::size_t(t)] = NormalOf(surface, t).norm();
     std::vector<int> order(face_of.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -50,7 +48,7 @@ class PlaneGrower {
     std::vector<int> members, edge{seed};
     Eigen::Vector3d normal = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
     PlaneShape plane{surface_.vertices.col(surface_.triangles(0, seed)),
-                     Directed(surface_, seed).normalized()};
+                     NormalOf(surface_, seed).normalized()};
     if (plane.normal.isZero(0)) edge.clear();  // without area: a face by itself
     double weight = 0;
     // Another round while the plane that is fitted to all so far reaches farther.
@@ -60,7 +58,7 @@ class PlaneGrower {
         const int t = edge.back();
         edge.pop_back();
         if (face_of[std::size_t(t)] >= 0) continue;
-        const Eigen::Vector3d directed = Directed(surface_, t);
+        const Eigen::Vector3d directed = NormalOf(surface_, t);
         if (!Lies(t, directed, plane)) {
           later.push_back(t);
           continue;
@@ -148,11 +146,8 @@ class FacetedBuilder {
   }
 
   double FromChord(int vertex, int from, int to) const {
-    const Eigen::Vector3d a = surface_.vertices.col(from), b = surface_.vertices.col(to),
-                          p = surface_.vertices.col(vertex), d = b - a;
-    const double length2 = d.squaredNorm();
-    const double at = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
-    return (p - a - at * d).norm();
+    return DistanceFromSegment(
+        surface_.vertices.col(vertex), surface_.vertices.col(from), surface_.vertices.col(to));
   }
 
   // Vertices where more than two borders meet, or one bends.
@@ -254,15 +249,22 @@ double SinglePrecisionOf(const Eigen::Matrix3Xd& vertices) {
   return 4 * double(std::numeric_limits<float>::epsilon()) * vertices.cwiseAbs().maxCoeff();
 }
 
-double EnclosedVolume(const TriangleSurface& closed) {
-  if (closed.vertices.cols() == 0) return 0;
+MeshVolume VolumeOf(const TriangleSurface& closed) {
+  constexpr double kKept = 0.002;
+  if (closed.vertices.cols() == 0) return {};
   const Eigen::Vector3d middle = closed.vertices.rowwise().mean();
   double six = 0;
-  for (int t = 0; t < static_cast<int>(closed.triangles.cols()); ++t) {
-    const Eigen::Vector3d a = closed.vertices.col(closed.triangles(0, t)) - middle;
-    six += a.dot(Directed(closed, t));
+  for (Eigen::Index t = 0; t < closed.triangles.cols(); ++t) {
+    six += (closed.vertices.col(closed.triangles(0, t)) - middle).dot(NormalOf(closed, t));
   }
-  return six / 6;
+  return {six / 6, std::max(kKept * six / 6, AreaOf(closed) * ChordHeight(closed))};
+}
+
+std::optional<Doubt> VolumeDoubt(double volume, const MeshVolume& mesh) {
+  if (std::abs(volume - mesh.volume) <= mesh.margin) return std::nullopt;
+  return Doubt{
+      "volume",
+      "its volume is " + RoundedText(volume) + ", that of the mesh " + RoundedText(mesh.volume)};
 }
 
 }  // namespace batten

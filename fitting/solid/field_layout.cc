@@ -16,6 +16,7 @@
 #include "fitting/solid/surface_projector.h"
 #include "fitting/solid/triangle_curvature.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/mesh/triangle_measure.h"
 
 namespace batten::internal {
 

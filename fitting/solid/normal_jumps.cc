@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "fitting/core/rounding.h"
-#include "fitting/solid/surface_projector.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/polygon.h"
 
 namespace batten::internal {

@@ -9,6 +9,7 @@
 #include "fitting/solid/matching_kernel.h"
 #include "fitting/solid/quad_improver.h"
 #include "fitting/solid/triangle_topology.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/subdivision/catmull_clark.h"
 
 namespace batten::internal {

@@ -15,6 +15,7 @@
 #include "fitting/solid/paired_layout.h"
 #include "fitting/solid/surface_creases.h"
 #include "fitting/solid/surface_projector.h"
+#include "geometry/mesh/triangle_measure.h"
 
 namespace batten {
 using namespace internal;

@@ -30,9 +30,4 @@ class SurfaceProjector {
 // The nearest place of one triangle.
 Eigen::Vector3d NearestOnTriangle(const TriangleSurface& surface, int t, const Eigen::Vector3d& p);
 
-// Normal to a triangle, twice as long as its area is large.
-Eigen::Vector3d NormalOf(const TriangleSurface& surface, Eigen::Index t);
-
-double AreaOf(const TriangleSurface& surface);
-
 }  // namespace batten::internal

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/solid/surface_projector.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {

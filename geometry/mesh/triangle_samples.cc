@@ -5,19 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-namespace batten {
-namespace {
+#include "geometry/mesh/triangle_measure.h"
+#include "geometry/numeric/polygon.h"
 
-// Twice the area of a triangle along its normal.
-Eigen::Vector3d Directed(const TriangleSurface& surface, Eigen::Index t) {
-  const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
-  return (surface.vertices.col(surface.triangles(1, t)) - a)
-      .cross(surface.vertices.col(surface.triangles(2, t)) - a);
-}
+namespace batten {
+using namespace internal;
+
+namespace {
 
 // The points of a sequence of low discrepancy in the unit square, those of its upper right half
 // folded into the lower left one.
@@ -51,13 +50,12 @@ std::vector<EdgeTurn> EdgeTurns(const TriangleSurface& surface) {
   for (Eigen::Index h = 0; h < count; ++h) {
     const auto twin = known.find(key(corner(h, 1), corner(h, 0)));
     if (twin == known.end() || twin->second < h) continue;
-    const Eigen::Vector3d one = Directed(surface, h / 3),
-                          other = Directed(surface, twin->second / 3);
+    const Eigen::Vector3d one = NormalOf(surface, h / 3),
+                          other = NormalOf(surface, twin->second / 3);
     const double length =
         (surface.vertices.col(corner(h, 1)) - surface.vertices.col(corner(h, 0))).norm();
     if (!(length > 0)) continue;
-    turns.push_back(
-        {std::atan2(one.cross(other).norm(), one.dot(other)), length, one.norm(), other.norm()});
+    turns.push_back({AngleBetween(one, other), length, one.norm(), other.norm()});
   }
   return turns;
 }
@@ -66,24 +64,18 @@ constexpr double kPointsOfCorners = 0.5;  // a closed mesh has half as many vert
 
 }  // namespace
 
-double AreaOf(const TriangleSurface& surface) {
-  double area = 0;
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t)
-    area += Directed(surface, t).norm() / 2;
-  return area;
-}
-
 double SampleSpacing(const TriangleSurface& surface, Eigen::Index points) {
   return std::sqrt(AreaOf(surface) / static_cast<double>(points));
 }
 
-double ChordHeight(const TriangleSurface& surface, double crease) {
+double ChordHeight(const TriangleSurface& surface) {
+  constexpr double kCrease = 25 * std::numbers::pi / 180;
   constexpr double kFlat = 1e-3;  // radians: less is rounding
   constexpr double kShare = 0.95;
   std::vector<std::pair<double, double>> heights;  // and the area of each
   double area = 0;
   for (const EdgeTurn& edge : EdgeTurns(surface)) {
-    if (!(edge.turn > kFlat && edge.turn < crease)) continue;
+    if (!(edge.turn > kFlat && edge.turn < kCrease)) continue;
     // Chords of the circle that the two triangles turn along: their heights over the edge.
     const double a = edge.one / edge.length, b = edge.other / edge.length;
     const double longer = std::max(a, b);
@@ -99,20 +91,28 @@ double ChordHeight(const TriangleSurface& surface, double crease) {
   return 0;
 }
 
-double SharpShare(const TriangleSurface& surface, double crease) {
-  double all = 0, sharp = 0;
-  for (const EdgeTurn& edge : EdgeTurns(surface)) {
-    all += edge.length;
-    if (edge.turn >= crease) sharp += edge.length;
+double SparseShare(const TriangleSurface& surface) {
+  constexpr double kLong = 3;
+  const double longest = kLong * SampleSpacing(surface, surface.vertices.cols());
+  double sparse = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    double edge = 0;
+    for (int k = 0; k < 3; ++k) {
+      edge = std::max(edge,
+                      (surface.vertices.col(surface.triangles(k, t)) -
+                       surface.vertices.col(surface.triangles((k + 1) % 3, t)))
+                          .norm());
+    }
+    if (edge > longest) sparse += NormalOf(surface, t).norm() / 2;
   }
-  return all > 0 ? sharp / all : 0;
+  return sparse / AreaOf(surface);
 }
 
 TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing) {
   std::vector<Eigen::Index> owners;
   double due = 0;  // what is left of a point goes to the next triangle
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    const double cells = Directed(surface, t).norm() / 2 / (spacing * spacing);
+    const double cells = NormalOf(surface, t).norm() / 2 / (spacing * spacing);
     if (!(cells > kPointsOfCorners)) continue;
     due += cells - kPointsOfCorners;
     for (; due >= 1; due -= 1) owners.push_back(t);
@@ -127,7 +127,7 @@ TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing) 
                           b = surface.vertices.col(surface.triangles(1, t)),
                           c = surface.vertices.col(surface.triangles(2, t));
     samples.points.col(k) = a + at[0] * (b - a) + at[1] * (c - a);
-    samples.normals.col(k) = Directed(surface, t).normalized();
+    samples.normals.col(k) = NormalOf(surface, t).normalized();
     samples.triangles[k] = static_cast<int>(t);
   }
   return samples;

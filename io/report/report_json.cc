@@ -299,7 +299,7 @@ Json Profile(const ProfileVerdict& profile) {
 
 Json DoubtsOf(const FitReport& report) {
   Json doubts = Json::array();
-  for (const Doubt& doubt : report.doubts) {
+  for (const Doubt& doubt : report.Doubts()) {
     doubts.push_back({{"code", doubt.code}, {"words", doubt.words}});
   }
   return doubts;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "batten/fitting/closed_surface.h"
+#include "batten/fitting/faceted_solid.h"
 #include "batten/fitting/fit_solid.h"
 #include "batten/fitting/refused_data.h"
 #include "batten/io/polygon_reader.h"
@@ -165,7 +166,14 @@ SolidFit Run(SolidTask& task, std::vector<std::string>& warnings) {
     closed = std::move(made.closed);
   }
   RefuseGenus(task, closed.genus);
-  return FitSolid(cloud, closed.surface, task.faces, task.options);
+  SolidFit fit = FitSolid(cloud, closed.surface, task.faces, task.options);
+  if (task.mesh && !task.open && closed.filled == 0) {
+    if (const auto doubt = VolumeDoubt(fit.audit.volume, VolumeOf(closed.surface))) {
+      fit.report.doubts.push_back(*doubt);
+      warnings.push_back("doubtful: " + doubt->words);
+    }
+  }
+  return fit;
 }
 
 SolidPtr FitOneSolid(const PointsPtr& points,

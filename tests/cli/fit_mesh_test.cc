@@ -111,6 +111,18 @@ TEST(FitMeshTest, WhatIsNeitherExactNorSmoothComesOutAsItIsAndIsDoubtful) {
   }
 }
 
+// Smooth faces that were asked for are written though they are not the body.
+TEST(FitMeshTest, ASolidOfAnotherVolumeThanTheMeshIsDoubtful) {
+  TemporaryFolder folder;
+  const std::string stl = folder.With("bar.stl", Bar(12, 6).text()), out = folder.File("bar.step"),
+                    report = folder.File("r.json");
+  const ProgramRun run = Batten(
+      {"fit", "solid", stl, "-o", out, "--kind", "organic", "--faces", "24", "--report", report});
+  EXPECT_EQ(run.code, 4) << run.err;
+  EXPECT_EQ(nlohmann::json::parse(folder.Text("r.json"))["doubt"][0]["code"], "volume");
+  EXPECT_THAT(run.out, HasSubstr("its volume is "));
+}
+
 TEST(FitMeshTest, PlaneFacesMayBeAskedFor) {
   TemporaryFolder folder;
   const StlBody bar = Bar(6, 2);

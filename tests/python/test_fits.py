@@ -140,7 +140,7 @@ def test_report_is_the_programs(tmp_path, kind, flags, keywords):
         fit.to_json(out)
         mine = open(out).read()
     run = subprocess.run([PROGRAM, *words, *flags, "--report", report], capture_output=True, text=True)
-    assert run.returncode in (0, 3, 4), run.stderr
+    assert run.returncode in (0, 3) or run.returncode == 4 and json.load(open(report))["doubt"], run.stderr
     theirs, ours = without_times(json.load(open(report))), without_times(fit.report)
     if kind == "compare":
         ours["geometry"]["file"] = theirs["geometry"]["file"]

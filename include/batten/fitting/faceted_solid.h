@@ -2,8 +2,10 @@
 // A closed mesh as it is: a solid of plane faces.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "batten/fitting/fit_report.h"
 #include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/triangle_surface.h"
 
@@ -26,7 +28,15 @@ FacetedMesh FacetedSolid(const TriangleSurface& closed, double flat);
 // last place of the largest one.
 double SinglePrecisionOf(const Eigen::Matrix3Xd& vertices);
 
-// The volume that a closed mesh encloses, positive where it is turned outwards. O(n)
-double EnclosedVolume(const TriangleSurface& closed);
+// The volume that a closed mesh encloses, positive where it is turned outwards, and how far that of
+// the body it stands for may be from it: two thousandths, or what its chords leave open, their
+// height over all its area.
+struct MeshVolume {
+  double volume = 0, margin = 0;
+};
+MeshVolume VolumeOf(const TriangleSurface& closed);
+
+// Why a solid of this volume does not stand for the mesh; none where it does.
+std::optional<Doubt> VolumeDoubt(double volume, const MeshVolume& mesh);
 
 }  // namespace batten

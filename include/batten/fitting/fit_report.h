@@ -253,7 +253,7 @@ struct FitReport {
   std::vector<RoundSummary> iterations;
   StageSeconds seconds;
   std::vector<std::string> warnings;
-  std::vector<Doubt> doubts;
+  std::vector<Doubt> doubts;  // told by who made the result; see Doubts
   int threads = 1;
 
   // The errors to which the tolerance applies: parameter_error or error.
@@ -266,6 +266,11 @@ struct FitReport {
   // tolerance, or a curve or an untrimmed surface leaves the box of its points by more than half
   // its diagonal; not if trims were declined.
   bool leaves_points() const;
+
+  // Why the result may be wrong: `doubts`, and of a fit what its figures tell: it ends with
+  // structured residuals, leaves out more than a tenth of the points, or misses one that it uses by
+  // more than ten times the noise and a hundredth of their size.
+  std::vector<Doubt> Doubts() const;
 
   // Joins the report of another curve of the same cloud. Errors are not joined; the worse
   // termination is kept.

@@ -23,16 +23,14 @@ TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing);
 // The spacing at which about `points` points, the corners included, stand for the surface.
 double SampleSpacing(const TriangleSurface& surface, Eigen::Index points);
 
-// How far a smooth body is from the middles of the triangles whose corners are on it: by the angles
-// at their edges, where these are less than `crease` (radians), the height that 95 % of the area
-// keeps below. 0 where there are no such edges. O(n)
-double ChordHeight(const TriangleSurface& surface, double crease);
+// How far a body that is smooth there is from the middles of triangles whose corners are on it: by
+// the angles at their edges, where these are less than 25 degrees (polygons of more than 14 sides
+// are round), the height that 95 % of their area keeps below. 0 where there are no such edges. O(n)
+double ChordHeight(const TriangleSurface& surface);
 
-// The share of sharp edges, those that turn by more than `crease` (radians), in the length of all
-// edges. O(n)
-double SharpShare(const TriangleSurface& surface, double crease);
-
-// The area of the triangles.
-double AreaOf(const TriangleSurface& surface);
+// The share of the area that the vertices do not stand for: that of triangles with an edge longer
+// than three times the mean spacing of the vertices. Next to nothing on scans, most of what CAD
+// programs write. O(n)
+double SparseShare(const TriangleSurface& surface);
 
 }  // namespace batten

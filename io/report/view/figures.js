@@ -109,7 +109,7 @@ function header(data) {
     html("div", "verdict " + verdict.kind,
       html("span", "verdict-mark", { good: "\u2713", bad: "!", none: "\u2013" }[verdict.kind]),
       html("div", "", html("strong", "", verdict.title), html("p", "", verdict.text))));
-  const warnings = r.warnings || [];
+  const warnings = (r.doubt || []).map((d) => "Doubtful: " + d.words).concat(r.warnings || []);
   if (warnings.length > 0) {
     element.append(html("div", "warnings",
       html("strong", "", warnings.length === 1 ? "Warning" : warnings.length + " warnings"),

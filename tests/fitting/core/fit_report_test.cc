@@ -48,6 +48,54 @@ void ExpectEqual(const ErrorSummary& a, const ErrorSummary& b) {
   EXPECT_EQ(a.points, b.points);
 }
 
+// Of a cube of side 10, noise 0.01, a thousand points.
+FitReport FitOfACube() {
+  FitReport report;
+  report.input.points = report.input.used = 1000;
+  report.input.noise = 0.01;
+  report.input.box_max = Eigen::Vector3d::Constant(10);
+  report.end = {EndCode::kNoiseReached, "at the noise"};
+  return report;
+}
+
+std::vector<std::string> DoubtsOf(const FitReport& report) {
+  std::vector<std::string> codes;
+  for (const Doubt& doubt : report.Doubts()) codes.push_back(doubt.code);
+  return codes;
+}
+
+TEST(DoubtsTest, TellWhatPassesItsLevelAndNothingElse) {
+  using Codes = std::vector<std::string>;
+  FitReport report = FitOfACube();
+  EXPECT_EQ(DoubtsOf(report), Codes{});
+  report.input.outliers = 100;
+  EXPECT_EQ(DoubtsOf(report), Codes{});
+  report.input.outliers = 101;
+  EXPECT_EQ(DoubtsOf(report), Codes{"points_left_out"});
+
+  // Ten times the noise and a hundredth of the diagonal: both.
+  const double hundredth = 0.1 * std::sqrt(3.0);
+  report = FitOfACube();
+  report.error.max = 0.99 * hundredth;
+  EXPECT_EQ(DoubtsOf(report), Codes{});
+  report.error.max = 1.01 * hundredth;
+  EXPECT_EQ(DoubtsOf(report), Codes{"points_missed"});
+  report.input.noise = 0.2 * hundredth;
+  EXPECT_EQ(DoubtsOf(report), Codes{});
+  report.error.max = 2.1 * hundredth;
+  EXPECT_EQ(DoubtsOf(report), Codes{"points_missed"});
+
+  report = FitOfACube();
+  report.end.code = EndCode::kStructuredResiduals;
+  report.doubts.push_back({"volume", "its volume is 1, that of the mesh 2"});
+  EXPECT_EQ(DoubtsOf(report), (Codes{"volume", "structured_residuals"}));
+
+  report = {};  // a comparison fits nothing
+  report.error.max = 1e9;
+  report.input.box_max.setOnes();
+  EXPECT_EQ(DoubtsOf(report), Codes{});
+}
+
 TEST(SummariseTest, FollowsTheFormulas) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

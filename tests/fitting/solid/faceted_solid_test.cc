@@ -102,7 +102,7 @@ void ExpectClosed(const TrimmedSolid& solid, int genus) {
 }
 
 // By the divergence theorem over the loops, with no word of the mesh.
-double VolumeOf(const TrimmedSolid& solid) {
+double VolumeByLoops(const TrimmedSolid& solid) {
   double volume = 0;
   for (const TrimmedSolidFace& face : solid.faces) {
     Eigen::Vector3d area = Eigen::Vector3d::Zero();
@@ -139,10 +139,10 @@ TEST(FacetedSolidTest, HasThePlanesOfTheMeshItsHandlesAndItsVolume) {
         EXPECT_EQ(made.solid.edges.size(), std::size_t(6 * corners));
         EXPECT_EQ(made.solid.vertices.cols(), 4 * corners);
         ExpectClosed(made.solid, 1);
-        const double volume = EnclosedVolume(closed.surface);
+        const double volume = VolumeOf(closed.surface).volume;
         const double polygon = corners * std::sin(2 * std::numbers::pi / corners) / 2;
         EXPECT_NEAR(volume, std::pow(scale, 3) * polygon * (1 - 0.16), 1e-5 * volume);
-        EXPECT_NEAR(VolumeOf(made.solid), volume, 1e-5 * volume);
+        EXPECT_NEAR(VolumeByLoops(made.solid), volume, 1e-5 * volume);
       }
     }
   }
@@ -167,7 +167,7 @@ TEST(FacetedSolidTest, TrianglesThatAreNotOfOnePlaneStayFacesOfTheirOwn) {
   const FacetedMesh made = FacetedSolid(closed.surface, SinglePrecisionOf(corners));
   EXPECT_EQ(made.solid.faces.size(), 8u);
   ExpectClosed(made.solid, 0);
-  EXPECT_NEAR(VolumeOf(made.solid), EnclosedVolume(closed.surface), 1e-12);
+  EXPECT_NEAR(VolumeByLoops(made.solid), VolumeOf(closed.surface).volume, 1e-12);
 }
 
 // As files hold them whose triangles were rounded one by one.
@@ -193,8 +193,8 @@ TEST(CloseSurfaceTest, VerticesThatDifferInTheLastDigitsAreOne) {
     EXPECT_EQ(closed.genus, 1);
     EXPECT_EQ(closed.surface.vertices.cols(), prism.vertices.cols());
     EXPECT_EQ(closed.joined, corners.cols() - prism.vertices.cols());
-    EXPECT_NEAR(EnclosedVolume(closed.surface),
-                EnclosedVolume(CloseSurface(prism.vertices, prism.faces).surface),
+    EXPECT_NEAR(VolumeOf(closed.surface).volume,
+                VolumeOf(CloseSurface(prism.vertices, prism.faces).surface).volume,
                 20 * off);
   }
 }

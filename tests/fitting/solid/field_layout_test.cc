@@ -13,6 +13,7 @@
 #include "fitting/solid/grid_map.h"
 #include "fitting/solid/quad_improver.h"
 #include "fitting/solid/triangle_curvature.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "tolerances.h"
 
 namespace batten::internal::field_layout_test {

@@ -14,6 +14,7 @@
 #include "body_clouds.h"
 #include "fitting/core/stopwatch.h"
 #include "fitting/solid/surface_projector.h"
+#include "geometry/mesh/triangle_measure.h"
 #include "refusal.h"
 #include "tolerances.h"
 

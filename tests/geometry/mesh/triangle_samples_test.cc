@@ -9,6 +9,8 @@
 #include <random>
 #include <vector>
 
+#include "geometry/mesh/triangle_measure.h"
+
 namespace batten::internal::triangle_samples_test {
 namespace {
 
@@ -73,9 +75,34 @@ TEST(SampleTrianglesTest, VerticesThatAreDenserStandForTheirTriangles) {
   EXPECT_NEAR(double(SampleTriangles(surface, spacing).points.cols()), 1000 - 25, 25);
 }
 
+TEST(SparseShareTest, IsOfLongTrianglesAlone) {
+  // A strip of even squares, and beside it one of the same squares drawn out.
+  for (const double stretch : {1.0, 2.0, 20.0}) {
+    const int side = 12;
+    TriangleSurface surface;
+    surface.vertices.resize(3, (side + 1) * (side + 1));
+    surface.triangles.resize(3, 2 * side * side);
+    for (int i = 0; i <= side; ++i) {
+      for (int j = 0; j <= side; ++j) {
+        const double x = j < side ? j : side - 1 + stretch;
+        surface.vertices.col(i * (side + 1) + j) << x, i, 0;
+      }
+    }
+    for (int i = 0, t = 0; i < side; ++i) {
+      for (int j = 0; j < side; ++j, t += 2) {
+        const int at = i * (side + 1) + j;
+        surface.triangles.col(t) << at, at + 1, at + side + 2;
+        surface.triangles.col(t + 1) << at, at + side + 2, at + side + 1;
+      }
+    }
+    const double truth = stretch > 10 ? stretch / (side - 1 + stretch) : 0;
+    EXPECT_NEAR(SparseShare(surface), truth, 1e-12) << stretch;
+  }
+}
+
 // The side of a polygonal prism, which stands for a cylinder.
 TEST(ChordHeightTest, IsThatOfTheRoundBodyWhateverItsHeight) {
-  for (const int sides : {20, 60}) {
+  for (const int sides : {14, 20, 60}) {
     for (const double height : {0.1, 5.0}) {
       TriangleSurface surface;
       surface.vertices.resize(3, 2 * sides);
@@ -89,8 +116,8 @@ TEST(ChordHeightTest, IsThatOfTheRoundBodyWhateverItsHeight) {
         surface.triangles.col(2 * k + 1) << k, sides + next, sides + k;
       }
       const double truth = 1 - std::cos(std::numbers::pi / sides);
-      EXPECT_NEAR(ChordHeight(surface, 0.4), truth, 0.05 * truth) << sides << " " << height;
-      EXPECT_EQ(ChordHeight(surface, 0.9 * 2 * std::numbers::pi / sides), 0);
+      EXPECT_NEAR(ChordHeight(surface), sides < 15 ? 0 : truth, 0.05 * truth)
+          << sides << " " << height;
     }
   }
 }
