@@ -50,11 +50,22 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       .add_option("--box", arguments.box, "Keep only points inside xmin,ymin,zmin,xmax,ymax,zmax")
       ->type_name("NUMBERS");
   command
+      .add_option("--projection",
+                  arguments.projection,
+                  "local: x and y are longitude and latitude in degrees and become metres, as they "
+                  "do by themselves where columns are named so; none: they stay")
+      ->type_name("WORD");
+  command
       .add_option("--format",
                   arguments.format,
                   "Format of files whose name does not tell, or of '-' (pcd ply las obj stl off "
                   "text; json step iges brep)")
       ->type_name("FORMAT");
+}
+
+void TellRemarks(const CloudFile& file, bool quiet) {
+  if (quiet) return;
+  for (const std::string& remark : file.remarks) PrintWarning(remark);
 }
 
 std::string JoinedNames(const std::vector<std::string>& paths) {
@@ -88,6 +99,13 @@ CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
     constexpr int kHighestClass = 255;
     options.las_classes.push_back(
         static_cast<int>(ParseWhole("--las-class", entry, 0, kHighestClass)));
+  }
+  if (arguments.projection == "local") {
+    options.projection = CloudProjection::kLocal;
+  } else if (arguments.projection == "none") {
+    options.projection = CloudProjection::kNone;
+  } else if (!arguments.projection.empty()) {
+    throw UsageError("--projection: '" + arguments.projection + "' is neither local nor none");
   }
   if (!arguments.box.empty()) {
     const std::vector<double> numbers = ParseNumbers("--box", arguments.box);

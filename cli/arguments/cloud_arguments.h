@@ -14,6 +14,7 @@ struct CloudArguments {
   std::string columns, box;
   std::vector<std::string> where;
   std::string las_class;
+  std::string projection;
   std::string format;  // for clouds whose name does not tell
 };
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
@@ -21,6 +22,9 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
 // The extensions of clouds, for help.
 inline constexpr const char* kCloudFormats =
     ".pcd .ply .las .obj .stl .off, text .xyz .txt .csv ...";
+
+// Tells how the points were understood where that is not plain (CloudFile::remarks).
+void TellRemarks(const CloudFile& file, bool quiet);
 
 // "a.ply", or "a.ply and 2 others".
 std::string JoinedNames(const std::vector<std::string>& paths);

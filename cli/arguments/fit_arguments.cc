@@ -28,6 +28,7 @@
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
+#include "cli/terminal/written_format.h"
 
 namespace batten::internal {
 namespace {
@@ -311,6 +312,7 @@ void GroupFitFlags(CLI::App& command) {
               "--where",
               "--las-class",
               "--box",
+              "--projection",
               "--format"});
   GroupFlags(command, "The run", {"--threads", "--seed", "--quiet", "--json"});
 }
@@ -327,11 +329,12 @@ FitFiles::FitFiles(const FitArguments& arguments,
   shift_ = ToShift(a_.origin);
   // A format word belongs to the file whose kind it names.
   out_format_ = a_.out_format.empty() && word_is_geometry_ ? a_.cloud.format : a_.out_format;
+  const std::string written = std::string("geometry is written as .json, .step, .iges or .brep") +
+                              (a_.curves ? "" : ", triangles as .stl, .obj, .ply or .glb");
   if (NamesMesh(a_.out, out_format_)) {
     if (a_.curves) RefuseMesh();
-  } else if (!IsGeometryFormat(FormatOf(a_.out, out_format_))) {
-    throw UsageError("-o " + a_.out + ": geometry is written as .json, .step, .iges or .brep" +
-                     (a_.curves ? "" : ", triangles as .stl, .obj, .ply or .glb"));
+  } else if (!IsGeometryFormat(WrittenFormat(a_.out, out_format_, written))) {
+    throw UsageError("-o " + a_.out + ": " + written);
   }
   std::vector<std::string> outputs = a_.output.reports;
   outputs.insert(outputs.end(),
@@ -350,6 +353,7 @@ const PointCloud& FitFiles::Read(bool parameters) {
   read.parameters = parameters;
   BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
+  TellRemarks(file_, a_.flags.quiet);
   read_seconds_ = Seconds();
   if (cleaning_.statistical) Clean(*cleaning_.statistical);
   RefuseFarOrigin();
@@ -548,6 +552,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   report.input.files = a_.clouds;
   report.input.points = file_.points_in_file - file_.filtered;
   report.input.non_finite = file_.non_finite;
+  report.warnings.insert(report.warnings.begin(), file_.remarks.begin(), file_.remarks.end());
   if (cleaned_ > 0) {
     report.warnings.push_back(
         fmt::format("--clean {} removed {} stray points before the fit", a_.clean, cleaned_));
@@ -568,6 +573,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
                                 .deviations = deviations_};
   ReportTarget target{a_.output, a_.flags, a_.out, "", shift()};
   target.checks = checks_;
+  target.told = file_.remarks.size();
   const Certified certified =
       CertificateFor(a_.output, geometry, file_.cloud, shift(), a_.tolerance, a_.work.threads);
   target.checks.certified = certified.summary;

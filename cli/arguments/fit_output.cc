@@ -236,7 +236,8 @@ void WriteReports(const FitReport& report, const ReportTarget& target) {
   }
   ClearProgress();
   if (!target.flags.quiet) {
-    for (const std::string& warning : report.warnings) PrintWarning(warning);
+    for (std::size_t k = target.told; k < report.warnings.size(); ++k)
+      PrintWarning(report.warnings[k]);
   }
   if (target.flags.json) {
     std::fputs(ToReportJson(report, context).c_str(), stdout);

@@ -93,6 +93,7 @@ struct ReportTarget {
   std::optional<ReportScene> scene = std::nullopt;  // where a page is wanted
   ReportChecks checks = {};
   const PartSummary* part = nullptr;  // of a part
+  std::size_t told = 0;               // of the warnings, the first, which have been printed
 };
 
 // Writes the reports asked for and prints warnings and the result line, or the report as JSON.

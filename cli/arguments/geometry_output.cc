@@ -15,6 +15,7 @@
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
+#include "cli/terminal/this_run.h"
 
 namespace batten::internal {
 
@@ -26,7 +27,34 @@ void AddStepSchemaFlag(CLI::App& command, std::string& schema) {
       {"ap214", "ap242"});
 }
 
+void AddGeometryInput(CLI::App& command, GeometryInput& input) {
+  command.add_flag(
+      "--strict",
+      input.strict,
+      "Refuse a file of which a face or curve can't be read [the rest is read, and the "
+      "exit code 4]");
+  command.add_flag(
+      "--accept-doubt", input.accept_doubt, "End with 0 though a part could not be read");
+}
+
+void TellUnread(const std::string& path,
+                const GeometryContents& contents,
+                const GeometryInput& input,
+                bool quiet) {
+  if (contents.unread.empty()) return;
+  if (!input.accept_doubt) NoteDoubt();
+  if (quiet) return;
+  PrintWarning(
+      fmt::format("{}: {} of its {} faces and curves can't be read; the rest is taken "
+                  "(--strict refuses the file)",
+                  path,
+                  contents.unread.size(),
+                  contents.unread.size() + contents.geometry.size()));
+  for (const std::string& why : contents.unread) PrintWarning(path + ": " + why);
+}
+
 void AddGeometryOutput(CLI::App& command, GeometryOutput& output) {
+  AddGeometryInput(command, output.input);
   CLI::Option& unit = *command
                            .add_option_function<std::string>(
                                "--unit",
@@ -75,11 +103,13 @@ GeometryContents ReadInUnit(const std::string& path,
                             const std::string& format,
                             const GeometryOutput& output,
                             bool quiet,
-                            bool keeps_bodies) {
-  GeometryContents contents = ReadGeometryContents(path, {format, output.unit, output.undeclared});
+                            Kept kept) {
+  GeometryContents contents =
+      ReadGeometryContents(path, {format, output.unit, output.undeclared, output.input.strict});
+  if (kept != Kept::kShapes) TellUnread(path, contents, output.input, quiet);
   if (!quiet) {
     for (const std::string& remark : contents.remarks) PrintWarning(path + ": " + remark);
-    if (!keeps_bodies && !contents.flattened.empty()) {
+    if (kept == Kept::kGeometry && !contents.flattened.empty()) {
       PrintWarning(path + ": " + contents.flattened);
     }
   }

@@ -16,13 +16,29 @@ namespace batten::internal {
 // --step-schema ap214|ap242
 void AddStepSchemaFlag(CLI::App& command, std::string& schema);
 
+// How files of geometry are read.
+struct GeometryInput {
+  bool strict = false;        // GeometryReadOptions
+  bool accept_doubt = false;  // end with 0 though a part could not be read
+};
+// --strict and --accept-doubt
+void AddGeometryInput(CLI::App& command, GeometryInput& input);
+
+// Warns of each face and curve that could not be read, and has the program end doubtful.
+void TellUnread(const std::string& path,
+                const GeometryContents& contents,
+                const GeometryInput& input,
+                bool quiet);
+
 struct GeometryOutput {
   std::string unit;             // asked for; empty: that of what is read, mm where it says none
   std::string undeclared = {};  // of a file that says none: GeometryReadOptions
   std::string step_schema = GeometryWriteOptions().step_schema;
   std::optional<double> sew = {};  // GeometryWriteOptions
+  GeometryInput input = {};
 };
-// --unit and --step-schema. Refuses units and schemas there are not when they are parsed.
+// --unit, --step-schema and those of AddGeometryInput. Refuses units and schemas there are not when
+// they are parsed.
 void AddGeometryOutput(CLI::App& command, GeometryOutput& output);
 
 // --sew
@@ -34,13 +50,17 @@ void RequireSensible(const std::vector<Geometry>& geometry);
 // Whether what is written holds solids and shells, so that those that are read need not be lost.
 bool KeepsBodies(const std::string& path, const std::string& format, const GeometryOutput& output);
 
-// Reads the file in the unit asked for, and warns of what it leaves open unless `quiet`; and of
-// bodies that are lost unless `keeps_bodies`.
+// What a result has of the file it is made from: curves and surfaces; which of them are bodies; all
+// that is in it, what could not be read too.
+enum class Kept { kGeometry, kBodies, kShapes };
+
+// Reads the file in the unit asked for, and warns of what it leaves open, and of what is lost,
+// unless `quiet`.
 GeometryContents ReadInUnit(const std::string& path,
                             const std::string& format,
                             const GeometryOutput& output,
                             bool quiet,
-                            bool keeps_bodies = false);
+                            Kept kept = Kept::kGeometry);
 
 // What sewing came to, as "sewing" of a file's entry and as a sentence: a note, or a warning where
 // edges are free that were not in what was read.

@@ -14,6 +14,7 @@
 #include "batten/geometry/cubic_features.h"
 #include "batten/geometry/curve_chain.h"
 #include "batten/geometry/split.h"
+#include "batten/io/geometry_file.h"
 #include "cli/arguments/describe_geometry.h"
 #include "cli/terminal/streams.h"
 
@@ -207,13 +208,19 @@ Json Summary(const NurbsSurface& surface, double tolerance) {
   return info;
 }
 
-Json BodyJson(const GeometryBody& body) {
+Json BodyJson(const GeometryBody& body, const BodyMeasures& measures) {
   Json json;
   if (!body.name.empty()) json["name"] = body.name;
   json["kind"] = body.solid ? "solid" : "shell";
   json["surfaces"] = body.surfaces;
   json["shared_edges"] = body.shared_edges;
   json["watertight"] = body.watertight();
+  json["area"] = measures.area;
+  if (body.solid) {
+    json["volume"] = measures.volume;
+    json["center"] = ToJson(measures.center, 3);
+    for (int i = 0; i < 3; ++i) json["inertia"].push_back(ToJson(measures.inertia.row(i), 3));
+  }
   json["free_edges"] = Json::array();
   for (const FreeEdge& edge : body.free_edges) {
     json["free_edges"].push_back(
@@ -247,7 +254,13 @@ Json SummaryOf(const GeometryContents& contents, double tolerance) {
   Json all = Json::object();
   if (!contents.unit.empty()) all["unit"] = contents.unit;
   if (!contents.remarks.empty()) all["remarks"] = contents.remarks;
-  for (const GeometryBody& body : contents.bodies) all["bodies"].push_back(BodyJson(body));
+  const std::vector<BodyMeasures> measures = MeasureBodies(contents);
+  double volume = 0;
+  for (size_t k = 0; k < measures.size(); ++k) {
+    all["bodies"].push_back(BodyJson(contents.bodies[k], measures[k]));
+    if (contents.bodies[k].solid) volume += measures[k].volume;
+  }
+  if (volume != 0) all["volume"] = volume;
   const std::vector<Geometry>& geometry = contents.geometry;
   const auto named = [&](size_t k) {
     Json one;
@@ -255,16 +268,17 @@ Json SummaryOf(const GeometryContents& contents, double tolerance) {
     one.update(SummaryOf(geometry[k], tolerance));
     return one;
   };
-  if (geometry.size() == 1) {
-    Json one = named(0);
-    one.update(all);
-    return one;
-  }
+  if (!contents.unread.empty()) all["unread"] = contents.unread;
   const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {
     return std::holds_alternative<NurbsSurface>(one);
   });
   all["surfaces"] = surfaces;
   all["curves"] = static_cast<std::ptrdiff_t>(geometry.size()) - surfaces;
+  if (geometry.size() == 1) {
+    Json one = named(0);
+    one.update(all);
+    return one;
+  }
   for (size_t k = 0; k < geometry.size(); ++k) {
     Json one{{"index", k}};
     one.update(named(k));

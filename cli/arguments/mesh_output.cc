@@ -171,14 +171,19 @@ int WriteMeshOf(const MeshRequest& a) {
   if (!a.unit.empty()) CheckUnit(a.unit);
   CheckWritable(a.out);
   BeginReading({a.geometry}, a.flags.quiet);
-  const GeometryContents contents =
-      ReadInUnit(a.geometry, a.geometry_format, {.unit = a.unit}, a.flags.quiet, true);
+  const GeometryContents contents = ReadInUnit(a.geometry,
+                                               a.geometry_format,
+                                               {.unit = a.unit, .input = a.input},
+                                               a.flags.quiet,
+                                               Kept::kBodies);
   const NamedSurfaces named =
       SurfacesAlone(a.geometry, contents, "curves have no mesh", a.flags.quiet);
   const std::vector<NurbsSurface>& surfaces = named.surfaces;
   std::optional<PointCloud> cloud;
   if (!a.cloud_path.empty()) {
-    cloud = ReadCloud({a.cloud_path}, ToReadOptions(a.cloud, a.flags.quiet)).cloud;
+    CloudFile file = ReadCloud({a.cloud_path}, ToReadOptions(a.cloud, a.flags.quiet));
+    TellRemarks(file, a.flags.quiet);
+    cloud = std::move(file.cloud);
   }
   const Progress progress = MakeProgress(a.flags.quiet);
   std::vector<SurfaceMesh> meshes;

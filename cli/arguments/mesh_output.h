@@ -25,6 +25,7 @@ struct MeshRequest {
   CloudArguments cloud = {};
   double deviation_range = 0;  // 0: a round number that 95 % are within
   int threads = 0;
+  GeometryInput input = {};
   CommonFlags flags;
 };
 

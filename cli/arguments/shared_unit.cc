@@ -23,7 +23,7 @@ std::vector<Geometry> SharedUnit::Read(const std::string& path, const std::strin
   if (!asked_.empty() || !first_.empty()) {
     return ReadGeometry(path, ReadBeside(asked_, first_, format));
   }
-  GeometryContents contents = ReadGeometryContents(path, {format});
+  GeometryContents contents = ReadGeometryContents(path, {.format = format, .strict = true});
   first_ = contents.unit.empty() ? kUsual : contents.unit;
   return std::move(contents.geometry);
 }

@@ -18,6 +18,7 @@
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/geometry_flags.h"
+#include "cli/arguments/geometry_output.h"
 #include "cli/arguments/geometry_summary.h"
 #include "cli/arguments/shared_unit.h"
 #include "cli/arguments/short_summary.h"
@@ -40,6 +41,7 @@ struct AnalyzeArguments {
   JoinOptions join;
   bool joins_only = false;  // a flag of joins was given
   bool all = false;
+  GeometryInput input;
   CommonFlags flags;
 };
 
@@ -140,8 +142,10 @@ Json Analysis(const AnalyzeArguments& a) {
       throw UsageError(
           "the tolerances of joins need a second geometry: analyze GEOMETRY GEOMETRY2");
     }
-    return SummaryOf(ReadGeometryContents(a.first, {a.format}),
-                     a.tolerance.value_or(ClassifyOptions().tolerance));
+    const GeometryContents contents =
+        ReadGeometryContents(a.first, {.format = a.format, .strict = a.input.strict});
+    TellUnread(a.first, contents, a.input, a.flags.quiet);
+    return SummaryOf(contents, a.tolerance.value_or(ClassifyOptions().tolerance));
   }
   if (a.tolerance)
     throw UsageError("--tolerance is of one geometry; for joins --position-tolerance");
@@ -234,6 +238,7 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
   AddGeometryFormatFlag(command,
                         a->format,
                         "Format of '-' or of a file whose name does not tell: json step iges brep");
+  AddGeometryInput(command, a->input);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Degree, size, length or area, range of curvature, and what shape it is: line,\n"

@@ -2,19 +2,24 @@
 // batten compare: how far points are from a geometry.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
 #include <type_traits>
 #include <utility>
 
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/distances.h"
+#include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/cloud_arguments.h"
 #include "cli/arguments/describe_geometry.h"
 #include "cli/arguments/fit_output.h"
+#include "cli/arguments/geometry_output.h"
 #include "cli/commands/commands.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
@@ -36,6 +41,7 @@ struct CompareArguments {
   OutputArguments output;
   CommonFlags flags;
   WorkFlags work;
+  GeometryInput input;
   std::optional<double> tolerance;
   bool unit_given = false;
   std::string align = "none", datum, profile;
@@ -229,7 +235,27 @@ std::string ResultLine(const CompareArguments& a, const ErrorSummary& error) {
   return line;
 }
 
-int RunCompare(const CompareArguments& a) {
+bool NamedAsGeometry(const std::string& path) {
+  const std::optional<FileFormat> format = FormatOfName(path);
+  return format && IsGeometryFormat(*format);
+}
+
+// Puts the one file that is geometry by its name first, where a cloud was given in its place.
+CompareArguments InOrder(CompareArguments a) {
+  const auto found = std::find_if(a.clouds.begin(), a.clouds.end(), NamedAsGeometry);
+  const bool swapped = FormatOfName(a.geometry) && !NamedAsGeometry(a.geometry) &&
+                       std::count_if(a.clouds.begin(), a.clouds.end(), NamedAsGeometry) == 1;
+  if (!swapped) return a;
+  if (!a.flags.quiet) {
+    PrintNote(*found + " is the geometry and " + a.geometry +
+              " the cloud: batten compare GEOMETRY CLOUD names them in this order");
+  }
+  std::swap(a.geometry, *found);
+  return a;
+}
+
+int RunCompare(const CompareArguments& given) {
+  const CompareArguments a = InOrder(given);
   StageClock clock(&StageSeconds::read);
   CheckOutputArguments(a.output, a.unit_given);
   const std::optional<ProfileZone> zone = ToZone(a.profile);
@@ -245,8 +271,12 @@ int RunCompare(const CompareArguments& a) {
   for (const std::string& path : a.output.reports) CheckWritable(path);
   const bool word_is_geometry = NamesGeometry(a.cloud.format);
   BeginReading({a.geometry}, a.flags.quiet);
-  const GeometryContents contents = ReadGeometryContents(
-      a.geometry, {word_is_geometry ? a.cloud.format : "", a.unit_given ? a.output.unit : ""});
+  const GeometryContents contents =
+      ReadGeometryContents(a.geometry,
+                           {.format = word_is_geometry ? a.cloud.format : "",
+                            .unit = a.unit_given ? a.output.unit : "",
+                            .strict = a.input.strict});
+  TellUnread(a.geometry, contents, a.input, true);
   const std::vector<Geometry>& geometry = contents.geometry;
   if (zone && zone->low != -zone->high) CheckSides(a.profile, geometry);
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
@@ -255,8 +285,12 @@ int RunCompare(const CompareArguments& a) {
   const CloudFile file = ReadCloud(a.clouds, read);
 
   FitReport report;
+  report.warnings = file.remarks;
   for (const std::string& remark : contents.remarks) {
     report.warnings.push_back(a.geometry + ": " + remark);
+  }
+  for (const std::string& why : contents.unread) {
+    report.warnings.push_back(a.geometry + ": " + why);
   }
   if (!contents.flattened.empty()) {
     report.warnings.push_back(a.geometry + ": " + contents.flattened);
@@ -371,6 +405,7 @@ void AddCompareCommand(CLI::App& app, Action& action) {
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
   AddWorkFlags(command, a->work);
+  AddGeometryInput(command, a->input);
   AddCommonFlags(command, a->flags);
   command.footer(
       "Distances are to the nearest point; of a trimmed surface only the part inside its loops "

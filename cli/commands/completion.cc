@@ -302,7 +302,7 @@ Completion Complete(const CLI::App& app, std::vector<std::string> words) {
   const std::string last = Unquoted(words.back());
   words.pop_back();
   try {
-    if (words != std::vector<std::string>{"help"}) words = WithCommand(app, std::move(words));
+    if (words != std::vector<std::string>{"help"}) words = WithCommand(app, std::move(words)).words;
   } catch (const std::exception&) {
     return {};  // after a file nothing can be done with
   }

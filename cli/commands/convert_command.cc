@@ -24,6 +24,7 @@
 #include "cli/terminal/exit_codes.h"
 #include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
+#include "cli/terminal/written_format.h"
 
 namespace batten::internal {
 namespace {
@@ -66,9 +67,15 @@ int RunConvert(const ConvertArguments& a) {
                         .out = a.out,
                         .out_format = out_format,
                         .unit = a.output.unit,
+                        .input = a.output.input,
                         .flags = a.flags});
   }
-  const FileFormat to = FormatOf(a.out, out_format);
+  const FileFormat to = WrittenFormat(
+      a.out,
+      out_format,
+      IsGeometryFormat(from) ? "geometry is written as .json, .step, .iges or .brep, triangles as "
+                               ".stl, .obj, .ply or .glb"
+                             : "points are written as .ply, .pcd, .xyz or .csv");
   if (IsCloudFormat(from) && !IsCloudFormat(to)) {
     throw UsageError(a.in + " is a cloud and " + a.out +
                      " geometry: 'batten fit' makes one from the other");
@@ -91,14 +98,21 @@ int RunConvert(const ConvertArguments& a) {
     read.format = in_format;
     BeginReading(a.sources, a.flags.quiet);
     const CloudFile file = ReadCloud(a.sources, read);
+    TellRemarks(file, a.flags.quiet);
     WriteCloud(file.cloud, a.out, out_format);
     entry["kind"] = "cloud";
     entry["points"] = file.cloud.size();
     entry["non_finite"] = file.non_finite;
   } else {
     BeginReading({a.in}, a.flags.quiet);
-    GeometryContents contents = ReadInUnit(
-        a.in, in_format, a.output, a.flags.quiet, KeepsBodies(a.out, out_format, a.output));
+    GeometryContents contents =
+        ReadInUnit(a.in,
+                   in_format,
+                   a.output,
+                   a.flags.quiet,
+                   !KeepsBodies(a.out, out_format, a.output) ? Kept::kGeometry
+                   : a.output.sew                            ? Kept::kBodies
+                                                             : Kept::kShapes);
     const GeometryWriteOptions options = WriteOptions(out_format, a.output, contents);
     const auto declares = [](FileFormat format) {
       return format == FileFormat::kStep || format == FileFormat::kIges;
@@ -108,7 +122,8 @@ int RunConvert(const ConvertArguments& a) {
                    " does not say its unit; say --unit");
     }
     bodies = std::move(contents.bodies);
-    const GeometryFile file{a.out, std::move(contents.geometry), std::move(contents.names), bodies};
+    const GeometryFile file{
+        a.out, std::move(contents.geometry), std::move(contents.names), bodies, contents.shapes};
     sewing = WriteGeometry(file, options);
     const std::vector<Geometry>& geometry = file.geometry;
     const auto surfaces = std::count_if(geometry.begin(), geometry.end(), [](const Geometry& one) {

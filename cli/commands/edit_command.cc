@@ -164,8 +164,11 @@ int RunEdit(const EditArguments& a) {
   const Progress progress = MakeProgress(a.flags.quiet);
   BeginReading({a.geometry}, a.flags.quiet);
   const bool keeps_bodies = !pieces && KeepsBodies(a.out, out_format, a.output);
-  const GeometryContents read =
-      ReadInUnit(a.geometry, a.format, a.output, a.flags.quiet, keeps_bodies);
+  const GeometryContents read = ReadInUnit(a.geometry,
+                                           a.format,
+                                           a.output,
+                                           a.flags.quiet,
+                                           keeps_bodies ? Kept::kBodies : Kept::kGeometry);
   for (EditOperation& one : operations) one.others = ReadBeside(a.output.unit, read.unit);
   Edited edited = EditAll(operations, read.geometry, read.names, progress);
   if (keeps_bodies && edited.pieces && !a.flags.quiet && !read.flattened.empty()) {

@@ -17,6 +17,7 @@
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/file_kind.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
@@ -277,7 +278,8 @@ template <int Dim>
 int Fit(FitFiles& files,
         const PointCloud& cloud,
         const CurveFitOptions& options,
-        const Component& component) {
+        const Component& component,
+        const std::string& path) {
   const auto fit = [&](const CurveFitOptions& options) {
     if (component.all) return FitCurves<Dim>(cloud, options);
     std::vector<CurveFit<Dim>> one;
@@ -288,6 +290,8 @@ int Fit(FitFiles& files,
   std::vector<CurveFit<Dim>> fits = files.Explained([&] {
     try {
       return fit(options);
+    } catch (const std::invalid_argument& refusal) {
+      throw std::invalid_argument(refusal.what() + OtherCommand(cloud, FileUse::kCurve, path));
     } catch (const Cancelled&) {
       if (!files.TimeIsUp()) throw;
       std::vector<CurveFit<Dim>> quick = fit(QuickCurveOptions(options));
@@ -477,8 +481,8 @@ int RunFitCurve(const FitCurveArguments& a) {
     return cloud.dimension() == 2 ? Interpolate<2>(files, cloud, a)
                                   : Interpolate<3>(files, cloud, a);
   }
-  return cloud.dimension() == 2 ? Fit<2>(files, cloud, options, component)
-                                : Fit<3>(files, cloud, options, component);
+  return cloud.dimension() == 2 ? Fit<2>(files, cloud, options, component, a.clouds.front())
+                                : Fit<3>(files, cloud, options, component, a.clouds.front());
 }
 
 }  // namespace

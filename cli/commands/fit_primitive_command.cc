@@ -2,12 +2,15 @@
 // batten fit primitive: points in, an exact line, circle, plane, sphere, cylinder, cone or torus
 // and its report out.
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "batten/fitting/fit_primitive.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/file_kind.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
@@ -17,7 +20,7 @@ namespace batten::internal {
 namespace {
 
 struct FitPrimitiveArguments : FitArguments {
-  std::string kind;
+  std::string kind = "auto";
 };
 
 PrimitiveKind ToKind(const std::string& word) {
@@ -49,7 +52,17 @@ int RunFitPrimitive(const FitPrimitiveArguments& a) {
   FitFiles files(a);
   const PointCloud& cloud = files.Read(false);
   options.shift = files.shift();
-  PrimitiveFit fit = files.Explained([&] { return FitPrimitive(cloud, options); });
+  PrimitiveFit fit = files.Explained([&] {
+    try {
+      return FitPrimitive(cloud, options);
+    } catch (const std::invalid_argument& refusal) {
+      const std::string other = OtherCommand(cloud, FileUse::kPrimitive, a.clouds.front());
+      const bool may_be_another = a.kind != "auto" && !other.empty();
+      throw std::invalid_argument(
+          refusal.what() +
+          std::string(may_be_another ? "; --kind auto takes the nearest shape" : "") + other);
+    }
+  });
   const Geometry geometry =
       std::visit([](const auto& shape) { return Geometry(shape); }, fit.geometry);
   if (HasForm(fit)) files.NoteForm(FormDeviationOf(fit, cloud, options.shift));
@@ -75,7 +88,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
                a->kind,
                "auto line circle plane sphere cylinder cone torus; auto is the simplest that the "
                "points do not reject")
-           ->required()
+           ->capture_default_str()
            ->type_name("KIND");
   Allow(kind, {"auto", "line", "circle", "plane", "sphere", "cylinder", "cone", "torus"});
   AddCertificateArguments(command, a->output);
@@ -83,7 +96,7 @@ void AddFitPrimitiveCommand(CLI::App& fit, Action& action) {
   command.footer(
       "Examples:\n"
       "  batten fit primitive part.xyz -o part.step --kind cylinder\n"
-      "  batten fit primitive scan.ply -o shape.step --kind auto --report shape-report.json\n"
+      "  batten fit primitive scan.ply -o shape.step --report shape-report.json\n"
       "  batten fit primitive hole.xyz -o hole.step --kind circle\n"
       "  batten fit primitive pipe-section.xyz -o section.step --kind circle --loss tukey "
       "--tolerance 0.05\n"

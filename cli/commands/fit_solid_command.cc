@@ -35,7 +35,9 @@
 #include "cli/terminal/help_format.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
+#include "cli/terminal/shell_words.h"
 #include "cli/terminal/terminal.h"
+#include "cli/terminal/written_format.h"
 
 namespace batten::internal {
 namespace {
@@ -108,6 +110,18 @@ std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
                              100 * closed.filled_share));
   }
   return closed;
+}
+
+// The same for a solid; the refusal of an open surface says which command takes that.
+std::optional<ClosedSurface> FacesToClose(const FitSolidArguments& a) {
+  try {
+    return FacesOf(a);
+  } catch (const RefusedData& refusal) {
+    if (refusal.remedy() != Remedy::kLeaveOpen) throw;
+    throw RefusedData(refusal.what() + ("; 'batten fit surface " + ShellWord(a.clouds.front()) +
+                                        "' fits open sheets"),
+                      refusal.remedy());
+  }
 }
 
 // A mesh is a surface: beside its vertices count points on its triangles, where these are large.
@@ -239,15 +253,16 @@ MeshOfFile ReadMesh(const FitSolidArguments& a, const FitFiles& files) {
 int RunFitSolid(const FitSolidArguments& a) {
   const SolidKind kind = KindOf(a);
   SolidFitOptions options = ToFitSolidOptions(a);
+  const bool mesh = NamesMesh(a.out, a.out_format);
+  const std::string written =
+      "a solid is written as .step, or as triangles into .stl .obj .ply .glb; "
+      "batten convert makes .brep of a STEP file";
+  if (!mesh && WrittenFormat(a.out, a.out_format, written) != FileFormat::kStep)
+    throw UsageError("-o " + a.out + ": " + written);
   FitFiles files(a,
                  a.quads.empty() ? std::vector<std::string>() : std::vector<std::string>{a.quads});
   if (a.open && a.demands.genus)
     throw UsageError("--genus is of closed solids, --open leaves borders: give one of them");
-  const bool mesh = NamesMesh(a.out, a.out_format);
-  if (!mesh && FormatOf(a.out, a.out_format) != FileFormat::kStep)
-    throw UsageError("-o " + a.out +
-                     ": a solid is written as .step, or as triangles into .stl .obj .ply .glb; "
-                     "batten convert makes .brep of a STEP file");
   for (const std::string& path : {a.layout_out, a.mesh_out}) {
     if (!path.empty()) CheckWritable(path);
   }
@@ -314,7 +329,7 @@ int RunFitSolid(const FitSolidArguments& a) {
     layout = LayoutOnFaces(a, layout, cloud, options);
   } else {
     const std::optional<ClosedSurface> faces =
-        mesh_given.closed ? mesh_given.closed : files.Explained([&] { return FacesOf(a); });
+        mesh_given.closed ? mesh_given.closed : files.Explained([&] { return FacesToClose(a); });
     if (faces) TakeFaces(*faces, cloud, options, on);
     // Holes are closed smoothly beyond points, which triangles across them do not.
     const ClosedSurface closed = faces && !a.open ? *faces : SurfaceAbout(a, files, cloud);

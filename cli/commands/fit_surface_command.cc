@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "batten/fitting/fit_surface.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/io/file_format.h"
+#include "batten/io/polygon_reader.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/arguments/fit_grid.h"
@@ -21,6 +23,7 @@
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
+#include "cli/terminal/shell_words.h"
 #include "cli/terminal/terminal.h"
 
 namespace batten::internal {
@@ -167,6 +170,22 @@ SurfaceFitOptions ToFitSurfaceOptions(const FitSurfaceArguments& a) {
   return WithWork(std::move(options), a);
 }
 
+// Fits; where no surface covers the points, the refusal says which commands take bodies.
+SurfaceFit FitOrName(const PointCloud& cloud,
+                     const SurfaceFitOptions& options,
+                     const std::string& path) {
+  try {
+    return FitSurface(cloud, options);
+  } catch (const RefusedData& refusal) {
+    if (refusal.remedy() != Remedy::kFitPart) throw;
+    const std::string file = ShellWord(path);
+    throw RefusedData(refusal.what() + FlagsThatHelp(refusal.remedy()) + "; 'batten fit solid " +
+                      file + "' takes points all round a body, 'batten fit parts " + file +
+                      "' plane and round faces" +
+                      (MayHoldFaces(path) ? ", and 'batten " + file + "' chooses" : ""));
+  }
+}
+
 int RunFitSurface(const FitSurfaceArguments& a) {
   CheckFitSurface(a);
   CheckPassedOver(a);
@@ -191,7 +210,7 @@ int RunFitSurface(const FitSurfaceArguments& a) {
   const PartChoice part = ToPartChoice(a.part);
   if (part.asked()) return RunPartsFit(files, cloud, options, part);
   SurfaceFit fit =
-      files.ExplainedInTime([&] { return FitSurface(cloud, options); },
+      files.ExplainedInTime([&] { return FitOrName(cloud, options, a.clouds.front()); },
                             [&] { return FitSurface(cloud, QuickOptions(options, cloud)); });
   files.NoteUncertainty(fit);
   return files.Write({fit.surface}, fit.residuals, fit.parameters, fit.outliers, fit.report);

@@ -13,6 +13,7 @@
 #include "batten/io/read_cloud.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/cloud_arguments.h"
+#include "cli/arguments/geometry_output.h"
 #include "cli/arguments/geometry_summary.h"
 #include "cli/arguments/short_summary.h"
 #include "cli/commands/commands.h"
@@ -31,6 +32,7 @@ struct InfoArguments {
   CloudArguments cloud;
   CommonFlags flags;
   WorkFlags work;
+  GeometryInput input;
   bool all = false;
 };
 
@@ -39,6 +41,7 @@ Json ToJson(const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); 
 Json CloudInfo(const InfoArguments& a) {
   BeginReading(a.paths, a.flags.quiet);
   const CloudFile file = ReadCloud(a.paths, ToReadOptions(a.cloud, a.flags.quiet));
+  TellRemarks(file, a.flags.quiet);
   const PointCloud& cloud = file.cloud;
   const MergedCloud merged = MergeDuplicates(cloud);
   ThreadPool pool(a.work.threads);
@@ -81,8 +84,10 @@ int RunInfo(const InfoArguments& a) {
       throw UsageError(a.paths.front() + " holds geometry: one such file at a time");
     }
     BeginReading(a.paths, a.flags.quiet);
-    info = SummaryOf(ReadGeometryContents(a.paths.front(), {a.cloud.format}),
-                     ClassifyOptions().tolerance);
+    const GeometryContents contents =
+        ReadGeometryContents(a.paths.front(), {.format = a.cloud.format, .strict = a.input.strict});
+    TellUnread(a.paths.front(), contents, a.input, a.flags.quiet);
+    info = SummaryOf(contents, ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);
   }
@@ -108,6 +113,7 @@ void AddInfoCommand(CLI::App& app, Action& action) {
       ->required();
   command.add_flag("--all", a->all, "Print every number, too");
   AddCloudArguments(command, a->cloud);
+  AddGeometryInput(command, a->input);
   AddWorkFlags(command, a->work);
   AddCommonFlags(command, a->flags);
   command.footer(

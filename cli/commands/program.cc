@@ -9,10 +9,12 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -94,6 +96,9 @@ std::string HavingFlag(const CLI::App& command, const std::string& path, const s
 }
 
 std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
+  std::error_code unknown;  // what can't be looked at is no file
+  if (std::filesystem::exists(flag, unknown))
+    return "'" + flag + "' is read as a flag; the file of this name is ./" + flag;
   const std::string text = "unknown flag '" + flag + "' for '" + TypedName(app) + "'; ";
   const std::string having = HavingFlag(app, app.get_name(), flag);
   if (!having.empty())
@@ -105,7 +110,7 @@ std::string ExplainFlag(const CLI::App& app, const std::string& flag) {
 
 std::string ExplainWord(const CLI::App& app, const std::string& word) {
   const CLI::App* command = Deepest(app);
-  const std::vector<std::string> commands = CommandNames(*command);
+  std::vector<std::string> commands = CommandNames(*command);
   if (commands.empty()) {
     return "unexpected argument '" + word + "' for '" + TypedName(app) +
            "' (--help shows what it takes)";
@@ -114,8 +119,12 @@ std::string ExplainWord(const CLI::App& app, const std::string& word) {
   if (Contains(of_fit ? kLaterFits : kLaterCommands, word)) {
     return "'" + TypedName(app) + " " + word + "' is not in this version";
   }
+  const std::string known = "known are " + Listed(commands);
+  if (command == &app) {  // a fit's name alone is understood (short_forms.h)
+    for (const std::string& fit : CommandNames(*app.get_subcommand("fit"))) commands.push_back(fit);
+  }
   return "unknown command '" + TypedName(app) + " " + word + "'; " +
-         DidYouMean(word, commands, "known are " + Listed(commands));
+         DidYouMean(word, commands, known);
 }
 
 std::string ExplainExtra(const CLI::App& app, const std::string& extra) {
@@ -164,13 +173,13 @@ int Parse(CLI::App& app, std::vector<std::string> words) {
   return 0;
 }
 
-// After a command line that was short for another: what was done.
-void TellInFull(const std::vector<std::string>& typed, const std::vector<std::string>& full) {
-  const bool quiet = Contains(full, "--quiet");
-  if (full == typed || quiet) return;
+// Of a command line that is short for another: what it was taken for, and the other.
+void TellInFull(const std::vector<std::string>& typed, const FullCommand& full) {
+  if (full.words == typed || Contains(full.words, "--quiet")) return;
   const std::string page =
-      WritesPageUnasked(typed, full) ? "the page of the report shows how well it fits; " : "";
-  PrintNote(page + "the command in full: " + CommandLine());
+      WritesPageUnasked(typed, full.words) ? "the page of the report shows how well it fits; " : "";
+  const std::string taken = full.taken.empty() ? "" : full.taken + "; ";
+  PrintNote(taken + page + "the command in full: " + CommandLine());
 }
 
 // Buffered output that does not arrive is an error too.
@@ -246,6 +255,7 @@ void AddAll(CLI::App& app, Action& action) {
   app.footer(
       "From a scan to CAD:\n"
       "  batten scan.ply                                   scan.step and a report, to begin with\n"
+      "  batten scan.ply --as curve                        another kind than what it is taken for\n"
       "  batten info scan.ply                              how many points, how dense, how noisy\n"
       "  batten fit surface scan.ply -o part.step          points in, a surface for CAD out\n"
       "  batten fit surface scan.ply -o part.step --tolerance 0.05 --report part.html\n"
@@ -261,6 +271,10 @@ void AddAll(CLI::App& app, Action& action) {
       "  batten analyze part.step                          degree, area, curvature, which shape\n"
       "  batten batch jobs.csv                             a folder of scans, a line each\n"
       "  batten COMMAND --help                             flags, defaults and more examples\n"
+      "A file alone is fitted as what it holds: 'fit curve' where points lie along a line, 'fit\n"
+      "solid' where a mesh closes, else 'fit surface'; of geometry 'info' is told. --as curve,\n"
+      "surface, primitive, parts, solid or info makes that of it. 'batten curve FILE' and 'batten\n"
+      "plane FILE' are understood too.\n"
       "Lengths are in the data's unit, angles in degrees. A file's extension says its format; rows "
       "of\n"
       "numbers are points under any name. '-' is standard input or output, with --format. --json "
@@ -268,7 +282,8 @@ void AddAll(CLI::App& app, Action& action) {
       "the result one JSON object.\n"
       "Exit codes: 0 done; 1 the input can't be used; 2 usage; 3 written, but the tolerance is not "
       "reached;\n"
-      "4 written, but doubtful: the first line says why (--accept-doubt makes it 0); 130 interrupted.\n"
+      "4 written, but doubtful: the first line says why (--accept-doubt makes it 0); 130 "
+      "interrupted.\n"
       "Results go to standard output, everything else to standard error.");
   app.require_subcommand(1);
   CLI::App& fit = *app.add_subcommand("fit", "Fit geometry to points");
@@ -330,13 +345,14 @@ int RunProgram(int argc, char** argv) {
       WriteManualPages(app, {typed.begin() + 1, typed.end()});
       return kDone;
     }
-    const std::vector<std::string> words = InFull(app, typed);
-    RefuseNameAlone(words);
-    KeepCommandLine(argc > 0 ? argv[0] : "batten", words);
-    if (Parse(app, words) < 0) return Flushed(kDone);
+    const FullCommand full = InFull(app, typed);
+    RefuseNameAlone(full.words);
+    KeepCommandLine(argc > 0 ? argv[0] : "batten", full.words);
+    if (Parse(app, full.words) < 0) return Flushed(kDone);
     WatchForInterrupt();
-    const int code = Carry(action);
-    if (code != kBadInput) TellInFull(typed, words);
+    if (!full.taken.empty()) TellInFull(typed, full);
+    const int carried = Carry(action), code = carried == kDone && Doubtful() ? kDoubtful : carried;
+    if (full.taken.empty() && code != kBadInput) TellInFull(typed, full);
     return code;
   } catch (const UsageError& error) {
     PrintError(error.what());

@@ -216,6 +216,7 @@ int RunProject(const ProjectArguments& a) {
   const CloudFile file = ReadCloud({a.points}, read);
   const PointCloud& cloud = file.cloud;
   const int dimension = Dimension(a, geometry, cloud);
+  TellRemarks(file, a.flags.quiet);
   if (file.non_finite > 0 && !a.flags.quiet) {
     PrintWarning(fmt::format("{} of {} points are not finite and have no result",
                              file.non_finite,

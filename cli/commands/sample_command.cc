@@ -20,6 +20,7 @@
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/streams.h"
 #include "cli/terminal/terminal.h"
+#include "cli/terminal/written_format.h"
 
 namespace batten::internal {
 namespace {
@@ -35,9 +36,10 @@ int RunSample(const SampleArguments& a) {
   const std::string out_format = !a.out_format.empty() ? a.out_format
                                  : word_is_geometry    ? ""
                                                        : a.format;
-  const FileFormat format = FormatOf(a.out, out_format);
+  const char* const written = "points are written as .ply .pcd .xyz .csv";
+  const FileFormat format = WrittenFormat(a.out, out_format, written);
   if (!IsCloudFormat(format) || !IsWritable(format))
-    throw UsageError("-o " + a.out + ": points are written as .ply .pcd .xyz .csv");
+    throw UsageError("-o " + a.out + ": " + written);
   if (!word_is_geometry && !a.format.empty() && !a.out_format.empty() && a.format != a.out_format) {
     throw UsageError("--format " + a.format + " and --output-format " + a.out_format +
                      " are both of the points");

@@ -63,6 +63,7 @@ void AddTessellateCommand(CLI::App& app, Action& action) {
           {"stl", "obj", "ply", "glb"});
   AddCloudArguments(command, a->cloud);
   AddThreadsFlag(command, a->threads);
+  AddGeometryInput(command, a->input);
   AddCommonFlags(command, a->flags);
   command.footer(
       "The mesh is watertight over each surface, its seams and poles, and across the edges that\n"

@@ -7,6 +7,7 @@ namespace batten::internal {
 namespace {
 
 std::string command_line;
+bool doubtful = false;
 
 }  // namespace
 
@@ -18,5 +19,9 @@ void KeepCommandLine(const std::string& program, const std::vector<std::string>&
 }
 
 const std::string& CommandLine() { return command_line; }
+
+void NoteDoubt() { doubtful = true; }
+
+bool Doubtful() { return doubtful; }
 
 }  // namespace batten::internal

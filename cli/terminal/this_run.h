@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which program this is and how it was called, for reports.
+// Which program this is, how it was called, for reports, and whether its result is in doubt.
 #pragma once
 
 #include <string>
@@ -14,5 +14,9 @@ void KeepCommandLine(const std::string& program, const std::vector<std::string>&
 
 // The command line kept, quoted so that a shell takes it again.
 const std::string& CommandLine();
+
+// What is written is but a part of what was asked: a command that would end with 0 ends doubtful.
+void NoteDoubt();
+bool Doubtful();
 
 }  // namespace batten::internal

@@ -172,7 +172,8 @@ std::vector<Doubt> FitReport::Doubts() const {
                    NumberText(std::round(100 * left_out)) + " % of the points are left out"});
   }
   const double size = (input.box_max - input.box_min).norm();
-  if (size > 0 && error.max > std::max(kFarInNoise * input.noise, kFarInSize * size)) {
+  const double far = std::max(kFarInNoise * input.noise, kFarInSize * size);
+  if (size > 0 && error.max > std::max(far, error.tolerance.value_or(0))) {
     all.push_back({"points_missed",
                    "a point that counts is missed by " + RoundedText(error.max) + ", " +
                        NumberText(std::round(1000 * error.max / size) / 10) +

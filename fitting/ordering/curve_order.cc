@@ -99,6 +99,7 @@ struct OrderLook {
   double length = 0;     // of the longest guide
   double tolerance = 0;  // points farther from every guide are outliers
   Eigen::Index left_out = 0;
+  bool evident = false;
 };
 
 double MedianLink(const std::vector<PrincipalPolyline>& guides) {
@@ -383,14 +384,16 @@ OrderLook BestLook(const PointCloud& cloud,
     return look.meetings.empty() && look.turn <= rough &&
            static_cast<double>(look.left_out) <= most_out;
   };
-  if (shows_curves(first, thick ? kRoughTurn : kSmoothTurn)) return first;
+  first.evident = shows_curves(first, thick ? kRoughTurn : kSmoothTurn);
+  if (first.evident) return first;
   bool looked = false;
   for (const double factor : kTries) {
     Report(progress, "order", 0.1 * factor);
     const double radius = factor * std::max(kRadiusInNoise * scale.noise, fine);
     const double noise = factor > 1 ? radius / kRadiusInNoise : scale.noise;
     OrderLook look = LookAt(places, rows, scale.spacing, radius, noise, pool);
-    if (shows_curves(look, kRoughTurn) && look.length >= kLongInNoise * noise) return look;
+    look.evident = shows_curves(look, kRoughTurn) && look.length >= kLongInNoise * noise;
+    if (look.evident) return look;
     if (!looked && !look.meetings.empty()) first = std::move(look);
     looked = true;
   }
@@ -415,6 +418,7 @@ CurveOrder OrderAlongCurves(const PointCloud& cloud,
   const int directions = std::max(2, PointRank(places.points));
   SmoothPolylines(places, directions, look, pool);
   CurveOrder result;
+  result.evident = look.evident;
   for (int g = 0; g < static_cast<int>(look.guides.size()); ++g) {
     if (Along(look, g).empty()) continue;
     result.paths.push_back(PathOf(places, look, g, options, directions));

@@ -23,6 +23,7 @@ constexpr std::array kKnown{
     KnownWord{"text", FileFormat::kText},  KnownWord{"txt", FileFormat::kText},
     KnownWord{"asc", FileFormat::kText},   KnownWord{"pts", FileFormat::kText},
     KnownWord{"xy", FileFormat::kText},    KnownWord{"dat", FileFormat::kText},
+    KnownWord{"af", FileFormat::kText},    KnownWord{"fxs", FileFormat::kText},
     KnownWord{"xyzl", FileFormat::kText},  KnownWord{"xyzi", FileFormat::kText},
     KnownWord{"xyzn", FileFormat::kText},  KnownWord{"xyzrgb", FileFormat::kText},
     KnownWord{"uvxyz", FileFormat::kText}, KnownWord{"las", FileFormat::kLas},
@@ -31,6 +32,7 @@ constexpr std::array kKnown{
     KnownWord{"step", FileFormat::kStep},  KnownWord{"stp", FileFormat::kStep},
     KnownWord{"iges", FileFormat::kIges},  KnownWord{"igs", FileFormat::kIges},
     KnownWord{"brep", FileFormat::kBrep},  KnownWord{"brp", FileFormat::kBrep},
+    KnownWord{"rle", FileFormat::kBrep},
 };
 
 struct UnsupportedWord {

@@ -15,12 +15,13 @@ namespace {
 // A role and the lower-case names under which files hold it.
 struct Role {
   std::string_view role;
-  std::array<std::string_view, 3> names;
+  std::array<std::string_view, 6> names;
 };
+constexpr std::size_t kFirstDegrees = 2;  // of the names of x and y
 constexpr std::array kRoles{
-    Role{"x", {"x", "easting"}},
-    Role{"y", {"y", "northing"}},
-    Role{"z", {"z", "elevation", "height"}},
+    Role{"x", {"x", "easting", "longitude", "lon", "long", "lng"}},
+    Role{"y", {"y", "northing", "latitude", "lat"}},
+    Role{"z", {"z", "elevation", "height", "altitude", "alt"}},
     Role{"nx", {"nx", "normal_x", "normalx"}},
     Role{"ny", {"ny", "normal_y", "normaly"}},
     Role{"nz", {"nz", "normal_z", "normalz"}},
@@ -50,6 +51,19 @@ std::string ListOf(const std::vector<CloudField>& fields) {
   return fields.size() > kShown ? list + ", …" : list;
 }
 
+const Role& RoleOf(std::string_view role) {
+  return *std::find_if(kRoles.begin(), kRoles.end(), [&](const Role& r) { return r.role == role; });
+}
+
+// Whether the name is one of the role's from `first` on.
+bool IsNameOf(std::string_view role, std::string_view name, std::size_t first) {
+  const auto& names = RoleOf(role).names;
+  return !name.empty() &&
+         std::any_of(names.begin() + static_cast<std::ptrdiff_t>(first),
+                     names.end(),
+                     [&](std::string_view known) { return EqualIgnoringCase(known, name); });
+}
+
 class ColumnChooser {
  public:
   ColumnChooser(const std::string& file,
@@ -62,6 +76,8 @@ class ColumnChooser {
     CheckRoles();
     CloudColumns chosen;
     chosen.point = Points();
+    chosen.degrees = IsNameOf("x", fields_[chosen.point[0]].name, kFirstDegrees) &&
+                     IsNameOf("y", fields_[chosen.point[1]].name, kFirstDegrees);
     chosen.normal = Triple({"nx", "ny", "nz"});
     for (const int column : chosen.normal) {
       if (column < 0 && (Asked("nx") || Asked("ny") || Asked("nz"))) {
@@ -129,9 +145,7 @@ class ColumnChooser {
         asked != options_.columns.end()) {
       return Column(asked->second);
     }
-    const auto known =
-        std::find_if(kRoles.begin(), kRoles.end(), [&](const Role& r) { return r.role == role; });
-    for (const std::string_view name : known->names) {
+    for (const std::string_view name : RoleOf(role).names) {
       if (name.empty()) continue;
       for (std::size_t k = 0; k < fields_.size(); ++k) {
         if (EqualIgnoringCase(fields_[k].name, name)) return static_cast<int>(k);
@@ -229,6 +243,8 @@ class ColumnChooser {
 };
 
 }  // namespace
+
+bool IsRoleName(std::string_view role, std::string_view name) { return IsNameOf(role, name, 0); }
 
 CloudColumns ChooseColumns(const std::string& file,
                            const std::vector<CloudField>& fields,

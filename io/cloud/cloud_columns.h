@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batten/io/cloud_options.h"
@@ -33,6 +34,7 @@ enum class FieldNaming {
 struct CloudColumns {
   std::vector<int> fields;  // needed columns of the file (0-based), increasing
   std::array<int, 3> point{-1, -1, -1};
+  bool degrees = false;  // x and y are named longitude and latitude
   std::array<int, 3> normal{-1, -1, -1};
   std::array<int, 2> parameter{-1, -1};
   int weight = -1;
@@ -51,6 +53,9 @@ struct CloudColumns {
 
   int dimension() const { return point[2] < 0 ? 2 : 3; }
 };
+
+// Whether files hold the role (x y z …) under that name, in any case: easting is x, latitude y.
+bool IsRoleName(std::string_view role, std::string_view name);
 
 // Resolves names and options for one file. Throws UsageError naming the columns there are where the
 // options ask for another, ReadError where the file has no x and y, or, of a text, names only some

@@ -133,6 +133,7 @@ CloudFilter::CloudFilter(std::string file,
       keep_(RowBatch::kRows) {
   for (const CloudField& field : fields) part_.fields.push_back(field.name);
   part_.dimension = columns_.dimension();
+  part_.degrees = columns_.degrees;
   part_.has_normals = columns_.normal[0] >= 0;
   part_.has_parameters = columns_.parameter[0] >= 0;
   part_.has_weights = columns_.weight >= 0;
@@ -142,6 +143,11 @@ CloudFilter::CloudFilter(std::string file,
       throw ReadError(file_, "has weights, which points that are passed on piece by piece leave");
     if (part_.dimension == 2)
       throw ReadError(file_, "holds points in the plane (two columns), not x y z");
+    const bool named = options.projection == CloudProjection::kByNames && columns_.degrees;
+    if (named || options.projection == CloudProjection::kLocal)
+      throw ReadError(file_,
+                      "holds degrees, which are projected about their middle, known only of points "
+                      "that are read whole; leave out --memory, or project the file before");
     part_.has_normals = part_.has_parameters = part_.has_colours = false;
   }
   finite_.insert(finite_.end(), columns_.point.begin(), columns_.point.end());

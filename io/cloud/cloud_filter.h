@@ -42,6 +42,9 @@ struct FileCloud {
   Eigen::Index rows = 0, matched = 0, non_finite = 0, filtered = 0;
   std::vector<Eigen::Index> missing;  // places of those not finite among the rows that match
   std::vector<CloudChunk> chunks;
+  std::vector<Eigen::Index> blocks;  // points kept before each block but the first
+  std::vector<std::string> remarks;  // sentences on how the file was understood
+  bool degrees = false;              // x and y are named longitude and latitude
 
   Eigen::Index kept() const { return rows - non_finite - filtered; }
 };
@@ -70,6 +73,13 @@ class CloudFilter {
   // Takes the rows and empties the batch, whose columns are columns().fields. Throws ReadError
   // naming the row where a number is beyond kLargestCoordinate or a weight is not positive.
   void Take(RowBatch& batch);
+
+  // The rows taken from now on are another block.
+  void BeginBlock() {
+    if (!take_) part_.blocks.push_back(part_.kept());
+  }
+
+  void Remark(std::string sentence) { part_.remarks.push_back(std::move(sentence)); }
 
   Eigen::Index rows() const { return part_.rows; }
 

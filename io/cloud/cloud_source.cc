@@ -139,6 +139,10 @@ void CloudFileSource::Pass(const TakePoints& take) {
     non_finite += part.non_finite;
     filtered += part.filtered;
     if (k == 0) fields = part.fields;
+    if (first) {
+      for (const std::string& remark : part.remarks)
+        passed_.warnings.push_back(paths_[k] + ": " + remark);
+    }
     if (first && part.fields != fields) {
       passed_.warnings.push_back(
           fmt::format("{} has the columns {}, {} {}: only the coordinates are used",

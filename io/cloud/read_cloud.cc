@@ -10,6 +10,7 @@
 #include "batten/io/read_error.h"
 #include "io/cloud/cloud_filter.h"
 #include "io/cloud/las_reader.h"
+#include "io/cloud/local_projection.h"
 #include "io/cloud/obj_reader.h"
 #include "io/cloud/off_reader.h"
 #include "io/cloud/pcd_reader.h"
@@ -74,7 +75,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
   if (paths.empty()) throw std::invalid_argument("ReadCloud: paths must not be empty");
   const std::vector<FileFormat> formats = CloudFormats(paths, options);
   CloudFile file;
-  Eigen::Index matched = 0;
+  Eigen::Index matched = 0, kept = 0;
   std::vector<FileCloud> parts;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     std::function<void(double)> progress;
@@ -89,6 +90,14 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
     file.points_in_file += parts.back().rows;
     file.non_finite += parts.back().non_finite;
     file.filtered += parts.back().filtered;
+    for (const std::string& remark : parts.back().remarks)
+      file.remarks.push_back(paths[k] + ": " + remark);
+    if (options.take || parts.back().kept() == 0) continue;
+    file.blocks.push_back(kept);
+    for (const Eigen::Index at : parts.back().blocks)
+      if (kept + at > file.blocks.back() && at < parts.back().kept())
+        file.blocks.push_back(kept + at);
+    kept += parts.back().kept();
   }
   file.fields = parts.front().fields;
   file.scale = parts.front().scale;
@@ -100,7 +109,10 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
                                 file.non_finite,
                                 file.filtered));
   }
-  if (!options.take) file.cloud = JoinParts(std::move(parts));
+  if (options.take) return file;
+  if (auto remark = ProjectLocally(options.projection, paths, parts))
+    file.remarks.push_back(paths.front() + ": " + *std::move(remark));
+  file.cloud = JoinParts(std::move(parts));
   return file;
 }
 

@@ -17,20 +17,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// A comment names the columns where its words are as many as they, or where as many in a row begin
-// with x or u and hold x and y; else it is prose.
-Names NamesInComment(const Names& words, std::size_t width) {
-  if (words.size() == width) return words;
-  for (std::size_t start = 0; start + width <= words.size(); ++start) {
-    const std::string& first = words[start];
-    if (first != "x" && first != "X" && first != "u" && first != "U") continue;
-    Names names(words.begin() + static_cast<std::ptrdiff_t>(start),
-                words.begin() + static_cast<std::ptrdiff_t>(start + width));
-    if (NamesPlace(names)) return names;
-  }
-  return {};
-}
-
 // The names that an extension stands for; none where it says nothing.
 Names NamesOfExtension(const std::string& file, std::size_t width) {
   std::string extension = std::filesystem::path(file).extension().string();
@@ -56,15 +42,6 @@ Names NamesOfExtension(const std::string& file, std::size_t width) {
                                 width));
   }
   return names;
-}
-
-// Where the name is, in any case; −1: nowhere.
-int PlaceOf(const Names& names, std::string_view sought) {
-  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == b; };
-  const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-    return std::equal(name.begin(), name.end(), sought.begin(), sought.end(), same);
-  });
-  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
 }
 
 // What separates the names of a header line; a blank where nothing else does.
@@ -133,9 +110,34 @@ Names HeaderNames(std::string_view line) {
   return names;
 }
 
+int PlaceOf(const Names& names, std::string_view sought) {
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == b; };
+  const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return std::equal(name.begin(), name.end(), sought.begin(), sought.end(), same);
+  });
+  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+}
+
+int PlaceOfRole(const Names& names, std::string_view role) {
+  const auto at = std::find_if(
+      names.begin(), names.end(), [&](const std::string& name) { return IsRoleName(role, name); });
+  return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+}
+
 bool NamesPlace(const Names& names) {
-  return (PlaceOf(names, "x") >= 0 || PlaceOf(names, "easting") >= 0) &&
-         (PlaceOf(names, "y") >= 0 || PlaceOf(names, "northing") >= 0);
+  return PlaceOfRole(names, "x") >= 0 && PlaceOfRole(names, "y") >= 0;
+}
+
+Names NamesInComment(const Names& words, std::size_t width) {
+  if (words.size() == width) return words;
+  for (std::size_t start = 0; start + width <= words.size(); ++start) {
+    const std::string& first = words[start];
+    if (first != "x" && first != "X" && first != "u" && first != "U") continue;
+    Names names(words.begin() + static_cast<std::ptrdiff_t>(start),
+                words.begin() + static_cast<std::ptrdiff_t>(start + width));
+    if (NamesPlace(names)) return names;
+  }
+  return {};
 }
 
 std::vector<CloudField> TextFields(const std::string& file,

@@ -20,8 +20,18 @@ struct TextHeader {
 // The names that a header line gives, without quotes; they may hold blanks where it has delimiters.
 std::vector<std::string> HeaderNames(std::string_view line);
 
-// Whether x and y, or easting and northing, are among the names, in any case.
+// Where the name is, in any case; −1: nowhere.
+int PlaceOf(const std::vector<std::string>& names, std::string_view sought);
+
+// Where a name of the role is (IsRoleName); −1: nowhere.
+int PlaceOfRole(const std::vector<std::string>& names, std::string_view role);
+
+// Whether x and y are among the names, in any case, or what else they are called (IsRoleName).
 bool NamesPlace(const std::vector<std::string>& names);
+
+// A comment names the columns where its words are as many as they, or where as many in a row begin
+// with x or u and hold x and y; else it is prose, and there are none.
+std::vector<std::string> NamesInComment(const std::vector<std::string>& words, std::size_t width);
 
 // The columns of a text whose first row has the fields `row`: by the names of its header, else by
 // the words of a comment where they name them, else by its extension (.uvxyz, .xyzl, .xyzi, .xyzn,

@@ -75,36 +75,29 @@ std::optional<double> UnusualNumber(std::string_view field) {
   return value;
 }
 
-// Whether the group is a number that has at most one comma, between digits; counts the comma.
-bool IsCommaNumber(std::string_view group, int& commas) {
-  std::string number(Unquoted(group));
-  const auto is_digit = [&](std::size_t k) {
-    return k < number.size() && number[k] >= '0' && number[k] <= '9';
-  };
-  const std::size_t comma = number.find(',');
-  if (comma != std::string::npos) {
-    if (comma == 0 || !is_digit(comma - 1) || !is_digit(comma + 1)) return false;
-    number[comma] = '.';
-    ++commas;
-  }
-  return IsNumber(number);
-}
-
-bool MayHoldDecimalCommas(std::string_view content) {
+// Whether the commas of a row may be decimal: it has no point; every field between semicolons or
+// blanks is a number with at most one comma, between digits, or, beside semicolons or tabs, a word;
+// two are numbers, and one has that comma. `plain`: the row with points instead.
+bool MayHoldDecimalCommas(std::string_view content, std::string& plain) {
   if (content.find('.') != std::string_view::npos) return false;
-  int groups = 0, commas = 0;
-  const char* at = content.data();
-  const char* const end = at + content.size();
-  const auto separates = [](char c) { return IsBlank(c) || c == ';'; };
-  for (;;) {
-    at = std::find_if_not(at, end, separates);
-    if (at == end) break;
-    const char* const group_end = std::find_if(at, end, separates);
-    if (!IsCommaNumber({at, static_cast<std::size_t>(group_end - at)}, commas)) return false;
-    ++groups;
-    at = group_end;
+  plain = content;
+  std::replace(plain.begin(), plain.end(), ',', '.');
+  const bool words = content.find_first_of(";\t") != std::string_view::npos;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  int numbers = 0, commas = 0;
+  for (const std::string_view field : SplitFields(plain)) {
+    if (field.empty()) continue;
+    const std::size_t point = field.find('.');
+    const bool whole = point == std::string_view::npos;
+    if (IsNumber(field) && (whole || (point > 0 && point + 1 < field.size() &&
+                                      is_digit(field[point - 1]) && is_digit(field[point + 1])))) {
+      ++numbers;
+      commas += whole ? 0 : 1;
+    } else if (!words || (!whole && BeginsAsNumber(field))) {
+      return false;
+    }
   }
-  return groups > 1 && commas > 0;
+  return numbers > 1 && commas > 0;
 }
 
 }  // namespace
@@ -153,6 +146,8 @@ bool LineReader::Next(std::string_view& line) {
   return true;
 }
 
+bool IsBlankLine(std::string_view line) { return std::all_of(line.begin(), line.end(), IsBlank); }
+
 bool HoldsContent(std::string_view line) {
   const char* end = line.data() + line.size();
   return !AtEnd(SkipBlanks(line.data(), end), end);
@@ -185,12 +180,48 @@ std::string_view WithoutComment(std::string_view line) {
 
 void RefuseDecimalCommas(const std::string& file, std::string_view line, std::int64_t number) {
   const std::string_view content = WithoutComment(line);
-  if (content.find(',') == std::string_view::npos || !MayHoldDecimalCommas(content)) return;
+  std::string plain;
+  if (content.find(',') == std::string_view::npos || !MayHoldDecimalCommas(content, plain)) return;
   throw ReadError::AtLine(
       file,
       number,
       "the commas may be decimal or separators: " + Quoted(content) +
           "; write decimal points, or separate the numbers by one kind of separator only");
+}
+
+std::string_view DecimalCommas::Plain(std::string_view line, std::int64_t number) {
+  if (separate_) return line;
+  if (line.find(',') == std::string_view::npos) {
+    if (width_ == 0) width_ = SplitFields(line).size();
+    return line;
+  }
+  const std::string_view content = WithoutComment(line);
+  if (MayHoldDecimalCommas(content, plain_)) {
+    const std::size_t width = SplitFields(plain_).size();
+    if (width_ == 0) width_ = width;
+    if (width >= width_) {
+      if (since_ == 0) since_ = number;
+      return plain_;
+    }
+  }
+  separate_ = width_ == 0;
+  if (since_ > 0) {
+    throw ReadError::AtLine(
+        file_,
+        number,
+        fmt::format("the commas are decimal from line {} on, but not all of {}; write decimal "
+                    "points, or separate the numbers by one kind of separator only",
+                    since_,
+                    Quoted(content)));
+  }
+  RefuseDecimalCommas(file_, line, number);
+  return line;
+}
+
+bool BeginsAsNumber(std::string_view field) {
+  const std::size_t first = field.find_first_not_of("+-.");
+  return first != std::string_view::npos && first <= 2 && field[first] >= '0' &&
+         field[first] <= '9';
 }
 
 bool IsNumber(std::string_view field) { return UnusualNumber(field).has_value(); }
@@ -248,10 +279,7 @@ void RowParser::Parse(std::string_view line, std::int64_t number, RowBatch& batc
     }
     at = SkipBlanks(field_end, end);
     after_delimiter = at < end && IsDelimiter(*at);
-    if (after_delimiter) {
-      if (*at == watched_) RefuseDecimalCommas(file_, line, number);
-      ++at;
-    }
+    if (after_delimiter) ++at;
   }
   if (exact_fields_ > 0 && !AtEnd(SkipBlanks(at, end), end)) {
     throw ReadError::AtLine(
@@ -265,7 +293,6 @@ void ReadTextRows(LineReader& lines,
                   const std::vector<int>& columns,
                   CloudFilter& filter) {
   RowParser parser(lines.source().name(), columns);
-  parser.WatchCommas();
   RowBatch batch(columns.size());
   std::string_view line;
   for (std::int64_t row = 0; row < count;) {
@@ -275,6 +302,7 @@ void ReadTextRows(LineReader& lines,
                               fmt::format("the file ends after {} of {} points", row, count));
     }
     if (!HoldsContent(line)) continue;
+    RefuseDecimalCommas(lines.source().name(), line, lines.number());
     parser.Parse(line, lines.number(), batch);
     ++row;
     if (batch.rows == RowBatch::kRows) filter.Take(batch);

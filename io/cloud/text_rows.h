@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/base/byte_source.h"
@@ -58,6 +59,9 @@ class LineReader {
   bool repeat_ = false;
 };
 
+// Whether a line holds nothing but blanks.
+bool IsBlankLine(std::string_view line);
+
 // Whether a line holds more than blanks and a comment (from # or // on).
 bool HoldsContent(std::string_view line);
 
@@ -67,10 +71,36 @@ std::vector<std::string_view> SplitFields(std::string_view line);
 // The line without its comment.
 std::string_view WithoutComment(std::string_view line);
 
-// Throws ReadError where the commas of the line may be decimal: it has no point, is in groups
-// between semicolons or blanks, each a number with at most one comma, between digits, and one of
-// them has that comma. Read as a separator it would move all that follows by a column.
+// Throws ReadError where the commas of the line may be decimal: it has no point, is in fields
+// between semicolons or blanks, each a number with at most one comma, between digits, or a word
+// beside semicolons or tabs, and a number has that comma. Read as a separator it would move all
+// that follows by a column.
 void RefuseDecimalCommas(const std::string& file, std::string_view line, std::int64_t number);
+
+// Reads the commas of a text's rows. Where the first row has some that cannot be decimal, as in
+// 1,5,2,0, they separate. Else the first row whose commas may be decimal, and which then has no
+// fewer fields than the first row, makes them decimal in all rows that follow.
+class DecimalCommas {
+ public:
+  explicit DecimalCommas(std::string file) : file_(std::move(file)) {}
+
+  // The row with points for its decimal commas, valid until the next call. Throws ReadError where
+  // commas are decimal in one row and can't be in another, or may be but leave too few fields.
+  std::string_view Plain(std::string_view line, std::int64_t number);
+
+  // The first line that has one; 0: none.
+  std::int64_t since() const { return since_; }
+
+ private:
+  std::string file_;
+  bool separate_ = false;
+  std::size_t width_ = 0;  // fields of the first row
+  std::int64_t since_ = 0;
+  std::string plain_;
+};
+
+// Whether the field is a number up to a point: 0x10, -1.5D+3, 1"2.
+bool BeginsAsNumber(std::string_view field);
 
 // Whether the field is a number, or one of the words nan and inf, or empty.
 bool IsNumber(std::string_view field);
@@ -91,9 +121,6 @@ class RowParser {
   // `exact_fields` > 0 a row with more fields than that is refused.
   RowParser(std::string file, const std::vector<int>& columns, int exact_fields = 0);
 
-  // For a text that is not separated by commas: RefuseDecimalCommas looks at rows that have some.
-  void WatchCommas() { watched_ = ','; }
-
   // Appends the row to the batch. Throws ReadError quoting what is no number, or saying how many
   // numbers are missing.
   void Parse(std::string_view line, std::int64_t number, RowBatch& batch) const;
@@ -102,7 +129,6 @@ class RowParser {
   std::string file_;
   std::vector<int> slots_;  // for each field up to the last that is needed: its column, or −1
   int exact_fields_;
-  char watched_ = '\0';  // a delimiter that makes a row suspect
 };
 
 // Hands the next `count` rows to the filter, skipping lines without content; for bodies of PLY and

@@ -19,6 +19,7 @@
 #include "batten/io/step_reader.h"
 #include "batten/io/step_writer.h"
 #include "io/base/whole_file.h"
+#include "io/exchange/opencascade_functions.h"
 
 namespace batten {
 using namespace internal;
@@ -42,7 +43,7 @@ Format FormatOf(const std::string& path, const std::string& word) {
   if (name == "json" || name == kPowerJson) return Format::kJson;
   if (name == "step" || name == "stp") return Format::kStep;
   if (name == "iges" || name == "igs") return Format::kIges;
-  if (name == "brep" || name == "brp") return Format::kBrep;
+  if (name == "brep" || name == "brp" || name == "rle") return Format::kBrep;
   const std::string what =
       word.empty() ? (name.empty() ? "a name without an extension" : "the extension ." + name)
                    : "the format \"" + word + "\"";
@@ -90,6 +91,8 @@ void ChangeUnit(GeometryContents& contents, const std::string& unit) {
   for (Geometry& one : contents.geometry) {
     one = std::visit([&](const auto& shape) { return Scaled(shape, times, over); }, one);
   }
+  contents.shapes.times *= times;
+  contents.shapes.over *= over;
   for (GeometryBody& body : contents.bodies) {
     body.tolerance *= times / over;
     for (FreeEdge& edge : body.free_edges) {
@@ -106,13 +109,21 @@ GeometryContents ReadGeometryContents(const std::string& path, const GeometryRea
     if (!unit.empty()) LengthUnitOf(unit);
   }
   GeometryContents contents = ReadAny(path, FormatOf(path, options.format));
+  if (options.strict && !contents.unread.empty()) throw ReadError(path, contents.unread[0]);
   if (contents.unit.empty()) contents.unit = options.undeclared;
   if (!options.unit.empty()) ChangeUnit(contents, options.unit);
   return contents;
 }
 
 std::vector<Geometry> ReadGeometry(const std::string& path, const GeometryReadOptions& options) {
-  return ReadGeometryContents(path, options).geometry;
+  GeometryReadOptions all = options;
+  all.strict = true;
+  return ReadGeometryContents(path, all).geometry;
+}
+
+std::vector<BodyMeasures> MeasureBodies(const GeometryContents& contents) {
+  if (!contents.shapes.held) return {};
+  return OpenCascade().measure_bodies(contents.shapes);
 }
 
 void CheckGeometryFormat(const std::string& path, const std::string& format) {
@@ -167,7 +178,7 @@ std::vector<std::optional<SewingReport>> WriteGeometryFiles(const std::vector<Ge
     if (temporary.empty()) throw WriteError(file.path, "is not a file that can be replaced");
     try {
       reports.push_back(
-          WriteGeometry(GeometryFile{temporary, file.geometry, file.names, file.bodies}, options));
+          WriteGeometry({temporary, file.geometry, file.names, file.bodies, file.shapes}, options));
     } catch (const WriteError& error) {
       const std::string what = error.what(), prefix = temporary + ": ";
       throw WriteError(file.path, what.substr(what.find(prefix) == 0 ? prefix.size() : 0));

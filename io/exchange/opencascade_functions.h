@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "batten/fitting/trimmed_solid.h"
 #include "batten/geometry/solid_model.h"
@@ -39,6 +40,10 @@ struct OpenCascadeFunctions {
   std::string (*export_iges)(const GeometryFile& file, const LengthUnit& unit);
   // brep_import.h
   GeometryContents (*import_brep)(std::string text, const std::string& name);
+  // cad_shapes.h
+  std::vector<BodyMeasures> (*measure_bodies)(const CadShapes& shapes);
+  // iges_import.h
+  GeometryContents (*import_iges)(const std::string& text, const std::string& name);
   // brep_export.h
   std::string (*export_brep)(const GeometryFile& file,
                              const std::optional<double>& sew,

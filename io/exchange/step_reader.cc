@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "batten/io/read_error.h"
 #include "io/base/whole_file.h"
 #include "io/exchange/opencascade_functions.h"
 #include "io/exchange/step_syntax.h"
@@ -17,6 +18,10 @@ GeometryContents ReadStepContents(const std::string& path) {
   return OpenCascade().import_step(std::move(text), name);
 }
 
-std::vector<Geometry> ReadStep(const std::string& path) { return ReadStepContents(path).geometry; }
+std::vector<Geometry> ReadStep(const std::string& path) {
+  GeometryContents contents = ReadStepContents(path);
+  if (!contents.unread.empty()) throw ReadError(path, contents.unread[0]);
+  return std::move(contents.geometry);
+}
 
 }  // namespace batten

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "batten/io/read_error.h"
-#include "io/opencascade/export_parts.h"
+#include "io/opencascade/cad_shapes.h"
 #include "io/opencascade/occt_session.h"
 
 namespace batten::internal {
@@ -33,7 +33,7 @@ std::string ExportBrep(const GeometryFile& file,
                        std::optional<SewingReport>& report) {
   try {
     const OcctSession session;
-    const TopoDS_Shape shape = Together(ExportParts(file, sew, report));
+    const TopoDS_Shape shape = Together(PartsToWrite(file, sew, report));
     std::ostringstream stream;
     stream.imbue(std::locale::classic());
     BRepTools::Write(shape, stream, false, false, TopTools_FormatVersion_VERSION_1);

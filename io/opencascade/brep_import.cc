@@ -23,12 +23,14 @@ GeometryContents TranslateBrep(std::string& text, const std::string& path) {
   BRepTools::Read(shape, stream, BRep_Builder());
   if (shape.IsNull()) throw ReadError(path, "is damaged: OpenCASCADE makes no shape of it");
   GeometryContents contents;
-  ShapeCollector(contents, {}, path).Add(shape);
-  if (contents.geometry.empty()) throw ReadError(path, "holds no curves or surfaces");
-  contents.flattened = WhatIsFlattened(contents, 0);
+  ShapeCollector collector(contents, {});
+  collector.Add(shape);
+  collector.Finish();
+  RequireGeometry(contents, path, "holds no curves or surfaces");
   if (OnlyLines(contents.geometry)) {
     contents.remarks.push_back("it holds only lines: they are curves of degree 1");
   }
+  contents.flattened = WhatIsFlattened(contents, 0);
   return contents;
 }
 

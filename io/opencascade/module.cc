@@ -3,7 +3,9 @@
 #include "io/exchange/opencascade_functions.h"
 #include "io/opencascade/brep_export.h"
 #include "io/opencascade/brep_import.h"
+#include "io/opencascade/cad_shapes.h"
 #include "io/opencascade/iges_export.h"
+#include "io/opencascade/iges_import.h"
 #include "io/opencascade/solid_export.h"
 #include "io/opencascade/step_export.h"
 #include "io/opencascade/step_import.h"
@@ -12,7 +14,14 @@
 extern "C" __attribute__((visibility("default"))) const batten::internal::OpenCascadeFunctions*
 batten_opencascade_functions() {
   using namespace batten::internal;
-  static constexpr OpenCascadeFunctions kFunctions = {
-      ImportStep, ExportStep, ExportSolid, ExportTrimmedSolid, ExportIges, ImportBrep, ExportBrep};
+  static constexpr OpenCascadeFunctions kFunctions = {ImportStep,
+                                                      ExportStep,
+                                                      ExportSolid,
+                                                      ExportTrimmedSolid,
+                                                      ExportIges,
+                                                      ImportBrep,
+                                                      MeasureShapes,
+                                                      ImportIges,
+                                                      ExportBrep};
   return &kFunctions;
 }

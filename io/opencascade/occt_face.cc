@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "io/opencascade/occt_face.h"
 
+#include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRep_Tool.hxx>
 #include <GeomConvert.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -287,7 +288,8 @@ FaceShape Untrimmed(const TopoDS_Face& face, ParameterRectangle box) {
   return shape;
 }
 
-FaceShape Trimmed(const TopoDS_Face& face) {
+// None where the surface's parameters are not those of a NURBS form.
+std::optional<FaceShape> Trimmed(const TopoDS_Face& face) {
   const DirectSurface direct(face);
   const Handle(Geom_Surface) surface = direct.surface;
   Wires wires = WiresOf(face), paced = WiresOf(face, CurveSpeed::kKept);
@@ -303,10 +305,7 @@ FaceShape Trimmed(const TopoDS_Face& face) {
   const Handle(Geom_BSplineSurface) bspline = AsBSpline(surface);
   const Mapping mapping =
       bspline.IsNull() ? OfOther(surface, box, SeamsOf(face)) : OfBSpline(bspline, box);
-  if (!SamePoints(*surface, mapping, wires)) {
-    throw std::invalid_argument(
-        "is trimmed on a surface whose parameters are not those of a NURBS surface");
-  }
+  if (!SamePoints(*surface, mapping, wires)) return std::nullopt;
   const Wires pieces = MappedWires(wires, mapping, CurveSpeed::kAny);
   const double gap = LargestGap(face, mapping.surface);
   const Eigen::Array2d sides = DomainSides(mapping.surface);
@@ -319,19 +318,39 @@ FaceShape Trimmed(const TopoDS_Face& face) {
     }
   }
   try {
-    return {WithTurnedLoops(mapping.surface, std::move(loops), gap),
-            {MappedWires(paced, mapping, CurveSpeed::kKept), direct.turned}};
+    return FaceShape{WithTurnedLoops(mapping.surface, std::move(loops), gap),
+                     {MappedWires(paced, mapping, CurveSpeed::kKept), direct.turned}};
   } catch (const LoopError& error) {
     throw std::invalid_argument("loop " + std::to_string(error.loop() + 1) + " " + error.what());
   }
 }
 
-}  // namespace
-
-FaceShape FaceToNurbs(const TopoDS_Face& face) {
+std::optional<FaceShape> AsItStands(const TopoDS_Face& face) {
   const auto box = RectangleOf(face);
   if (box && FillsIt(BRep_Tool::Surface(face), *box)) return Untrimmed(face, *box);
   return Trimmed(face);
+}
+
+bool SameEdges(const TopoDS_Face& face, const Wires& wires) {
+  const auto edges = EdgesOfWires(face);
+  return std::equal(
+      edges.begin(), edges.end(), wires.begin(), wires.end(), [](const auto& a, const auto& b) {
+        return a.size() == b.size();
+      });
+}
+
+}  // namespace
+
+FaceShape FaceToNurbs(const TopoDS_Face& face) {
+  if (auto shape = AsItStands(face)) return std::move(*shape);
+  BRepBuilderAPI_NurbsConvert converted(face);
+  auto shape = AsItStands(TopoDS::Face(converted.Shape()));
+  if (!shape) {
+    throw std::invalid_argument(
+        "is trimmed on a surface whose parameters are not those of a NURBS surface");
+  }
+  if (!SameEdges(face, shape->wires.curves)) shape->wires.curves.clear();
+  return std::move(*shape);
 }
 
 }  // namespace batten::internal

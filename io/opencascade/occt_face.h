@@ -24,11 +24,10 @@ struct FaceShape {
 
 // A face that fills a rectangle of an analytic surface, or all of a B-spline one, comes untrimmed;
 // any other with a loop for every wire, over the B-spline as it stands or over the box of its
-// boundary on other surfaces. Throws std::invalid_argument naming the wire whose edges do not
-// follow one another to 1e-3 of the domain, or, up to 0.05 of it, to the tolerance of their
-// corners, for surfaces whose parameters are not those of a NURBS
-// form (swept ones, offsets), and where batten's constructors do; Standard_Failure where
-// OpenCASCADE does.
+// boundary on other surfaces; those whose parameters are not those of a NURBS form (swept ones,
+// offsets) are turned into one by OpenCASCADE. Throws std::invalid_argument naming the wire whose
+// edges do not follow one another to 1e-3 of the domain, or, up to 0.05 of it, to the tolerance of
+// their corners, and where batten's constructors do; Standard_Failure where OpenCASCADE does.
 FaceShape FaceToNurbs(const TopoDS_Face& face);
 
 }  // namespace batten::internal

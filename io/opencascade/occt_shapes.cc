@@ -13,6 +13,7 @@
 #include <TopoDS_Iterator.hxx>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -56,12 +57,10 @@ NurbsCurve<3> ToNurbs(const TopoDS_Edge& edge) {
   return ToNurbs(curve, first, last, BRep_Tool::IsClosed(edge));
 }
 
-void CheckRange(const Geometry& geometry, const std::string& what, const std::string& path) {
+bool InRange(const Geometry& geometry) {
   const double largest = std::visit(
       [](const auto& one) { return one.control_points().cwiseAbs().maxCoeff(); }, geometry);
-  if (!(largest <= kLargestCoordinate)) {
-    throw ReadError(path, what + " has a coordinate above 1e150 in magnitude");
-  }
+  return largest <= kLargestCoordinate;
 }
 
 }  // namespace
@@ -77,10 +76,8 @@ void ShapeCollector::Add(const TopoDS_Shape& root) {
 void ShapeCollector::AddFaces(const TopoDS_Shape& shape, std::vector<BodyFace>* body) {
   const TopAbs_ShapeEnum type = shape.ShapeType();
   if (type == TopAbs_FACE) {
-    const TopoDS_Face face = TopoDS::Face(shape);
-    FaceWires wires = AddFace(face);
-    if (body != nullptr) body->push_back({face, contents_.geometry.size() - 1, std::move(wires)});
-    return;
+    if (body == nullptr) KeepShape(shape);
+    return AddFace(TopoDS::Face(shape), body);
   }
   if (type > TopAbs_FACE) return;
   if (body == nullptr && (type == TopAbs_SOLID || type == TopAbs_SHELL)) return AddBody(shape);
@@ -89,47 +86,85 @@ void ShapeCollector::AddFaces(const TopoDS_Shape& shape, std::vector<BodyFace>* 
 
 // Shells of one face share nothing.
 void ShapeCollector::AddBody(const TopoDS_Shape& shape) {
+  const size_t part = held_.parts.size();
+  KeepShape(shape);
   std::vector<BodyFace> faces;
   for (TopoDS_Iterator parts(shape); parts.More(); parts.Next()) AddFaces(parts.Value(), &faces);
   const bool solid = shape.ShapeType() == TopAbs_SOLID;
   if (faces.empty() || (faces.size() == 1 && !solid)) return;
   GeometryBody one = BodyOf(faces);
   one.solid = solid;
-  if (names_) one.name = names_(shape);
+  one.name = NameIn(shape);
   contents_.bodies.push_back(std::move(one));
+  held_.bodies.push_back(part);
 }
 
-FaceWires ShapeCollector::AddFace(const TopoDS_Face& face) {
-  const std::string name = "face " + std::to_string(++faces_);
-  if (BRep_Tool::Surface(face).IsNull()) throw ReadError(path_, name + " has no surface");
+// A body without a name of its own has that of all its faces.
+void ShapeCollector::KeepShape(const TopoDS_Shape& shape) {
+  ExportPart part{shape, NameIn(shape), {}};
+  bool alike = true;
+  if (shape.ShapeType() < TopAbs_FACE) {
+    for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+      part.faces.emplace_back(faces.Current(), NameIn(faces.Current()));
+      alike = alike && part.faces.back().second == part.faces[0].second;
+    }
+  }
+  if (part.name.empty() && alike && !part.faces.empty()) part.name = part.faces[0].second;
+  held_.parts.push_back(std::move(part));
+}
+
+void ShapeCollector::AddFace(const TopoDS_Face& face, std::vector<BodyFace>* body) {
   FaceWires wires;
-  Keep(name, face, [&] {
+  const bool kept = Keep("face " + std::to_string(++faces_), face, [&] {
+    if (BRep_Tool::Surface(face).IsNull()) throw std::invalid_argument("has no surface");
     FaceShape shape = FaceToNurbs(face);
     wires = std::move(shape.wires);
     return std::move(shape.surface);
   });
-  return wires;
+  if (kept && body != nullptr) {
+    body->push_back({face, contents_.geometry.size() - 1, std::move(wires)});
+  }
 }
 
 void ShapeCollector::AddEdge(const TopoDS_Edge& edge) {
-  double first = 0, last = 0;
   if (BRep_Tool::Degenerated(edge)) return;
-  const std::string name = "edge " + std::to_string(++edges_);
-  if (BRep_Tool::Curve(edge, first, last).IsNull()) throw ReadError(path_, name + " has no curve");
-  Keep(name, edge, [&] { return ToNurbs(edge); });
+  KeepShape(edge);
+  Keep("edge " + std::to_string(++edges_), edge, [&] {
+    double first = 0, last = 0;
+    if (BRep_Tool::Curve(edge, first, last).IsNull()) throw std::invalid_argument("has no curve");
+    return ToNurbs(edge);
+  });
 }
 
 template <typename Convert>
-void ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert) {
+bool ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Convert convert) {
+  std::string why;
   try {
-    contents_.geometry.emplace_back(convert());
-    contents_.names.push_back(names_ ? names_(shape) : "");
+    Geometry geometry = convert();
+    if (InRange(geometry)) {
+      contents_.geometry.push_back(std::move(geometry));
+      contents_.names.push_back(NameIn(shape));
+      return true;
+    }
+    why = " has a coordinate above 1e150 in magnitude";
   } catch (const std::invalid_argument& error) {
-    throw ReadError(path_, name + ": " + error.what());
+    why = std::string(": ") + error.what();
   } catch (const Standard_Failure& failure) {
-    throw ReadError(path_, name + " can't be turned into NURBS: " + failure.GetMessageString());
+    why = std::string(" can't be turned into NURBS: ") + failure.GetMessageString();
   }
-  CheckRange(contents_.geometry.back(), name, path_);
+  contents_.unread.push_back(name + why);
+  return false;
+}
+
+void ShapeCollector::Finish() {
+  contents_.shapes.held = std::make_shared<HeldShapes>(std::move(held_));
+}
+
+void RequireGeometry(const GeometryContents& contents,
+                     const std::string& path,
+                     const std::string& empty) {
+  if (!contents.geometry.empty()) return;
+  throw ReadError(path, contents.unread.empty() ? empty : contents.unread[0]);
 }
 
 std::string WhatIsFlattened(const GeometryContents& contents, int placed_parts) {

@@ -165,6 +165,8 @@ size_t LeaveInvalid(std::vector<Piece>& pieces, const std::vector<TopoDS_Face>& 
   return count;
 }
 
+}  // namespace
+
 SewingReport ReportOf(const std::vector<Piece>& pieces) {
   SewingReport report;
   std::vector<TopoDS_Edge> free;
@@ -187,8 +189,6 @@ SewingReport ReportOf(const std::vector<Piece>& pieces) {
   report.nearest_gap = NearestGap(free);
   return report;
 }
-
-}  // namespace
 
 SewnFaces SewFaces(const std::vector<TopoDS_Face>& faces, double tolerance, bool solid) {
   SewnFaces sewn{Sewn(faces, tolerance), {}};

@@ -28,4 +28,7 @@ struct SewnFaces {
 // they are, and counted. Throws Standard_Failure where OpenCASCADE does.
 SewnFaces SewFaces(const std::vector<TopoDS_Face>& faces, double tolerance, bool solid);
 
+// What the pieces came to: their kinds, shared and free edges and gaps.
+SewingReport ReportOf(const std::vector<SewnFaces::Piece>& pieces);
+
 }  // namespace batten::internal

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "batten/io/read_error.h"
-#include "io/opencascade/export_parts.h"
+#include "io/opencascade/cad_shapes.h"
 #include "io/opencascade/occt_convert.h"
 #include "io/opencascade/occt_session.h"
 #include "io/opencascade/step_output.h"
@@ -59,7 +59,7 @@ std::string ExportStep(const GeometryFile& file,
                        std::optional<SewingReport>& report) {
   try {
     const OcctSession session;
-    return ToStep(ExportParts(file, sew, report), unit, schema);
+    return ToStep(PartsToWrite(file, sew, report), unit, schema);
   } catch (const Standard_Failure& failure) {
     throw WriteError(file.path, std::string("can't become STEP: ") + failure.GetMessageString());
   }

@@ -71,14 +71,15 @@ GeometryContents Translate(std::string& text, const std::string& path) {
   GeometryContents contents;
   contents.unit = units.name;
   contents.remarks = units.remarks;
-  ShapeCollector collector(
-      contents, [&names](const TopoDS_Shape& shape) { return names.Of(shape); }, path);
+  ShapeCollector collector(contents,
+                           [&names](const TopoDS_Shape& shape) { return names.Of(shape); });
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
-  if (contents.geometry.empty()) throw ReadError(path, WhyEmpty(reader.StepModel()));
-  contents.flattened = WhatIsFlattened(contents, PlacedParts(reader.StepModel()));
+  collector.Finish();
+  RequireGeometry(contents, path, WhyEmpty(reader.StepModel()));
   if (OnlyLines(contents.geometry)) {
     contents.remarks.push_back("it holds only lines: they are curves of degree 1");
   }
+  contents.flattened = WhatIsFlattened(contents, PlacedParts(reader.StepModel()));
   return contents;
 }
 

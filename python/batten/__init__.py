@@ -12,7 +12,7 @@ from . import make
 from ._cloud import Cloud, Statistics
 from ._core import version as __version__
 from ._curve import Curve
-from ._errors import Cancelled, FitRefused, ReadError, WriteError
+from ._errors import Cancelled, DoubtWarning, FitRefused, ReadError, ReadWarning, WriteError
 from ._files import Sewing, Shapes, read_cloud, read_geometry, write_cloud, write_geometry, write_mesh
 from ._fits import (
     cloud_parts,
@@ -42,6 +42,7 @@ __all__ = [
     "Curvature",
     "Curve",
     "CurveFit",
+    "DoubtWarning",
     "Fit",
     "FitRefused",
     "Geometry",
@@ -54,6 +55,7 @@ __all__ = [
     "Overlap",
     "PrimitiveFit",
     "ReadError",
+    "ReadWarning",
     "Removal",
     "ResidualTerm",
     "Sewing",

@@ -81,5 +81,13 @@ class WriteError(OSError):
         return str(self.args[0])
 
 
+class DoubtWarning(UserWarning):
+    """A result may be wrong, and why, as ``report["doubt"]`` has it; the program ends with 4 then."""
+
+
+class ReadWarning(UserWarning):
+    """How a file was understood where that is not plain, or what of it was not read."""
+
+
 class Cancelled(RuntimeError):
     """``progress`` returned False before there was anything to return."""

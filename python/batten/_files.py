@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._arrays import Path, doubles, finite, is_path, number, path_bytes, plain
 from ._cloud import Cloud, cloud_of
+from ._errors import ReadWarning
 from ._geometry import Geometry, _body_of, wrap_all
 from ._progress import callback
 from ._surface import Mesh
@@ -76,6 +78,7 @@ def read_cloud(
     where: Union[Mapping[str, float], Iterable[Tuple[str, float]], None] = None,
     las_classes: Sequence[int] = (),
     box: Optional[ArrayLike] = None,
+    projection: Optional[str] = None,
     progress: Any = None,
 ) -> Cloud:
     """Reads points: PCD, PLY, LAS, text of any name, and the vertices of OBJ, STL and OFF.
@@ -96,6 +99,9 @@ def read_cloud(
         Only points of these classes; LAS alone.
     box : array_like of shape (6,), optional
         Only points within xmin, ymin, zmin, xmax, ymax, zmax, in the data's units.
+    projection : {'local', 'none'}, optional
+        'local': x and y are longitude and latitude in degrees and become metres, as they do by themselves where the columns
+        are named so; 'none': they stay.
     progress : callable or bool, optional
         ``progress(stage, fraction)``; True: a bar.
 
@@ -120,9 +126,13 @@ def read_cloud(
         "where": [(str(column), float(value)) for column, value in rows],
         "las_classes": [int(one) for one in las_classes],
         "box": None if box is None else finite("box", box, 6).tolist(),
+        "projection": projection,
     }
     with callback(progress) as tell:
-        return Cloud._of(_core.read_cloud([path_bytes("path", one) for one in paths], options, tell))
+        points = _core.read_cloud([path_bytes("path", one) for one in paths], options, tell)
+    for remark in points.remarks:
+        warnings.warn(remark, ReadWarning, stacklevel=2)
+    return Cloud._of(points)
 
 
 def write_cloud(points: Any, path: Path, *, format: str = "", **attributes: Any) -> None:

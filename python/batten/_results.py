@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from . import _core
 from ._arrays import Floats, Path, path_bytes, whole
 from ._cloud import Cloud
 from ._curve import Curve
+from ._errors import DoubtWarning
 from ._files import path_as, write_as
 from ._geometry import Geometry, wrap, wrap_all
 from ._surface import Surface
@@ -48,6 +50,8 @@ class Fit:
         self._fit = fit
         self._report: Optional[Dict[str, Any]] = None
         self._file = ""
+        for words in fit.doubts:
+            warnings.warn(words, DoubtWarning, stacklevel=3)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self._fit.line}>"
@@ -59,7 +63,7 @@ class Fit:
 
     @property
     def ok(self) -> bool:
-        """Whether the tolerance asked for is kept; without one, whether the surface keeps to its points."""
+        """Whether the tolerance asked for is kept, or without one the surface keeps to its points, and nothing in `report["doubt"]`."""
         return self._fit.ok
 
     @property

@@ -15,7 +15,7 @@ struct Points {
   std::vector<std::string> files = {};  // none: from memory
   Eigen::Index points_in_file = 0, non_finite = 0, filtered = 0;
   std::vector<Eigen::Index> missing = {};
-  std::vector<std::string> fields = {};
+  std::vector<std::string> fields = {}, remarks = {};
   double read_seconds = 0;
 };
 

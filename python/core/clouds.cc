@@ -208,6 +208,7 @@ void BindClouds(py::module_& m) {
                              [=](const py::object& s) { return Attribute(of(s).parameters(), s); })
       .def_readonly("files", &Points::files)
       .def_readonly("fields", &Points::fields)
+      .def_readonly("remarks", &Points::remarks)
       .def_readonly("missing", &Points::missing)
       .def_readonly("points_in_file", &Points::points_in_file)
       .def_readonly("non_finite", &Points::non_finite)

@@ -31,6 +31,12 @@ CloudReadOptions ReadOptionsOf(const py::dict& values) {
   if (k.Has("columns"))
     options.columns = k.Value("columns").cast<std::map<std::string, std::string>>();
   k.Take("parameters", options.parameters);
+  if (k.Has("projection")) {
+    const std::string word = k.Word("projection");
+    if (word != "local" && word != "none")
+      throw std::invalid_argument("projection: '" + word + "' is neither local nor none");
+    options.projection = word == "local" ? CloudProjection::kLocal : CloudProjection::kNone;
+  }
   if (k.Has("where")) {
     for (const auto& [column, value] :
          k.Value("where").cast<std::vector<std::pair<std::string, double>>>())
@@ -67,12 +73,14 @@ PointsPtr Read(const std::vector<std::string>& paths,
   made->filtered = file.filtered;
   made->missing = std::move(file.missing);
   made->fields = std::move(file.fields);
+  made->remarks = std::move(file.remarks);
   made->read_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return made;
 }
 
 py::tuple Contents(GeometryContents contents) {
+  contents.remarks.insert(contents.remarks.end(), contents.unread.begin(), contents.unread.end());
   if (!contents.flattened.empty()) contents.remarks.push_back(contents.flattened);
   return py::make_tuple(
       MakeBodies(std::move(contents.geometry)), contents.names, contents.unit, contents.remarks);

@@ -256,8 +256,16 @@ void BindResults(py::module_& m) {
       .def_property_readonly(
           "ok",
           [](const Fit& f) {
-            return f.report.tolerance_reached().value_or(!f.report.leaves_points());
+            return f.report.tolerance_reached().value_or(!f.report.leaves_points()) &&
+                   f.report.Doubts().empty();
           })
+      .def_property_readonly("doubts",
+                             [](const Fit& f) {
+                               std::vector<std::string> words;
+                               for (const Doubt& doubt : f.report.Doubts())
+                                 words.push_back(doubt.words);
+                               return words;
+                             })
       .def_property_readonly("line", [](const Fit& f) { return f.report.OneLine(); })
       .def_property_readonly("warnings", [](const Fit& f) { return f.report.warnings; })
       .def_property_readonly("rms", [](const Fit& f) { return f.report.judged_error().rms; })

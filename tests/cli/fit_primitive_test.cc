@@ -209,7 +209,6 @@ TEST_F(FitPrimitiveCommandTest, RefusesBadInputWithItsReason) {
     ExpectRefused({flat, "--kind", kind}, 1, "needs three coordinates");
   }
   ExpectRefused({cloud, "--kind", "cirle"}, 2, "'circle'");
-  ExpectRefused({cloud}, 2, "--kind");
   ExpectRefused({cloud, "--kind", "line", "--degree", "3"}, 2, "--degree");
   ExpectRefused({cloud, "--kind", "line", "--loss-scale", "0"}, 2, "--loss-scale");
 }

@@ -135,7 +135,7 @@ TEST(FitSolidCommandTest, WritesWatertightTriangles) {
   for (const char* name : {"a.ply", "a.stl"}) {
     const ProgramRun run =
         Batten({"fit", "solid", folder.File("ball.obj"), "-o", folder.File(name)});
-    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.code, 0) << run.out << run.err;
     EXPECT_THAT(run.err, HasSubstr("surfaces, watertight"));
     EXPECT_GT(ReadPolygons(folder.File(name)).faces.size(), 100u);
   }
@@ -180,7 +180,7 @@ TEST(FitSolidCommandTest, StrayPointsCountWhereItIsSaid) {
                                    "--clean",
                                    how,
                                    "--json"});
-    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.code, how == "none" ? 4 : 0) << run.err;  // those that count are missed
     return Json::parse(run.out)["input"];
   };
   EXPECT_EQ(fit("auto")["outliers"], 3);
@@ -229,7 +229,7 @@ TEST(FitSolidCommandTest, PointsOfBodiesApartAndOfSheetsAreToldAsSuch) {
     const ProgramRun run =
         Batten({"fit", "solid", cloud, "--faces", "60", "-o", folder.File("a.step"), "--quiet"});
     EXPECT_EQ(run.out, "");  // nor what PCL prints
-    EXPECT_EQ(run.error_lines(), run.code == 0 ? 0 : 1) << run.err;
+    EXPECT_EQ(run.error_lines(), run.code == 0 || run.code == 4 ? 0 : 1) << run.err;
     return run;
   };
   const ProgramRun two = fit(BallAt(0, 1, 1500) + BallAt(4, 0.7, 1200));

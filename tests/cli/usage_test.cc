@@ -216,7 +216,7 @@ TEST_F(UsageTest, ImpossibleOperationsAreRefused) {
   const std::string patch = folder_.With("patch.json", kRationalPatch);
   ExpectUsageError({"convert", patch, folder_.File("x.pcd")}, {"batten sample"});
   ExpectUsageError({"convert", cloud_, folder_.File("x.step")}, {"batten fit"});
-  ExpectUsageError({"compare", cloud_, patch}, {cloud_});
+  ExpectUsageError({"compare", cloud_, cloud_}, {cloud_});
   ExpectUsageError({"sample", patch, "-o", folder_.File("x.step"), "--count", "5"}, {"x.step"});
   ExpectUsageError({"evaluate", patch, "--at", "0.5"}, {"two parameters"});
   ExpectUsageError({"evaluate", patch, "--at", "5,0"}, {"u = 5", "[0, 2]"});

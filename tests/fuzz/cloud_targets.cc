@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The readers of points. A file is read as a file, as a pipe, and with options.
+#include <algorithm>
+#include <functional>
 #include <optional>
 
 #include "batten/io/read_cloud.h"
@@ -18,6 +20,11 @@ void RequireWhole(const CloudFile& file) {
   RequireLaw(static_cast<Eigen::Index>(file.missing.size()) == file.non_finite,
              "every row that is not finite has its place");
   RequireLaw(!file.fields.empty(), "a file has fields");
+  RequireLaw(std::adjacent_find(file.blocks.begin(), file.blocks.end(), std::greater_equal<>()) ==
+                     file.blocks.end() &&
+                 !file.blocks.empty() && file.blocks.front() == 0 &&
+                 file.blocks.back() < cloud.size(),
+             "blocks have points");
   RequireLaw(cloud.points().allFinite() && cloud.origin().allFinite(), "points are finite");
   RequireLaw(cloud.normals().allFinite() && cloud.parameters().allFinite(),
              "normals and parameters are finite");
@@ -26,10 +33,11 @@ void RequireWhole(const CloudFile& file) {
 }
 
 bool Same(const CloudFile& a, const CloudFile& b) {
-  return a.points_in_file == b.points_in_file && a.missing == b.missing && a.fields == b.fields &&
-         a.cloud.points() == b.cloud.points() && a.cloud.origin() == b.cloud.origin() &&
-         a.cloud.normals() == b.cloud.normals() && a.cloud.weights() == b.cloud.weights() &&
-         a.cloud.parameters() == b.cloud.parameters() && a.cloud.colours() == b.cloud.colours();
+  return a.points_in_file == b.points_in_file && a.missing == b.missing && a.blocks == b.blocks &&
+         a.fields == b.fields && a.cloud.points() == b.cloud.points() &&
+         a.cloud.origin() == b.cloud.origin() && a.cloud.normals() == b.cloud.normals() &&
+         a.cloud.weights() == b.cloud.weights() && a.cloud.parameters() == b.cloud.parameters() &&
+         a.cloud.colours() == b.cloud.colours();
 }
 
 // None where the file is refused.
@@ -56,6 +64,7 @@ void ReadEveryWay(std::string_view bytes, const std::string& format) {
   if (!file) return;
   CloudReadOptions chosen = usual;
   chosen.parameters = true;
+  chosen.projection = CloudProjection::kLocal;
   chosen.columns = {{"x", "2"}, {"y", "1"}};
   chosen.where = {{file->fields.back(), 1}};
   chosen.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));

@@ -146,6 +146,17 @@ def texts():
     save("text", "far", rows([(5.4e9 + x, 4.3e5 + y, z) for x, y, z in POINTS]).replace("+", ""))
     save("text", "one_column", "1\n2\n3\n")
     save("text", "binary", bytes(range(256)))
+    sides = "0 0\n.5 .1\n1 0\n\n0 0\n.5 -.1\n1 0\n"
+    save("text", "selig", "NACA 2412 11.7%\n" + sides)
+    save("text", "lednicer", "A PROFILE\n  3. 3.\n\n" + sides)
+    save("text", "lednicer_short", "3 4\n\n" + sides)
+    save("text", "upper_lower", "AN AIRFOIL FILE\n0\tSym Flag (0 - No, 1 - Yes)\n3\tUpper\n3\tLower\n" + sides)
+    save("text", "keys", "name: wing 7\norigin: 12 30\nN = 6\n" + sides)
+    save("text", "decimal_commas", "Nr;X;Y;Z\nP1;1,5;2,0;-3\nP2;4;5,5;6,25\n")
+    save("text", "decimal_later", "1 2 3\n4,5 5 6\n7,5 8,5 9\n")
+    save("text", "degrees", "Latitude,LON,height\n47.1,8.5,400\n47.2,8.6,410\n")
+    save("text", "date_line", "lon lat\n179.9 -17\n-179.9 -17\n")
+    save("text", "no_degrees", "lon,lat\n500,91\n")
 
 
 # ---- LAS ----

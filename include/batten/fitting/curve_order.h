@@ -32,6 +32,9 @@ struct CurvePath {
 struct CurveOrder {
   std::vector<CurvePath> paths;        // longest first
   std::vector<Eigen::Index> outliers;  // points of no path, ascending
+  // Whether the points show these curves: they are long against the noise across them, turn little
+  // from node to node and leave out few points. Else they are a guess, as on points of a surface.
+  bool evident = false;
 };
 
 // Finds the curves and the order along each. Where the noise exceeds the spacing, the middle line

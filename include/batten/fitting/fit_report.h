@@ -269,7 +269,7 @@ struct FitReport {
 
   // Why the result may be wrong: `doubts`, and of a fit what its figures tell: it ends with
   // structured residuals, leaves out more than a tenth of the points, or misses one that it uses by
-  // more than ten times the noise and a hundredth of their size.
+  // more than ten times the noise, a hundredth of their size, and the tolerance.
   std::vector<Doubt> Doubts() const;
 
   // Joins the report of another curve of the same cloud. Errors are not joined; the worse

@@ -17,6 +17,13 @@ struct RowFilter {
   double value = 0;
 };
 
+// What becomes of x and y that are longitude and latitude in degrees (WGS 84).
+enum class CloudProjection {
+  kByNames,  // as kLocal where the columns are named so (lon, lat, longitude, …), else as kNone
+  kLocal,    // metres east and north of their middle
+  kNone,     // they stay
+};
+
 struct CloudReadOptions {
   // A format word as FormatOf takes it; empty: by extension. Needed for standard input.
   std::string format;
@@ -25,6 +32,9 @@ struct CloudReadOptions {
   // header. Roles left out are found by their usual names; x y z else are the first three columns
   // of a text file. With x and y given but no z the cloud is plane.
   std::map<std::string, std::string> columns;
+
+  // The box is one of degrees all the same, and z stays as it is.
+  CloudProjection projection = CloudProjection::kByNames;
 
   // Take u and v by their names from PCD and PLY too; text always does.
   bool parameters = false;

@@ -18,9 +18,12 @@ namespace batten {
 GeometryContents ReadGeometryContents(const std::string& path,
                                       const GeometryReadOptions& options = {});
 
-// Its curves and surfaces alone.
+// Its curves and surfaces alone, all of them: where one can't be read, the file can't.
 std::vector<Geometry> ReadGeometry(const std::string& path,
                                    const GeometryReadOptions& options = {});
+
+// Of the bodies of a STEP, IGES or B-rep file, each in its place among them; none of other files.
+std::vector<BodyMeasures> MeasureBodies(const GeometryContents& contents);
 
 // Refuses a path no geometry can be written to for its format. Throws UsageError.
 void CheckGeometryFormat(const std::string& path, const std::string& format = "");

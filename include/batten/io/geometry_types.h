@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -23,6 +24,8 @@ struct GeometryReadOptions {
   std::string unit = {};    // what coordinates are turned into, of length_unit.h; empty: the file's
   // What a file that says none is in; empty: the unit asked for, its coordinates stay.
   std::string undeclared = {};
+  // Whether a file is refused for one face or curve that can't be read; else the rest is read.
+  bool strict = false;
 };
 
 // An edge of one face alone.
@@ -48,6 +51,21 @@ struct GeometryBody {
   bool watertight() const { return free_edges.empty(); }
 };
 
+// The solids, shells, faces and edges of a STEP, IGES or B-rep file as they stand there: exact
+// surfaces, shared edges, orientation. Only the writers of STEP and B-rep look inside.
+struct CadShapes {
+  std::shared_ptr<const void> held = nullptr;  // of io/opencascade/cad_shapes.h; null: none
+  double times = 1, over = 1;  // what their coordinates are multiplied with and divided by
+};
+
+// Of a body, in the coordinates of its geometry, to about nine digits. Of an open shell only `area`
+// is its own: the rest is of what it closes with the origin.
+struct BodyMeasures {
+  double area = 0, volume = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the center, at density 1
+};
+
 // Everything a geometry file says.
 struct GeometryContents {
   std::vector<Geometry> geometry;  // in the file's order; at least one
@@ -58,6 +76,9 @@ struct GeometryContents {
   // What is lost where the geometry is taken by itself, without its bodies, a sentence; empty:
   // nothing.
   std::string flattened = {};
+  // Faces and curves of the file that are not among the geometry, and why, a sentence each.
+  std::vector<std::string> unread = {};
+  CadShapes shapes = {};  // what the geometry is of, the unread among it
 };
 
 struct GeometryWriteOptions {
@@ -73,7 +94,9 @@ struct GeometryWriteOptions {
 struct SewingReport {
   size_t surfaces = 0;                       // that were to be sewn
   size_t solids = 0, shells = 0, loose = 0;  // closed shells, open ones, faces left by themselves
-  size_t invalid = 0;  // of the latter, those that would have come out as no valid shape
+  // Of the latter, those that would have come out as no valid shape; solids and shells that are
+  // written as they were read count here where they are none.
+  size_t invalid = 0;
   size_t shared_edges = 0, free_edges = 0;
   double largest_gap = 0;  // between surfaces along a shared edge
   // The least distance from a free edge to another one; none where there are fewer than two.
@@ -88,6 +111,9 @@ struct GeometryFile {
   std::vector<Geometry> geometry;
   std::vector<std::string> names = {};    // of each, where there are any; empty: no name of its own
   std::vector<GeometryBody> bodies = {};  // which surfaces belong together (options.sew)
+  // Where the geometry is just what a file held: STEP and B-rep hold these in its place, unless
+  // options.sew says how to sew it.
+  CadShapes shapes = {};
 };
 
 }  // namespace batten

@@ -21,14 +21,19 @@ struct CloudFile {
   Eigen::Index filtered = 0;    // dropped by `where`, `las_classes` or `box`
   // Places of those not finite among all rows that match `where`, from 0: holes of a grid
   std::vector<Eigen::Index> missing;
+  // The first point in `cloud` of each block of points, increasing from 0: a file begins one, and
+  // so does a point of a text after a line of blanks. None without points in `cloud`.
+  std::vector<Eigen::Index> blocks;
+  // Sentences on how the files were understood where that is not plain: decimal commas, degrees.
+  std::vector<std::string> remarks;
   std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
   // Step between neighbouring coordinates where the first file says it (LAS), else zero
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
 };
 
-// The format of a file to be read: FormatOf, but where the extension is none that is known, a regular file
-// whose first rows are numbers is text. Throws as FormatOf, and ReadError where the file can't be
-// read.
+// The format of a file to be read: FormatOf, but where the extension is none that is known, a
+// regular file whose first rows are numbers is text. Throws as FormatOf, and ReadError where the
+// file can't be read.
 FileFormat InputFormat(const std::string& path, const std::string& format = "");
 
 // Reads PCD, PLY, LAS, text, and the vertices of OBJ, STL and OFF. Several files become one cloud

@@ -16,9 +16,11 @@ namespace batten {
 // the whole of a B-spline surface or a rectangle of another's parameters are trimmed, a loop for
 // every wire. Names are those of faces and curves, else of what they are part of, the product at
 // last. The path "-" is standard input. Throws ReadError for what is not STEP,
-// is truncated or damaged, holds no geometry, or holds a face whose boundary is not closed or can't
-// be brought to the parameters of a NURBS surface.
+// is truncated or damaged, or holds no geometry; a face whose boundary is not closed or can't be
+// brought to the parameters of a NURBS surface is among the unread.
 GeometryContents ReadStepContents(const std::string& path);
+
+// All of them: ReadError where one can't be read.
 std::vector<Geometry> ReadStep(const std::string& path);
 
 }  // namespace batten

@@ -465,6 +465,28 @@ TEST(OrderAlongCurvesTest, DoesNotDependOnTheOrderOfThePoints) {
   }
 }
 
+TEST(OrderAlongCurvesTest, CurvesAreEvidentAndPathsThroughASurfaceAreNot) {
+  for (const Shape& shape : SmoothShapes()) {
+    for (const double noise : {0.0, 1e-2}) {
+      const Sample sample = SampleOf(shape, 1500, noise, Spread::kRandom, 11);
+      EXPECT_TRUE(Ordered(sample.cloud).evident) << shape.name << ' ' << noise;
+    }
+  }
+  std::mt19937 random(12);
+  std::normal_distribution<double> normal(0, 1);
+  for (const bool flat : {false, true}) {
+    Eigen::Matrix3Xd points(3, 2000);
+    for (double& coordinate : points.reshaped()) coordinate = normal(random);
+    if (flat) points.row(2) *= 1e-3;
+    if (!flat) points.colwise().normalize();
+    ThreadPool pool(1);
+    try {
+      EXPECT_FALSE(OrderAlongCurves(PointCloud(points), {}, pool).evident) << flat;
+    } catch (const std::invalid_argument&) {  // a refusal is as good
+    }
+  }
+}
+
 TEST(LongOrderAlongCurvesTest, MovesWithItsPoints) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0, 1);

@@ -249,29 +249,36 @@ TEST(TextReaderTest, NamesTheLineWhereLinesEndInReturnsOnly) {
               AllOf(HasSubstr("line 4"), HasSubstr("'5x'")));
 }
 
-TEST(TextReaderTest, RefusesCommasThatMayBeDecimal) {
-  for (const char* row : {"-52,407;8,846;-2,601",
-                          "1,5 2,5 3,5",
-                          "1,5\t2,5\t3,5",
-                          "1;2;3,5",
-                          "1,5; 2,5 ; 3,5;",
-                          "\"1\";\"2\";\"3,5\"",
-                          "1,5e-3 2 -3 # a comment.",
-                          "1,2 3,4"}) {
-    for (const char* before : {"", "x;y;z\n", "x y z\n", "# x y z\n", "A title\n"}) {
-      const std::string failure = FailureOf("a.csv", std::string(before) + row + "\n4,5 5 6\n");
-      EXPECT_THAT(failure,
-                  AllOf(HasSubstr(*before == '\0' ? "line 1" : "line 2"),
-                        HasSubstr("decimal"),
-                        HasSubstr("write decimal points")))
-          << before << row;
+TEST(TextReaderTest, CommasAreDecimalWhereAnotherSeparatorLeavesAllRowsTheirColumns) {
+  for (const char* rows : {"1;2;3\n-4;5,5;0,06\n",
+                           "1,0 2,0 3,0\n-4,0 5,5 0,06\n",
+                           "1,0\t2,0\t3,0\r\n-4,0\t5,5\t0,06\r\n",
+                           "1,0; 2,0 ; 3;\n-4; 5,5; 6e-2;\n",
+                           "\"1,0\";\"2\";\"3\"\n-4;\"5,5\";\"0,06\"\n",
+                           "1,0 2 3 # a comment.\n-4 5,5 0,06\n",
+                           "1 2 3\n-4 5,5 0,06\n"}) {
+    for (const char* before : {"", "x;y;z\n", "# x y z\n", "A title, with commas\n"}) {
+      const CloudFile file = ReadBytes("a.csv", std::string(before) + rows);
+      EXPECT_EQ(World(file.cloud), TwoPoints()) << before << rows;
+      EXPECT_THAT(file.remarks, ElementsAre(HasSubstr("decimal"))) << before << rows;
     }
   }
-  // Whole numbers first.
-  EXPECT_THAT(FailureOf("a.csv", "1;2;3\n4;5;6\n1,5;2;3\n"),
-              AllOf(HasSubstr("line 3"), HasSubstr("decimal")));
-  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n1 2 3,5\n"),
-              AllOf(HasSubstr("line 2"), HasSubstr("decimal")));
+  EXPECT_EQ(ReadBytes("a.xy", "1,5;2,0\n-3,25;0,5\n").cloud.World(1),
+            Eigen::Vector3d(-3.25, 0.5, 0));
+  EXPECT_EQ(
+      World(ReadBytes("a.csv", "Nr;X;Y;Z;Art\nP1;1,0;2,0;3;Ecke,links\nP2;-4;5,5;0,06;\n").cloud),
+      TwoPoints());
+}
+
+TEST(TextReaderTest, RefusesCommasThatMayBeDecimalInSomeRowsOnly) {
+  EXPECT_THAT(FailureOf("a.csv", "1,5;2;3\n4,5;5,6,7;8\n"),
+              AllOf(HasSubstr("line 2"),
+                    HasSubstr("decimal from line 1 on"),
+                    HasSubstr("'4,5;5,6,7;8'"),
+                    HasSubstr("write decimal points")));
+  EXPECT_THAT(FailureOf("a.xyz", "1,2 3,4 5\n1,2 3.5,4 5\n"), HasSubstr("line 2"));
+  EXPECT_THAT(FailureOf("a.xyz", "1 2 3\n1,2 3\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("may be decimal or separators")));
 }
 
 TEST(TextReaderTest, CommasThatOnlySeparateAreStillSeparators) {
@@ -283,8 +290,11 @@ TEST(TextReaderTest, CommasThatOnlySeparateAreStillSeparators) {
                            "1 2 3 # 1,5 2,5\n-4 5.5 .06 # a,b\n",
                            "1,2,3 wall,floor\n-4,5.5,.06 wall\n",
                            "1;2;3;a,b\n-4;5.5;.06;1,2\n"}) {
-    EXPECT_EQ(World(ReadBytes("a.csv", text).cloud), TwoPoints()) << text;
+    const CloudFile file = ReadBytes("a.csv", text);
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << text;
+    EXPECT_THAT(file.remarks, ::testing::IsEmpty()) << text;
   }
+  EXPECT_EQ(ReadBytes("a.csv", "1,5,2,0\n3,5,4,0\n").cloud.World(1), Eigen::Vector3d(3, 5, 4));
   EXPECT_EQ(ReadBytes("a.xy", "52,407\n8,846\n").cloud.World(0), Eigen::Vector3d(52, 407, 0));
 }
 
@@ -332,7 +342,7 @@ TEST(TextReaderTest, NamesThatLackXOrYAreNotPassedOver) {
   EXPECT_THAT(FailureOf("a.csv", "x,z\n1,2\n"), HasSubstr("name x and z but not y"));
   EXPECT_THAT(FailureOf("a.csv", "t,y,q\n1,2,3\n").empty(), true);
   EXPECT_THAT(FailureOf("a.csv", "y,t,q\n1,2,3\n"), HasSubstr("name y but not x"));
-  EXPECT_THAT(FailureOf("a.csv", "time,lat,lon,height\n1,2,3,4\n"),
+  EXPECT_THAT(FailureOf("a.csv", "time,breadth,length,height\n1,2,3,4\n"),
               HasSubstr("name z but not x and y"));
   const Eigen::Vector3d swapped = ReadBytes("a.csv", "y,x\n1,2\n").cloud.World(0);
   EXPECT_EQ(swapped, Eigen::Vector3d(2, 1, 0));
@@ -357,6 +367,115 @@ TEST(TextReaderTest, TitlesMayHoldNumbers) {
               TwoPoints())
         << title;
     EXPECT_EQ(ReadBytes("a.dat", std::string(title) + "\n1 2\n3 4\n").cloud.size(), 2) << title;
+  }
+}
+
+// Two blocks of a profile's sides, from the nose each, as a text of the separator and line end.
+std::string TwoSides(const std::string& between, const std::string& end) {
+  std::string text;
+  for (const char* side : {"", "-"}) {
+    if (*side != '\0') text += end;
+    for (const char* row : {"0.0 0.0", "0.25 0.05", "1. .001"}) {
+      const std::string xy = row;
+      const std::size_t blank = xy.find(' ');
+      text += xy.substr(0, blank) + between + side + xy.substr(blank + 1) + end;
+    }
+  }
+  return text;
+}
+
+// The heads of the files of Selig, Lednicer, the UIUC, XFOIL and OpenVSP, and keys with values.
+TEST(TextReaderTest, NoLineBeforeTheRowsIsAPoint) {
+  for (const char* head : {"",
+                           "NACA 2412\n",
+                           "CLARK Y AIRFOIL 11.7%\n",
+                           "  23012 modified (0.12) 5\n",
+                           "NACA 64 210\n",
+                           " SOME AIRFOIL\n       3.       3.\n\n",
+                           "SOME AIRFOIL\n3 3\n",
+                           "3.0, 3.0\n\n",
+                           "E 387\n6\n",
+                           "NumCoords 6\n",
+                           "N = 6\n",
+                           "6\tNumPnts\n",
+                           "name: wing 7\norigin: 12 30\ncount: 6\nunits: m\n\n",
+                           "DEMO GEOM AIRFOIL FILE\nNACA 0012\n0\tSym Flag (0 - No, 1 - Yes)\n"
+                           "3\tNum Pnts Upper\n3\tNum Pnts Lower\n",
+                           "T1208 GEOM AIRFOIL FILE\nNACA 63A012\n0\n3\n3\n",
+                           "OPENVSP_XSEC_FILE_V1\n",
+                           "FUSE XSEC FILE\t\nBox\t\n6\tNumPnts\n"}) {
+    for (const char* between : {" ", "\t", "  ", ","}) {
+      for (const char* end : {"\n", "\r\n", "\r"}) {
+        std::string text = *head == '\0' ? "" : "\xEF\xBB\xBF";
+        for (const char* c = head; *c != '\0'; ++c) text += *c == '\n' ? end : std::string(1, *c);
+        const CloudFile file = ReadBytes("a.dat", text + TwoSides(between, end));
+        SCOPED_TRACE(text);
+        ASSERT_EQ(file.cloud.size(), 6);
+        EXPECT_EQ(file.cloud.dimension(), 2);
+        EXPECT_EQ(file.cloud.World(0), Eigen::Vector3d(0, 0, 0));
+        EXPECT_EQ(file.cloud.World(5), Eigen::Vector3d(1, -0.001, 0));
+        EXPECT_THAT(file.blocks, ElementsAre(0, 3));
+        EXPECT_THAT(file.fields, ElementsAre(::testing::_, ::testing::_));
+      }
+    }
+  }
+}
+
+TEST(TextReaderTest, WholeNumbersThatCountNothingAreAPoint) {
+  EXPECT_EQ(ReadBytes("a.xy", "3 3\n1 2\n2 3\n3 4\n4 5\n5 6\n6 7\n").cloud.size(), 7);
+  EXPECT_EQ(ReadBytes("a.xy", "4 3\n\n1 2\n2 3\n3 4\n\n4 5\n5 6\n6 7\n").cloud.size(), 7);
+  EXPECT_EQ(ReadBytes("a.xy", "2 3\n1 2\n2 3\n\n3 4\n4 5\n").cloud.size(), 5);
+  EXPECT_EQ(ReadBytes("a.xyz", "0 3 3\n\n1 2 3\n4 5 6\n").cloud.size(), 3);
+  std::string large;  // beyond 64 bits by its sum
+  for (int k = 0; k < 12; ++k) large += "900000000000000000 ";
+  EXPECT_EQ(ReadBytes("a.xyz", large + "\n\n1 2 3\n").cloud.size(), 2);
+}
+
+// Never a point less without a word.
+TEST(TextReaderTest, PointsOfThePlaneWithTextBehindThemAreRefused) {
+  for (const char* text : {"A title\n0 0 tail\n1 1 nose of it\n2 2\n",
+                           "0 0 tail of it\n1 1\n2 2\n",
+                           "2412 15 NACA wing\n1 0\n0 0\n"}) {
+    EXPECT_THAT(FailureOf("a.dat", text), HasSubstr("expected a number, found '")) << text;
+  }
+  EXPECT_THAT(FailureOf("a.dat", "A title\n0 0\n1 1 nose\n"),
+              AllOf(HasSubstr("line 3"), HasSubstr("2 columns")));
+}
+
+TEST(TextReaderTest, AFileThatEndsBeforeItsCountsIsRefused) {
+  EXPECT_THAT(FailureOf("a.dat", "A PROFILE\n3. 3.\n\n0 0\n.5 .1\n1 0\n\n0 0\n.5 -.1\n"),
+              AllOf(HasSubstr("5 of the 6 points"), HasSubstr("line 9")));
+}
+
+TEST(TextReaderTest, BlocksBeginAfterLinesOfBlanks) {
+  CloudReadOptions upper;
+  upper.where = {{"4", 1}};
+  const char* const text =
+      "1 2 3 1\n\n \t\n4 5 6 0\n\n# a comment\n7 8 9 1\n# another\n1 1 1 1\n\n";
+  EXPECT_THAT(ReadBytes("a.xyz", text).blocks, ElementsAre(0, 1, 2));
+  EXPECT_THAT(ReadBytes("a.xyz", text, upper).blocks, ElementsAre(0, 1));
+  EXPECT_THAT(ReadBytes("a.xyz", "1 2 nan\n\n1 2 3\n2 3 4\n\nnan 1 1\n\n1 1 1\n").blocks,
+              ElementsAre(0, 2));
+  const TemporaryFolder folder;
+  const std::vector<std::string> paths{folder.With("a.xyz", "1 2 3\n\n4 5 6\n"),
+                                       folder.With("b.obj", "v 1 2 3\nv 3 4 5\n"),
+                                       folder.With("c.xyz", "1 2 3\n")};
+  EXPECT_THAT(ReadCloud(paths).blocks, ElementsAre(0, 1, 2, 4));
+  // Across the reader's batches.
+  std::string rows;
+  for (int k = 0; k < 5000; ++k)
+    rows += std::to_string(k) + (k % 1500 == 0 ? " 2 3\n\n" : " 2 3\n");
+  EXPECT_THAT(ReadBytes("a.xyz", rows).blocks, ElementsAre(0, 1, 1501, 3001, 4501));
+}
+
+TEST(TextReaderTest, KnowsTheUsualNamesOfPlacesInAnyCase) {
+  CloudReadOptions stay;
+  stay.projection = CloudProjection::kNone;
+  for (const char* names :
+       {"Z,X,Y", "Height,Easting,northing", "ELEVATION,LON,Lat", "alt,Longitude,LATITUDE"}) {
+    const CloudFile file = ReadBytes("a.csv", std::string(names) + "\n3,1,2\n0.06,-4,5.5\n", stay);
+    EXPECT_EQ(World(file.cloud), TwoPoints()) << names;
+    EXPECT_THAT(file.remarks, ::testing::IsEmpty());
   }
 }
 
@@ -413,7 +532,8 @@ TEST(TextReaderTest, StopsEarlyInGarbage) {
 
 TEST(TextReaderTest, HoldsAPtsCountAgainstItsRows) {
   EXPECT_EQ(ReadBytes("a.pts", "2\n1 2 3\n-4 5.5 0.06\n").cloud.size(), 2);
-  EXPECT_THAT(FailureOf("a.pts", "1000000000\n1 2 3\n"), HasSubstr("1 of 1000000000 points"));
+  EXPECT_THAT(FailureOf("a.pts", "1000000000\n1 2 3\n"),
+              AllOf(HasSubstr("1 of the 1000000000 points"), HasSubstr("remove that line")));
 }
 
 // Numbers across the border of the reader's blocks are whole.

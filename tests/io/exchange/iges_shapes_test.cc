@@ -218,7 +218,7 @@ TEST_F(IgesShapesTest, WhatIsNotReadIsNamed) {
     EXPECT_THAT(refusal({{116, 0, "1.,2.,3."}, {solid, 1, "1,1,1"}}),
                 HasSubstr("entity D3 (type " + std::to_string(solid) + "): is of a B-rep solid"));
   }
-  EXPECT_THAT(refusal({{114, 0, "1,1,1,1"}}), HasSubstr("type that is not in this version"));
+  EXPECT_THAT(refusal({{114, 0, "1,1,1,1"}}), HasSubstr("type that can't be read"));
   EXPECT_THAT(refusal({{120, 0, "1,1,0.,1."}}), HasSubstr("entity D1 (type 120)"));
 }
 
@@ -227,7 +227,8 @@ TEST_F(IgesShapesTest, WhatIsLeftOutOfASolidIsSaid) {
       "b.igs", IgesText({{110, 0, "0.,0.,0.,1.,0.,0."}, {186, 0, "5,1,0"}, {514, 1, "1,7,1"}}));
   const GeometryContents contents = ReadIgesContents(path);
   EXPECT_EQ(contents.geometry.size(), 1u);
-  EXPECT_THAT(contents.remarks, ::testing::Contains(HasSubstr("its 2 entities of a B-rep solid")));
+  ASSERT_EQ(contents.unread.size(), 1u);
+  EXPECT_THAT(contents.unread[0], HasSubstr("(type 186): is of a B-rep solid that can't be read"));
 }
 
 // What OpenCASCADE writes of solids of revolution, face by face, has their area.

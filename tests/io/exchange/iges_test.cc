@@ -286,7 +286,7 @@ TEST(IgesTest, NamesWhatIsWrongWithDamagedFiles) {
   EXPECT_THAT(Refusal(folder, file("110,0.,0.,0.,1.D200,1.,1.;", "110")),
               HasSubstr("coordinate above 1e150"));
   EXPECT_THAT(Refusal(folder, file("190,1,1,0;", "190")),
-              HasSubstr("entity D1 (type 190): is of a type that is not in this version"));
+              HasSubstr("entity D1 (type 190): is of a type that can't be read"));
   EXPECT_THAT(Refusal(folder, file("144,1,1,0,1;", "144")),
               HasSubstr("trims a surface of type 144"));
   EXPECT_THAT(Refusal(folder, file("144,99,1,0,1;", "144")), HasSubstr("names no surface"));
