@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cli/arguments/cloud_arguments.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 
 #include "batten/io/read_error.h"
 #include "cli/terminal/cli11.h"
@@ -53,8 +56,9 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
       .add_option("--projection",
                   arguments.projection,
                   "local: x and y are longitude and latitude in degrees and become metres, as they "
-                  "do by themselves where columns are named so; none: they stay")
-      ->type_name("WORD");
+                  "do by themselves where columns are named so, east and north of their middle or "
+                  "of LON,LAT; none: they stay")
+      ->type_name("local[=LON,LAT]|none");
   command
       .add_option("--format",
                   arguments.format,
@@ -66,6 +70,19 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
 void TellRemarks(const CloudFile& file, bool quiet) {
   if (quiet) return;
   for (const std::string& remark : file.remarks) PrintWarning(remark);
+}
+
+void RequireFixedMiddle(const CloudFile& file,
+                        const CloudReadOptions& options,
+                        const std::vector<std::string>& paths) {
+  if (!file.projection_middle || options.projection_middle) return;
+  throw UsageError(fmt::format(
+      "{}: its degrees become metres about a middle, which must be that of the geometry: say "
+      "--projection local=LON,LAT as the warnings in the report of the fit do (the middle of these "
+      "points is {:.5f},{:.5f}), or none where the geometry is in degrees",
+      JoinedNames(paths),
+      (*file.projection_middle)[0],
+      (*file.projection_middle)[1]));
 }
 
 std::string JoinedNames(const std::vector<std::string>& paths) {
@@ -100,12 +117,12 @@ CloudReadOptions ToReadOptions(const CloudArguments& arguments, bool quiet) {
     options.las_classes.push_back(
         static_cast<int>(ParseWhole("--las-class", entry, 0, kHighestClass)));
   }
-  if (arguments.projection == "local") {
-    options.projection = CloudProjection::kLocal;
-  } else if (arguments.projection == "none") {
-    options.projection = CloudProjection::kNone;
-  } else if (!arguments.projection.empty()) {
-    throw UsageError("--projection: '" + arguments.projection + "' is neither local nor none");
+  if (!arguments.projection.empty()) {
+    try {
+      TakeProjection(arguments.projection, options);
+    } catch (const std::invalid_argument& refusal) {
+      throw UsageError(std::string("--projection: ") + refusal.what());
+    }
   }
   if (!arguments.box.empty()) {
     const std::vector<double> numbers = ParseNumbers("--box", arguments.box);

@@ -26,6 +26,12 @@ inline constexpr const char* kCloudFormats =
 // Tells how the points were understood where that is not plain (CloudFile::remarks).
 void TellRemarks(const CloudFile& file, bool quiet);
 
+// Throws UsageError where degrees became metres about a middle that the points themselves decided:
+// they are to be held against a geometry, which has a place. The message says what to type.
+void RequireFixedMiddle(const CloudFile& file,
+                        const CloudReadOptions& options,
+                        const std::vector<std::string>& paths);
+
 // "a.ply", or "a.ply and 2 others".
 std::string JoinedNames(const std::vector<std::string>& paths);
 

@@ -395,7 +395,7 @@ void FitFiles::TakeSample(const CloudFileSource& source,
 
 int FitFiles::ExitCode(const FitReport& report) {
   if (report.end.code == EndCode::kTimeLimit) return kToleranceMissed;
-  return report.tolerance_reached().value_or(!report.leaves_points()) ? kDone : kToleranceMissed;
+  return report.tolerance_reached().value_or(true) ? kDone : kToleranceMissed;
 }
 
 void FitFiles::Clean(const StatisticalRemoval& how) {

@@ -106,7 +106,8 @@ GeometryContents ReadInUnit(const std::string& path,
                             Kept kept) {
   GeometryContents contents =
       ReadGeometryContents(path, {format, output.unit, output.undeclared, output.input.strict});
-  if (kept != Kept::kShapes) TellUnread(path, contents, output.input, quiet);
+  if (kept != Kept::kShapes || !contents.shapes.held || !contents.shapes.whole)
+    TellUnread(path, contents, output.input, quiet);
   if (!quiet) {
     for (const std::string& remark : contents.remarks) PrintWarning(path + ": " + remark);
     if (kept == Kept::kGeometry && !contents.flattened.empty()) {
@@ -160,7 +161,8 @@ void TellSewing(const std::string& path,
   if (report.invalid > 0) {
     text += fmt::format("; {} of them would make no valid shape", report.invalid);
   }
-  text += fmt::format("; {} free edges: not watertight", report.free_edges);
+  if (report.free_edges > 0)
+    text += fmt::format("; {} free edges: not watertight", report.free_edges);
   if (report.nearest_gap && *report.nearest_gap > 0) {
     text += fmt::format("; the nearest two are {:.3g} apart", *report.nearest_gap);
   }

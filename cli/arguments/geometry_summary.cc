@@ -258,7 +258,10 @@ Json SummaryOf(const GeometryContents& contents, double tolerance) {
   double volume = 0;
   for (size_t k = 0; k < measures.size(); ++k) {
     all["bodies"].push_back(BodyJson(contents.bodies[k], measures[k]));
-    if (contents.bodies[k].solid) volume += measures[k].volume;
+    if (!contents.bodies[k].solid) continue;
+    volume += measures[k].volume;
+    if (measures[k].inside_out)
+      all["remarks"].push_back(fmt::format("solid {} is inside out: its faces look inwards", k));
   }
   if (volume != 0) all["volume"] = volume;
   const std::vector<Geometry>& geometry = contents.geometry;

@@ -181,7 +181,9 @@ int WriteMeshOf(const MeshRequest& a) {
   const std::vector<NurbsSurface>& surfaces = named.surfaces;
   std::optional<PointCloud> cloud;
   if (!a.cloud_path.empty()) {
-    CloudFile file = ReadCloud({a.cloud_path}, ToReadOptions(a.cloud, a.flags.quiet));
+    const CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
+    CloudFile file = ReadCloud({a.cloud_path}, read);
+    RequireFixedMiddle(file, read, {a.cloud_path});
     TellRemarks(file, a.flags.quiet);
     cloud = std::move(file.cloud);
   }

@@ -276,13 +276,14 @@ int RunCompare(const CompareArguments& given) {
                            {.format = word_is_geometry ? a.cloud.format : "",
                             .unit = a.unit_given ? a.output.unit : "",
                             .strict = a.input.strict});
-  TellUnread(a.geometry, contents, a.input, true);
+  TellUnread(a.geometry, contents, a.input, a.flags.quiet);
   const std::vector<Geometry>& geometry = contents.geometry;
   if (zone && zone->low != -zone->high) CheckSides(a.profile, geometry);
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   BeginReading(a.clouds, a.flags.quiet);
   const CloudFile file = ReadCloud(a.clouds, read);
+  RequireFixedMiddle(file, read, a.clouds);
 
   FitReport report;
   report.warnings = file.remarks;
@@ -290,7 +291,7 @@ int RunCompare(const CompareArguments& given) {
     report.warnings.push_back(a.geometry + ": " + remark);
   }
   for (const std::string& why : contents.unread) {
-    report.warnings.push_back(a.geometry + ": " + why);
+    report.doubts.push_back({"unread", a.geometry + ": " + why});
   }
   if (!contents.flattened.empty()) {
     report.warnings.push_back(a.geometry + ": " + contents.flattened);

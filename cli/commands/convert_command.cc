@@ -105,14 +105,15 @@ int RunConvert(const ConvertArguments& a) {
     entry["non_finite"] = file.non_finite;
   } else {
     BeginReading({a.in}, a.flags.quiet);
-    GeometryContents contents =
-        ReadInUnit(a.in,
-                   in_format,
-                   a.output,
-                   a.flags.quiet,
-                   !KeepsBodies(a.out, out_format, a.output) ? Kept::kGeometry
-                   : a.output.sew                            ? Kept::kBodies
-                                                             : Kept::kShapes);
+    const bool keeps_bodies = KeepsBodies(a.out, out_format, a.output);
+    const bool as_read = keeps_bodies && !a.output.sew;
+    GeometryContents contents = ReadInUnit(a.in,
+                                           in_format,
+                                           a.output,
+                                           a.flags.quiet,
+                                           as_read        ? Kept::kShapes
+                                           : keeps_bodies ? Kept::kBodies
+                                                          : Kept::kGeometry);
     const GeometryWriteOptions options = WriteOptions(out_format, a.output, contents);
     const auto declares = [](FileFormat format) {
       return format == FileFormat::kStep || format == FileFormat::kIges;
@@ -133,6 +134,9 @@ int RunConvert(const ConvertArguments& a) {
     entry["kind"] = all ? "surface" : surfaces == 0 ? "curve" : "mixed";
     entry["count"] = geometry.size();
     entry["unit"] = options.unit;
+    if (!contents.unread.empty() && !(as_read && file.shapes.held && file.shapes.whole))
+      entry["unread"] = contents.unread;
+    if (!contents.unread.empty() && !file.shapes.held) entry["unread"] = contents.unread;
     if (sewing) entry["sewing"] = SewingJson(*sewing);
   }
   ClearProgress();

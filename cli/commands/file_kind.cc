@@ -13,11 +13,14 @@
 #include <random>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "batten/fitting/closed_surface.h"
 #include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_statistics.h"
 #include "batten/fitting/curve_order.h"
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/statistics.h"
 #include "batten/io/file_format.h"
 #include "batten/io/polygon_reader.h"
@@ -27,6 +30,7 @@
 #include "fitting/core/point_rank.h"
 #include "fitting/flattening/poisson_disk_samples.h"
 #include "fitting/ordering/curve_sequence.h"
+#include "geometry/mesh/distinct_points.h"
 
 namespace batten::internal {
 namespace {
@@ -142,16 +146,42 @@ std::string Counted(size_t count, const char* one, const char* many) {
   return count == 1 ? std::string("a ") + one : fmt::format("{} {}", count, many);
 }
 
+// Whether faces, their corners joined where they are one place, have an edge that no other has.
+bool HasOpenEdges(const PolygonMesh& mesh) {
+  DistinctPoints places;
+  std::vector<int> place;
+  for (const auto vertex : mesh.vertices.colwise()) place.push_back(places.NumberOf(vertex.data()));
+  std::vector<std::pair<int, int>> edges;
+  for (const std::vector<int>& face : mesh.faces) {
+    for (size_t k = 0; k < face.size(); ++k) {
+      edges.push_back(std::minmax({place[static_cast<size_t>(face[k])],
+                                   place[static_cast<size_t>(face[(k + 1) % face.size()])]}));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (size_t first = 0, last; first < edges.size(); first = last) {
+    for (last = first + 1; last < edges.size() && edges[last] == edges[first];) ++last;
+    if (last == first + 1) return true;
+  }
+  return false;
+}
+
+// Holes that a solid would close, and bodies that none can be made of, are told by the fit.
 FileKind KindOfMesh(const PolygonMesh& mesh) {
   const std::string faces = fmt::format("mesh of {} faces", mesh.faces.size());
+  const FileKind body{FileUse::kSolid, "a closed " + faces, {}, "", AllBut(FileUse::kSolid)};
   try {
     const ClosedSurface closed = CloseSurface(mesh.vertices, mesh.faces);
-    if (closed.filled == 0) {
-      const std::string bodies =
-          closed.components > 1 ? fmt::format(", {} bodies", closed.components) : "";
-      return {FileUse::kSolid, "a closed " + faces + bodies, {}, "", AllBut(FileUse::kSolid)};
+    FileKind kind = body;
+    if (closed.filled > 0) {
+      kind.why = fmt::format(
+          "a {}, closed but for {:.2g} % of its area", faces, 100 * closed.filled_share);
+    } else if (closed.components > 1) {
+      kind.why += fmt::format(", {} bodies", closed.components);
     }
-  } catch (const std::exception&) {  // far from closed, or no surface of one side
+    return kind;
+  } catch (const RefusedData& refusal) {
+    if (refusal.remedy() != Remedy::kLeaveOpen && !HasOpenEdges(mesh)) return body;
   }
   return {FileUse::kSurface, "an open " + faces, {}, "", AllBut(FileUse::kSurface)};
 }
@@ -160,8 +190,7 @@ FileKind KindOfMesh(const PolygonMesh& mesh) {
 bool IsSoonRead(const std::string& path) {
   constexpr std::uintmax_t kMost = 8 << 20;  // bytes: some 300 000 rows, read in 0.1 s
   std::error_code error;
-  return std::filesystem::is_regular_file(path, error) &&
-         std::filesystem::file_size(path, error) <= kMost && !error;
+  return std::filesystem::file_size(path, error) <= kMost && !error;
 }
 
 }  // namespace
@@ -224,12 +253,17 @@ FileKind KindOf(const PointCloud& cloud) {
 FileKind KindOf(const std::string& path, const CloudArguments& arguments) {
   FileKind unknown;
   unknown.others = AllBut(unknown.use);
+  std::error_code error;  // what can't be looked at is not there
+  const bool there = std::filesystem::exists(path, error);
   if (IsGeometryFormat(InputFormat(path, arguments.format)))
-    return {FileUse::kInfo, std::filesystem::exists(path) ? "geometry" : "", {}, "", {}};
-  if (path == "-") {
+    return {FileUse::kInfo, there ? "geometry" : "", {}, "", {}};
+  // What a pipe gives is read once, by the command.
+  const bool regular = std::filesystem::is_regular_file(path, error);
+  if (path == "-" || (there && !regular && !std::filesystem::is_directory(path, error))) {
     unknown.why = "points not looked at first";
     return unknown;
   }
+  if (!regular) return unknown;  // its command says why
   try {
     if (arguments.format.empty() && HoldsFaces(path)) {
       const PolygonMesh mesh = ReadPolygons(path);
@@ -239,8 +273,7 @@ FileKind KindOf(const std::string& path, const CloudArguments& arguments) {
   }
   try {
     if (IsSoonRead(path)) return KindOf(ReadCloud({path}, ToReadOptions(arguments, true)).cloud);
-    if (std::filesystem::is_regular_file(path))
-      unknown.why = "points not looked at first, for there are many";
+    unknown.why = "points not looked at first, for there are many";
   } catch (const std::exception&) {  // its command says why
   }
   return unknown;

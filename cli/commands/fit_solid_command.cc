@@ -38,9 +38,13 @@
 #include "cli/terminal/shell_words.h"
 #include "cli/terminal/terminal.h"
 #include "cli/terminal/written_format.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
+
+// Places on a chord are 4 t (1 - t) of its height from the arc: their standard deviation, 2 / 3√5.
+constexpr double kChordSpread = 0.2981423969999720;
 
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
@@ -280,15 +284,15 @@ int RunFitSolid(const FitSolidArguments& a) {
   SolidDemands demands = a.demands;
   const PointCloud vertices = cloud;
   if (mesh_given.closed) {
-    if (kind == SolidKind::kFaceted)
+    // Where every edge is flat or sharp the body is a polyhedron, and its faces are the mesh's.
+    const double chord = ChordHeight(mesh_given.closed->surface);
+    if (kind == SolidKind::kFaceted || (kind != SolidKind::kOrganic && chord == 0))
       return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, "");
     MeshPoints points = PointsOn(*mesh_given.closed, cloud);
     files.TakePoints(points.cloud);
     cloud = std::move(points.cloud);
     on = std::move(points.normals);
-    // Places on a chord are 4 t (1 - t) of its height from the arc: their standard deviation.
-    const double spread = 2 / (3 * std::sqrt(5.0));
-    if (on.cols() > 0) demands.least_noise = spread * ChordHeight(mesh_given.closed->surface);
+    if (on.cols() > 0) demands.least_noise = kChordSpread * chord;
     if (mesh_given.closed->filled == 0) demands.volume = VolumeOf(mesh_given.closed->surface);
     if (!a.flags.quiet && on.cols() > 0)
       PrintNote(
@@ -303,7 +307,13 @@ int RunFitSolid(const FitSolidArguments& a) {
                       : mesh_given.refused));
   }
   const CadOutcome cad = RunCadSolid(a, kind, demands, files, cloud);
-  if (cad.code) return *cad.code;
+  if (cad.code) {
+    if (demands.least_noise > 0 && !a.flags.quiet)
+      PrintNote(
+          "round faces follow the chords of the mesh: its vertices lie farther out, most by " +
+          RoundedText(demands.least_noise / kChordSpread) + " at most");
+    return *cad.code;
+  }
   if (on.cols() > 0) {
     // Of scans less than a quarter of the area is so, of what CAD programs write more than two
     // fifths.

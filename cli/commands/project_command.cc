@@ -214,6 +214,7 @@ int RunProject(const ProjectArguments& a) {
   if (word_is_geometry) read.format.clear();
   BeginReading({a.points}, a.flags.quiet);
   const CloudFile file = ReadCloud({a.points}, read);
+  RequireFixedMiddle(file, read, {a.points == "-" ? "standard input" : a.points});
   const PointCloud& cloud = file.cloud;
   const int dimension = Dimension(a, geometry, cloud);
   TellRemarks(file, a.flags.quiet);

@@ -68,6 +68,7 @@ CloudArguments ReadingOf(const Words& words) {
   reading.box = last("--box");
   reading.where = ValuesOf(words, "--where");
   reading.las_class = last("--las-class");
+  reading.projection = last("--projection");
   reading.format = last("--format");
   return reading;
 }

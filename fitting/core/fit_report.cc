@@ -165,6 +165,8 @@ std::vector<Doubt> FitReport::Doubts() const {
   std::vector<Doubt> all = doubts;
   if (end.words.empty()) return all;  // nothing was fitted
   if (end.code == EndCode::kStructuredResiduals) all.push_back({"structured_residuals", end.words});
+  if (leaves_points() && end.code != EndCode::kStructuredResiduals)
+    all.push_back({"leaves_points", "between the points it goes farther than they do"});
   const double left_out = static_cast<double>(input.outliers) /
                           static_cast<double>(std::max<Eigen::Index>(input.points, 1));
   if (left_out > kMostLeftOut) {

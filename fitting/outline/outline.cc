@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "batten/fitting/refused_data.h"
 #include "batten/fitting/statistics.h"
 #include "batten/geometry/trim_loops.h"
 #include "fitting/core/rounding.h"
@@ -161,6 +162,14 @@ double SizeInSpace(const Eigen::Matrix2Xd& corners, double radius, const PlaceIn
     away = std::min(away, (middle - corner).norm());
   }
   return std::max(radius * in_space / length, away);
+}
+
+// Whether the border has no length, so that no curve follows it: where points reach about as far
+// across as one from the next, putting it on the edges may leave nothing of it.
+bool IsPlace(const OutlineLoop& loop) {
+  return std::all_of(loop.begin(), loop.end(), [&](const OutlineSample& sample) {
+    return sample.place == loop.front().place;
+  });
 }
 
 class OutlineSearch {
@@ -360,6 +369,12 @@ class OutlineSearch {
       OutlineLoop loop = parts[k];
       PutOnEdges(loop, pins[k], spacing_, sides_);
       for (const OutlinePin& pin : pins[k]) PinToBorder(loop, pin);
+      if (IsPlace(loop)) {
+        throw RefusedData("the points lie along a line, " + RoundedText(sides_.maxCoeff()) +
+                          " spacings long and no more than " + RoundedText(sides_.minCoeff()) +
+                          " across: a surface needs points in two directions; are all coordinates "
+                          "in one unit?");
+      }
       splines[k] = SmoothedOutline(loop, options_.noise / options_.spacing);
       FixOnEdges(splines[k]);
     }

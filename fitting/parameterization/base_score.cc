@@ -54,6 +54,7 @@ BaseScore::Value BaseScore::Of(const Parameterization& base, const PointMask& re
 BaseScore::Value BaseScore::Near(const Parameterization& base,
                                  const PointMask& reached,
                                  const Value& near) const {
+  if (!(reached && sample_).any()) return {HUGE_VAL, near.cells_u, near.cells_v, 0};
   const FittingProblem problem = ProblemOf(base, reached);
   GridLimits limits;
   limits.degree_u = problem.basis_u().degree();

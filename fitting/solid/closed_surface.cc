@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "batten/fitting/faceted_solid.h"
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/refused_data.h"
+#include "fitting/neighbours/signed_sets.h"
 #include "fitting/solid/triangle_curvature.h"
+#include "geometry/mesh/distinct_points.h"
+#include "geometry/mesh/half_edges.h"
 #include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/number_text.h"
 
@@ -54,72 +55,140 @@ JoinedPoints JoinPoints(const Eigen::Matrix3Xd& vertices,
     for (const int v : face) used[std::size_t(v)] = true;
   }
   JoinedPoints joined;
-  std::map<std::array<double, 3>, int> places;
+  DistinctPoints places;
   for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
-    if (!used[std::size_t(v)]) {
-      joined.place.push_back(-1);
-      continue;
-    }
-    const auto [found, fresh] = places.try_emplace({vertices(0, v), vertices(1, v), vertices(2, v)},
-                                                   int(joined.points.size()));
-    if (fresh) joined.points.push_back(vertices.col(v));
-    joined.joined += !fresh;
-    joined.place.push_back(found->second);
+    joined.place.push_back(-1);
+    if (!used[std::size_t(v)]) continue;
+    const int before = places.size(), place = places.NumberOf(vertices.col(v).data());
+    if (place == before) joined.points.push_back(vertices.col(v));
+    joined.joined += place < before;
+    joined.place.back() = place;
   }
   return joined;
 }
 
-// Triangles of faces, less those without area or there twice; `dropped` counts these.
-std::vector<Triangle> CutFaces(const std::vector<std::vector<int>>& faces,
-                               const std::vector<int>& place,
-                               int& dropped) {
+Eigen::Map<const Eigen::Matrix3Xi> CornersOf(const std::vector<Triangle>& triangles) {
+  return {triangles.front().data(), 3, Eigen::Index(triangles.size())};
+}
+
+// Whether a turn at b, from a to c, is to the left seen against the normal.
+bool TurnsLeft(const Eigen::Vector3d& a,
+               const Eigen::Vector3d& b,
+               const Eigen::Vector3d& c,
+               const Eigen::Vector3d& normal) {
+  return (b - a).cross(c - b).dot(normal) > 0;
+}
+
+// A face's corners three by three: a fan where it is convex, else its ears one after the other.
+std::vector<Triangle> Cut(std::vector<int> face, const std::vector<Eigen::Vector3d>& points) {
+  const auto at = [&](std::size_t k) -> const Eigen::Vector3d& {
+    return points[std::size_t(face[k % face.size()])];
+  };
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // [Newell]
+  for (std::size_t k = 1; k + 1 < face.size(); ++k)
+    normal += (at(k) - at(0)).cross(at(k + 1) - at(0));
+  const auto is_ear = [&](std::size_t k) {
+    const std::size_t n = face.size();
+    const Eigen::Vector3d &a = at(k + n - 1), &b = at(k), &c = at(k + 1);
+    if (!TurnsLeft(a, b, c, normal)) return false;
+    for (std::size_t other = 0; other < n; ++other) {
+      const Eigen::Vector3d& p = at(other);
+      if (p == a || p == b || p == c) continue;
+      if (!TurnsLeft(a, p, b, normal) && !TurnsLeft(b, p, c, normal) && !TurnsLeft(c, p, a, normal))
+        return false;
+    }
+    return true;
+  };
+  const auto convex = [&] {
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      if (TurnsLeft(at(k + 2), at(k + 1), at(k), normal)) return false;
+    }
+    return true;
+  };
   std::vector<Triangle> triangles;
-  std::set<Triangle> known;
-  for (const std::vector<int>& face : faces) {
-    for (std::size_t k = 1; k + 1 < face.size(); ++k) {
-      const Triangle triangle = {place[std::size_t(face[0])],
-                                 place[std::size_t(face[k])],
-                                 place[std::size_t(face[k + 1])]};
-      Triangle sorted = triangle;
-      std::sort(sorted.begin(), sorted.end());
-      const bool flat = sorted[0] == sorted[1] || sorted[1] == sorted[2];
-      if (flat || !known.insert(sorted).second) {
-        ++dropped;
-      } else {
-        triangles.push_back(triangle);
+  if (face.size() > 3 && !convex()) {
+    for (std::size_t k = 0, missed = 0; face.size() > 3 && missed < face.size();) {
+      k %= face.size();
+      if (!is_ear(k)) {
+        ++k, ++missed;
+        continue;
       }
+      const std::size_t n = face.size();
+      triangles.push_back({face[(k + n - 1) % n], face[k], face[(k + 1) % n]});
+      face.erase(face.begin() + std::ptrdiff_t(k));
+      missed = 0;
     }
   }
-  if (triangles.empty()) throw RefusedData("there are no faces with an area");
+  for (std::size_t k = 1; k + 1 < face.size(); ++k)
+    triangles.push_back({face[0], face[k], face[k + 1]});
   return triangles;
 }
 
-// Edges without their direction.
-std::int64_t KeyOf(int a, int b) {
-  return std::int64_t{std::min(a, b)} << 32 | std::uint32_t(std::max(a, b));
+// Triangles of faces, less those without area or there twice; `dropped` counts these.
+std::vector<Triangle> CutFaces(const std::vector<std::vector<int>>& faces,
+                               const JoinedPoints& joined,
+                               int& dropped) {
+  std::vector<Triangle> all;
+  all.reserve(faces.size());
+  const auto add = [&](const Triangle& t) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      ++dropped;
+    } else {
+      all.push_back(t);
+    }
+  };
+  const auto place = [&](int v) { return joined.place[std::size_t(v)]; };
+  for (const std::vector<int>& face : faces) {
+    if (face.size() == 3) {
+      add({place(face[0]), place(face[1]), place(face[2])});
+      continue;
+    }
+    std::vector<int> corners(face.size());
+    std::transform(face.begin(), face.end(), corners.begin(), place);
+    for (const Triangle& t : Cut(std::move(corners), joined.points)) add(t);
+  }
+  if (all.empty()) throw RefusedData("there are no faces with an area");
+  const std::vector<bool> repeated = RepeatedTriangles(CornersOf(all), int(joined.points.size()));
+  std::vector<Triangle> triangles;
+  triangles.reserve(all.size());
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    if (!repeated[t]) triangles.push_back(all[t]);
+  }
+  dropped += int(all.size() - triangles.size());
+  return triangles;
 }
 
-using EdgeFaces = std::unordered_map<std::int64_t, std::vector<int>>;
+HalfEdges EdgesOf(const std::vector<Triangle>& triangles, std::size_t vertices) {
+  return LinkTriangles(CornersOf(triangles), int(vertices));
+}
 
-EdgeFaces EdgesOf(const std::vector<Triangle>& triangles) {
-  EdgeFaces edges;
-  edges.reserve(2 * triangles.size());
-  for (int t = 0; t < int(triangles.size()); ++t) {
-    const Triangle& own = triangles[std::size_t(t)];
-    for (std::size_t k = 0; k < 3; ++k) edges[KeyOf(own[k], own[(k + 1) % 3])].push_back(t);
+int OriginOf(const std::vector<Triangle>& triangles, int h) {
+  return triangles[std::size_t(h / 3)][std::size_t(h % 3)];
+}
+
+// Half-edges of edges that only one triangle has.
+std::vector<int> BorderHalves(const HalfEdges& edges) {
+  std::vector<bool> crowded(edges.twin.size());
+  for (const std::vector<int>& all : edges.crowded) {
+    for (const int h : all) crowded[std::size_t(h)] = true;
   }
-  return edges;
+  std::vector<int> border;
+  for (std::size_t h = 0; h < crowded.size(); ++h) {
+    if (edges.twin[h] < 0 && !crowded[h]) border.push_back(int(h));
+  }
+  return border;
 }
 
 // The ends of edges that only one triangle has, and the number of these edges.
-std::vector<int> BorderVertices(const std::vector<Triangle>& triangles, std::size_t& edges) {
+std::vector<int> BorderVertices(const std::vector<Triangle>& triangles,
+                                std::size_t vertices,
+                                std::size_t& edges) {
   std::set<int> ends;
-  edges = 0;
-  for (const auto& [key, faces] : EdgesOf(triangles)) {
-    if (faces.size() != 1) continue;
-    ++edges;
-    ends.insert(int(key >> 32));
-    ends.insert(int(key & 0xffffffff));
+  const std::vector<int> border = BorderHalves(EdgesOf(triangles, vertices));
+  edges = border.size();
+  for (const int h : border) {
+    ends.insert(OriginOf(triangles, h));
+    ends.insert(OriginOf(triangles, NextHalf(h)));
   }
   return {ends.begin(), ends.end()};
 }
@@ -172,7 +241,7 @@ int WeldBorders(Mesh& mesh, double precision) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : mesh.points) box.extend(p);
   std::size_t open = 0;
-  std::vector<int> borders = BorderVertices(mesh.triangles, open);
+  std::vector<int> borders = BorderVertices(mesh.triangles, mesh.points.size(), open);
   bool welded = false;
   for (double reach = precision; open > 0 && reach > 0 && reach < kMost * box.diagonal().norm();
        reach *= kStep) {
@@ -185,7 +254,7 @@ int WeldBorders(Mesh& mesh, double precision) {
     }
     if (vanishes) break;
     std::size_t left = 0;
-    std::vector<int> next = BorderVertices(triangles, left);
+    std::vector<int> next = BorderVertices(triangles, mesh.points.size(), left);
     if (left >= open) continue;
     mesh.triangles = std::move(triangles);
     borders = std::move(next);
@@ -195,149 +264,144 @@ int WeldBorders(Mesh& mesh, double precision) {
   return welded ? DropUnused(mesh) : 0;
 }
 
-bool RunsAlong(const Triangle& t, int a, int b) {
-  return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
+// Pairs the triangles at edges that more than two have, as of bodies that touch there: between
+// those of a pair is the inside of one.
+void PairCrowded(const Mesh& mesh, HalfEdges& edges) {
+  int unpaired = 0;
+  for (const std::vector<int>& all : edges.crowded) {
+    const int from = OriginOf(mesh.triangles, all[0]);
+    const Eigen::Vector3d& start = mesh.At(from);
+    const Eigen::Vector3d along =
+        (mesh.At(OriginOf(mesh.triangles, NextHalf(all[0]))) - start).normalized();
+    const auto away = [&](int h) -> Eigen::Vector3d {
+      const Eigen::Vector3d third = mesh.At(OriginOf(mesh.triangles, PreviousHalf(h))) - start;
+      return third - third.dot(along) * along;
+    };
+    const Eigen::Vector3d first = away(all[0]);
+    std::vector<std::pair<double, int>> around;  // by angle, anticlockwise about the edge
+    for (const int h : all) {
+      const Eigen::Vector3d other = away(h);
+      around.emplace_back(std::atan2(first.cross(other).dot(along), first.dot(other)), h);
+    }
+    std::sort(around.begin(), around.end());
+    // A triangle that runs along has its inside clockwise of it.
+    const auto runs_along = [&](std::size_t k) {
+      return OriginOf(mesh.triangles, around[k % around.size()].second) == from;
+    };
+    bool paired = true;
+    for (std::size_t k = 0; k < around.size(); ++k)
+      paired = paired && runs_along(k) != runs_along(k + 1);
+    unpaired += !paired;
+    for (std::size_t k = 0; paired && k < around.size(); ++k) {
+      const std::size_t beside = (runs_along(k) ? k + around.size() - 1 : k + 1) % around.size();
+      edges.twin[std::size_t(around[k].second)] = around[beside].second;
+    }
+  }
+  if (unpaired > 0) {
+    throw RefusedData("more than two faces meet at " + std::to_string(unpaired) +
+                      (unpaired == 1 ? " edge" : " edges") +
+                      ", and not as bodies that touch there: the mesh is not manifold");
+  }
+  edges.crowded.clear();
 }
 
 // Turns the triangles of every part as its first is; `turned` counts them.
-MeshParts TurnAlike(std::vector<Triangle>& triangles, int& turned) {
-  const EdgeFaces edges = EdgesOf(triangles);
-  int crowded = 0;
-  for (const auto& [key, faces] : edges) crowded += faces.size() > 2;
-  if (crowded > 0) {
-    throw RefusedData("more than two faces meet at " + std::to_string(crowded) +
-                      (crowded == 1 ? " edge" : " edges") + ": the mesh is not manifold");
+MeshParts TurnAlike(std::vector<Triangle>& triangles, HalfEdges& edges, int& turned) {
+  SignedSets sets(Eigen::Index(triangles.size()));
+  for (int h = 0; h < int(edges.twin.size()); ++h) {
+    const int twin = edges.twin[std::size_t(h)];
+    if (twin < h) continue;
+    const int alike = OriginOf(triangles, h) == OriginOf(triangles, twin);
+    if (!sets.Join(h / 3, twin / 3, alike) &&
+        (sets.Find(h / 3).second ^ sets.Find(twin / 3).second) != alike) {
+      throw RefusedData("the surface has one side only: its faces can't be turned alike");
+    }
   }
   MeshParts parts{std::vector<int>(triangles.size(), -1)};
-  for (int first = 0; first < int(triangles.size()); ++first) {
-    if (parts.of[std::size_t(first)] >= 0) continue;
-    std::vector<int> open = {first};
-    parts.of[std::size_t(first)] = parts.count;
-    while (!open.empty()) {
-      const int t = open.back();
-      open.pop_back();
-      const Triangle own = triangles[std::size_t(t)];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int a = own[k], b = own[(k + 1) % 3];
-        for (const int beside : edges.at(KeyOf(a, b))) {
-          if (beside == t) continue;
-          Triangle& other = triangles[std::size_t(beside)];
-          const bool same = RunsAlong(other, a, b);
-          if (parts.of[std::size_t(beside)] < 0) {
-            parts.of[std::size_t(beside)] = parts.count;
-            if (same) {
-              std::swap(other[1], other[2]);
-              ++turned;
-            }
-            open.push_back(beside);
-          } else if (same) {
-            throw RefusedData("the surface has one side only: its faces can't be turned alike");
-          }
-        }
-      }
-    }
-    ++parts.count;
+  std::vector<std::pair<int, int>> known(triangles.size(), {-1, 0});  // of roots: part, its sign
+  std::vector<bool> flipped(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto [root, flip] = sets.Find(int(t));
+    auto& [part, sign] = known[std::size_t(root)];
+    if (part < 0) part = parts.count++, sign = flip;
+    parts.of[t] = part;
+    flipped[t] = flip != sign;
+  }
+  // Corners 1 and 2 change places, and with them half-edges 0 and 2.
+  const auto after = [&](int h) {
+    return h >= 0 && flipped[std::size_t(h / 3)] && h % 3 != 1 ? 3 * (h / 3) + 2 - h % 3 : h;
+  };
+  std::vector<int> twin(edges.twin.size());
+  for (int h = 0; h < int(twin.size()); ++h)
+    twin[std::size_t(after(h))] = after(edges.twin[std::size_t(h)]);
+  edges.twin = std::move(twin);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!flipped[t]) continue;
+    std::swap(triangles[t][1], triangles[t][2]);
+    ++turned;
   }
   return parts;
 }
 
-bool ShareEdgeAt(int v, const Triangle& one, const Triangle& other) {
-  return std::any_of(one.begin(), one.end(), [&](int a) {
-    return a != v && std::find(other.begin(), other.end(), a) != other.end();
-  });
-}
-
-// Takes from the triangles about a vertex those that hang together with the last.
-std::vector<int> TakeFan(int v, const std::vector<Triangle>& triangles, std::vector<int>& left) {
-  std::vector<int> fan = {left.back()};
-  left.pop_back();
-  for (std::size_t k = 0; k < fan.size(); ++k) {
-    for (std::size_t m = 0; m < left.size();) {
-      if (ShareEdgeAt(v, triangles[std::size_t(fan[k])], triangles[std::size_t(left[m])])) {
-        fan.push_back(left[m]);
-        left.erase(left.begin() + std::ptrdiff_t(m));
-      } else {
-        ++m;
-      }
-    }
-  }
-  return fan;
-}
-
 // Fans that meet at a vertex only get a vertex each.
-void PartVertices(Mesh& mesh) {
-  std::vector<std::vector<int>> around(mesh.points.size());
-  for (int t = 0; t < int(mesh.triangles.size()); ++t) {
-    for (const int v : mesh.triangles[std::size_t(t)]) around[std::size_t(v)].push_back(t);
+void PartVertices(Mesh& mesh, const HalfEdges& edges) {
+  SignedSets fans(Eigen::Index(edges.twin.size()));  // of corners
+  for (int h = 0; h < int(edges.twin.size()); ++h) {
+    const int twin = edges.twin[std::size_t(h)];
+    if (twin < 0) continue;
+    fans.Join(h, NextHalf(twin));
   }
-  for (int v = 0; v < int(around.size()); ++v) {
-    std::vector<int>& left = around[std::size_t(v)];
-    if (!left.empty()) TakeFan(v, mesh.triangles, left);  // keeps the vertex
-    while (!left.empty()) {
-      const int copy = int(mesh.points.size());
-      mesh.points.push_back(mesh.At(v));
-      for (const int t : TakeFan(v, mesh.triangles, left)) {
-        Triangle& triangle = mesh.triangles[std::size_t(t)];
-        std::replace(triangle.begin(), triangle.end(), v, copy);
+  // The last fan of a vertex keeps it.
+  std::vector<int> own(mesh.points.size(), -1), number(edges.twin.size(), -1);
+  for (int corner = int(edges.twin.size()); corner-- > 0;) {
+    int& v = mesh.triangles[std::size_t(corner / 3)][std::size_t(corner % 3)];
+    int& of_fan = number[std::size_t(fans.Find(corner).first)];
+    if (of_fan < 0) {
+      of_fan = v;
+      if (own[std::size_t(v)] >= 0) {
+        of_fan = int(mesh.points.size());
+        mesh.points.push_back(mesh.At(v));
       }
+      own[std::size_t(v)] = of_fan;
     }
+    v = of_fan;
   }
 }
 
-// Closes holes; their number.
-int FillHoles(Mesh& mesh) {
-  std::unordered_map<int, int> next;  // against the direction of the border's faces
-  for (const auto& [key, faces] : EdgesOf(mesh.triangles)) {
-    if (faces.size() != 1) continue;
-    const int a = int(key >> 32), b = int(key & 0x7FFFFFFF);
-    if (RunsAlong(mesh.triangles[std::size_t(faces[0])], a, b)) {
-      next[b] = a;
-    } else {
-      next[a] = b;
-    }
+// Closes holes, by triangles of the part around; their number.
+int FillHoles(Mesh& mesh, MeshParts& parts, const HalfEdges& edges) {
+  struct Step {
+    int to, part;
+  };
+  std::map<int, Step> next;  // against the direction of the border's triangles
+  for (const int h : BorderHalves(edges)) {
+    next[OriginOf(mesh.triangles, NextHalf(h))] = {OriginOf(mesh.triangles, h),
+                                                   parts.of[std::size_t(h / 3)]};
   }
   int filled = 0;
   while (!next.empty()) {
-    int least = next.begin()->first;
-    for (const auto& [from, to] : next) least = std::min(least, from);
+    const int part = next.begin()->second.part;
     std::vector<int> loop;
-    for (int v = least; next.contains(v);) {
-      loop.push_back(v);
-      const int to = next.at(v);
-      next.erase(v);
-      v = to;
+    for (auto step = next.begin(); step != next.end();) {
+      loop.push_back(step->first);
+      const int to = step->second.to;
+      next.erase(step);
+      step = next.find(to);
     }
     ++filled;
     if (loop.size() == 3) {
       mesh.triangles.push_back({loop[0], loop[1], loop[2]});
-      continue;
+    } else {
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (const int v : loop) middle += mesh.At(v) / double(loop.size());
+      const int centre = int(mesh.points.size());
+      mesh.points.push_back(middle);
+      for (std::size_t k = 0; k < loop.size(); ++k)
+        mesh.triangles.push_back({loop[k], loop[(k + 1) % loop.size()], centre});
     }
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : loop) middle += mesh.At(v) / double(loop.size());
-    const int centre = int(mesh.points.size());
-    mesh.points.push_back(middle);
-    for (std::size_t k = 0; k < loop.size(); ++k)
-      mesh.triangles.push_back({loop[k], loop[(k + 1) % loop.size()], centre});
+    parts.of.resize(mesh.triangles.size(), part);
   }
   return filled;
-}
-
-// Triangles that were filled in belong to the part across their edges.
-void SpreadParts(const std::vector<Triangle>& triangles, MeshParts& parts) {
-  const EdgeFaces edges = EdgesOf(triangles);
-  parts.of.resize(triangles.size(), -1);
-  for (bool more = true; more;) {
-    more = false;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      for (std::size_t k = 0; k < 3 && parts.of[t] < 0; ++k) {
-        for (const int beside : edges.at(KeyOf(triangles[t][k], triangles[t][(k + 1) % 3]))) {
-          if (parts.of[std::size_t(beside)] < 0) continue;
-          parts.of[t] = parts.of[std::size_t(beside)];
-          more = true;
-        }
-      }
-    }
-  }
 }
 
 void TurnOutwards(const MeshParts& parts, Mesh& mesh) {
@@ -401,15 +465,22 @@ ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
   ClosedSurface closed;
   JoinedPoints joined = JoinPoints(vertices, faces);
   closed.joined = joined.joined;
-  Mesh mesh{std::move(joined.points), CutFaces(faces, joined.place, closed.dropped)};
+  std::vector<Triangle> triangles = CutFaces(faces, joined, closed.dropped);
+  Mesh mesh{std::move(joined.points), std::move(triangles)};
   closed.joined += WeldBorders(mesh, SinglePrecisionOf(vertices));
-  MeshParts parts = TurnAlike(mesh.triangles, closed.turned);
-  PartVertices(mesh);
-  const double area = AreaOf(SurfaceOf(mesh));
-  closed.filled = FillHoles(mesh);
-  closed.filled_share = 1 - area / AreaOf(SurfaceOf(mesh));
+  HalfEdges edges = EdgesOf(mesh.triangles, mesh.points.size());
+  PairCrowded(mesh, edges);
+  MeshParts parts = TurnAlike(mesh.triangles, edges, closed.turned);
+  PartVertices(mesh, edges);
+  const std::size_t given = mesh.triangles.size();
+  closed.filled = FillHoles(mesh, parts, edges);
+  if (closed.filled > 0) {
+    const TriangleSurface whole = SurfaceOf(mesh);
+    double area = 0;
+    for (std::size_t t = 0; t < given; ++t) area += NormalOf(whole, Eigen::Index(t)).norm() / 2;
+    closed.filled_share = 1 - area / AreaOf(whole);
+  }
   if (closed.filled_share > most_filled) throw OpenSurface(closed.filled, closed.filled_share);
-  SpreadParts(mesh.triangles, parts);
   TurnOutwards(parts, mesh);
   RefuseBodiesInOneAnother(mesh, parts);
   closed.surface = SurfaceOf(mesh);

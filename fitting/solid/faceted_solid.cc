@@ -251,13 +251,16 @@ double SinglePrecisionOf(const Eigen::Matrix3Xd& vertices) {
 
 MeshVolume VolumeOf(const TriangleSurface& closed) {
   constexpr double kKept = 0.002;
+  // Over triangles of corners on a sphere the mean gap is at most so many chord heights: those with
+  // a right angle have it.
+  constexpr double kMeanGap = 4.0 / 3;
   if (closed.vertices.cols() == 0) return {};
   const Eigen::Vector3d middle = closed.vertices.rowwise().mean();
   double six = 0;
   for (Eigen::Index t = 0; t < closed.triangles.cols(); ++t) {
     six += (closed.vertices.col(closed.triangles(0, t)) - middle).dot(NormalOf(closed, t));
   }
-  return {six / 6, std::max(kKept * six / 6, AreaOf(closed) * ChordHeight(closed))};
+  return {six / 6, std::max(kKept * six / 6, kMeanGap * AreaOf(closed) * ChordHeight(closed))};
 }
 
 std::optional<Doubt> VolumeDoubt(double volume, const MeshVolume& mesh) {

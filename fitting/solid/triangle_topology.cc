@@ -2,30 +2,21 @@
 #include "fitting/solid/triangle_topology.h"
 
 #include <Eigen/Geometry>
-#include <cstdint>
-#include <unordered_map>
+#include <utility>
 
 #include "batten/fitting/refused_data.h"
 
 namespace batten::internal {
 
 TriangleTopology::TriangleTopology(const TriangleSurface& surface)
-    : corners_(surface.triangles),
-      twin_(std::size_t(3 * surface.triangles.cols()), -1),
-      outgoing_(std::size_t(surface.vertices.cols()), -1) {
-  const auto key = [](int a, int b) { return std::int64_t{a} << 32 | std::uint32_t(b); };
-  std::unordered_map<std::int64_t, int> directed;
-  directed.reserve(twin_.size());
+    : corners_(surface.triangles), outgoing_(std::size_t(surface.vertices.cols()), -1) {
+  HalfEdges edges = LinkTriangles(corners_, vertices());
+  if (!edges.crowded.empty()) throw RefusedData("more than two triangles meet at an edge");
+  twin_ = std::move(edges.twin);
   for (int h = 0; h < half_edges(); ++h) {
     outgoing_[std::size_t(Origin(h))] = h;
-    if (!directed.try_emplace(key(Origin(h), Origin(Next(h))), h).second) {
-      throw RefusedData("more than two triangles meet at an edge");
-    }
-  }
-  for (int h = 0; h < half_edges(); ++h) {
-    const auto found = directed.find(key(Origin(Next(h)), Origin(h)));
-    if (found == directed.end()) throw RefusedData("the surface is open");
-    twin_[std::size_t(h)] = found->second;
+    if (Twin(h) < 0) throw RefusedData("the surface is open");
+    if (Origin(h) == Origin(Twin(h))) throw RefusedData("two triangles run along an edge alike");
   }
 }
 

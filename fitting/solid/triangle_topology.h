@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "batten/geometry/triangle_surface.h"
+#include "geometry/mesh/half_edges.h"
 
 namespace batten::internal {
 
-// Half-edges 3t + k run along triangle t from its corner k to corner k + 1, the triangle on their
-// left.
+// Of half-edges (half_edges.h), each with its triangle on the left.
 class TriangleTopology {
  public:
   // Throws RefusedData where an edge does not belong to two triangles that run along it in opposite
@@ -22,8 +22,8 @@ class TriangleTopology {
   int vertices() const { return static_cast<int>(outgoing_.size()); }
   int half_edges() const { return 3 * triangles(); }
 
-  static int Next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
-  static int Previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  static int Next(int h) { return NextHalf(h); }
+  static int Previous(int h) { return PreviousHalf(h); }
   int Twin(int h) const { return twin_[std::size_t(h)]; }
   int Origin(int h) const { return corners_(h % 3, h / 3); }
   // The outgoing half-edge of the same vertex that follows counter-clockwise.

@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <numbers>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "geometry/mesh/half_edges.h"
 #include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/polygon.h"
 
@@ -41,17 +41,13 @@ std::vector<EdgeTurn> EdgeTurns(const TriangleSurface& surface) {
   const auto corner = [&](Eigen::Index h, Eigen::Index k) {
     return surface.triangles((h % 3 + k) % 3, h / 3);
   };
-  const auto key = [](int from, int to) { return std::int64_t{from} << 32 | std::int64_t{to}; };
-  std::unordered_map<std::int64_t, Eigen::Index>
-      known;  // half-edges: corner k of triangle t as 3t + k
-  const Eigen::Index count = 3 * surface.triangles.cols();
-  for (Eigen::Index h = 0; h < count; ++h) known.emplace(key(corner(h, 0), corner(h, 1)), h);
+  const HalfEdges edges =
+      LinkTriangles(surface.triangles, static_cast<int>(surface.vertices.cols()));
   std::vector<EdgeTurn> turns;
-  for (Eigen::Index h = 0; h < count; ++h) {
-    const auto twin = known.find(key(corner(h, 1), corner(h, 0)));
-    if (twin == known.end() || twin->second < h) continue;
-    const Eigen::Vector3d one = NormalOf(surface, h / 3),
-                          other = NormalOf(surface, twin->second / 3);
+  for (std::size_t k = 0; k < edges.twin.size(); ++k) {
+    const auto h = static_cast<Eigen::Index>(k), twin = Eigen::Index{edges.twin[k]};
+    if (twin < h) continue;
+    const Eigen::Vector3d one = NormalOf(surface, h / 3), other = NormalOf(surface, twin / 3);
     const double length =
         (surface.vertices.col(corner(h, 1)) - surface.vertices.col(corner(h, 0))).norm();
     if (!(length > 0)) continue;

@@ -145,9 +145,10 @@ CloudFilter::CloudFilter(std::string file,
       throw ReadError(file_, "holds points in the plane (two columns), not x y z");
     const bool named = options.projection == CloudProjection::kByNames && columns_.degrees;
     if (named || options.projection == CloudProjection::kLocal)
-      throw ReadError(file_,
-                      "holds degrees, which are projected about their middle, known only of points "
-                      "that are read whole; leave out --memory, or project the file before");
+      throw ReadError(
+          file_,
+          "holds degrees, which become metres only in points that are read whole; leave "
+          "out --memory and --tiles, or project the file before");
     part_.has_normals = part_.has_parameters = part_.has_colours = false;
   }
   finite_.insert(finite_.end(), columns_.point.begin(), columns_.point.end());

@@ -110,8 +110,9 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
                                 file.filtered));
   }
   if (options.take) return file;
-  if (auto remark = ProjectLocally(options.projection, paths, parts))
-    file.remarks.push_back(paths.front() + ": " + *std::move(remark));
+  const LocalProjection local = ProjectLocally(options, paths, parts);
+  if (!local.remark.empty()) file.remarks.push_back(paths.front() + ": " + local.remark);
+  file.projection_middle = local.middle;
   file.cloud = JoinParts(std::move(parts));
   return file;
 }

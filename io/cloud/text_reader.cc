@@ -27,6 +27,9 @@ struct Head {
   TextHeader row;                    // empty: there is none
   std::vector<std::string> comment;  // words of the last comment before the rows that names x and y
   std::optional<std::int64_t> promised;  // rows, by a count of them
+  TextHeader counts;                     // the line of the sizes of blocks, if any, …
+  std::size_t blocks = 0;                // … and how many they are
+  std::vector<TextHeader> doubtful;      // of those before: titles that may be points
 };
 
 // The leading identifiers of a comment's words, as in "# x y-5400000 z label(1=ground); metres";
@@ -76,6 +79,20 @@ bool IsWord(std::string_view field) {
                              }) != field.end();
 }
 
+// Of lines that are taken for titles though they may be points.
+std::string TakenForTitles(const std::vector<TextHeader>& lines) {
+  const std::int64_t first = lines.front().number, last = lines.back().number;
+  const std::string quoted = Quoted(lines.front().line);
+  if (lines.size() == 1)
+    return fmt::format("line {} is taken for a title and gives no point: {}", first, quoted);
+  const bool all = last - first + 1 == static_cast<std::int64_t>(lines.size());
+  return fmt::format("{}lines {} to {} are taken for titles and give no points: {}, …",
+                     all ? "" : "some of the ",
+                     first,
+                     last,
+                     quoted);
+}
+
 // Reads up to the first row, as what follows shows it.
 class HeadReader {
  public:
@@ -100,7 +117,11 @@ class HeadReader {
       held += line.size();
       const Fields fields = FieldsOf(content);
       const bool whole = fields.size() > 1 && Coordinates(fields).second;
-      if (whole && !head_.promised && CountsRows(fields)) continue;
+      if (whole && !head_.promised && CountsRows(fields)) {
+        head_.counts = std::move(content);
+        head_.blocks = fields.size();
+        continue;
+      }
       if (whole || (named && fields.size() > 1)) {
         head_.row = std::move(content);
       } else {
@@ -110,6 +131,7 @@ class HeadReader {
     }
     FindDamagedRow();
     NoteCount();
+    NoteDoubtful();
     return std::move(head_);
   }
 
@@ -243,6 +265,23 @@ class HeadReader {
     if (counts.size() == 1 && !head_.promised) head_.promised = counts[0];
   }
 
+  // Lines that are no rows, yet hold numbers as rows do: as many fields, or numbers where two
+  // coordinates are. A word and a whole number name a profile: NACA 2412.
+  void NoteDoubtful() {
+    if (head_.row.line.empty()) return;
+    const std::size_t width = FieldsOf(head_.row).size();
+    bool point = width > 2;
+    for (const TextHeader& line : head_.before) {
+      const Fields fields = FieldsOf(line);
+      if (std::none_of(fields.begin(), fields.end(), IsFilledNumber)) continue;
+      if (NamesPlace(HeaderNames(line.line))) continue;
+      if (fields.size() != width && (width == 2 || Coordinates(fields).first < 2)) continue;
+      point = point || !Count(IsFilledNumber(fields[0]) ? fields[0] : fields[1]);
+      head_.doubtful.push_back(line);
+    }
+    if (!point && head_.doubtful.size() < 2) head_.doubtful.clear();
+  }
+
   LineReader& lines_;
   const std::string& file_;
   const CloudReadOptions& options_;
@@ -317,6 +356,12 @@ FileCloud ReadText(ByteSource& source, const CloudReadOptions& options) {
             "remove that line",
             filter.rows(),
             *head.promised));
+  }
+  if (!head.doubtful.empty()) filter.Remark(TakenForTitles(head.doubtful));
+  if (head.blocks == static_cast<std::size_t>(filter.columns().dimension())) {
+    filter.Remark(fmt::format("line {} counts the rows of its blocks and is no point: {}",
+                              head.counts.number,
+                              Quoted(head.counts.line)));
   }
   if (commas.since() > 0)
     filter.Remark(fmt::format("the commas of its numbers are decimal (line {})", commas.since()));

@@ -100,6 +100,60 @@ bool MayHoldDecimalCommas(std::string_view content, std::string& plain) {
   return numbers > 1 && commas > 0;
 }
 
+// Whether the field is a number with `thousands` between groups of three digits, if any, and then
+// `decimal` and more digits: 1.234,56. `grouped`: there are such groups.
+bool IsGroupedNumber(std::string_view field, char thousands, char decimal, bool& grouped) {
+  if (field.starts_with('-') || field.starts_with('+')) field.remove_prefix(1);
+  const auto digits = [&] {
+    const std::size_t count = std::min(field.find_first_not_of("0123456789"), field.size());
+    field.remove_prefix(count);
+    return count;
+  };
+  const std::size_t first = digits();
+  grouped = field.starts_with(thousands);
+  if (first == 0 || (grouped && first > 3)) return false;
+  while (field.starts_with(thousands)) {
+    field.remove_prefix(1);
+    if (digits() != 3) return false;
+  }
+  if (!field.starts_with(decimal)) return false;
+  field.remove_prefix(1);
+  return digits() > 0 && field.empty();
+}
+
+// Whether all commas of a row belong to numbers between blanks or semicolons that hold a sign
+// between thousands too, of which there are two. A single one may be two columns: 1.234,56.
+bool HoldsThousands(std::string_view content, char thousands, char decimal) {
+  constexpr const char* kBetween = " \t;";
+  int numbers = 0, grouped_numbers = 0;
+  while (!content.empty()) {
+    const std::size_t length = std::min(content.find_first_of(kBetween), content.size());
+    const std::string_view field = content.substr(0, length);
+    content.remove_prefix(std::min(length + 1, content.size()));
+    bool grouped = false;
+    if (IsGroupedNumber(field, thousands, decimal, grouped)) {
+      ++numbers;
+      grouped_numbers += grouped ? 1 : 0;
+    } else if (field.find(',') != std::string_view::npos) {
+      return false;
+    }
+  }
+  return numbers > 1 && grouped_numbers > 0;
+}
+
+// Read as a separator the comma would make two columns of each number.
+void RefuseThousands(const std::string& file, std::string_view content, std::int64_t number) {
+  if (content.find('.') == std::string_view::npos) return;
+  const bool points = HoldsThousands(content, '.', ',');
+  if (!points && !HoldsThousands(content, ',', '.')) return;
+  throw ReadError::AtLine(
+      file,
+      number,
+      fmt::format("the numbers hold {} between thousands: {}; leave them out, as in 1234.56",
+                  points ? "points" : "commas",
+                  Quoted(content)));
+}
+
 }  // namespace
 
 std::size_t LineReader::NextByte::In(std::string_view bytes, std::int64_t position) {
@@ -180,8 +234,10 @@ std::string_view WithoutComment(std::string_view line) {
 
 void RefuseDecimalCommas(const std::string& file, std::string_view line, std::int64_t number) {
   const std::string_view content = WithoutComment(line);
+  if (content.find(',') == std::string_view::npos) return;
+  RefuseThousands(file, content, number);
   std::string plain;
-  if (content.find(',') == std::string_view::npos || !MayHoldDecimalCommas(content, plain)) return;
+  if (!MayHoldDecimalCommas(content, plain)) return;
   throw ReadError::AtLine(
       file,
       number,
@@ -191,11 +247,13 @@ void RefuseDecimalCommas(const std::string& file, std::string_view line, std::in
 
 std::string_view DecimalCommas::Plain(std::string_view line, std::int64_t number) {
   if (separate_) return line;
-  if (line.find(',') == std::string_view::npos) {
+  const bool comma = line.find(',') != std::string_view::npos;
+  const std::string_view content = comma ? WithoutComment(line) : line;
+  if (!comma || content.find(',') == std::string_view::npos) {
     if (width_ == 0) width_ = SplitFields(line).size();
     return line;
   }
-  const std::string_view content = WithoutComment(line);
+  RefuseThousands(file_, content, number);
   if (MayHoldDecimalCommas(content, plain_)) {
     const std::size_t width = SplitFields(plain_).size();
     if (width_ == 0) width_ = width;

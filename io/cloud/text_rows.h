@@ -71,7 +71,8 @@ std::vector<std::string_view> SplitFields(std::string_view line);
 // The line without its comment.
 std::string_view WithoutComment(std::string_view line);
 
-// Throws ReadError where the commas of the line may be decimal: it has no point, is in fields
+// Throws ReadError where the line's numbers hold signs between thousands, as in 1.234,56 2.345,67,
+// and where its commas may be decimal: it has no point, is in fields
 // between semicolons or blanks, each a number with at most one comma, between digits, or a word
 // beside semicolons or tabs, and a number has that comma. Read as a separator it would move all
 // that follows by a column.
@@ -85,7 +86,8 @@ class DecimalCommas {
   explicit DecimalCommas(std::string file) : file_(std::move(file)) {}
 
   // The row with points for its decimal commas, valid until the next call. Throws ReadError where
-  // commas are decimal in one row and can't be in another, or may be but leave too few fields.
+  // commas are decimal in one row and can't be in another, or may be but leave too few fields, and
+  // where numbers hold signs between thousands.
   std::string_view Plain(std::string_view line, std::int64_t number);
 
   // The first line that has one; 0: none.

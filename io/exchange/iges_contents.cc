@@ -21,6 +21,7 @@
 #include "io/exchange/file_loops.h"
 #include "io/exchange/iges_header.h"
 #include "io/exchange/iges_shapes.h"
+#include "io/exchange/iges_solids.h"
 #include "io/exchange/iges_text.h"
 #include "io/exchange/iges_types.h"
 #include "io/exchange/parameter_map.h"
@@ -71,7 +72,10 @@ class Reader {
     found.contents.geometry = std::move(result_);
     found.contents.names = std::move(names_);
     found.points = points_;
-    if (beyond_ >= 0) found.beyond = IgesName(entities_, beyond_) + ": " + why_beyond_;
+    if (beyond_ >= 0) {
+      found.beyond = IgesName(entities_, beyond_) + ": " + why_beyond_;
+      found.fault = Fault();
+    }
     return found;
   }
 
@@ -144,6 +148,21 @@ class Reader {
         }
         for (NurbsCurve<3>& curve : Curves(entity)) result_.emplace_back(std::move(curve));
     }
+  }
+
+  // The first entity that a solid could not be made of, and why; empty: there is none.
+  std::string Fault() const {
+    for (size_t i = 0; i < entities_.size(); ++i) {
+      const IgesEntity& entity = entities_[i];
+      try {
+        CheckIgesSolid(entities_, entity);
+        if (IsIgesCurve(entity)) ReadIgesCurve(entity);
+        if (entity.type == kIgesSurface) ReadIgesSurface(entity);
+      } catch (const std::invalid_argument& error) {
+        return IgesName(entities_, static_cast<int>(i)) + ": " + error.what();
+      }
+    }
+    return "";
   }
 
   void Beyond(int index, const char* why) {

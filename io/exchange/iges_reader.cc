@@ -18,13 +18,14 @@ GeometryContents ReadIgesContents(const std::string& path) {
   IgesContents found = ParseIgesContents(text, name);
   GeometryContents& contents = found.contents;
   if (!found.beyond.empty()) {
-    GeometryContents all = OpenCascade().import_iges(text, name);
+    GeometryContents all;
+    if (found.fault.empty()) all = OpenCascade().import_iges(text, name);
     if (!all.geometry.empty()) {
       all.unit = contents.unit;
       all.remarks.insert(all.remarks.end(), contents.remarks.begin(), contents.remarks.end());
       contents = std::move(all);
     } else {
-      contents.unread.push_back(found.beyond);
+      contents.unread.push_back(found.fault.empty() ? found.beyond : found.fault);
     }
   }
   const std::string points = std::to_string(found.points) + " points";

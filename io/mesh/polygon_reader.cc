@@ -12,12 +12,12 @@
 #include <cstring>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <string_view>
 #include <utility>
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
+#include "geometry/mesh/distinct_points.h"
 #include "io/base/whole_file.h"
 #include "io/mesh/polygon_text.h"
 
@@ -186,22 +186,16 @@ class CornerJoiner {
  public:
   void Add(const std::array<double, 9>& corners) {
     std::vector<int> face;
-    for (int k = 0; k < 3; ++k) {
-      const std::array<double, 3> place = {
-          corners[3 * k] + 0.0, corners[3 * k + 1] + 0.0, corners[3 * k + 2] + 0.0};
-      const auto [found, fresh] = known_.try_emplace(place, static_cast<int>(known_.size()));
-      if (fresh) numbers_.insert(numbers_.end(), place.begin(), place.end());
-      face.push_back(found->second);
-    }
+    face.reserve(3);
+    for (std::size_t k = 0; k < 3; ++k) face.push_back(points_.NumberOf(&corners[3 * k]));
     // Slivers whose corners fell together are no faces.
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) return;
     faces_.push_back(std::move(face));
   }
-  PolygonMesh Mesh() && { return {Columns(numbers_), std::move(faces_)}; }
+  PolygonMesh Mesh() && { return {Columns(points_.coordinates()), std::move(faces_)}; }
 
  private:
-  std::map<std::array<double, 3>, int> known_;
-  std::vector<double> numbers_;
+  DistinctPoints points_;
   std::vector<std::vector<int>> faces_;
 };
 
@@ -231,7 +225,8 @@ PolygonMesh ReadStlPolygons(std::string_view text, const std::string& path) {
   std::array<double, 9> corners;
   int found = 0;
   while (words.NextLine()) {
-    if (words.Word() != "vertex") continue;
+    const std::string_view word = words.Word();
+    if (word != "vertex" && word != "VERTEX" && word != "Vertex") continue;
     for (int c = 0; c < 3; ++c) corners[std::size_t(3 * found + c)] = words.ToNumber(words.Word());
     if (++found == 3) {
       joiner.Add(corners);

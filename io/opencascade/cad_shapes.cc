@@ -5,10 +5,13 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
+#include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <gp_Trsf.hxx>
+#include <stdexcept>
 
+#include "io/opencascade/occt_session.h"
 #include "io/opencascade/sewn_faces.h"
 
 namespace batten::internal {
@@ -23,18 +26,20 @@ void Scale(ExportPart& part, double factor) {
 }
 
 std::vector<ExportPart> HeldParts(const CadShapes& shapes, std::optional<SewingReport>& report) {
-  std::vector<ExportPart> parts = static_cast<const HeldShapes*>(shapes.held.get())->parts;
-  std::vector<SewnFaces::Piece> bodies;
-  size_t surfaces = 0, invalid = 0;
+  const auto& held = *static_cast<const HeldShapes*>(shapes.held.get());
+  std::vector<ExportPart> parts = held.parts;
   for (ExportPart& part : parts) {
     if (shapes.times != shapes.over) Scale(part, shapes.times / shapes.over);
-    const TopAbs_ShapeEnum type = part.shape.ShapeType();
-    if (type != TopAbs_SOLID && type != TopAbs_SHELL) continue;
-    SewnFaces::Piece& body = bodies.emplace_back(SewnFaces::Piece{part.shape, {}});
-    for (TopExp_Explorer each(part.shape, TopAbs_FACE); each.More(); each.Next()) {
-      body.faces.emplace_back(TopoDS::Face(each.Current()), surfaces++);
+  }
+  std::vector<SewnFaces::Piece> bodies;
+  size_t surfaces = 0, invalid = 0;
+  for (const size_t body : held.bodies) {
+    const TopoDS_Shape& shape = parts[body].shape;
+    SewnFaces::Piece& piece = bodies.emplace_back(SewnFaces::Piece{shape, {}});
+    for (TopExp_Explorer each(shape, TopAbs_FACE); each.More(); each.Next()) {
+      piece.faces.emplace_back(TopoDS::Face(each.Current()), surfaces++);
     }
-    invalid += !BRepCheck_Analyzer(part.shape).IsValid();
+    invalid += !BRepCheck_Analyzer(shape).IsValid();
   }
   if (!bodies.empty()) {
     report = ReportOf(bodies);
@@ -46,7 +51,8 @@ std::vector<ExportPart> HeldParts(const CadShapes& shapes, std::optional<SewingR
 
 }  // namespace
 
-std::vector<BodyMeasures> MeasureShapes(const CadShapes& shapes) {
+std::vector<BodyMeasures> MeasureShapes(const CadShapes& shapes) try {
+  const OcctSession session;
   const auto& held = *static_cast<const HeldShapes*>(shapes.held.get());
   const double length = shapes.times / shapes.over, area = length * length, volume = area * length;
   constexpr double kPrecision = 1e-10;  // relative, of the integrals over each face
@@ -57,15 +63,19 @@ std::vector<BodyMeasures> MeasureShapes(const CadShapes& shapes) {
     BRepGProp::VolumeProperties(held.parts[body].shape, solid, kPrecision);
     BodyMeasures& one = all.emplace_back();
     one.area = area * surface.Mass();
-    one.volume = volume * solid.Mass();
+    one.inside_out = solid.Mass() < 0;
+    const double sign = one.inside_out ? -1 : 1;
+    one.volume = sign * volume * solid.Mass();
     const gp_Pnt center = solid.CentreOfMass();
     one.center = length * Eigen::Vector3d(center.X(), center.Y(), center.Z());
     const gp_Mat inertia = solid.MatrixOfInertia();
     for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) one.inertia(i, j) = volume * area * inertia(i + 1, j + 1);
+      for (int j = 0; j < 3; ++j) one.inertia(i, j) = sign * volume * area * inertia(i + 1, j + 1);
     }
   }
   return all;
+} catch (const Standard_Failure& failure) {
+  throw std::runtime_error(std::string("MeasureBodies: ") + failure.GetMessageString());
 }
 
 std::vector<ExportPart> PartsToWrite(const GeometryFile& file,

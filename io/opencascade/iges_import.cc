@@ -19,6 +19,8 @@
 #include <XSControl_WorkSession.hxx>
 #include <map>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "batten/io/read_error.h"
 #include "io/exchange/geometry_names.h"
@@ -54,6 +56,32 @@ bool Damaged(const IGESData_IGESModel& model) {
     if (model.IsErrorEntity(i) || model.Check(i, true)->HasFailed()) return true;
   }
   return false;
+}
+
+// Surfaces, curves and faces of which no shape was made.
+std::vector<std::string> Lost(const IGESControl_Reader& reader) {
+  constexpr int kFirstShape = 100, kLastShape = 199, kPolyline = 106, kPointSets = 3, kPoint = 116,
+                kDirection = 123, kMatrix = 124, kBounded = 143, kTrimmed = 144, kAssembly = 184,
+                kSolid = 186, kInstance = 408, kFace = 510;
+  const Handle(Transfer_TransientProcess) process =
+      reader.WS()->TransferReader()->TransientProcess();
+  const Handle(IGESData_IGESModel) model = reader.IGESModel();
+  std::vector<std::string> lost;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(IGESData_IGESEntity) entity = model->Entity(i);
+    const int type = entity->TypeNumber();
+    const bool points = type == kPoint || (type == kPolyline && entity->FormNumber() <= kPointSets);
+    const bool alone = entity->SubordinateStatus() == 0 && entity->UseFlag() == 0 && !points &&
+                       type != kDirection && type != kMatrix && type != kAssembly &&
+                       type != kSolid &&
+                       ((type >= kFirstShape && type <= kLastShape) || type == kInstance);
+    if (!alone && type != kFace && type != kTrimmed && type != kBounded) continue;
+    const Handle(Transfer_Binder) binder = process->Find(entity);
+    if (!binder.IsNull() && !TransferBRep::ShapeResult(binder).IsNull()) continue;
+    lost.push_back("entity D" + std::to_string(2 * i - 1) + " (type " + std::to_string(type) +
+                   "): OpenCASCADE makes no shape of it");
+  }
+  return lost;
 }
 
 // Text as a file, which is all that OpenCASCADE reads IGES from.
@@ -97,6 +125,7 @@ GeometryContents Translate(const std::string& text) {
   });
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
   collector.Finish();
+  collector.TellLost(Lost(reader));
   contents.flattened = WhatIsFlattened(contents, 0);
   return contents;
 }

@@ -116,7 +116,10 @@ void ShapeCollector::KeepShape(const TopoDS_Shape& shape) {
 void ShapeCollector::AddFace(const TopoDS_Face& face, std::vector<BodyFace>* body) {
   FaceWires wires;
   const bool kept = Keep("face " + std::to_string(++faces_), face, [&] {
-    if (BRep_Tool::Surface(face).IsNull()) throw std::invalid_argument("has no surface");
+    if (BRep_Tool::Surface(face).IsNull()) {
+      writable_ = false;
+      throw std::invalid_argument("has no surface");
+    }
     FaceShape shape = FaceToNurbs(face);
     wires = std::move(shape.wires);
     return std::move(shape.surface);
@@ -131,7 +134,10 @@ void ShapeCollector::AddEdge(const TopoDS_Edge& edge) {
   KeepShape(edge);
   Keep("edge " + std::to_string(++edges_), edge, [&] {
     double first = 0, last = 0;
-    if (BRep_Tool::Curve(edge, first, last).IsNull()) throw std::invalid_argument("has no curve");
+    if (BRep_Tool::Curve(edge, first, last).IsNull()) {
+      writable_ = false;
+      throw std::invalid_argument("has no curve");
+    }
     return ToNurbs(edge);
   });
 }
@@ -147,6 +153,7 @@ bool ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Co
       return true;
     }
     why = " has a coordinate above 1e150 in magnitude";
+    writable_ = false;
   } catch (const std::invalid_argument& error) {
     why = std::string(": ") + error.what();
   } catch (const Standard_Failure& failure) {
@@ -156,8 +163,13 @@ bool ShapeCollector::Keep(const std::string& name, const TopoDS_Shape& shape, Co
   return false;
 }
 
+void ShapeCollector::TellLost(const std::vector<std::string>& lost) {
+  contents_.unread.insert(contents_.unread.end(), lost.begin(), lost.end());
+  contents_.shapes.whole = lost.empty();
+}
+
 void ShapeCollector::Finish() {
-  contents_.shapes.held = std::make_shared<HeldShapes>(std::move(held_));
+  if (writable_) contents_.shapes.held = std::make_shared<HeldShapes>(std::move(held_));
 }
 
 void RequireGeometry(const GeometryContents& contents,

@@ -27,7 +27,10 @@ class ShapeCollector {
 
   void Add(const TopoDS_Shape& root);
 
-  // After the last of the roots: hands the shapes over.
+  // Parts of the file that are not among the roots: they are unread, and written by nobody.
+  void TellLost(const std::vector<std::string>& lost);
+
+  // After the last of the roots: hands the shapes over, unless writers would fail at them.
   void Finish();
 
  private:
@@ -43,6 +46,7 @@ class ShapeCollector {
   GeometryContents& contents_;
   NameOf names_;
   HeldShapes held_;
+  bool writable_ = true;  // whether writers can do with all of the shapes
   int faces_ = 0, edges_ = 0;
 };
 

@@ -8,6 +8,13 @@
 #include <StepData_UndefinedEntity.hxx>
 #include <StepGeom_CartesianPoint.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepShape_FaceSurface.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_Binder.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <istream>
 #include <string_view>
 #include <utility>
@@ -56,6 +63,23 @@ int PlacedParts(const Handle(StepData_StepModel) & model) {
   return placed;
 }
 
+// Faces of which no shape was made.
+std::vector<std::string> LostFaces(const STEPControl_Reader& reader) {
+  const Handle(Transfer_TransientProcess) process =
+      reader.WS()->TransferReader()->TransientProcess();
+  const Handle(StepData_StepModel) model = reader.StepModel();
+  std::vector<std::string> lost;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
+    if (face.IsNull()) continue;
+    const Handle(Transfer_Binder) binder = process->Find(face);
+    if (!binder.IsNull() && !TransferBRep::ShapeResult(binder).IsNull()) continue;
+    lost.push_back(std::string(model->StringLabel(face)->ToCString()) +
+                   ": OpenCASCADE makes no face of it");
+  }
+  return lost;
+}
+
 GeometryContents Translate(std::string& text, const std::string& path) {
   STEPControl_Controller::Init();
   STEPControl_Reader reader;
@@ -75,6 +99,7 @@ GeometryContents Translate(std::string& text, const std::string& path) {
                            [&names](const TopoDS_Shape& shape) { return names.Of(shape); });
   for (int i = 1; i <= reader.NbShapes(); ++i) collector.Add(reader.Shape(i));
   collector.Finish();
+  collector.TellLost(LostFaces(reader));
   RequireGeometry(contents, path, WhyEmpty(reader.StepModel()));
   if (OnlyLines(contents.geometry)) {
     contents.remarks.push_back("it holds only lines: they are curves of degree 1");

@@ -99,9 +99,9 @@ def read_cloud(
         Only points of these classes; LAS alone.
     box : array_like of shape (6,), optional
         Only points within xmin, ymin, zmin, xmax, ymax, zmax, in the data's units.
-    projection : {'local', 'none'}, optional
-        'local': x and y are longitude and latitude in degrees and become metres, as they do by themselves where the columns
-        are named so; 'none': they stay.
+    projection : {'local', 'local=LON,LAT', 'none'}, optional
+        'local': x and y are longitude and latitude in degrees and become metres from the middle of the points, or from the
+        one given, as they do by themselves where the columns are named so; 'none': they stay.
     progress : callable or bool, optional
         ``progress(stage, fraction)``; True: a bar.
 
@@ -157,7 +157,7 @@ def write_cloud(points: Any, path: Path, *, format: str = "", **attributes: Any)
     cloud_of("points", points, **attributes).write(path, format=format)
 
 
-def read_geometry(path: Path, *, format: str = "", unit: str = "") -> Shapes:
+def read_geometry(path: Path, *, format: str = "", unit: str = "", strict: bool = False) -> Shapes:
     """Reads curves and surfaces: STEP, IGES, B-rep of OpenCASCADE, JSON of geomdl's form.
 
     Parameters
@@ -168,6 +168,8 @@ def read_geometry(path: Path, *, format: str = "", unit: str = "") -> Shapes:
         'step', 'iges', 'brep' or 'json' where it does not.
     unit : str
         What coordinates are turned into; the file's own when empty.
+    strict : bool
+        Raises for one face or curve that can't be read; else the rest is read, with a ReadWarning.
 
     Returns
     -------
@@ -179,11 +181,13 @@ def read_geometry(path: Path, *, format: str = "", unit: str = "") -> Shapes:
     ReadError
         With file and line.
     """
-    return _shapes(_core.read_geometry(path_bytes("path", path), str(format), str(unit)))
+    return _shapes(_core.read_geometry(path_bytes("path", path), str(format), str(unit), bool(strict)))
 
 
-def _shapes(contents: Tuple[List[_core.Body], List[str], str, List[str]]) -> Shapes:
-    bodies, names, unit, remarks = contents
+def _shapes(contents: Tuple[List[_core.Body], List[str], str, List[str], List[str]]) -> Shapes:
+    bodies, names, unit, remarks, unread = contents
+    for reason in unread:
+        warnings.warn(reason, ReadWarning, stacklevel=3)
     shapes = Shapes(wrap_all(bodies))
     shapes.names, shapes.unit, shapes.remarks = names, unit, remarks
     return shapes

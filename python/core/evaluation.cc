@@ -71,7 +71,10 @@ py::array CurvePoints(const Body& body, const Doubles& u, int threads) {
   return points;
 }
 
-py::array PointsAt(const Body& body, const Doubles& u, const std::optional<Doubles>& v, int threads) {
+py::array PointsAt(const Body& body,
+                   const Doubles& u,
+                   const std::optional<Doubles>& v,
+                   int threads) {
   if (!body.is_surface()) {
     return body.dimension() == 2 ? CurvePoints<2>(body, u, threads)
                                  : CurvePoints<3>(body, u, threads);

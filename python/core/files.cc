@@ -32,10 +32,11 @@ CloudReadOptions ReadOptionsOf(const py::dict& values) {
     options.columns = k.Value("columns").cast<std::map<std::string, std::string>>();
   k.Take("parameters", options.parameters);
   if (k.Has("projection")) {
-    const std::string word = k.Word("projection");
-    if (word != "local" && word != "none")
-      throw std::invalid_argument("projection: '" + word + "' is neither local nor none");
-    options.projection = word == "local" ? CloudProjection::kLocal : CloudProjection::kNone;
+    try {
+      TakeProjection(k.Word("projection"), options);
+    } catch (const std::invalid_argument& refusal) {
+      throw std::invalid_argument(std::string("projection: ") + refusal.what());
+    }
   }
   if (k.Has("where")) {
     for (const auto& [column, value] :
@@ -80,10 +81,12 @@ PointsPtr Read(const std::vector<std::string>& paths,
 }
 
 py::tuple Contents(GeometryContents contents) {
-  contents.remarks.insert(contents.remarks.end(), contents.unread.begin(), contents.unread.end());
   if (!contents.flattened.empty()) contents.remarks.push_back(contents.flattened);
-  return py::make_tuple(
-      MakeBodies(std::move(contents.geometry)), contents.names, contents.unit, contents.remarks);
+  return py::make_tuple(MakeBodies(std::move(contents.geometry)),
+                        contents.names,
+                        contents.unit,
+                        contents.remarks,
+                        contents.unread);
 }
 
 // What sewing came to, in the order of batten.Sewing; None where nothing was sewn.
@@ -180,13 +183,14 @@ void BindFiles(py::module_& m) {
             return true;
           });
         });
-  m.def("read_geometry",
-        [](const std::string& path, const std::string& format, const std::string& unit) {
-          return Contents(Watched([=](Watch&) {
-            const std::lock_guard lock(ExchangeMutex());
-            return ReadGeometryContents(path, {format, unit});
-          }));
-        });
+  m.def(
+      "read_geometry",
+      [](const std::string& path, const std::string& format, const std::string& unit, bool strict) {
+        return Contents(Watched([=](Watch&) {
+          const std::lock_guard lock(ExchangeMutex());
+          return ReadGeometryContents(path, {format, unit, "", strict});
+        }));
+      });
   m.def("geometry_from_json", [](const std::string& text, const std::string& name) {
     return Contents(ParseJsonContents(text, name));
   });

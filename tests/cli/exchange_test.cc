@@ -309,4 +309,34 @@ TEST_F(ExchangeTest, BrepIsReadAndWritten) {
   EXPECT_THAT(cut.err, AllOf(HasSubstr("cut.brep: line "), HasSubstr("the file ends where")));
 }
 
+// The second surface of the file becomes an entity that nobody knows.
+TEST_F(ExchangeTest, WhatCantBeReadIsNamedAndCostsTheExitCode) {
+  Run({"convert", folder_.File("part.step"), folder_.File("a.igs")});
+  std::string text = folder_.Text("a.igs");
+  for (const char* type : {"     128 ", "     128 ", "\n128,"}) {
+    const size_t at = text.rfind(type);
+    ASSERT_NE(at, text.npos);
+    text.replace(text.find("128", at), 3, "129");
+  }
+  const std::string half = folder_.With("half.igs", text);
+  for (const char* out : {"b.step", "b.brep", "b.json"}) {
+    SCOPED_TRACE(out);
+    const std::string path = folder_.File(out);
+    const ProgramRun run = Batten({"convert", half, path});
+    EXPECT_EQ(run.code, 4) << run.err;
+    EXPECT_THAT(
+        run.err,
+        AllOf(HasSubstr("1 of its 2 faces and curves can't be read"), HasSubstr("(type 129): ")));
+    EXPECT_EQ(Batten({"convert", half, path, "--accept-doubt"}).code, 0);
+    EXPECT_EQ(RunJson({"info", path})["surfaces"], 1);
+    const ProgramRun strict = Batten({"convert", half, path, "--strict"});
+    EXPECT_EQ(strict.code, 1);
+    EXPECT_THAT(strict.err, HasSubstr("half.igs: entity "));
+  }
+  const ProgramRun info = Batten({"info", half, "--json", "--quiet"});
+  EXPECT_EQ(info.code, 4);
+  EXPECT_EQ(Json::parse(info.out)["unread"].size(), 1u);
+  EXPECT_EQ(Batten({"tessellate", half, "-o", folder_.File("b.stl")}).code, 4);
+}
+
 }  // namespace batten::internal::exchange_test

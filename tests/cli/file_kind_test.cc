@@ -2,8 +2,12 @@
 // What files are taken for, told from how they were made.
 #include "cli/commands/file_kind.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -201,6 +205,83 @@ TEST(FileKindTest, LargeCloudsAreNotReadForThis) {
   EXPECT_THAT(KindOf(folder.With("large.ply", header + junk), {}).why, HasSubstr("not looked at"));
   EXPECT_EQ(KindOf(folder.With("small.xyz", "no number\n"), {}).why, "");
   EXPECT_EQ(KindOf(folder.File("missing.xyz"), {}).why, "");
+}
+
+// Reading a pipe for this would leave nothing for the command, or wait for ever.
+TEST(FileKindTest, PipesAreLeftToTheirCommand) {
+  const TemporaryFolder folder;
+  for (const char* const name : {"a.stl", "a.ply", "a.off", "a.xyz", "a.step", "a"}) {
+    const std::string path = folder.File(name);
+    ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    const int end = ::open(path.c_str(), O_RDWR);  // a writer, so that nobody waits for one
+    ASSERT_EQ(::write(end, "1 2 3\n", 6), 6);
+    CloudArguments arguments;
+    if (std::string(name) == "a") arguments.format = "text";
+    const FileKind kind = KindOf(path, arguments);
+    EXPECT_EQ(kind.use, std::string(name) == "a.step" ? FileUse::kInfo : FileUse::kSurface) << name;
+    char left[8];
+    EXPECT_EQ(::read(end, left, sizeof left), 6) << name;
+    ::close(end);
+  }
+}
+
+TEST(FileKindTest, NamesThatNoSystemTakesAreThoseOfMissingFiles) {
+  for (const char* const extension : {".step", ".xyz", ".stl"})
+    EXPECT_EQ(KindOf(std::string(300, 'a') + extension, {}).why, "") << extension;
+  const ProgramRun run = Batten({std::string(300, 'a') + ".step"});
+  EXPECT_NE(run.code, 0);
+  EXPECT_THAT(run.err, ::testing::Not(HasSubstr("filesystem error")));
+}
+
+// The kind is told from the points that the command will fit.
+TEST(FileKindTest, AProjectionCountsForTheKind) {
+  const TemporaryFolder folder;
+  // A row of 300 m to the east and the north at 60 degrees of latitude, with heights: in degrees
+  // a rod, in metres a sheet.
+  std::vector<Row> rows;
+  for (int i = 0; i < 24; ++i)
+    for (int j = 0; j < 24; ++j)
+      rows.push_back({10 + 2.4e-4 * i, 60 + 1.2e-4 * j, 90 + 10 * std::sin(0.1 * i) + 0.2 * j});
+  const std::string path = folder.With("sheet.xyz", ToText(rows));
+  CloudArguments local;
+  local.projection = "local";
+  const FileKind kind = KindOf(path, local);
+  EXPECT_EQ(kind.use, FileUse::kSurface);
+  const ProgramRun run = Batten({path, "--projection", "nowhere", "-o", folder.File("a.step")});
+  EXPECT_EQ(run.code, 2);
+  // Not looked at by other words than the command's.
+  EXPECT_THAT(run.err, ::testing::Not(HasSubstr("points")));
+}
+
+// Points of degrees are held against a geometry only about a place that is fixed.
+TEST(FileKindTest, DegreesAreComparedAboutTheMiddleOfTheFit) {
+  const TemporaryFolder folder;
+  std::vector<Row> rows, half;
+  for (int i = 0; i < 24; ++i) {
+    for (int j = 0; j < 24; ++j) {
+      rows.push_back({10 + 2.4e-4 * i, 60 + 1.2e-4 * j, 90 + 10 * std::sin(0.1 * i) + 0.2 * j});
+      if (i < 12) half.push_back(rows.back());
+    }
+  }
+  const std::string all = folder.With("all.csv", ToText(rows, "lon lat z\n")),
+                    west = folder.With("west.csv", ToText(half, "lon lat z\n")),
+                    out = folder.File("out.json"), report = folder.File("report.json");
+  const ProgramRun fit = Batten({"fit", "surface", all, "-o", out, "--report", report});
+  ASSERT_EQ(fit.code, 0) << fit.err;
+  const std::string words = Json::parse(folder.Text("report.json"))["warnings"].dump();
+  const size_t at = words.find("local=");
+  ASSERT_NE(at, std::string::npos) << words;
+  const std::string middle = words.substr(at, words.find(')', at) - at);
+  for (const char* const command : {"compare", "project"}) {
+    const ProgramRun refused = Batten({command, out, west});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("--projection local=LON,LAT"));
+    EXPECT_THAT(refused.err, HasSubstr("the middle of these points is 10.00132,60.00138"));
+    EXPECT_EQ(Batten({command, out, west, "--projection", middle}).code, 0);
+  }
+  const std::string distances = folder.File("distances.json");
+  Batten({"compare", out, west, "--projection", middle, "--report", distances});
+  EXPECT_LT(Json::parse(folder.Text("distances.json"))["error"]["rms"].get<double>(), 0.1);
 }
 
 TEST(FileKindTest, WordsAreThoseOfTheCommands) {

@@ -22,10 +22,10 @@ struct ClosedSurface {
 
 // Joins vertices at one place, and those of open edges within the digits of a file; cuts faces into
 // triangles, drops those without area or twice there, turns faces alike and outwards, parts
-// surfaces that touch at a vertex only, and closes holes by triangles about their middles. Throws
-// RefusedData, naming it, where more than two faces meet at an edge, a surface has one side only,
-// no face is left, or holes are more than `most_filled` of the area, or the boxes of two bodies
-// overlap.
+// surfaces that touch at a vertex or an edge only, and closes holes by triangles about their
+// middles. O(n). Throws RefusedData, naming it, where more than two faces meet at an edge other
+// than as bodies that touch there, a surface has one side only, no face is left, holes are more
+// than `most_filled` of the area, or the boxes of two bodies overlap.
 ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled = 0.15);

@@ -45,7 +45,8 @@ struct Outline {
 // Schwarz' criterion; then the least move that contains all points (quadratic program). O(m) and
 // little more along the border. The result does not depend on the number of threads, nor, up to
 // rounding, on the order of the points. Throws std::invalid_argument unless the spacing and lengths
-// are positive, the noise is not negative, and there is a point.
+// are positive, the noise is not negative, and there is a point; RefusedData where the points are
+// about a spacing wide, and a border of them has no length.
 Outline FindOutline(const Eigen::Matrix2Xd& parameters,
                     const OutlineOptions& options,
                     ThreadPool& pool);

@@ -2,6 +2,7 @@
 // What is asked of a file of points: which columns mean what, which rows are kept.
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <functional>
 #include <map>
@@ -20,7 +21,7 @@ struct RowFilter {
 // What becomes of x and y that are longitude and latitude in degrees (WGS 84).
 enum class CloudProjection {
   kByNames,  // as kLocal where the columns are named so (lon, lat, longitude, …), else as kNone
-  kLocal,    // metres east and north of their middle
+  kLocal,    // metres east and north of a middle
   kNone,     // they stay
 };
 
@@ -35,6 +36,10 @@ struct CloudReadOptions {
 
   // The box is one of degrees all the same, and z stays as it is.
   CloudProjection projection = CloudProjection::kByNames;
+
+  // Longitude and latitude in degrees of the place that becomes x = y = 0. Empty: the middle of the
+  // points that are kept, so that points of another choice or file are metres from another place.
+  std::optional<Eigen::Vector2d> projection_middle;
 
   // Take u and v by their names from PCD and PLY too; text always does.
   bool parameters = false;
@@ -57,5 +62,9 @@ struct CloudReadOptions {
   // through.
   std::function<void(double fraction)> progress;
 };
+
+// Sets the projection from its word: local, local=LON,LAT or none. Throws std::invalid_argument
+// that says what is wrong with the word.
+void TakeProjection(const std::string& word, CloudReadOptions& options);
 
 }  // namespace batten

@@ -23,6 +23,7 @@ std::vector<Geometry> ReadGeometry(const std::string& path,
                                    const GeometryReadOptions& options = {});
 
 // Of the bodies of a STEP, IGES or B-rep file, each in its place among them; none of other files.
+// Throws std::runtime_error where OpenCASCADE can't.
 std::vector<BodyMeasures> MeasureBodies(const GeometryContents& contents);
 
 // Refuses a path no geometry can be written to for its format. Throws UsageError.

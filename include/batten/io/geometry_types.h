@@ -56,12 +56,14 @@ struct GeometryBody {
 struct CadShapes {
   std::shared_ptr<const void> held = nullptr;  // of io/opencascade/cad_shapes.h; null: none
   double times = 1, over = 1;  // what their coordinates are multiplied with and divided by
+  bool whole = true;           // whether every face and curve of the file is among them
 };
 
 // Of a body, in the coordinates of its geometry, to about nine digits. Of an open shell only `area`
 // is its own: the rest is of what it closes with the origin.
 struct BodyMeasures {
   double area = 0, volume = 0;
+  bool inside_out = false;  // the faces look inwards: the volume is positive all the same
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the center, at density 1
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct CloudFile {
   std::vector<Eigen::Index> blocks;
   // Sentences on how the files were understood where that is not plain: decimal commas, degrees.
   std::vector<std::string> remarks;
+  // Longitude and latitude in degrees of x = y = 0, where degrees became metres
+  std::optional<Eigen::Vector2d> projection_middle;
   std::vector<std::string> fields;  // of the first file, as it names them; else "1", "2", …
   // Step between neighbouring coordinates where the first file says it (LAS), else zero
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();

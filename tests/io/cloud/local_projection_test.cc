@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,84 @@ TEST(LocalProjectionTest, APieceAcrossTheDateLineStaysOnePiece) {
       World(ReadBytes("a.csv", "lon,lat\n179.9,-17\n-179.9,-17\n180,-17\n").cloud);
   EXPECT_NEAR(points(0, 1) - points(0, 0), 2 * (points(0, 2) - points(0, 0)), 1e-6);
   EXPECT_GT(points(0, 1), points(0, 0));
+}
+
+// Metres about one place are the same for every choice of points: to the last bit.
+TEST(LocalProjectionTest, APlaceThatIsGivenHoldsForAnyPoints) {
+  const std::string names = "lon,lat,z\n", west = "10.001,48.002,3\n10.002,48.001,4\n",
+                    east = "10.013,48.012,5\n";
+  const CloudFile all = ReadBytes("a.csv", names + west + east);
+  ASSERT_TRUE(all.projection_middle);
+  EXPECT_EQ(*all.projection_middle, Eigen::Vector2d(10.007, 48.0065));
+  ASSERT_THAT(all.remarks, ElementsAre(HasSubstr("(--projection local=10.00700,48.00650)")));
+  CloudReadOptions options;
+  TakeProjection("local=10.00700,48.00650", options);  // as the remark has it
+  EXPECT_EQ(World(ReadBytes("a.csv", names + west + east, options).cloud), World(all.cloud));
+  const CloudFile half = ReadBytes("a.csv", names + west, options);
+  EXPECT_EQ(World(half.cloud), World(all.cloud).leftCols(2));
+  EXPECT_EQ(half.projection_middle, all.projection_middle);
+  EXPECT_NE(ReadBytes("a.csv", names + west).projection_middle, all.projection_middle);
+  TakeProjection("local=179.99,-17", options);
+  EXPECT_GT(World(ReadBytes("a.csv", "lon,lat\n-179.99,-17\n", options).cloud)(0, 0), 2000);
+}
+
+TEST(LocalProjectionTest, TakesItsWords) {
+  CloudReadOptions options;
+  TakeProjection("local=-10.5,4e1", options);
+  EXPECT_EQ(options.projection, CloudProjection::kLocal);
+  EXPECT_EQ(options.projection_middle, Eigen::Vector2d(-10.5, 40));
+  TakeProjection("local", options);
+  EXPECT_EQ(options.projection, CloudProjection::kLocal);
+  EXPECT_FALSE(options.projection_middle);
+  TakeProjection("none", options);
+  EXPECT_EQ(options.projection, CloudProjection::kNone);
+  for (const char* word : {"",
+                           "Local",
+                           "local=",
+                           "local=1",
+                           "local=1,",
+                           "local=1,2,3",
+                           "local=1;2",
+                           "local=1,91",
+                           "local=1e3,2",
+                           "local=nan,2",
+                           "local=1,nan",
+                           "local=x,2"}) {
+    EXPECT_THROW(TakeProjection(word, options), std::invalid_argument) << word;
+  }
+}
+
+// 200 degrees of longitude near the equator, from the west on and from their middle on.
+TEST(LocalProjectionTest, LongitudesAreCutWhereThereAreNone) {
+  std::vector<std::string> rows;
+  for (int k = -100; k <= 100; ++k) rows.push_back(std::to_string(k) + ",1,0\n");
+  const auto width = [&](int first) {
+    std::string text = "lon,lat,z\n";
+    for (int k = 0; k < 201; ++k) text += rows[static_cast<std::size_t>((first + k) % 201)];
+    const CloudFile file = ReadBytes("a.csv", text);
+    EXPECT_EQ(*file.projection_middle, Eigen::Vector2d(0, 1));
+    const Eigen::Matrix3Xd points = World(file.cloud);
+    return points.row(0).maxCoeff() - points.row(0).minCoeff();
+  };
+  EXPECT_EQ(width(0), width(100));
+  EXPECT_EQ(width(0), width(200));
+  EXPECT_NEAR(width(0), 200 * kRadian * 6378137, 200 * kRadian * kEarth * 1e-3);
+}
+
+TEST(LocalProjectionTest, RefusesPiecesTooLargeForTrueLengths) {
+  for (const char* rows : {"0,89.99999\n90,89.99999\n180,89.99999\n270,89.99999\n",  // round a pole
+                           "0,90\n120,90\n-120,90\n",
+                           "10,89\n10.01,89.9\n",
+                           "10,-20\n10,60\n",
+                           "-120,70\n-60,70\n0,70\n",
+                           "0,0\n1,80\n-170,-80\n100,20\n"}) {
+    EXPECT_THAT(FailureOf("a.csv", std::string("lon,lat\n") + rows),
+                AllOf(HasSubstr("a.csv"), HasSubstr("off by more than 1 %"), HasSubstr("--box")))
+        << rows;
+  }
+  CloudReadOptions options;
+  TakeProjection("local=10,0", options);
+  EXPECT_THROW(ReadBytes("a.csv", "lon,lat\n10,48\n10.1,48.1\n", options), ReadError);
 }
 
 TEST(LocalProjectionTest, DegreesWithoutNamesStayWithAWord) {

@@ -431,6 +431,77 @@ TEST(TextReaderTest, WholeNumbersThatCountNothingAreAPoint) {
   EXPECT_EQ(ReadBytes("a.xyz", large + "\n\n1 2 3\n").cloud.size(), 2);
 }
 
+TEST(TextReaderTest, ACommentHasNoCommas) {
+  const Eigen::Matrix3Xd expected =
+      (Eigen::Matrix3Xd(3, 3) << 1, 8.648, 4.5, 2, 8.583, 5.5, 3, 1.452, 6.5).finished();
+  for (const char* text : {"1 2 3 # first, point\n8,648 8,583 1,452\n4,5 5,5 6,5\n",
+                           "1 2 3\n8,648 8,583 1,452 // a, b\n4,5 5,5 6,5\n",
+                           "# x, y, z\n1 2 3\n8,648 8,583 1,452\n4,5 5,5 6,5 # last, point\n"}) {
+    const CloudFile file = ReadBytes("a.txt", text);
+    EXPECT_EQ(World(file.cloud), expected) << text;
+    EXPECT_THAT(file.remarks, ElementsAre(HasSubstr("are decimal"))) << text;
+  }
+  // In rows of other commas too.
+  EXPECT_EQ(ReadBytes("a.txt", "1,5 2,5 3,5\n4 5 6 # last, point\n").cloud.World(1),
+            Eigen::Vector3d(4, 5, 6));
+  EXPECT_THAT(ReadBytes("a.txt", "1 2 3 # a, b\n4 5 6\n").remarks, ::testing::IsEmpty());
+}
+
+TEST(TextReaderTest, SignsBetweenThousandsAreRefused) {
+  for (const char* text : {"1.234,56 2.345,67 3,5\n",
+                           "950,25 1.234,56\n",
+                           "-1.234.567,8;+2.345,6\n",
+                           "1 2 3\n1.234,56 2.345,67 3\n",
+                           "1,5 2,5\n1.234,56\t2.345,67 # far\n",
+                           "1,234.56 2,345.67 3.5\n"}) {
+    EXPECT_THAT(FailureOf("a.txt", text),
+                AllOf(HasSubstr("line "), HasSubstr("thousands"), HasSubstr("1234.56")))
+        << text;
+  }
+  for (const char* text : {"1.234,56\n2.345,67\n",            // two columns
+                           "1.234,56 , 2.345\n1,2,3\n",       // three
+                           "1.5,2.5 3.5\n1.5,2.5 3.5\n",      // mixed, yet plain
+                           "1.2345,56 2.3456,67\n1,2,3,4\n",  // no groups of three
+                           "1.234, 56, 2.345, 67\n1,2,3,4\n"}) {
+    EXPECT_GT(ReadBytes("a.txt", text).cloud.size(), 0) << text;
+  }
+}
+
+TEST(TextReaderTest, TitlesThatMayBePointsAreTold) {
+  for (const char* head : {"null 2 1\nnull 3 1\n",
+                           "one 2.0 1.0\n",
+                           "abc 2.0 1.0\nabd 3 1\n",
+                           "Survey of\ncorner_0 2.0 0\ncorner_1 2.0 1\n",
+                           "measured 2024 11 29\n"}) {
+    const CloudFile file = ReadBytes("a.txt", std::string(head) + "1 2.5 3\n4 5.5 6\n7 8 9.5\n");
+    EXPECT_EQ(file.cloud.size(), 3) << head;
+    EXPECT_THAT(file.remarks, ElementsAre(AllOf(HasSubstr("line"), HasSubstr("taken for"))))
+        << head;
+  }
+  EXPECT_THAT(ReadBytes("a.txt", "one 2 1\ntwo 3 1\nsix 3 1\n1 2.5 3\n4 5.5 6\n").remarks,
+              ElementsAre(HasSubstr("lines 1 to 3 are taken for titles")));
+  EXPECT_THAT(ReadBytes("a.txt", "one 2.5\n1 2.5\n4 5.5\n").remarks,
+              ElementsAre(HasSubstr("line 1 is taken for a title")));
+  for (const char* plain : {"A plain title\n1 2 3\n4 5 6\n",
+                            "A title of some words\n1 2 3\n",
+                            "Survey 7\n1 2 3\n",
+                            "x,y,z\n1,2,3\n",
+                            "2\n1 2 3\n4 5 6\n",
+                            "NACA 2412\n1 0.5\n0 0\n"}) {
+    EXPECT_THAT(ReadBytes("a.txt", plain).remarks, ::testing::IsEmpty()) << plain;
+  }
+}
+
+TEST(TextReaderTest, CountsInTheFormOfAPointAreTold) {
+  EXPECT_THAT(ReadBytes("a.dat", "4 3\n0 0\n1 2\n2 3\n3 4\n\n5 6\n6 7\n7 8\n").remarks,
+              ElementsAre(AllOf(HasSubstr("line 1 counts the rows"), HasSubstr("'4 3'"))));
+  EXPECT_THAT(
+      ReadBytes("a.xyz", "A wing\n2 2 1\n\n1 2 3\n4 5 6\n\n1 2 3\n4 5 6\n\n7 8 9\n").remarks,
+      ElementsAre(HasSubstr("line 2 counts the rows")));
+  EXPECT_THAT(ReadBytes("a.xyz", "2 2\n\n1 2 3\n4 5 6\n\n1 2 3\n4 5 6\n").remarks,
+              ::testing::IsEmpty());
+}
+
 // Never a point less without a word.
 TEST(TextReaderTest, PointsOfThePlaneWithTextBehindThemAreRefused) {
   for (const char* text : {"A title\n0 0 tail\n1 1 nose of it\n2 2\n",
