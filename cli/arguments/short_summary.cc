@@ -78,6 +78,20 @@ std::string PartsText(const Json& info) {
   return stray > 0 ? text + fmt::format("; {} stray", stray) : text;
 }
 
+// "340 faces, closed, volume 22328.9"
+std::string MeshText(const Json& mesh) {
+  std::string text = mesh.contains("faces")
+                         ? std::to_string(mesh["faces"].get<std::int64_t>()) + " faces, "
+                         : std::string();
+  if (mesh.contains("reason")) return text + mesh["reason"].get<std::string>();
+  text += mesh["closed"].get<bool>()
+              ? "closed"
+              : "with " + std::to_string(mesh["holes"].get<std::int64_t>()) + " holes";
+  const auto bodies = mesh["bodies"].get<std::int64_t>();
+  if (bodies > 1) text += ", " + std::to_string(bodies) + " bodies";
+  return text + ", volume " + Number(mesh["volume"], kDigitsOfMeasures);
+}
+
 std::string OfCloud(const Json& info) {
   std::string columns;
   for (const Json& field : info["fields"])
@@ -91,6 +105,7 @@ std::string OfCloud(const Json& info) {
     const auto number = info[count].get<std::int64_t>();
     if (number > 0 || count == std::string("outliers")) text += Line(count, std::to_string(number));
   }
+  if (info.contains("mesh")) text += Line("mesh", MeshText(info["mesh"]));
   return text + Line("parts", PartsText(info)) + Line("columns", columns);
 }
 

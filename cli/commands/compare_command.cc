@@ -21,6 +21,7 @@
 #include "cli/arguments/fit_output.h"
 #include "cli/arguments/geometry_output.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/file_kind.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
@@ -287,6 +288,10 @@ int RunCompare(const CompareArguments& given) {
 
   FitReport report;
   report.warnings = file.remarks;
+  for (const std::string& path : a.clouds) {
+    if (!FacesIn(path).faces.empty())
+      report.warnings.push_back(path + ": its vertices are compared, not what lies between them");
+  }
   for (const std::string& remark : contents.remarks) {
     report.warnings.push_back(a.geometry + ": " + remark);
   }

@@ -30,7 +30,7 @@
 #include "fitting/core/point_rank.h"
 #include "fitting/flattening/poisson_disk_samples.h"
 #include "fitting/ordering/curve_sequence.h"
-#include "geometry/mesh/distinct_points.h"
+#include "geometry/mesh/point_numbers.h"
 
 namespace batten::internal {
 namespace {
@@ -129,7 +129,7 @@ size_t PlaneCurvesOf(const PointCloud& all, ThreadPool& pool) {
 }
 
 // Whether the header of a PLY file, or else its name, says that there are faces.
-bool HoldsFaces(const std::string& path) {
+bool SaysFaces(const std::string& path) {
   if (!MayHoldFaces(path)) return false;
   if (FormatOfName(path) != FileFormat::kPly) return true;
   std::ifstream file(path, std::ios::binary);
@@ -148,7 +148,7 @@ std::string Counted(size_t count, const char* one, const char* many) {
 
 // Whether faces, their corners joined where they are one place, have an edge that no other has.
 bool HasOpenEdges(const PolygonMesh& mesh) {
-  DistinctPoints places;
+  PointNumbers places;
   std::vector<int> place;
   for (const auto vertex : mesh.vertices.colwise()) place.push_back(places.NumberOf(vertex.data()));
   std::vector<std::pair<int, int>> edges;
@@ -194,6 +194,12 @@ bool IsSoonRead(const std::string& path) {
 }
 
 }  // namespace
+
+PolygonMesh FacesIn(const std::string& path) {
+  std::error_code error;
+  const bool some = std::filesystem::is_regular_file(path, error) && SaysFaces(path);
+  return some ? ReadPolygons(path) : PolygonMesh();
+}
 
 const char* NameOf(FileUse use) {
   switch (use) {
@@ -265,8 +271,8 @@ FileKind KindOf(const std::string& path, const CloudArguments& arguments) {
   }
   if (!regular) return unknown;  // its command says why
   try {
-    if (arguments.format.empty() && HoldsFaces(path)) {
-      const PolygonMesh mesh = ReadPolygons(path);
+    if (arguments.format.empty()) {
+      const PolygonMesh mesh = FacesIn(path);
       if (!mesh.faces.empty()) return KindOfMesh(mesh);
     }
   } catch (const std::exception&) {  // its points may count nevertheless

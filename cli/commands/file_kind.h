@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/fitting/point_cloud.h"
+#include "batten/io/polygon_reader.h"
 #include "cli/arguments/cloud_arguments.h"
 
 namespace batten::internal {
@@ -39,6 +40,10 @@ FileKind KindOf(const PointCloud& cloud);
 // file is too large to be read for that alone. What can't be read is a surface, and its command
 // says why.
 FileKind KindOf(const std::string& path, const CloudArguments& arguments);
+
+// The faces of a file; none where it holds points alone, or is no file that can be read twice.
+// Throws ReadError as ReadPolygons.
+PolygonMesh FacesIn(const std::string& path);
 
 // For the end of a refusal by the command of `use`: "; 'batten fit surface scan.xyz' takes ...", as
 // the points are; empty where they are taken for what was refused.

@@ -5,8 +5,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "batten/fitting/closed_surface.h"
 #include "batten/fitting/cloud_parts.h"
 #include "batten/fitting/cloud_statistics.h"
+#include "batten/fitting/faceted_solid.h"
 #include "batten/geometry/classify_shape.h"
 #include "batten/io/file_format.h"
 #include "batten/io/geometry_file.h"
@@ -17,6 +19,7 @@
 #include "cli/arguments/geometry_summary.h"
 #include "cli/arguments/short_summary.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/file_kind.h"
 #include "cli/terminal/cli11.h"
 #include "cli/terminal/common_flags.h"
 #include "cli/terminal/exit_codes.h"
@@ -77,6 +80,27 @@ Json CloudInfo(const InfoArguments& a) {
   return info;
 }
 
+// The faces of a file that may hold some; nothing for points alone.
+Json FacesInfo(const std::string& path) {
+  Json info = Json::object();
+  try {
+    const PolygonMesh mesh = FacesIn(path);
+    if (mesh.faces.empty()) return nullptr;
+    info["faces"] = mesh.faces.size();
+    const ClosedSurface closed = CloseSurface(mesh.vertices, mesh.faces);
+    info["closed"] = closed.filled == 0;
+    if (closed.filled > 0) info["holes"] = closed.filled;
+    info["bodies"] = closed.components;
+    info["genus"] = closed.genus;
+    info["volume"] = VolumeOf(closed.surface).volume;
+  } catch (
+      const std::exception& refusal) {  // ReadError, RefusedData: the points count all the same
+    info["closed"] = false;
+    info["reason"] = refusal.what();
+  }
+  return info;
+}
+
 int RunInfo(const InfoArguments& a) {
   Json info;
   if (IsGeometryFormat(InputFormat(a.paths.front(), a.cloud.format))) {
@@ -90,6 +114,8 @@ int RunInfo(const InfoArguments& a) {
     info = SummaryOf(contents, ClassifyOptions().tolerance);
   } else {
     info = CloudInfo(a);
+    const Json faces = a.paths.size() == 1 ? FacesInfo(a.paths.front()) : Json(nullptr);
+    if (!faces.is_null()) info["mesh"] = faces;
   }
   ClearProgress();
   if (a.flags.json) {

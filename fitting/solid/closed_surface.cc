@@ -16,8 +16,8 @@
 #include "batten/fitting/refused_data.h"
 #include "fitting/neighbours/signed_sets.h"
 #include "fitting/solid/triangle_curvature.h"
-#include "geometry/mesh/distinct_points.h"
 #include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/point_numbers.h"
 #include "geometry/mesh/triangle_measure.h"
 #include "geometry/numeric/number_text.h"
 
@@ -55,7 +55,7 @@ JoinedPoints JoinPoints(const Eigen::Matrix3Xd& vertices,
     for (const int v : face) used[std::size_t(v)] = true;
   }
   JoinedPoints joined;
-  DistinctPoints places;
+  PointNumbers places;
   for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
     joined.place.push_back(-1);
     if (!used[std::size_t(v)]) continue;

@@ -155,9 +155,9 @@ Eigen::Vector2d Rounded(const Eigen::Vector2d& middle) {
 
 }  // namespace
 
-LocalProjection ProjectLocally(const CloudReadOptions& options,
-                               const std::vector<std::string>& paths,
-                               std::vector<FileCloud>& parts) {
+ProjectedDegrees ProjectLocally(const CloudReadOptions& options,
+                                const std::vector<std::string>& paths,
+                                std::vector<FileCloud>& parts) {
   const bool asked = AsksForProjection(options.projection, paths, parts);
   if (options.projection == CloudProjection::kNone) return {};
   if (!asked) {

@@ -12,7 +12,7 @@
 
 namespace batten::internal {
 
-struct LocalProjection {
+struct ProjectedDegrees {
   std::optional<Eigen::Vector2d> middle;  // longitude and latitude of x = y = 0; none: nothing done
   std::string remark;                     // a sentence that says what was done, or may be; or none
 };
@@ -25,8 +25,8 @@ struct LocalProjection {
 // Throws ReadError naming the file and the reason where a latitude is beyond 90 degrees, where the
 // points reach so far that lengths among them are not true to 1 %, or where some parts name
 // longitude and latitude and others do not.
-LocalProjection ProjectLocally(const CloudReadOptions& options,
-                               const std::vector<std::string>& paths,
-                               std::vector<FileCloud>& parts);
+ProjectedDegrees ProjectLocally(const CloudReadOptions& options,
+                                const std::vector<std::string>& paths,
+                                std::vector<FileCloud>& parts);
 
 }  // namespace batten::internal

@@ -110,7 +110,7 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
                                 file.filtered));
   }
   if (options.take) return file;
-  const LocalProjection local = ProjectLocally(options, paths, parts);
+  const ProjectedDegrees local = ProjectLocally(options, paths, parts);
   if (!local.remark.empty()) file.remarks.push_back(paths.front() + ": " + local.remark);
   file.projection_middle = local.middle;
   file.cloud = JoinParts(std::move(parts));

@@ -17,7 +17,7 @@
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
-#include "geometry/mesh/distinct_points.h"
+#include "geometry/mesh/point_numbers.h"
 #include "io/base/whole_file.h"
 #include "io/mesh/polygon_text.h"
 
@@ -195,7 +195,7 @@ class CornerJoiner {
   PolygonMesh Mesh() && { return {Columns(points_.coordinates()), std::move(faces_)}; }
 
  private:
-  DistinctPoints points_;
+  PointNumbers points_;
   std::vector<std::vector<int>> faces_;
 };
 

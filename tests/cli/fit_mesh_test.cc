@@ -123,6 +123,37 @@ TEST(FitMeshTest, ASolidOfAnotherVolumeThanTheMeshIsDoubtful) {
   EXPECT_THAT(run.out, HasSubstr("its volume is "));
 }
 
+TEST(FitMeshTest, InfoTellsWhatAMeshEncloses) {
+  TemporaryFolder folder;
+  const StlBody bar = Bar(6, 2);
+  const ProgramRun run = Batten({"info", folder.With("bar.stl", bar.text()), "--json"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto mesh = nlohmann::json::parse(run.out)["mesh"];
+  EXPECT_EQ(mesh["faces"], 24);
+  EXPECT_EQ(mesh["closed"], true);
+  EXPECT_EQ(mesh["bodies"], 1);
+  EXPECT_NEAR(mesh["volume"].get<double>(), bar.volume, 1e-5 * bar.volume);
+  EXPECT_FALSE(
+      nlohmann::json::parse(
+          Batten({"info", folder.With("p.xyz", "0 0 0\n1 0 0\n0 1 0\n1 1 1\n"), "--json"}).out)
+          .contains("mesh"));
+}
+
+TEST(FitMeshTest, APolyhedronIsWrittenAsItIs) {
+  for (const int sides : {3, 4, 6, 9, 12}) {
+    SCOPED_TRACE(sides);
+    TemporaryFolder folder;
+    const StlBody bar = Bar(sides, 5);
+    const std::string out = folder.File("bar.step"), report = folder.File("bar.json");
+    const ProgramRun run =
+        Batten({"fit", folder.With("bar.stl", bar.text()), "-o", out, "--report", report});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(fmt::format("a watertight solid of {} plane faces", sides + 2)));
+    EXPECT_NEAR(VolumeIn(run.err), bar.volume, 1e-5 * bar.volume);
+    EXPECT_EQ(nlohmann::json::parse(folder.Text("bar.json"))["doubt"].size(), 0u);
+  }
+}
+
 TEST(FitMeshTest, PlaneFacesMayBeAskedFor) {
   TemporaryFolder folder;
   const StlBody bar = Bar(6, 2);

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "geometry/mesh/distinct_points.h"
+#include "geometry/mesh/point_numbers.h"
 
 namespace batten::internal::half_edges_test {
 
@@ -69,9 +69,9 @@ TEST(HalfEdgesTest, RepeatedTrianglesAreThoseOfTheSameCornersAsOneBefore) {
   EXPECT_GT(count, 100);  // of 84 triples there are
 }
 
-TEST(DistinctPointsTest, EqualPointsHaveOneNumberInTheOrderTheyCome) {
+TEST(PointNumbersTest, EqualPointsHaveOneNumberInTheOrderTheyCome) {
   std::mt19937 random(kSeed);
-  DistinctPoints points;
+  PointNumbers points;
   std::map<std::array<double, 3>, int> known;
   for (int k = 0; k < 20000; ++k) {
     std::array<double, 3> point;

@@ -11,7 +11,7 @@
 namespace batten::internal {
 
 // Numbers points from 0 in the order in which they are first given; −0 is 0. O(1) each.
-class DistinctPoints {
+class PointNumbers {
  public:
   // The number of a point of three coordinates.
   int NumberOf(const double* point) {
