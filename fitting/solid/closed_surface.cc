@@ -419,17 +419,97 @@ void TurnOutwards(const MeshParts& parts, Mesh& mesh) {
   }
 }
 
+// Six times the volume of a tetrahedron.
+double SixVolume(const Eigen::Vector3d& a,
+                 const Eigen::Vector3d& b,
+                 const Eigen::Vector3d& c,
+                 const Eigen::Vector3d& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
+
+// How often triangles wind round a point: 1 inside a body, 0 outside. [van Oosterom & Strackee
+// 1983]
+double WindingAbout(const Eigen::Vector3d& p, const Mesh& mesh, const std::vector<int>& triangles) {
+  double angle = 0;
+  for (const int t : triangles) {
+    const Triangle& corners = mesh.triangles[std::size_t(t)];
+    const Eigen::Vector3d a = mesh.At(corners[0]) - p, b = mesh.At(corners[1]) - p,
+                          c = mesh.At(corners[2]) - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2 * std::atan2(a.dot(b.cross(c)),
+                            la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle / (4 * EIGEN_PI);
+}
+
+Eigen::AlignedBox3d BoxOf(const Mesh& mesh, int t) {
+  Eigen::AlignedBox3d box;
+  for (const int v : mesh.triangles[std::size_t(t)]) box.extend(mesh.At(v));
+  return box;
+}
+
+// Whether an edge of a triangle passes through another, not merely to it.
+bool Pierces(const Mesh& mesh, const Triangle& one, const Triangle& other, double least) {
+  const Eigen::Vector3d &a = mesh.At(other[0]), &b = mesh.At(other[1]), &c = mesh.At(other[2]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d &p = mesh.At(one[k]), &q = mesh.At(one[(k + 1) % 3]);
+    const double before = SixVolume(a, b, c, p), behind = SixVolume(a, b, c, q);
+    if (!(std::min(before, behind) < -least && std::max(before, behind) > least)) continue;
+    const double u = SixVolume(p, q, a, b), v = SixVolume(p, q, b, c), w = SixVolume(p, q, c, a);
+    if ((u > least && v > least && w > least) || (u < -least && v < -least && w < -least))
+      return true;
+  }
+  return false;
+}
+
 // Of bodies one may be a cavity of another, or run through it: then all of them are no solids.
 void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
+  constexpr double kRounding = 1e-9;   // of the cube of the size
+  constexpr double kMostPairs = 1e9;   // of triangles, some seconds: more are not looked at
+  constexpr std::size_t kPlaces = 32;  // budget: vertices told to be inside or outside
   std::vector<Eigen::AlignedBox3d> boxes(std::size_t(parts.count));
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const int v : mesh.triangles[t]) boxes[std::size_t(parts.of[t])].extend(mesh.At(v));
+  std::vector<std::vector<int>> triangles(std::size_t(parts.count));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    boxes[std::size_t(parts.of[t])].extend(BoxOf(mesh, int(t)));
+    triangles[std::size_t(parts.of[t])].push_back(int(t));
+  }
+  const auto refuse = [&](const char* how) {
+    throw RefusedData("the faces are " + std::to_string(boxes.size()) + " bodies, of which " + how +
+                      ": a hollow body, or several in one another, are not fitted; keep one");
+  };
+  const auto inside = [&](std::size_t i, std::size_t j) {
+    double farthest = 0.5;  // of those on the other's faces
+    for (std::size_t k = 0; k < kPlaces; ++k) {
+      const int t = triangles[i][k * triangles[i].size() / kPlaces];
+      const Eigen::Vector3d& p = mesh.At(mesh.triangles[std::size_t(t)][0]);
+      const double winding = boxes[j].contains(p) ? WindingAbout(p, mesh, triangles[j]) : 0;
+      if (std::abs(winding - 0.5) > std::abs(farthest - 0.5)) farthest = winding;
+    }
+    return farthest > 0.75;
+  };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     for (std::size_t j = i + 1; j < boxes.size(); ++j) {
-      if (!boxes[i].intersects(boxes[j])) continue;
-      throw RefusedData("the faces are " + std::to_string(boxes.size()) +
-                        " bodies, of which two lie in one another or touch: a hollow body, or "
-                        "several that meet, are not fitted; keep one");
+      const Eigen::AlignedBox3d common = boxes[i].intersection(boxes[j]);
+      if (common.isEmpty()) continue;
+      std::vector<int> near_one, near_other;
+      for (const int t : triangles[i])
+        if (BoxOf(mesh, t).intersects(common)) near_one.push_back(t);
+      for (const int t : triangles[j])
+        if (BoxOf(mesh, t).intersects(common)) near_other.push_back(t);
+      if (double(near_one.size()) * double(near_other.size()) > kMostPairs)
+        refuse("two may lie in one another");
+      const double least = kRounding * std::pow(boxes[i].merged(boxes[j]).diagonal().norm(), 3);
+      for (const int s : near_one) {
+        const Eigen::AlignedBox3d box = BoxOf(mesh, s);
+        for (const int t : near_other) {
+          const Triangle &one = mesh.triangles[std::size_t(s)],
+                         &other = mesh.triangles[std::size_t(t)];
+          if (box.intersects(BoxOf(mesh, t)) &&
+              (Pierces(mesh, one, other, least) || Pierces(mesh, other, one, least)))
+            refuse("two run through one another");
+        }
+      }
+      if (inside(i, j) || inside(j, i)) refuse("one lies in another");
     }
   }
 }

@@ -25,7 +25,7 @@ struct ClosedSurface {
 // surfaces that touch at a vertex or an edge only, and closes holes by triangles about their
 // middles. O(n). Throws RefusedData, naming it, where more than two faces meet at an edge other
 // than as bodies that touch there, a surface has one side only, no face is left, holes are more
-// than `most_filled` of the area, or the boxes of two bodies overlap.
+// than `most_filled` of the area, or one of two bodies lies in the other or runs through it.
 ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled = 0.15);

@@ -68,13 +68,54 @@ TEST(CloseSurfaceTest, BodiesThatTouchAlongAnEdgeAreParted) {
     // Of one place, whatever the rotation rounds to.
     two.vertices[8] = two.vertices[3];
     two.vertices[12] = two.vertices[7];
-    try {
-      two.Closed();
-      ADD_FAILURE() << "their boxes touch";
-    } catch (const RefusedData& refusal) {
-      EXPECT_THAT(refusal.what(), HasSubstr("2 bodies"));  // and not: no manifold
-    }
+    const ClosedSurface closed = two.Closed();
+    EXPECT_EQ(closed.components, 2);
+    EXPECT_EQ(closed.filled, 0);
+    EXPECT_NEAR(VolumeOf(closed.surface).volume, 2, 1e-12);
+    EXPECT_NO_THROW(TriangleTopology(closed.surface));
   }
+}
+
+// Two brackets whose boxes overlap and that leave one another alone, a bar beside them, and the
+// same with the bar through one of them, or in it.
+TEST(CloseSurfaceTest, BodiesMayBeBesideButNotInOneAnother) {
+  const auto bracket = [](Faces& into, double x, double y, double turn) {
+    // An L of two cells, (0,0)-(3,1) and (0,1)-(1,3), as one concave prism.
+    const std::vector<Eigen::Vector2d> corners = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
+    const int first = static_cast<int>(into.vertices.size()), n = 6;
+    for (const double z : {0.0, 1.0})
+      for (const Eigen::Vector2d& p : corners)
+        into.vertices.emplace_back(x + turn * p[0], y + turn * p[1], z);
+    std::vector<int> bottom, top;
+    for (int k = 0; k < n; ++k) {
+      into.faces.push_back(
+          {first + k, first + (k + 1) % n, first + (k + 1) % n + n, first + k + n});
+      bottom.insert(bottom.begin(), first + k);
+      top.push_back(first + k + n);
+    }
+    into.faces.push_back(bottom);
+    into.faces.push_back(top);
+  };
+  Faces beside;
+  bracket(beside, 0, 0, 1);
+  bracket(beside, 4, 4, -1);  // its box is (1,1)-(4,4)
+  const ClosedSurface closed = beside.Closed();
+  EXPECT_EQ(closed.components, 2);
+  EXPECT_NEAR(VolumeOf(closed.surface).volume, 10, 1e-12);
+  const auto refusal = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) -> std::string {
+    Faces with = beside;
+    with.AddBox(low, high);
+    try {
+      with.Closed();
+    } catch (const RefusedData& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({1.2, 1.2, 0}, {1.4, 1.4, 1}), "");
+  EXPECT_THAT(refusal({0.2, 0.2, 0.2}, {0.4, 0.4, 0.4}), HasSubstr("one lies in another"));
+  EXPECT_THAT(refusal({0.2, 0.2, -1}, {0.4, 0.4, 2}), HasSubstr("two run through one another"));
+  EXPECT_THAT(refusal({-1, 0.2, 0.2}, {5, 0.4, 0.4}), HasSubstr("two run through one another"));
 }
 
 // Two prongs of a fork that touch along an edge at their tips, on one base.
