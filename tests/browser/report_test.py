@@ -83,7 +83,7 @@ class ReportTest(unittest.TestCase):
         run("compare", "ball.json", "ball.xyz", "--align", "best", "--profile", "0.01", "--report", "profile.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheet.step", "--part", "1", "--report", "part.html")
         run("fit", "surface", "sheets.xyz", "-o", "sheets.step", "--part", "all", "--report", "parts.html")
-        run("fit", "surface", panel, "-o", "coarse.step", "--control-points", "6,5", "--trim", "none", "--report", "pair.html",
+        run("fit", "surface", panel, "-o", "coarse.step", "--control-points", "6,5", "--trim", "none", "--accept-doubt", "--report", "pair.html",
             "--beside", "panel.html")
         run("fit", "curve", "helix.xyz", "-o", "again.step", "--report", "mixed.html", "--beside", "panel.html")
         run("fit", "curve", "oval.xy", "-o", "loose.step", "--control-points", "7", "--report", "ovals.html", "--beside", "oval.html")
