@@ -19,9 +19,6 @@
 namespace batten::internal {
 namespace {
 
-// More plane faces than that no CAD program works with.
-constexpr int kMostFacets = 20000;
-
 // The parameters of a point of the plane.
 Eigen::Vector2d PlaceOn(const NurbsSurface& plane, const Eigen::Vector3d& p) {
   const auto along = [&](const Eigen::Vector3d& side, const SplineBasis& basis) {

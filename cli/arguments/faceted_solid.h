@@ -7,6 +7,9 @@
 
 namespace batten::internal {
 
+// More plane faces than that no CAD program works with.
+inline constexpr int kMostFacets = 20000;
+
 // Writes the plane faces of a closed mesh, with the vertices of the cloud that was read as the
 // report's points, and returns the exit code. `why`: why it is not another solid, which makes it
 // doubtful; empty: it was asked for.

@@ -254,6 +254,12 @@ MeshOfFile ReadMesh(const FitSolidArguments& a, const FitFiles& files) {
   }
 }
 
+// Whether the faces of the body are those of the mesh: every edge is flat or sharp, and nothing is
+// open. Meshes of more triangles than there may be faces are no CAD program's.
+bool IsPolyhedron(const ClosedSurface& mesh, double chord_height) {
+  return chord_height == 0 && mesh.filled == 0 && mesh.surface.triangles.cols() <= kMostFacets;
+}
+
 int RunFitSolid(const FitSolidArguments& a) {
   const SolidKind kind = KindOf(a);
   SolidFitOptions options = ToFitSolidOptions(a);
@@ -284,10 +290,12 @@ int RunFitSolid(const FitSolidArguments& a) {
   SolidDemands demands = a.demands;
   const PointCloud vertices = cloud;
   if (mesh_given.closed) {
-    // Where every edge is flat or sharp the body is a polyhedron, and its faces are the mesh's.
     const double chord = ChordHeight(mesh_given.closed->surface);
-    if (kind == SolidKind::kFaceted || (kind != SolidKind::kOrganic && chord == 0))
+    if (kind == SolidKind::kFaceted ||
+        (kind != SolidKind::kOrganic && IsPolyhedron(*mesh_given.closed, chord))) {
+      RefuseGenus(a, files, mesh_given.closed->genus);
       return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, "");
+    }
     MeshPoints points = PointsOn(*mesh_given.closed, cloud);
     files.TakePoints(points.cloud);
     cloud = std::move(points.cloud);

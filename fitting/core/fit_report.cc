@@ -161,6 +161,7 @@ bool FitReport::leaves_points() const {
 }
 
 std::vector<Doubt> FitReport::Doubts() const {
+  // Levels of docs/report.md, on which scripts rely.
   constexpr double kMostLeftOut = 0.1, kFarInNoise = 10, kFarInSize = 0.01;
   std::vector<Doubt> all = doubts;
   if (end.words.empty()) return all;  // nothing was fitted

@@ -464,8 +464,8 @@ bool Pierces(const Mesh& mesh, const Triangle& one, const Triangle& other, doubl
 
 // Of bodies one may be a cavity of another, or run through it: then all of them are no solids.
 void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
-  constexpr double kRounding = 1e-9;   // of the cube of the size
-  constexpr double kMostPairs = 1e9;   // of triangles, some seconds: more are not looked at
+  constexpr double kRounding = 1e-9;   // rounding, of the cube of the size and of a whole turn
+  constexpr double kMostPairs = 1e9;   // budget: pairs of triangles, looked at in some seconds
   constexpr std::size_t kPlaces = 32;  // budget: vertices told to be inside or outside
   std::vector<Eigen::AlignedBox3d> boxes(std::size_t(parts.count));
   std::vector<std::vector<int>> triangles(std::size_t(parts.count));
@@ -477,15 +477,17 @@ void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
     throw RefusedData("the faces are " + std::to_string(boxes.size()) + " bodies, of which " + how +
                       ": a hollow body, or several in one another, are not fitted; keep one");
   };
-  const auto inside = [&](std::size_t i, std::size_t j) {
-    double farthest = 0.5;  // of those on the other's faces
+  // On the faces of the other a vertex is half inside, on an edge some other share.
+  const auto refuse_inside = [&](std::size_t i, std::size_t j) {
+    bool inside = false, outside = false;
     for (std::size_t k = 0; k < kPlaces; ++k) {
       const int t = triangles[i][k * triangles[i].size() / kPlaces];
       const Eigen::Vector3d& p = mesh.At(mesh.triangles[std::size_t(t)][0]);
       const double winding = boxes[j].contains(p) ? WindingAbout(p, mesh, triangles[j]) : 0;
-      if (std::abs(winding - 0.5) > std::abs(farthest - 0.5)) farthest = winding;
+      inside = inside || winding > 1 - kRounding;
+      outside = outside || winding < kRounding;
     }
-    return farthest > 0.75;
+    if (inside) refuse(outside ? "two run through one another" : "one lies in another");
   };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     for (std::size_t j = i + 1; j < boxes.size(); ++j) {
@@ -509,7 +511,8 @@ void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
             refuse("two run through one another");
         }
       }
-      if (inside(i, j) || inside(j, i)) refuse("one lies in another");
+      refuse_inside(i, j);
+      refuse_inside(j, i);
     }
   }
 }

@@ -250,7 +250,7 @@ double SinglePrecisionOf(const Eigen::Matrix3Xd& vertices) {
 }
 
 MeshVolume VolumeOf(const TriangleSurface& closed) {
-  constexpr double kKept = 0.002;
+  constexpr double kKept = 0.002;  // level: what docs/guide.md promises
   // Over triangles of corners on a sphere the mean gap is at most so many chord heights: those with
   // a right angle have it.
   constexpr double kMeanGap = 4.0 / 3;

@@ -88,7 +88,7 @@ double ChordHeight(const TriangleSurface& surface) {
 }
 
 double SparseShare(const TriangleSurface& surface) {
-  constexpr double kLong = 3;
+  constexpr double kLong = 3;  // level: of triangles whose edges are a spacing long few reach it
   const double longest = kLong * SampleSpacing(surface, surface.vertices.cols());
   double sparse = 0;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {

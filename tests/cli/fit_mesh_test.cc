@@ -139,6 +139,25 @@ TEST(FitMeshTest, InfoTellsWhatAMeshEncloses) {
           .contains("mesh"));
 }
 
+TEST(FitMeshTest, ComparisonsSayThatTheVerticesOfAMeshCount) {
+  TemporaryFolder folder;
+  const std::string stl = folder.With("bar.stl", Bar(4, 2).text()), bar = folder.File("bar.step");
+  EXPECT_EQ(Batten({"fit", "solid", stl, "-o", bar, "--quiet"}).code, 0);
+  EXPECT_THAT(Batten({"compare", bar, stl}).err, HasSubstr("its vertices are compared, not what"));
+  const std::string points = folder.With("p.xyz", "0 0 0\n0 0 2\n");
+  EXPECT_THAT(Batten({"compare", bar, points}).err, Not(HasSubstr("its vertices are compared")));
+}
+
+// The genus that was asked for is that of the mesh too.
+TEST(FitMeshTest, APolyhedronOfAnotherGenusIsRefused) {
+  TemporaryFolder folder;
+  const std::string stl = folder.With("bar.stl", Bar(4, 2).text()), out = folder.File("bar.step");
+  const ProgramRun run = Batten({"fit", "solid", stl, "-o", out, "--genus", "1"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("its genus is 0, not 1"));
+  EXPECT_EQ(Batten({"fit", "solid", stl, "-o", out, "--genus", "0"}).code, 0);
+}
+
 TEST(FitMeshTest, APolyhedronIsWrittenAsItIs) {
   for (const int sides : {3, 4, 6, 9, 12}) {
     SCOPED_TRACE(sides);

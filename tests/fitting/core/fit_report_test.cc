@@ -90,6 +90,13 @@ TEST(DoubtsTest, TellWhatPassesItsLevelAndNothingElse) {
   report.doubts.push_back({"volume", "its volume is 1, that of the mesh 2"});
   EXPECT_EQ(DoubtsOf(report), (Codes{"volume", "structured_residuals"}));
 
+  report = FitOfACube();
+  report.overshoot = OvershootSummary();
+  report.overshoot->of_box = 1;
+  EXPECT_EQ(DoubtsOf(report), Codes{"leaves_points"});
+  report.end.code = EndCode::kStructuredResiduals;  // which is told for it
+  EXPECT_EQ(DoubtsOf(report), Codes{"structured_residuals"});
+
   report = {};  // a comparison fits nothing
   report.error.max = 1e9;
   report.input.box_max.setOnes();

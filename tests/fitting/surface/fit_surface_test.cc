@@ -465,6 +465,9 @@ TEST(FitSurfaceTest, RefusesPointsThatCarryNoSurfaceWithTheReason) {
   Eigen::Matrix3Xd line(3, 100);
   for (int k = 0; k < 100; ++k) line.col(k) = k * Eigen::Vector3d(1, 2, -0.5);
   EXPECT_NE(reason(line).find("line"), std::string::npos);
+  Eigen::Matrix3Xd corners(3, 12);  // of two cubes side by side: no base has a place for any
+  for (int k = 0; k < 12; ++k) corners.col(k) << 10 * (k / 4), 10 * (k / 2 % 2), 10 * (k % 2);
+  EXPECT_NE(reason(corners).find("do not determine the control points"), std::string::npos);
   Eigen::Matrix3Xd band(3, 4000);
   for (Eigen::Index k = 0; k < band.cols(); ++k) {
     const Eigen::Vector2d place = Eigen::Vector2d::Random();

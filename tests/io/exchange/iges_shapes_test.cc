@@ -233,6 +233,8 @@ TEST_F(IgesShapesTest, WhatIsNotReadIsNamed) {
     EXPECT_THAT(refusal({{116, 0, "1.,2.,3."}, {type, 1, numbers}}),
                 ::testing::AllOf(HasSubstr(known), HasSubstr(why)));
   }
+  EXPECT_THAT(refusal({{123, 1, "1.,0.,0."}, {504, 1, "1,1,1,1,1,1"}}),
+              HasSubstr("names no curve of an edge"));  // but a direction
   EXPECT_THAT(refusal({{114, 0, "1,1,1,1"}}), HasSubstr("type that can't be read"));
   EXPECT_THAT(refusal({{120, 0, "1,1,0.,1."}}), HasSubstr("entity D1 (type 120)"));
 }

@@ -31,6 +31,8 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <string>
@@ -164,6 +166,39 @@ TEST(CadShapesTest, ABlockHasItsInertia) {
   EXPECT_NEAR(block.area, 52, 1e-9);
   EXPECT_LE((block.center - Eigen::Vector3d(1, 1.5, 2)).norm(), 1e-9);
   EXPECT_LE((block.inertia - Eigen::Matrix3d(diagonal.asDiagonal())).norm(), 1e-6);
+}
+
+TEST(CadShapesTest, ABodyThatLooksInwardsHasItsVolumeAndIsTold) {
+  const TemporaryFolder folder;
+  const TopoDS_Shape block = BRepPrimAPI_MakeBox(2, 3, 4).Shape();
+  const BodyMeasures usual = MeasureBodies(ReadGeometryContents(SavedBrep(folder, block)))[0];
+  const BodyMeasures turned =
+      MeasureBodies(ReadGeometryContents(SavedBrep(folder, block.Reversed())))[0];
+  EXPECT_FALSE(usual.inside_out);
+  EXPECT_TRUE(turned.inside_out);
+  EXPECT_NEAR(turned.volume, 24, 1e-9);
+  EXPECT_LE((turned.inertia - usual.inertia).norm(), 1e-9);
+}
+
+// OpenCASCADE makes no face of a cylinder whose radius is negative, and says nothing.
+TEST(CadShapesTest, FacesThatOpenCascadeDropsAreAmongTheUnread) {
+  const TemporaryFolder folder;
+  const GeometryContents whole = ReadGeometryContents(SavedBrep(folder, Block(0)));
+  const std::string path = folder.File("a.step");
+  WriteGeometry(Unchanged(path, whole), {.unit = "mm"});
+  std::ifstream file(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const size_t cylinder = text.find("CYLINDRICAL_SURFACE('',");
+  ASSERT_NE(cylinder, text.npos);
+  const size_t radius = text.find(',', text.find(',', cylinder) + 1) + 1;
+  text.insert(radius, "-");
+  std::ofstream(path, std::ios::binary) << text;
+  const GeometryContents read = ReadGeometryContents(path);
+  EXPECT_EQ(read.geometry.size() + 1, whole.geometry.size());
+  ASSERT_EQ(read.unread.size(), 1u);
+  EXPECT_THAT(read.unread[0], HasSubstr("OpenCASCADE makes no face of it"));
+  EXPECT_FALSE(read.shapes.whole);
+  EXPECT_THROW(ReadGeometry(path), ReadError);
 }
 
 // A vase with a hole through its wall: a turned spline, whose angle no NURBS has for a parameter.
