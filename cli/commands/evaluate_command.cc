@@ -10,8 +10,6 @@
 #include <sstream>
 #include <utility>
 
-#include "batten/geometry/curvature.h"
-#include "batten/geometry/tangent_inversion.h"
 #include "batten/geometry/trim_region.h"
 #include "batten/io/geometry_file.h"
 #include "batten/io/read_error.h"
@@ -23,11 +21,10 @@
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
 #include "io/base/whole_file.h"
+#include "io/report/evaluation.h"
 
 namespace batten::internal {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
   std::string geometry, at_file, format;
@@ -37,21 +34,8 @@ struct EvaluateArguments {
   CommonFlags flags;
 };
 
-template <typename Vector>
-Json ToJson(const Vector& v) {
-  Json array = Json::array();
-  for (Eigen::Index k = 0; k < v.size(); ++k) array.push_back(v[k]);
-  return array;
-}
-
-// What is asked at every parameter.
-struct Question {
-  int order = 0;                              // of derivatives
-  std::optional<Eigen::Vector3d> along = {};  // a vector, whose parameter velocities are wanted
-};
-
-Question QuestionOf(const EvaluateArguments& a) {
-  Question question{a.derivatives, std::nullopt};
+EvaluationQuestion QuestionOf(const EvaluateArguments& a) {
+  EvaluationQuestion question{a.derivatives, std::nullopt};
   if (a.along.empty()) return question;
   const std::vector<double> numbers = ParseNumbers("--along", a.along);
   if (numbers.size() != 3) throw UsageError("--along: '" + a.along + "' is not a vector x,y,z");
@@ -110,58 +94,6 @@ struct RegionOf {
   }
 };
 
-template <int Dim>
-Json Evaluate(const NurbsCurve<Dim>& curve,
-              const TrimRegion*,
-              const Request& request,
-              const Question& question) {
-  const std::vector<double>& at = request.at;
-  const int order = question.order;
-  const auto derivatives = curve.Derivatives(at[0], order);
-  Json result{{"at", at}, {"point", ToJson(derivatives.col(0))}, {"derivatives", Json::array()}};
-  for (int k = 0; k <= order; ++k) result["derivatives"].push_back(ToJson(derivatives.col(k)));
-  if (order >= 2) {
-    result["curvature"] = nullptr;
-    if (const auto c = CurvatureAt(curve, at[0])) {
-      result["curvature"] = {{"curvature", c->curvature}, {"torsion", c->torsion}};
-    }
-  }
-  return result;
-}
-
-Json Evaluate(const NurbsSurface& surface,
-              const TrimRegion* region,
-              const Request& request,
-              const Question& question) {
-  const std::vector<double>& at = request.at;
-  const int order = question.order;
-  const SurfaceDerivatives derivatives = surface.Derivatives(at[0], at[1], order);
-  Json result{{"at", at}, {"point", ToJson(derivatives(0, 0))}};
-  if (region != nullptr) result["inside"] = region->Contains(at[0], at[1]);
-  result["derivatives"] = Json::array();
-  for (int k = 0; k <= order; ++k) {
-    Json row = Json::array();
-    for (int l = 0; k + l <= order; ++l) row.push_back(ToJson(derivatives(k, l)));
-    result["derivatives"].push_back(row);
-  }
-  const auto normal = surface.NormalAt(at[0], at[1]);
-  result["normal"] = normal ? ToJson(*normal) : Json(nullptr);
-  if (order >= 2) {
-    result["curvature"] = nullptr;
-    if (const auto c = CurvatureAt(surface, at[0], at[1])) {
-      result["curvature"] = {{"gaussian", c->gaussian},
-                             {"mean", c->mean},
-                             {"principal", {c->principal_low, c->principal_high}}};
-    }
-  }
-  if (question.along) {
-    result["along"] = nullptr;
-    if (const auto found = InvertTangent(surface, at[0], at[1], *question.along))
-      result["along"] = {{"du", found->du}, {"dv", found->dv}, {"residual", found->residual}};
-  }
-  return result;
-}
-
 // Rows of one or two numbers, separated by commas, semicolons or blanks; # comments; a header of
 // names.
 void ReadRequests(const std::string& path, std::vector<Request>& requests) {
@@ -199,47 +131,6 @@ std::vector<Request> Requests(const EvaluateArguments& a) {
   return requests;
 }
 
-// "C", "C'", …, "C^(4)" for a curve's derivatives.
-std::string CurveLabel(size_t k) {
-  constexpr size_t kPrimes = 3;
-  return k <= kPrimes ? "C" + std::string(k, '\'') : fmt::format("C^({})", k);
-}
-
-// "S", "S_u", "S_uv", … for a surface's.
-std::string SurfaceLabel(size_t k, size_t l) {
-  return k + l == 0 ? "S" : "S_" + std::string(k, 'u') + std::string(l, 'v');
-}
-
-// A name and its numbers in columns.
-void PrintRow(const std::string& name, const Json& value) {
-  std::string row = fmt::format("{:<14}", name);
-  for (const Json& number : value.is_array() ? value : Json::array({value})) {
-    row += fmt::format(" {:<22}", number.is_null() ? "none" : number.dump());
-  }
-  row.erase(row.find_last_not_of(' ') + 1);
-  fmt::print("{}\n", row);
-}
-
-void PrintText(const Json& result) {
-  for (const auto& [key, value] : result.items()) {
-    if (key == "derivatives") {
-      for (size_t k = 0; k < value.size(); ++k) {
-        if (!value[k].at(0).is_array()) {
-          PrintRow("  " + CurveLabel(k), value[k]);
-          continue;
-        }
-        for (size_t l = 0; l < value[k].size(); ++l) {
-          PrintRow("  " + SurfaceLabel(k, l), value[k][l]);
-        }
-      }
-    } else if (value.is_object()) {
-      for (const auto& [name, number] : value.items()) PrintRow("  " + name, number);
-    } else {
-      PrintRow(key, value);
-    }
-  }
-}
-
 // A word about which of several geometries refused.
 void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>& requests) {
   for (size_t g = 0; g < geometry.size(); ++g) {
@@ -256,7 +147,7 @@ void CheckAll(const std::vector<Geometry>& geometry, const std::vector<Request>&
 
 // Results are printed as they are computed: a million of them take no memory.
 int RunEvaluate(const EvaluateArguments& a) {
-  const Question question = QuestionOf(a);
+  const EvaluationQuestion question = QuestionOf(a);
   const std::vector<Request> requests = Requests(a);
   BeginReading({a.geometry}, a.flags.quiet);
   const std::vector<Geometry> geometry = ReadGeometry(a.geometry, {a.format});
@@ -273,17 +164,14 @@ int RunEvaluate(const EvaluateArguments& a) {
     const std::optional<TrimRegion> region = std::visit(RegionOf(), geometry[g]);
     for (const Request& request : requests) {
       Report(progress, "evaluate", static_cast<double>(g) / static_cast<double>(geometry.size()));
-      Json result = std::visit(
-          [&](const auto& shape) {
-            return Evaluate(shape, region ? &*region : nullptr, request, question);
-          },
-          geometry[g]);
+      nlohmann::ordered_json result =
+          Evaluation(geometry[g], region ? &*region : nullptr, request.at, question);
       if (geometry.size() > 1) result["index"] = g;
       ClearProgress();
       if (a.flags.json) {
         fmt::print("{}\n  {}", std::exchange(first, false) ? "" : ",", result.dump());
       } else if (!a.flags.quiet) {
-        PrintText(result);
+        fmt::print("{}", EvaluationText(result));
       }
     }
   }

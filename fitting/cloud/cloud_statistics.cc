@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/cloud_statistics.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "fitting/cloud/cloud_outliers.h"
 #include "fitting/core/rules.h"
 #include "fitting/neighbours/local_quadric.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -35,12 +35,11 @@ double MedianDeviation(std::vector<double> numbers) {
 // point or two of the next are as broad as long; their quadric explains the noise of the dozen.
 double BreadthOf(const Eigen::Matrix3Xd& local) {
   const Eigen::Matrix3Xd centred = local.colwise() - Eigen::Vector3d(local.rowwise().mean());
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(centred * centred.transpose());
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0);
+  const SymmetricEigen3 solver = QuickEigenOf3(centred * centred.transpose());
+  const Eigen::Vector3d spread = solver.values.cwiseMax(0.0);
   if (!(spread[2] > 0)) return 0;
   const auto along = [&](int axis) {
-    const Eigen::VectorXd places = centred.transpose() * solver.eigenvectors().col(axis);
+    const Eigen::VectorXd places = centred.transpose() * solver.vectors.col(axis);
     return MedianDeviation({places.begin(), places.end()});
   };
   const double length = along(2), of_all = std::sqrt(spread[1] / spread[2]);

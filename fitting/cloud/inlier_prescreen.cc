@@ -2,7 +2,6 @@
 #include "fitting/cloud/inlier_prescreen.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include "fitting/cloud/cloud_constants.h"
 #include "fitting/cloud/quadric_fit_kernels.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -74,17 +74,15 @@ class Place {
     double m[6];
     SecondMoments(points_, m);
     const Eigen::Matrix3d moments{{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(moments);
-    const Eigen::Vector3d variance = solver.eigenvalues() / kPatchPoints;
+    const SymmetricEigen3 solver = QuickEigenOf3(moments);
+    const Eigen::Vector3d variance = solver.values / kPatchPoints;
     if (!(variance[1] > kNarrow * variance[2])) return false;
     // A rectangle's variances are a twelfth of its sides' squares.
     const double area = 12 * std::sqrt(variance[1] * variance[2]);
     reach_ = std::sqrt(area * kReachNeighbour / (kPatchPoints * std::numbers::pi));
     float axes[9];
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b)
-        axes[a * 3 + b] = static_cast<float>(solver.eigenvectors()(b, 2 - a));
+      for (int b = 0; b < 3; ++b) axes[a * 3 + b] = static_cast<float>(solver.vectors(b, 2 - a));
     }
     TurnInto(axes, points_);
     return true;

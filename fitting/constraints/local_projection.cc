@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/constraints/local_projection.h"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -51,7 +52,7 @@ LocalProjection ProjectionOnto(const SplineBasis& basis) {
       basis.Values(spans[s], u, values.data());
       for (int r = 0; r <= p; ++r) functions(k, r) = values[static_cast<size_t>(r)];
     }
-    coefficients[s] = functions.partialPivLu().inverse();
+    coefficients[s] = InverseOf(functions);
   }
   std::vector<Eigen::Triplet<double>> entries;
   const int last = basis.size() - 1, places = static_cast<int>(count);

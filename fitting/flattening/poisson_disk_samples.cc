@@ -2,7 +2,6 @@
 #include "fitting/flattening/poisson_disk_samples.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "batten/fitting/statistics.h"
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/mixed_bits.h"
 
 namespace batten::internal {
@@ -150,9 +150,9 @@ Eigen::VectorXd WidestGaps(const Eigen::Matrix3Xd& points,
                                      static_cast<size_t>(k));
       const Eigen::Matrix3Xd local = points(Eigen::all, own).colwise() - places.col(some[i]);
       const Eigen::Vector3d middle = local.rowwise().mean();
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> plane;
-      plane.computeDirect((local.colwise() - middle) * (local.colwise() - middle).transpose());
-      const Eigen::Matrix2Xd flat = plane.eigenvectors().rightCols<2>().transpose() * local;
+      const SymmetricEigen3 plane =
+          QuickEigenOf3((local.colwise() - middle) * (local.colwise() - middle).transpose());
+      const Eigen::Matrix2Xd flat = plane.vectors.rightCols<2>().transpose() * local;
       angles.clear();
       for (Eigen::Index j = 0; j < flat.cols(); ++j)
         if (!flat.col(j).isZero(0)) angles.push_back(std::atan2(flat(1, j), flat(0, j)));
@@ -208,13 +208,12 @@ LocalSheet AlgebraicPlaneFit(const Eigen::Matrix3Xd& local) {
   const Eigen::Matrix3Xd centred = local.colwise() - middle;
   const Eigen::Matrix3d scatter = centred * centred.transpose();
   const double size = scatter.cwiseAbs().maxCoeff();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(scatter / (size > 0 ? size : 1));
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Vector3d longest = solver.eigenvectors().col(2);
+  const SymmetricEigen3 solver = QuickEigenOf3(scatter / (size > 0 ? size : 1));
+  const Eigen::Vector3d spread = solver.values.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector3d longest = solver.vectors.col(2);
   LocalSheet sheet;
   sheet.breadth = spread[2] > 0 ? spread[1] / spread[2] : 0;
-  sheet.normal = solver.eigenvectors().col(0).normalized();
+  sheet.normal = solver.vectors.col(0).normalized();
   sheet.tangent = (longest - sheet.normal * sheet.normal.dot(longest)).normalized();
   sheet.curvature.setZero();
   sheet.place = sheet.normal * sheet.normal.dot(middle);

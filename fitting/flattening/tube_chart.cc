@@ -12,6 +12,7 @@
 #include "batten/geometry/knot_vectors.h"
 #include "batten/geometry/surface_evaluator.h"
 #include "fitting/linear/coefficient_order.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/gauss_rule.h"
 
 namespace batten::internal {
@@ -221,7 +222,7 @@ Eigen::VectorXd LengthsOver(const std::vector<Sample>& samples,
   constexpr double kSteady = 1e-12;
   gram.diagonal().array() += kSteady * gram.trace() / size;
   gram(0, 0) *= 2;  // holds the constant
-  Eigen::VectorXd lengths = gram.ldlt().solve(rhs);
+  Eigen::VectorXd lengths = SymmetricSolution(gram, rhs);
   if (!basis.periodic()) lengths.array() -= lengths[0];
   return lengths;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/flattening/tube_ends.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,6 +10,7 @@
 #include "batten/fitting/statistics.h"
 #include "fitting/core/shared_constants.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -69,7 +69,7 @@ void FollowLowest(const Lowest& lowest, double spacing, PeriodicWave& wave) {
       gram(k, k) +=
           1e-3 * total * harmonic * harmonic / (kMostHarmonics * kMostHarmonics) + 1e-12 * total;
     }
-    steps = gram.ldlt().solve(rows.transpose() * (weights.asDiagonal() * heights));
+    steps = SymmetricSolution(gram, rows.transpose() * (weights.asDiagonal() * heights));
     const Eigen::VectorXd off = heights - rows * steps;
     for (Eigen::Index k = 0; k < count; ++k) sizes[k] = std::abs(off[k]);
     const double scale = std::max(kMadToSigma * Median(sizes), spacing / 2);

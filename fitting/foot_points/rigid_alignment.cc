@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/rigid_alignment.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -158,9 +157,8 @@ Eigen::VectorXd DistanceDeviations(const PointCloud& moved,
                                    const std::optional<RigidAlignment>& alignment) {
   Eigen::VectorXd deviations = Eigen::VectorXd::Constant(moved.size(), noise);
   for (Eigen::Index k = 0; alignment && k < moved.size(); ++k) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> most(
-        alignment->CovarianceAt(moved.World(k)), Eigen::EigenvaluesOnly);
-    deviations[k] = noise * std::sqrt(1 + std::max(0.0, most.eigenvalues()[2]));
+    const Eigen::Vector3d most = EigenOf3(alignment->CovarianceAt(moved.World(k))).values;
+    deviations[k] = noise * std::sqrt(1 + std::max(0.0, most[2]));
   }
   return deviations;
 }

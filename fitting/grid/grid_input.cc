@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/grid/grid_input.h"
 
-#include <Eigen/Eigenvalues>
 #include <stdexcept>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -158,9 +158,9 @@ void RequireSheet(const PointNet& net) {
   const double size = (net.points.colwise() - middle).cwiseAbs().maxCoeff();
   const Eigen::Matrix3Xd unit = (net.points.colwise() - middle) / size;
   const Eigen::Vector3d mean = unit.rowwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread((unit.colwise() - mean) *
-                                                              (unit.colwise() - mean).transpose());
-  if (!(spread.eigenvalues()[1] > kLineSquared * spread.eigenvalues()[2])) {
+  const Eigen::Vector3d spread =
+      EigenOf3((unit.colwise() - mean) * (unit.colwise() - mean).transpose()).values;
+  if (!(spread[1] > kLineSquared * spread[2])) {
     throw std::invalid_argument("the points of the grid lie on a line: they don't carry a surface");
   }
 }

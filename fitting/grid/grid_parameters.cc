@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/grid_parameters.h"
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/enum_name.h"
 #include "geometry/numeric/polygon.h"
 
@@ -165,8 +165,8 @@ std::optional<GridParameters> PlacesInPlane(const PointNet& net) {
   // Without twists, rows are alike, and columns, and chord lengths serve as well.
   if (!(twists.largest > kRegular * twists.step)) return std::nullopt;
   const double size = twists.largest * twists.largest;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(twists.spread / size);
-  const Eigen::Vector3d up = axes.eigenvectors().col(2);
+  const SymmetricEigen3 axes = EigenOf3(twists.spread / size);
+  const Eigen::Vector3d up = axes.vectors.col(2);
   const Eigen::Matrix3d flat = Eigen::Matrix3d::Identity() - up * up.transpose();
   const auto u = StepsInPlane(Lines(net, true, false), flat);
   if (!u) return std::nullopt;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/poles.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "fitting/linear/coefficient_order.h"
 #include "fitting/linear/collocation.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -41,30 +41,25 @@ Eigen::MatrixXd Harmonics(const SplineBasis& basis, double turn, int order) {
     basis.Values(span, u, N);
     for (int r = 0; r <= p; ++r) at(i, DistinctIndex(basis, span - p + r)) += N[r];
   }
-  return at.completeOrthogonalDecomposition().solve(values.transpose());
+  return LeastNormSolution(at, values.transpose());
 }
 
 // An orthonormal basis of a span of columns, as many as columns, or rows: also where, over a small
 // angle, rounding tells no more of them apart.
 Eigen::MatrixXd Inside(const Eigen::MatrixXd& columns) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() *
-         Eigen::MatrixXd::Identity(columns.rows(), std::min(columns.rows(), columns.cols()));
+  return OrthogonalFactor(columns).leftCols(std::min(columns.rows(), columns.cols()));
 }
 
 // An orthonormal basis of what is orthogonal to them.
 Eigen::MatrixXd Outside(const Eigen::MatrixXd& columns) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  const Eigen::Index outside = std::max<Eigen::Index>(columns.rows() - columns.cols(), 0);
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(columns.rows(), outside);
-  basis.bottomRows(outside).setIdentity();
-  return qr.householderQ() * basis;
+  return OrthogonalFactor(columns).rightCols(
+      std::max<Eigen::Index>(columns.rows() - columns.cols(), 0));
 }
 
 // The functional that maps 1 to one, γ and δ to zero: the mean part of a row, constant in angle.
 Eigen::VectorXd MiddleForm(const Eigen::MatrixXd& round_row) {
   const Eigen::Vector3d first(1, 0, 0);
-  return Eigen::MatrixXd(round_row.transpose()).completeOrthogonalDecomposition().solve(first);
+  return LeastNormSolution(round_row.transpose(), first);
 }
 
 // The rows of the net that conditions at a pole are on: the edge, the next and the one after it, as

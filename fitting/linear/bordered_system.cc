@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/linear/bordered_system.h"
 
-#include <Eigen/Cholesky>
 #include <limits>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -16,16 +17,16 @@ class ScaledFactor {
     Eigen::MatrixXd scaled = scale_.asDiagonal() * matrix * scale_.asDiagonal();
     scaled.diagonal().array() +=
         4 * static_cast<double>(matrix.rows()) * std::numeric_limits<double>::epsilon();
-    factor_.compute(scaled);
+    factor_ = SymmetricFactor(scaled);
   }
 
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const {
-    return scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * right);
+    return scale_.asDiagonal() * factor_.Solve(scale_.asDiagonal() * right);
   }
 
  private:
   Eigen::VectorXd scale_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  SymmetricFactor factor_;
 };
 
 }  // namespace

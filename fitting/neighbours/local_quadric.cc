@@ -2,7 +2,6 @@
 #include "fitting/neighbours/local_quadric.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "batten/fitting/statistics.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -53,9 +53,7 @@ LocalPlane WeightedPlane(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& 
     zz += w * z * z;
   }
   const Eigen::Matrix3d covariance{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
-  return {centre, solver.eigenvectors().col(0)};
+  return {centre, QuickEigenOf3(covariance).vectors.col(0)};
 }
 
 AgreedPlane PlaneMostAgreeOn(const Eigen::Matrix3Xd& points) {

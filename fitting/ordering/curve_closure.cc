@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/curve_closure.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/polygon.h"
 
 namespace batten::internal {
@@ -69,7 +69,7 @@ Eigen::Matrix3d Quadratic(const Eigen::Matrix3Xd& points, const Eigen::VectorXd&
       gram += weights[k] * powers * powers.transpose();
       moments += weights[k] * powers * (points.col(k) - origin).transpose();
     }
-    coefficients = gram.ldlt().solve(moments).transpose();
+    coefficients = SymmetricSolutions3(gram, moments).transpose();
     Eigen::VectorXd distances(count);
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Vector3d powers(1, places[k], places[k] * places[k]);
@@ -125,7 +125,8 @@ bool Closes(const Eigen::Matrix3Xd& points, const End& first, const End& last) {
     return true;
   }
   if (std::max(leaving, arriving) <= kFacingAngle) {
-    const bool near = gap <= kGapInSteps * step + kThreeSigmas * std::hypot(first.noise, last.noise);
+    const bool near =
+        gap <= kGapInSteps * step + kThreeSigmas * std::hypot(first.noise, last.noise);
     if (near && gap <= kGapInLength * PolygonLength(points)) return true;
   }
   const bool corner =
@@ -152,9 +153,8 @@ EndGap JudgeEnds(const Eigen::Matrix3Xd& points, double noise) {
   result.closed = result.repeated;
   if (result.repeated || count == 3) return result;
   const Eigen::Matrix3Xd local = (points.colwise() - points.col(0)) / size;
-  result.closed = Closes(local,
-                         EndOf(local, noise / size),
-                         EndOf(local.rowwise().reverse(), noise / size));
+  result.closed =
+      Closes(local, EndOf(local, noise / size), EndOf(local.rowwise().reverse(), noise / size));
   return result;
 }
 

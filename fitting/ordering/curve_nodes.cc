@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/curve_nodes.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,6 +8,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/point_kd_tree.h"
 
 namespace batten::internal {
@@ -70,9 +69,8 @@ Middle MiddleOf(const PointKdTree& tree,
   middle.direction.setZero();
   if (!(total > 0)) return middle;
   first /= total;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(second / total - first * first.transpose());
-  middle.direction = axes.eigenvectors().col(2);
+  const SymmetricEigen3 axes = QuickEigenOf3(second / total - first * first.transpose());
+  middle.direction = axes.vectors.col(2);
   middle.place += first - middle.direction * middle.direction.dot(first);
   return middle;
 }
@@ -120,16 +118,15 @@ Eigen::VectorXd OnRidge(const PointKdTree& tree,
 
 LocalParabola::LocalParabola(const Eigen::Matrix3Xd& points) : middle(points.rowwise().mean()) {
   const Eigen::Matrix3Xd local = points.colwise() - middle;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(local * local.transpose());
-  frame = axes.eigenvectors();
-  along = axes.eigenvalues()[2];
+  const SymmetricEigen3 axes = QuickEigenOf3(local * local.transpose());
+  frame = axes.vectors;
+  along = axes.values[2];
   const Eigen::MatrixX2d across = local.transpose() * frame.leftCols<2>();
   x = local.transpose() * frame.col(2) / std::sqrt(along > 0 ? along : 1);
   Eigen::MatrixX3d powers(x.size(), 3);
   powers << Eigen::VectorXd::Ones(x.size()), x, x.cwiseAbs2();
   const Eigen::Matrix3d gram = powers.transpose() * powers;
-  coefficients = gram.ldlt().solve(powers.transpose() * across);
+  coefficients = SymmetricSolution(gram, powers.transpose() * across);
   rest = across - powers * coefficients;
 }
 

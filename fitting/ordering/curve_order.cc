@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/fitting/curve_order.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <compare>
@@ -18,6 +17,7 @@
 #include "fitting/ordering/node_paths.h"
 #include "fitting/ordering/path_branches.h"
 #include "fitting/ordering/principal_polyline.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -205,7 +205,7 @@ double NoiseInOrder(const Eigen::Matrix3Xd& points, int dimension) {
     Eigen::Matrix<double, 4, 3> powers;
     powers << Eigen::Vector4d::Ones(), along, along.cwiseAbs2();
     const Eigen::Matrix3d gram = powers.transpose() * powers;
-    const Eigen::Vector4d weights = powers * gram.ldlt().solve(Eigen::Vector3d::UnitX());
+    const Eigen::Vector4d weights = powers * SymmetricSolution3(gram, Eigen::Vector3d::UnitX());
     Eigen::Vector3d off = weights[0] * local.col(0) + weights[1] * local.col(1) +
                           weights[2] * local.col(3) + weights[3] * local.col(4);
     off -= chord * (chord.dot(off) / chord.squaredNorm());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/node_paths.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "batten/fitting/neighbours.h"
 #include "fitting/ordering/curve_closure.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -42,11 +42,10 @@ struct Direction {
 
 Direction DirectionOf(const Eigen::Matrix3Xd& around) {
   const Eigen::Matrix3Xd local = around.colwise() - around.rowwise().mean();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(local * local.transpose());
-  const Eigen::Vector3d values = axes.eigenvalues();
+  const SymmetricEigen3 axes = QuickEigenOf3(local * local.transpose());
+  const Eigen::Vector3d& values = axes.values;
   if (!(values[2] > 0) || around.cols() < 4) return {Eigen::Vector3d::UnitX(), 0};
-  return {axes.eigenvectors().col(2), std::clamp(1 - values[1] / values[2], 0.0, 1.0)};
+  return {axes.vectors.col(2), std::clamp(1 - values[1] / values[2], 0.0, 1.0)};
 }
 
 // Paths while they grow: every node has at most two links, and is on one path.

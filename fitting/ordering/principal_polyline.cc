@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/ordering/principal_polyline.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "batten/fitting/neighbours.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -121,7 +121,7 @@ PrincipalPolyline Smoothed(const Eigen::Matrix3Xd& points,
       right.noalias() += bell * powers * points.col(((k % m) + m) % m).transpose();
     }
     gram.diagonal().array() += 1e-9 * gram(0, 0) * Eigen::Array3d(0, 1, 1);
-    guide.nodes.col(i) = gram.ldlt().solve(right).row(0).transpose();
+    guide.nodes.col(i) = SymmetricSolutions3(gram, right).row(0).transpose();
   }
   return guide;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -113,7 +114,7 @@ class CornerSearch {
       normal += row * row.transpose();
       right += row * p.squaredNorm();
     });
-    const Eigen::Vector3d solved = normal.ldlt().solve(right);
+    const Eigen::Vector3d solved = SymmetricSolution3(normal, right);
     const Eigen::Vector2d centre = solved.head<2>() / 2;
     const double square = solved[2] + centre.squaredNorm();
     if (!(square > 0)) return std::numeric_limits<double>::infinity();

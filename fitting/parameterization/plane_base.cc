@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/parameterization/plane_base.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "fitting/parameterization/lattice.h"
 #include "fitting/parameterization/normal_cone.h"
 #include "fitting/parameterization/projection_overlap.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/smallest_rectangle.h"
 
 namespace batten::internal {
@@ -177,8 +177,7 @@ std::vector<Eigen::Vector3d> UprightDirections(const Eigen::Matrix3Xd& normals,
   std::vector<Eigen::Vector3d> directions;
   for (const int d : {2, 1, 0}) directions.push_back(Eigen::Vector3d::Unit(d));
   const Eigen::Matrix3d scatter = normals * normals.transpose();
-  directions.push_back(
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2));
+  directions.push_back(EigenOf3(scatter).vectors.col(2));
   for (int d = 0; d < 3; ++d) directions.push_back(principal_axes.col(d));
   return directions;
 }
@@ -289,9 +288,9 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
     throw RefusedData("the points differ by less than 1e-100: scale them up");
   }
   const Eigen::Matrix3d scatter = ScatterAbout(points, mean) / static_cast<double>(points.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca(scatter);
-  const double across = std::sqrt(std::max(0.0, pca.eigenvalues()[1]));
-  const double along = std::sqrt(std::max(0.0, pca.eigenvalues()[2]));
+  const SymmetricEigen3 pca = EigenOf3(scatter);
+  const double across = std::sqrt(std::max(0.0, pca.values[1]));
+  const double along = std::sqrt(std::max(0.0, pca.values[2]));
   if (!(across > 1e-7 * along)) {
     throw RefusedData("all points lie on a line: a surface needs points in two directions");
   }
@@ -301,7 +300,7 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   const Eigen::Matrix3Xd places = points(Eigen::all, samples);
   Eigen::Matrix3Xd normals = NormalsAt(places, points, index, points.cols() < 200 ? 12 : 30, pool);
   if (points.cols() < 12) {
-    normals = pca.eigenvectors().col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
+    normals = pca.vectors.col(0).replicate(1, static_cast<Eigen::Index>(samples.size()));
   }
 
   if (const std::optional<int> lattice = AxisOfLatticeHeights(points)) {
@@ -321,10 +320,10 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
       trials[kStarts] = NormalConeOfSide(*sides);
     } else {
       trials[start - 1] =
-          NormalCone(normals, pca.eigenvectors().col(start - 1), {kSteepShare, false, kRounds});
+          NormalCone(normals, pca.vectors.col(start - 1), {kSteepShare, false, kRounds});
     }
   });
-  Eigen::Vector3d axis = pca.eigenvectors().col(0);
+  Eigen::Vector3d axis = pca.vectors.col(0);
   double openness = -1;
   for (const std::optional<Eigen::Vector3d>& trial : trials) {
     const double trial_openness = trial ? Openness(normals, *trial) : -1;
@@ -349,7 +348,7 @@ PlaneBase FindPlaneBase(const Eigen::Matrix3Xd& points,
   const double folded = FoldsAlong(*sides, axis).sheet;
   if (folded > kFoldedShare || base.overlap > kDoubleLayerFraction) {
     const double allowed = folded > 0 ? std::min(kFoldedShare, folded / 2) : kFoldedShare;
-    auto upright = UprightDirections(normals, pca.eigenvectors());
+    auto upright = UprightDirections(normals, pca.vectors);
     upright.push_back(of_cone);
     if (const auto unfolded = UnfoldedAxis(*sides, upright, points, mean, spacing, allowed, pool)) {
       base = BaseAlong(*unfolded, Openness(normals, *unfolded), points, mean, spacing, margin);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/circle_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "fitting/primitives/algebraic_fits.h"
 #include "fitting/primitives/shape_descent.h"
 #include "fitting/primitives/surface_distance.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -103,7 +102,7 @@ Eigen::Vector2d BendOf(const Eigen::Matrix3Xd& local, const Eigen::VectorXd& wei
     moments += weights[k] * powers * powers.transpose();
     right += weights[k] * powers * local.col(k).tail<2>().transpose();
   }
-  return moments.ldlt().solve(right).row(2).transpose();
+  return SymmetricSolution(moments, right).row(2).transpose();
 }
 
 }  // namespace
@@ -151,8 +150,7 @@ FittedCircle FittedCircle::Start(const ShapeData& data, ThreadPool& pool) {
   if (data.plane) {
     return StartInPlane(data, centroid, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  const Eigen::Matrix3d axes = solver.eigenvectors().rowwise().reverse();
+  const Eigen::Matrix3d axes = EigenOf3(inertia).vectors.rowwise().reverse();
   const FittedCircle full = StartInPlane(data, centroid, axes.col(0), axes.col(2));
   const Eigen::Vector2d bend = BendOf(axes.transpose() * from, data.weights);
   if (!(bend.norm() > 0)) return full;

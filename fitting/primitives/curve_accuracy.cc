@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/curve_accuracy.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +8,7 @@
 #include "fitting/core/shared_constants.h"
 #include "fitting/primitives/steady_across.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -47,10 +47,10 @@ struct AccuracySums {
       return Eigen::MatrixXd::Constant(n, n, kInfinity);
     }
     const Eigen::VectorXd by = scale.cwiseInverse();
-    const Eigen::LDLT<Eigen::MatrixXd> solver(by.asDiagonal() * matrix * by.asDiagonal());
-    if (!(solver.vectorD().minCoeff() > 0)) return Eigen::MatrixXd::Constant(n, n, kInfinity);
+    const SymmetricFactor solver(by.asDiagonal() * matrix * by.asDiagonal());
+    if (!(solver.Pivots().minCoeff() > 0)) return Eigen::MatrixXd::Constant(n, n, kInfinity);
     return variance *
-           (by.asDiagonal() * solver.solve(Eigen::MatrixXd::Identity(n, n)) * by.asDiagonal());
+           (by.asDiagonal() * solver.Solve(Eigen::MatrixXd::Identity(n, n)) * by.asDiagonal());
   }
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/line_fit.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "fitting/primitives/shape_descent.h"
 #include "geometry/numeric/constants.h"
 #include "geometry/numeric/dense_solvers.h"
@@ -55,7 +53,7 @@ FittedLine LineOf(const FittedLine& from, const Moments& moments, bool plane) {
     const SymmetricEigen axes = EigenOf(inertia.topLeftCorner<2, 2>());
     line.direction << axes.vectors.col(1), 0;
   } else {
-    line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia).eigenvectors().col(2);
+    line.direction = EigenOf3(inertia).vectors.col(2);
   }
   line.direction.normalize();
   if (line.direction.dot(from.direction) < 0) line.direction = -line.direction;

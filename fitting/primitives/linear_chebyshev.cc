@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/linear_chebyshev.h"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -24,10 +23,8 @@ struct Reference {
 // farthest off beside them.
 Reference StartFrom(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals) {
   const Eigen::Index n = jacobian.cols();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> ranked(jacobian.transpose());
   Reference start;
-  for (Eigen::Index k = 0; k < n; ++k)
-    start.points.push_back(ranked.colsPermutation().indices()[k]);
+  start.points = LeadingColumns(jacobian.transpose());
   Eigen::Index farthest = 0;
   double most = -1;
   for (Eigen::Index k = 0; k < residuals.size(); ++k) {
@@ -40,7 +37,7 @@ Reference StartFrom(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& resi
   // J_farthest = Σ c_k J_k: the null vector (−c, 1).
   Eigen::VectorXd null(n + 1);
   const Eigen::MatrixXd rows = jacobian(start.points, Eigen::all);
-  null.head(n) = -rows.topRows(n).transpose().fullPivLu().solve(rows.row(n).transpose());
+  null.head(n) = -SquareSolution(rows.topRows(n).transpose(), rows.row(n).transpose());
   null[n] = 1;
   double height = 0;
   for (Eigen::Index k = 0; k <= n; ++k)
@@ -66,8 +63,8 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
     system.leftCols(n) = reference.signs.asDiagonal() * jacobian(reference.points, Eigen::all);
     system.col(n).setConstant(-1);
     const Eigen::VectorXd right = -(reference.signs.asDiagonal() * residuals(reference.points));
-    const Eigen::PartialPivLU<Eigen::MatrixXd> factor(system);
-    const Eigen::VectorXd found = factor.solve(right);
+    const Eigen::MatrixXd inverse = InverseOf(system);
+    const Eigen::VectorXd found = inverse * right;
     if (!found.allFinite()) return best;
     const Eigen::VectorXd off = residuals + jacobian * found.head(n);
     Eigen::Index farthest = 0;
@@ -87,7 +84,7 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
     const double sign = off[farthest] < 0 ? -1 : 1;
     entering.head(n) = sign * jacobian.row(farthest).transpose();
     entering[n] = -1;
-    const Eigen::VectorXd shares = factor.transpose().solve(entering);
+    const Eigen::VectorXd shares = inverse.transpose() * entering;
     Eigen::Index leaving = -1;
     double step = HUGE_VAL;
     for (Eigen::Index k = 0; k <= n; ++k) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/local_bend.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -20,10 +19,9 @@ std::optional<Bend> BendNear(const Eigen::Vector3d& middle,
   const Eigen::Matrix3Xd near = points(Eigen::all, chosen).colwise() - middle;
   const Eigen::Vector3d mean = near.rowwise().mean();
   const Eigen::Matrix3Xd from = near.colwise() - mean;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> frame(
-      Eigen::Matrix3d(from * from.transpose()));
+  const SymmetricEigen3 frame = EigenOf3(from * from.transpose());
   Eigen::Matrix3d axes;  // tangents, then the normal
-  axes << frame.eigenvectors().col(2), frame.eigenvectors().col(1), frame.eigenvectors().col(0);
+  axes << frame.vectors.col(2), frame.vectors.col(1), frame.vectors.col(0);
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
   const Eigen::Matrix3Xd local = axes.transpose() * near;
   Eigen::MatrixXd design(count, 6);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/normal_axes.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "batten/fitting/robust_loss.h"
 #include "fitting/core/rounding.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -32,10 +31,7 @@ void Reweight(Eigen::Index count, const Solve& solve) {
 Eigen::Matrix3d AcrossNormals(const OrientedPoints& oriented) {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Reweight(oriented.normals.cols(), [&](const Eigen::VectorXd& weights) -> Eigen::VectorXd {
-    axes =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
-            Eigen::Matrix3d(oriented.normals * weights.asDiagonal() * oriented.normals.transpose()))
-            .eigenvectors();
+    axes = EigenOf3(oriented.normals * weights.asDiagonal() * oriented.normals.transpose()).vectors;
     return oriented.normals.transpose() * axes.col(0);
   });
   return axes;
@@ -54,11 +50,9 @@ std::vector<Axis> LinesMeetingNormals(const OrientedPoints& oriented, double tow
     const Eigen::Matrix<double, 6, 6> m = rows * weights.asDiagonal() * rows.transpose();
     const Eigen::Matrix3d shifts = m.bottomRightCorner<3, 3>() +
                                    towards_centroid * weights.sum() * Eigen::Matrix3d::Identity();
-    const Eigen::Matrix3d to_shift = -shifts.ldlt().solve(m.bottomLeftCorner<3, 3>());
+    const Eigen::Matrix3d to_shift = -SymmetricSolutions3(shifts, m.bottomLeftCorner<3, 3>());
     const Eigen::Matrix3d reduced = m.topLeftCorner<3, 3>() + m.topRightCorner<3, 3>() * to_shift;
-    const Eigen::Matrix3d turns =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>((reduced + reduced.transpose()) / 2)
-            .eigenvectors();
+    const Eigen::Matrix3d turns = EigenOf3((reduced + reduced.transpose()) / 2).vectors;
     axes.clear();
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d c = turns.col(i), shift = to_shift * c;
@@ -80,7 +74,7 @@ std::optional<FittedSurface> ConeOfTangentPlanes(const OrientedPoints& oriented,
   Reweight(count, [&](const Eigen::VectorXd& weights) -> Eigen::VectorXd {
     const Eigen::Matrix3d m =
         oriented.normals * weights.asDiagonal() * oriented.normals.transpose();
-    apex = m.ldlt().solve(oriented.normals * weights.cwiseProduct(heights));
+    apex = SymmetricSolution3(m, oriented.normals * weights.cwiseProduct(heights));
     return oriented.normals.transpose() * apex - heights;
   });
   if (!apex.allFinite()) return std::nullopt;
@@ -91,10 +85,7 @@ std::optional<FittedSurface> ConeOfTangentPlanes(const OrientedPoints& oriented,
   Reweight(count, [&](const Eigen::VectorXd& weights) -> Eigen::VectorXd {
     const Eigen::Vector3d mean = seen * weights / weights.sum();
     const Eigen::Matrix3Xd from = seen.colwise() - mean;
-    axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
-               Eigen::Matrix3d(from * weights.asDiagonal() * from.transpose()))
-               .eigenvectors()
-               .col(0);
+    axis = EigenOf3(from * weights.asDiagonal() * from.transpose()).vectors.col(0);
     cosine = axis.dot(mean);
     return from.transpose() * axis;
   });

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/oriented_points.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "batten/fitting/neighbours.h"
 #include "batten/fitting/point_mask.h"
 #include "batten/fitting/statistics.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -32,13 +32,13 @@ Surroundings SurroundingsOf(const Eigen::Vector3d& p,
   }
   mean /= count;
   moments = moments / count - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+  const SymmetricEigen3 solver = EigenOf3(moments);
   Surroundings around;
-  around.normal = solver.eigenvectors().col(0);
+  around.normal = solver.vectors.col(0);
   around.foot = p + around.normal.dot(mean) * around.normal;
   around.radius = (points.col(neighbours[count - 1]) - p).norm();
-  const double middle = solver.eigenvalues()[1];
-  around.bumpiness = middle > 0 ? std::max(0.0, solver.eigenvalues()[0]) / middle : 1;
+  const double middle = solver.values[1];
+  around.bumpiness = middle > 0 ? std::max(0.0, solver.values[0]) / middle : 1;
   return around;
 }
 

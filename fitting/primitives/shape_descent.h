@@ -3,7 +3,6 @@
 // shape, for points about the origin and of about unit size.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "batten/geometry/thread_pool.h"
 #include "fitting/core/rounding.h"
 #include "geometry/numeric/constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 
@@ -148,8 +148,8 @@ class ShapeDescent {
       if (unit[i] == 0) scaled(i, i) = 1;
     }
     Step step = Step::Zero();
-    step.head(freedoms) =
-        unit.cwiseProduct(scaled.ldlt().solve(-unit.cwiseProduct(form.gradient.head(freedoms))));
+    step.head(freedoms) = unit.cwiseProduct(Eigen::VectorXd(
+        SymmetricSolution(scaled, -unit.cwiseProduct(form.gradient.head(freedoms)))));
     return step;
   }
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/primitives/surface_starts.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -60,11 +59,7 @@ std::vector<FittedSurface> PlaneStarts(const StartData& data) {
   for (const OrientedPoints& oriented : data.oriented) {
     const Eigen::Vector3d centroid = oriented.points.rowwise().mean();
     const Eigen::Matrix3Xd from = oriented.points.colwise() - centroid;
-    starts.push_back(PlaneAt(
-        centroid,
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(from * from.transpose()))
-            .eigenvectors()
-            .col(0)));
+    starts.push_back(PlaneAt(centroid, EigenOf3(from * from.transpose()).vectors.col(0)));
   }
   return starts;
 }
@@ -133,12 +128,9 @@ void TakeMoments(StartData& start) {
   Eigen::Index nearest;
   from.colwise().squaredNorm().minCoeff(&nearest);
   start.middle = points.col(nearest);
-  start.inertia_axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
-          Eigen::Matrix3d(from * start.sample.weights.asDiagonal() * from.transpose()))
-          .eigenvectors()
-          .rowwise()
-          .reverse();
+  start.inertia_axes = EigenOf3(from * start.sample.weights.asDiagonal() * from.transpose())
+                           .vectors.rowwise()
+                           .reverse();
 }
 
 StartData MakeStartData(const ShapeData& data,

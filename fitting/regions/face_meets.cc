@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
@@ -36,9 +37,9 @@ std::optional<Eigen::Vector3d> PlaceOn(const std::vector<const FittedSurface*>& 
     if (far <= kSettled || (far < 1e-11 && !(far < before / 2))) return from;
     before = far;
     if (many) {
-      from -= angles.ldlt().solve(normals.transpose() * off);
+      from -= Eigen::Vector3d(SymmetricSolution(angles, normals.transpose() * off));
     } else {
-      from -= normals.transpose() * angles.ldlt().solve(off);
+      from -= normals.transpose() * SymmetricSolution(angles, off);
     }
     if (!((from - start).norm() <= reach)) return std::nullopt;
   }

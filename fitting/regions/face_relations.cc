@@ -2,7 +2,6 @@
 #include "fitting/regions/face_relations.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -230,7 +229,7 @@ class RelationFinder {
       variance = by_a * covariance(first) * by_a.transpose() +
                  by_b * covariance(second) * by_b.transpose();
       return !variance.allFinite() || !(variance.diagonal().minCoeff() > 0) ||
-             !(off.dot(variance.ldlt().solve(off)) <= far);
+             !(off.dot(Eigen::VectorXd(SymmetricSolution(variance, off))) <= far);
     };
     const double bias = std::max(bias_[std::size_t(first)], bias_[std::size_t(second)]);
     double moves = 0;

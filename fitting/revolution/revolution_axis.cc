@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/revolution/revolution_axis.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "fitting/primitives/normal_axes.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -62,9 +62,9 @@ std::vector<AxisFrame> AxesOfInertia(const Eigen::Matrix3Xd& places,
   const Eigen::Matrix3Xd centred = places.colwise() - centre;
   const Eigen::Matrix3d scatter = centred * centred.transpose();
   const double size = scatter.cwiseAbs().maxCoeff();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / (size > 0 ? size : 1));
+  const SymmetricEigen3 solver = EigenOf3(scatter / (size > 0 ? size : 1));
   std::vector<AxisFrame> frames;
-  for (int k = 2; k >= 0; --k) frames.push_back(FrameAbout(centre, solver.eigenvectors().col(k)));
+  for (int k = 2; k >= 0; --k) frames.push_back(FrameAbout(centre, solver.vectors.col(k)));
   return frames;
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/revolution/revolution_samples.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <string>
+
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -46,9 +47,9 @@ std::string RefusalOf(const RevolutionSamples& round) {
 // Whether the nodes are a piece of a plane: a thin layer with normals across it. The normals of a
 // narrow hoop lie along its layer.
 bool IsFlat(const PoissonDiskSamples& nodes, const Eigen::Matrix3Xd& centred) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(centred * centred.transpose());
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd across = nodes.normals.transpose() * solver.eigenvectors().col(0);
+  const SymmetricEigen3 solver = EigenOf3(centred * centred.transpose());
+  const Eigen::Vector3d spread = solver.values.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd across = nodes.normals.transpose() * solver.vectors.col(0);
   return spread[0] < kFlat * spread[2] &&
          across.squaredNorm() > static_cast<double>(nodes.size()) / 2;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/revolution/revolution_shape.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "batten/fitting/robust_loss.h"
 #include "batten/fitting/statistics.h"
 #include "fitting/flattening/winding_number.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -140,7 +140,7 @@ Tangent TangentAt(const Eigen::Matrix2Xd& places,
     normal += weights[k] * row * row.transpose();
     right += weights[k] * row * places.col(k).transpose();
   }
-  const Eigen::Matrix<double, 3, 2> c = normal.ldlt().solve(right);
+  const Eigen::Matrix<double, 3, 2> c = SymmetricSolution(normal, right);
   Tangent tangent{c.row(0).transpose(), c.row(1).transpose() / width};
   const double speed = tangent.direction.norm();
   if (speed > 0) tangent.direction /= speed;
@@ -308,7 +308,7 @@ class RevolutionSearch {
     }
     constexpr double kHeld = 1e-6;  // what the nodes leave open stays
     normal.diagonal().array() += kHeld * weights_.sum();
-    const Eigen::VectorXd step = normal.ldlt().solve(right);
+    const Eigen::VectorXd step = SymmetricSolution(normal, right);
     if (!step.allFinite()) return;
     constexpr double kLongest = 0.3;
     const double length =

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/surface/given_parameters.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,6 +16,7 @@
 #include "batten/geometry/knot_vectors.h"
 #include "fitting/core/rounding.h"
 #include "fitting/core/shared_constants.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -61,8 +61,8 @@ void RequireSheet(const Eigen::Matrix3Xd& points) {
     throw RefusedData("the points differ by less than 1e-100: scale them up");
   }
   const Eigen::Matrix3Xd unit = (points.colwise() - middle) / size;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(unit * unit.transpose());
-  if (!(spread.eigenvalues()[1] > kLineSquared * spread.eigenvalues()[2])) {
+  const Eigen::Vector3d spread = EigenOf3(unit * unit.transpose()).values;
+  if (!(spread[1] > kLineSquared * spread[2])) {
     throw RefusedData("the points lie on a line: they don't carry a surface");
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/wings/density_end.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -95,7 +94,7 @@ std::optional<Eigen::VectorXd> EndOfPoints(const EndingPoints& points,
     const double scale = matrix.trace() / static_cast<double>(functions) +
                          static_cast<double>(reach.size()) / (window * window);
     matrix.diagonal().array() += damping * scale;
-    const Eigen::VectorXd move = matrix.ldlt().solve(here.gradient);
+    const Eigen::VectorXd move = SymmetricSolution(matrix, here.gradient);
     const Eigen::VectorXd next = end + move;
     const double value = at(next, false).value;
     if (value > here.value) {

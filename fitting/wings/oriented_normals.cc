@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/wings/oriented_normals.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "fitting/neighbours/signed_sets.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -28,9 +28,9 @@ OrientedNormals OrientNormals(const Eigen::Matrix3Xd& points, const Neighbourhoo
     for (int j = 0; j < kOfPlane; ++j) near.col(j) = points.col(around.At(k, j)) - points.col(k);
     const Eigen::Vector3d mean = near.rowwise().mean();
     near.colwise() -= mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(near * near.transpose());
-    const Eigen::Vector3d squares = axes.eigenvalues().cwiseMax(0);
-    result.normals.col(k) = axes.eigenvectors().col(0);
+    const SymmetricEigen3 axes = EigenOf3(near * near.transpose());
+    const Eigen::Vector3d squares = axes.values.cwiseMax(0);
+    result.normals.col(k) = axes.vectors.col(0);
     result.roughness[k] = squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 1;
   }
   std::vector<TreeEdge> edges;

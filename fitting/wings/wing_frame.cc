@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fitting/wings/wing_frame.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -51,8 +50,7 @@ Eigen::Matrix3Xd OutwardOf(const Eigen::Matrix3Xd& points,
 }
 
 Eigen::Vector3d PrincipalAxis(const Eigen::Matrix3Xd& vectors) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(vectors * vectors.transpose());
-  return axes.eigenvectors().col(2);
+  return EigenOf3(vectors * vectors.transpose()).vectors.col(2);
 }
 
 // Frame of the cloud: along the line, outwards across it, and normal to both.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/bezier_curve.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -9,10 +8,11 @@
 
 #include "geometry/bezier/bernstein.h"
 #include "geometry/bezier/bezier_span.h"
-#include "geometry/numeric/number_text.h"
-#include "geometry/nurbs/rational_derivatives.h"
 #include "geometry/bezier/weighted_means.h"
+#include "geometry/numeric/dense_solvers.h"
+#include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
+#include "geometry/nurbs/rational_derivatives.h"
 
 namespace batten {
 using namespace internal;
@@ -161,9 +161,8 @@ BezierCurve<Dim> InterpolatingBezierCurve(const Eigen::Matrix<double, Dim, Eigen
     last = t;
     BernsteinValues(static_cast<int>(n), t, basis.col(k).data());
   }
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(basis.transpose());
-  Eigen::MatrixXd control = lu.solve(points.transpose());
-  control += lu.solve(points.transpose() - basis.transpose() * control);
+  Eigen::MatrixXd control = SquareSolution(basis.transpose(), points.transpose());
+  control += SquareSolution(basis.transpose(), points.transpose() - basis.transpose() * control);
   return BezierCurve<Dim>(control.transpose());
 }
 

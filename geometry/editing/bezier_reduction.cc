@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/bezier_reduction.h"
 
-#include <Eigen/QR>
 #include <stdexcept>
 #include <string>
 
 #include "geometry/editing/deviation_bound.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten {
 using namespace internal;
@@ -40,8 +40,7 @@ Eigen::MatrixXd NearestInSquares(const Eigen::MatrixXd& P,
   if (free > 0) {
     const Eigen::VectorXd scale = weights.cwiseInverse();
     const Eigen::MatrixXd rest = scale.asDiagonal() * (P.transpose() - E * Q);
-    Q.middleRows(fixed, free) =
-        (scale.asDiagonal() * E.middleCols(fixed, free)).householderQr().solve(rest);
+    Q.middleRows(fixed, free) = LeastSquares(scale.asDiagonal() * E.middleCols(fixed, free), rest);
   }
   return Q.transpose();
 }

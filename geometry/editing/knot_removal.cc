@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/editing/knot_removal.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "geometry/editing/knot_refinement.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -216,14 +216,13 @@ Eigen::MatrixXd InsertionMatrix(const ThinnedRing& ring, const SplineBasis& old,
 std::optional<OneKnotLess> WithoutKnotOfSmallRing(const ControlRows& rows, double u) {
   const ThinnedRing ring = Thinned(rows.basis, u);
   const Eigen::MatrixXd matrix = InsertionMatrix(ring, rows.basis, u);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(matrix);
   OneKnotLess less{EmptyRows(rows, ring.basis), 0};
   const double radius = rows.rational() ? Diagonal(rows) : 0;
   for (Eigen::Index row = 0; row < rows.rows(); ++row) {
     const Eigen::Vector3d origin = rows.At(row, 0).place;
     Eigen::MatrixXd P(ring.m + 1, 4);
     for (int i = 0; i <= ring.m; ++i) P.row(i) = About(origin, rows.At(row, i)).transpose();
-    const Eigen::MatrixXd Q = solver.solve(P), changed = matrix * Q;
+    const Eigen::MatrixXd Q = LeastSquares(matrix, P), changed = matrix * Q;
     for (int i = 0; i <= ring.m; ++i) {
       const ControlRows::Point old = rows.At(row, i);
       const double weight = rows.rational() ? changed(i, 3) : 1;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "batten/geometry/meet_targets.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <string>
 #include <vector>
 
 #include "geometry/editing/control_forms.h"
 #include "geometry/editing/tied_points.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "geometry/numeric/number_text.h"
 #include "geometry/numeric/reject.h"
 #include "geometry/nurbs/checked_parameter.h"
@@ -80,12 +80,9 @@ Eigen::MatrixXd LeastMoves(const std::vector<Condition>& conditions,
   }
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(free, dimension), missing = change;
   if (free > 0) {
-    constexpr double kDependent = 1e-12;  // rows have length one
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(kDependent);
-    solver.compute(matrix);
+    constexpr double kDependent = 1e-12;       // rows have length one
     for (int round = 0; round < 2; ++round) {  // the second restores lost digits
-      moves += solver.solve(missing);
+      moves += LeastNormSolution(matrix, missing, kDependent);
       missing = change - matrix * moves;
     }
   }

@@ -100,10 +100,8 @@ std::optional<Eigen::Vector4d> PairContact::Solve(Eigen::Vector4d at, const Hold
       solved = step.allFinite() && step.cwiseAbs().maxCoeff() < 1;
     }
     if (!solved) {
-      Eigen::CompleteOrthogonalDecomposition<Rows> decomposition;
       constexpr double kRank = 1e-9;
-      decomposition.setThreshold(kRank);
-      step = decomposition.compute(system.matrix).solve(system.values);
+      step = LeastNormSolution(system.matrix, system.values, kRank);
       if (!step.allFinite()) return std::nullopt;
       const double longest = step.cwiseAbs().maxCoeff();
       constexpr double kLongest = 0.25;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/numeric/dense_solvers.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <limits>
 
 namespace batten::internal {
 
@@ -20,8 +23,60 @@ Eigen::MatrixXd LeastNormSolution(const Eigen::MatrixXd& a,
   return solver.compute(a).solve(b);
 }
 
+Eigen::MatrixXd LeastNormSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const auto least = static_cast<double>(std::min(a.rows(), a.cols()));
+  return LeastNormSolution(a, b, least * std::numeric_limits<double>::epsilon());
+}
+
+Eigen::MatrixXd SquareSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.fullPivLu().solve(b);
+}
+
+Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& square) { return square.partialPivLu().inverse(); }
+
+Eigen::MatrixXd SymmetricSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return SymmetricFactor(a).Solve(b);
+}
+
+Eigen::Vector3d SymmetricSolution3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b) {
+  return a.ldlt().solve(b);
+}
+
+Eigen::Matrix3d SymmetricSolutions3(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return a.ldlt().solve(b);
+}
+
+SymmetricFactor::SymmetricFactor(const Eigen::MatrixXd& symmetric)
+    : factor_(std::make_shared<const Eigen::LDLT<Eigen::MatrixXd>>(symmetric)) {}
+
+Eigen::MatrixXd SymmetricFactor::Solve(const Eigen::MatrixXd& right) const {
+  return factor_->solve(right);
+}
+
+Eigen::VectorXd SymmetricFactor::Pivots() const { return factor_->vectorD(); }
+
+Eigen::MatrixXd OrthogonalFactor(const Eigen::MatrixXd& columns) {
+  return columns.colPivHouseholderQr().householderQ();
+}
+
+std::vector<Eigen::Index> LeadingColumns(const Eigen::MatrixXd& a) {
+  const auto order = a.colPivHouseholderQr().colsPermutation().indices();
+  return {order.begin(), order.begin() + a.rows()};
+}
+
 SymmetricEigen EigenOf(const Eigen::MatrixXd& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+SymmetricEigen3 EigenOf3(const Eigen::Matrix3d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+SymmetricEigen3 QuickEigenOf3(const Eigen::Matrix3d& symmetric) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(symmetric);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 

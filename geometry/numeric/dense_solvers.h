@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <vector>
 
 namespace batten::internal {
 
@@ -16,6 +18,38 @@ Eigen::MatrixXd LeastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
 Eigen::MatrixXd LeastNormSolution(const Eigen::MatrixXd& a,
                                   const Eigen::MatrixXd& b,
                                   double threshold);
+// The same, pivots below rounding taken for zero.
+Eigen::MatrixXd LeastNormSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+// X of A X = B, A square, by elimination with whole pivoting.
+Eigen::MatrixXd SquareSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+// The inverse of a square matrix, by elimination with row pivots; not finite where it is singular.
+Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& square);
+
+// X of A X = B, A symmetric and semidefinite, by LDLᵀ with pivots.
+Eigen::MatrixXd SymmetricSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+Eigen::Vector3d SymmetricSolution3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
+Eigen::Matrix3d SymmetricSolutions3(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
+
+// LDLᵀ with pivots, kept.
+class SymmetricFactor {
+ public:
+  SymmetricFactor() = default;
+  explicit SymmetricFactor(const Eigen::MatrixXd& symmetric);
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const;
+  Eigen::VectorXd Pivots() const;
+
+ private:
+  std::shared_ptr<const Eigen::LDLT<Eigen::MatrixXd>> factor_;
+};
+
+// Whole orthogonal factor of columns, by QR with pivots: its first columns span theirs, the others
+// what is orthogonal to them.
+Eigen::MatrixXd OrthogonalFactor(const Eigen::MatrixXd& columns);
+
+// As many columns as there are rows, those that QR with pivots takes first.
+std::vector<Eigen::Index> LeadingColumns(const Eigen::MatrixXd& a);
 
 // V diag(values) Vᵀ of a symmetric matrix, the values ascending.
 struct SymmetricEigen {
@@ -23,6 +57,15 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen EigenOf(const Eigen::MatrixXd& symmetric);
+
+// The same of 3 × 3, by iterations or in closed form: several times as fast, with half the digits
+// of what is small beside the greatest value.
+struct SymmetricEigen3 {
+  Eigen::Vector3d values;
+  Eigen::Matrix3d vectors;
+};
+SymmetricEigen3 EigenOf3(const Eigen::Matrix3d& symmetric);
+SymmetricEigen3 QuickEigenOf3(const Eigen::Matrix3d& symmetric);
 
 // Singular values, descending, and right singular vectors, as many as the matrix has columns.
 struct SingularValues {

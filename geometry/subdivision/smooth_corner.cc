@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geometry/subdivision/smooth_corner.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "batten/geometry/spline_basis.h"
+#include "geometry/numeric/dense_solvers.h"
 
 namespace batten::internal {
 namespace {
@@ -228,8 +228,9 @@ SmoothCorner::SmoothCorner(const CornerKind& kind) : net_{kind.ring.sectors, 3, 
   const Equations equations = NearLimit(net_, kind);
   const Eigen::MatrixXd reduced = equations.rows * free;
   const Eigen::MatrixXd normal = reduced.transpose() * reduced;
-  mask_ = given + free * normal.ldlt().solve(reduced.transpose() *
-                                             (equations.right - equations.rows * given));
+  mask_ =
+      given + free * SymmetricSolution(
+                         normal, reduced.transpose() * (equations.right - equations.rows * given));
 }
 
 const SmoothCorner& SmoothCorner::Of(const CornerKind& kind) {

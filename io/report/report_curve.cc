@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "io/report/report_curve.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "batten/geometry/closure.h"
 #include "batten/geometry/curvature.h"
 #include "batten/geometry/curve_evaluator.h"
+#include "geometry/numeric/dense_solvers.h"
 #include "io/exchange/polyline.h"
 
 namespace batten::internal {
@@ -114,9 +114,9 @@ Plan PlanOf(const Eigen::Matrix3Xd& places) {
   }
   const Eigen::Vector3d mean = places.rowwise().mean();
   const Eigen::Matrix3Xd centred = places.colwise() - mean;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centred * centred.transpose());
-  plan.u = Upward(axes.eigenvectors().col(2));
-  plan.v = Upward(axes.eigenvectors().col(1));
+  const SymmetricEigen3 axes = EigenOf3(centred * centred.transpose());
+  plan.u = Upward(axes.vectors.col(2));
+  plan.v = Upward(axes.vectors.col(1));
   plan.flat = (plan.normal().transpose() * centred).cwiseAbs().maxCoeff() <= flat;
   return plan;
 }
