@@ -47,6 +47,15 @@ std::string WhyNot(const PartsFit& fit, SolidKind kind, const SolidDemands& dema
   return several ? fmt::format("the faces are {} bodies", fit.bodies) : "";
 }
 
+// What a solid misses of a mesh, whose every place is one of the body; empty: nothing.
+std::string MissedOf(FitReport report) {
+  report.input.mesh = InputMesh{.sampled = report.input.points};
+  for (const Doubt& doubt : report.Doubts()) {
+    if (doubt.code == "points_missed") return doubt.words;
+  }
+  return "";
+}
+
 int Written(const FitArguments& a, FitFiles& files, PartsFit& fit) {
   std::vector<Geometry> faces;
   for (PartFace& face : fit.faces) faces.emplace_back(face.surface);
@@ -86,6 +95,7 @@ CadOutcome TryCadSolid(const FitArguments& a,
     if (reason.empty() && demands.volume) {
       const auto doubt = VolumeDoubt(CensusOf(*fit.solid).volume, *demands.volume);
       if (doubt) reason = doubt->words;
+      if (reason.empty()) reason = MissedOf(fit.report);
     }
     if (!reason.empty()) return {std::nullopt, reason};
     const int code = Written(a, files, fit);

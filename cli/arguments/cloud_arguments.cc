@@ -10,6 +10,7 @@
 
 #include "batten/io/read_error.h"
 #include "cli/terminal/cli11.h"
+#include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
 
@@ -60,11 +61,31 @@ void AddCloudArguments(CLI::App& command, CloudArguments& arguments) {
                   "of LON,LAT; none: they stay")
       ->type_name("local[=LON,LAT]|none");
   command
-      .add_option("--format",
-                  arguments.format,
-                  "Format of files whose name does not tell, or of '-' (pcd ply las obj stl off "
-                  "text; json step iges brep)")
+      .add_option(
+          "--format",
+          arguments.format,
+          "Format of files whose name does not tell, or of '-' (pcd ply las obj stl off glb "
+          "text; json step iges brep)")
       ->type_name("FORMAT");
+}
+
+void AddPointsFlag(CLI::App& command, std::string& points) {
+  Allow(*command
+             .add_option("--points",
+                         points,
+                         "What of a mesh counts: faces, its whole surface, or vertices, as if it "
+                         "held nothing else")
+             ->capture_default_str()
+             ->type_name("WHAT"),
+        {"faces", "vertices"});
+}
+
+void TellMesh(const CloudFile& file, const std::vector<std::string>& paths, bool quiet) {
+  if (quiet || !file.mesh || file.mesh->sampled == 0) return;
+  PrintNote(fmt::format("{}: a mesh of {} triangles; {} points on them count beside its vertices",
+                        JoinedNames(paths),
+                        file.mesh->faces.surface.triangles.cols(),
+                        file.mesh->sampled));
 }
 
 void TellRemarks(const CloudFile& file, bool quiet) {

@@ -19,9 +19,15 @@ struct CloudArguments {
 };
 void AddCloudArguments(CLI::App& command, CloudArguments& arguments);
 
+// --points: what of a mesh counts, faces or vertices.
+void AddPointsFlag(CLI::App& command, std::string& points);
+
+// Tells that points on the triangles of a mesh count.
+void TellMesh(const CloudFile& file, const std::vector<std::string>& paths, bool quiet);
+
 // The extensions of clouds, for help.
 inline constexpr const char* kCloudFormats =
-    ".pcd .ply .las .obj .stl .off, text .xyz .txt .csv ...";
+    ".pcd .ply .las .obj .stl .off .glb, text .xyz .txt .csv ...";
 
 // Tells how the points were understood where that is not plain (CloudFile::remarks).
 void TellRemarks(const CloudFile& file, bool quiet);

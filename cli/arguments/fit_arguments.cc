@@ -185,6 +185,7 @@ void AddEveryFitsArguments(CLI::App& command,
           {"keep", "local"});
   AddOutputFormatFlag(command, a.out_format);
   AddStepSchemaFlag(command, a.step_schema);
+  if (!a.curves && !a.vertices_alone) AddPointsFlag(command, a.points);
   AddCloudArguments(command, a.cloud);
   AddOutputArguments(command, a.output);
   AddWorkFlags(command, a.work);
@@ -303,7 +304,8 @@ void GroupFitFlags(CLI::App& command) {
               "--domain"});
   GroupFlags(command,
              "Which points count",
-             {"--loss",
+             {"--points",
+              "--loss",
               "--loss-scale",
               "--clean",
               "--keep-outliers",
@@ -347,13 +349,16 @@ FitFiles::FitFiles(const FitArguments& arguments,
   for (const std::string& path : outputs) CheckWritable(path);
 }
 
-const PointCloud& FitFiles::Read(bool parameters) {
+const PointCloud& FitFiles::Read(bool parameters, CloudFaces faces) {
   CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
   if (word_is_geometry_) read.format.clear();
   read.parameters = parameters;
+  if (!a_.curves && !a_.vertices_alone && a_.points == "faces")
+    read.faces = cleaning_.statistical ? CloudFaces::kKept : faces;
   BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
   TellRemarks(file_, a_.flags.quiet);
+  TellMesh(file_, a_.clouds, a_.flags.quiet);
   read_seconds_ = Seconds();
   if (cleaning_.statistical) Clean(*cleaning_.statistical);
   RefuseFarOrigin();
@@ -484,7 +489,8 @@ void FitFiles::NoteTimeLimit(FitReport& report) const {
   report.warnings.push_back(report.end.words);
 }
 
-void FitFiles::TakePoints(const PointCloud& points) {
+void FitFiles::TakePoints(const PointCloud& points, Eigen::Index sampled) {
+  if (file_.mesh) file_.mesh->sampled = sampled;
   file_.points_in_file += points.size() - file_.cloud.size();
   file_.cloud = points;
 }
@@ -550,6 +556,7 @@ int FitFiles::Write(const std::vector<Geometry>& geometry,
   }
   EndTimeLimit();
   report.input.files = a_.clouds;
+  report.input.mesh = MeshIn(file_);
   report.input.points = file_.points_in_file - file_.filtered;
   report.input.non_finite = file_.non_finite;
   report.warnings.insert(report.warnings.begin(), file_.remarks.begin(), file_.remarks.end());

@@ -32,8 +32,9 @@ namespace batten::internal {
 
 struct FitArguments {
   std::vector<std::string> clouds;
-  bool curves = false;        // all that is fitted: they have no mesh
-  bool may_keep_all = false;  // --clean none
+  bool curves = false;          // all that is fitted: they have no mesh
+  bool vertices_alone = false;  // of a mesh count
+  bool may_keep_all = false;    // --clean none
   std::string out, out_format, step_schema = GeometryWriteOptions().step_schema;
   CloudArguments cloud;
   OutputArguments output;
@@ -45,7 +46,7 @@ struct FitArguments {
   std::string uncertainty_map;  // a file; empty: none
   std::string control_points = "chosen", max_control_points, smoothing = "auto", loss = "auto",
               loss_scale = "auto", clean = "auto", optimize = "auto", origin = "keep",
-              parameterization;
+              parameterization, points = "faces";
 };
 
 // The options of a fit with control points, with the words that differ.
@@ -114,9 +115,15 @@ class FitFiles {
                     const std::vector<std::string>& beside = {},
                     const std::vector<std::string>& also = {});
 
-  // The cloud, with columns u and v where `parameters` asks for them. Throws ReadError where it
-  // can't be used.
-  const PointCloud& Read(bool parameters);
+  // The cloud, with columns u and v where `parameters` asks for them and of a mesh what `faces`
+  // says, unless vertices alone count. Throws ReadError where it can't
+  // be used.
+  const PointCloud& Read(bool parameters, CloudFaces faces = CloudFaces::kKept);
+
+  // The faces among what was read; null where there are none, or vertices alone count.
+  const FaceSurface* faces() const { return file_.mesh ? &file_.mesh->faces : nullptr; }
+  // Whether points on them are among the points.
+  bool sampled() const { return file_.mesh && file_.mesh->sampled > 0; }
 
   // The files as a source that is passed over, not read.
   CloudFileSource Source();
@@ -164,8 +171,8 @@ class FitFiles {
   bool TimeIsUp() const;
   void NoteTimeLimit(FitReport& report) const;
 
-  // Goes on with these points in place of those that were read.
-  void TakePoints(const PointCloud& points);
+  // Goes on with these points in place of those that were read; so many are on triangles.
+  void TakePoints(const PointCloud& points, Eigen::Index sampled = 0);
 
   // Goes on with these points of the cloud alone.
   void Keep(const std::vector<Eigen::Index>& points);

@@ -68,7 +68,7 @@ GridFitOptions ToGridOptions(const std::string& grid,
 }
 
 int RunGridFit(FitFiles& files, GridFitOptions options, bool given) {
-  const PointCloud& cloud = files.Read(given);
+  const PointCloud& cloud = files.Read(given, CloudFaces::kIgnored);
   if (given && cloud.parameters().cols() == 0)
     files.Refuse("has no columns u and v, which --parameterization given needs");
   const std::vector<Eigen::Index>& missing = files.missing();

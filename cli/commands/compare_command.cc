@@ -45,7 +45,7 @@ struct CompareArguments {
   GeometryInput input;
   std::optional<double> tolerance;
   bool unit_given = false;
-  std::string align = "none", datum, profile;
+  std::string align = "none", datum, profile, points = "faces";
 };
 
 // T, or LOW,HIGH.
@@ -220,6 +220,7 @@ InputSummary InputOf(const CompareArguments& a,
   input.points = file.points_in_file - file.filtered;
   input.used = cloud.size();
   input.non_finite = file.non_finite;
+  input.mesh = MeshIn(file);
   return input;
 }
 
@@ -283,15 +284,13 @@ int RunCompare(const CompareArguments& given) {
   CloudReadOptions read = ToReadOptions(a.cloud, a.flags.quiet);
   if (word_is_geometry) read.format.clear();
   BeginReading(a.clouds, a.flags.quiet);
+  read.faces = a.points == "faces" ? CloudFaces::kMeasured : CloudFaces::kIgnored;
   const CloudFile file = ReadCloud(a.clouds, read);
+  TellMesh(file, a.clouds, a.flags.quiet);
   RequireFixedMiddle(file, read, a.clouds);
 
   FitReport report;
   report.warnings = file.remarks;
-  for (const std::string& path : a.clouds) {
-    if (!FacesIn(path).faces.empty())
-      report.warnings.push_back(path + ": its vertices are compared, not what lies between them");
-  }
   for (const std::string& remark : contents.remarks) {
     report.warnings.push_back(a.geometry + ": " + remark);
   }
@@ -408,6 +407,7 @@ void AddCompareCommand(CLI::App& app, Action& action) {
                   "exit code 3 unless all points conform with their uncertainty")
       ->type_name("T|LOW,HIGH");
   AddCertificateArguments(command, a->output);
+  AddPointsFlag(command, a->points);
   AddCloudArguments(command, a->cloud);
   AddOutputArguments(command, a->output);
   AddWorkFlags(command, a->work);

@@ -128,20 +128,6 @@ size_t PlaneCurvesOf(const PointCloud& all, ThreadPool& pool) {
   }
 }
 
-// Whether the header of a PLY file, or else its name, says that there are faces.
-bool SaysFaces(const std::string& path) {
-  if (!MayHoldFaces(path)) return false;
-  if (FormatOfName(path) != FileFormat::kPly) return true;
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  constexpr int kLongestHeader = 1000;
-  for (int k = 0; k < kLongestHeader && std::getline(file, line); ++k) {
-    if (line.rfind("end_header", 0) == 0) return false;
-    if (line.rfind("element face ", 0) == 0) return std::atoll(line.c_str() + 13) > 0;
-  }
-  return true;
-}
-
 std::string Counted(size_t count, const char* one, const char* many) {
   return count == 1 ? std::string("a ") + one : fmt::format("{} {}", count, many);
 }
@@ -197,7 +183,7 @@ bool IsSoonRead(const std::string& path) {
 
 PolygonMesh FacesIn(const std::string& path) {
   std::error_code error;
-  const bool some = std::filesystem::is_regular_file(path, error) && SaysFaces(path);
+  const bool some = std::filesystem::is_regular_file(path, error) && MayHoldFaces(path);
   return some ? ReadPolygons(path) : PolygonMesh();
 }
 

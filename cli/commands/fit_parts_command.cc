@@ -31,7 +31,7 @@ int RunFitParts(const FitPartsArguments& a) {
   options = WithWork(std::move(options), a);
   FitFiles files(a, {}, a.labels.empty() ? std::vector<std::string>() : std::vector{a.labels});
   if (!a.labels.empty()) CheckLabelsName(a.labels);
-  PointCloud cloud = files.Read(false);
+  PointCloud cloud = files.Read(false, CloudFaces::kFlat);
   options.shift = files.shift();
   PartsFit fit = files.Explained([&] { return FitParts(cloud, options); });
   std::vector<Geometry> faces;

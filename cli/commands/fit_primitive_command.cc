@@ -20,6 +20,8 @@ namespace batten::internal {
 namespace {
 
 struct FitPrimitiveArguments : FitArguments {
+  // Those of a round face lie on it; the middles of its chords do not.
+  FitPrimitiveArguments() { vertices_alone = true; }
   std::string kind = "auto";
 };
 

@@ -43,13 +43,10 @@
 namespace batten::internal {
 namespace {
 
-// Places on a chord are 4 t (1 - t) of its height from the arc: their standard deviation, 2 / 3√5.
-constexpr double kChordSpread = 0.2981423969999720;
-
 struct FitSolidArguments : FitArguments {
   FitSolidArguments() { may_keep_all = true; }
   std::string quads, layout_out, mesh_out;
-  std::string kind = "auto", points = "faces";
+  std::string kind = "auto";
   int faces = 0;
   SolidDemands demands;
   bool keep_outliers = false, every_face = false;
@@ -99,16 +96,12 @@ std::string SolidWords(const SolidFit& fit) {
 }
 
 // The faces of the file, closed; none where it has none.
-std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
-  const auto& path = a.clouds.front();
-  if (a.clouds.size() != 1 || !MayHoldFaces(path) || !a.cloud.format.empty()) return std::nullopt;
-  const PolygonMesh mesh = ReadPolygons(path);
-  if (mesh.faces.empty()) return std::nullopt;
-  ClosedSurface closed =
-      a.open ? CloseSurface(mesh.vertices, mesh.faces, 1) : CloseSurface(mesh.vertices, mesh.faces);
+std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a, const FitFiles& files) {
+  if (files.faces() == nullptr || a.clouds.size() != 1) return std::nullopt;
+  ClosedSurface closed = a.open ? CloseSurface(*files.faces(), 1) : CloseSurface(*files.faces());
   if (closed.filled > 0 && !a.open) {
     PrintWarning(fmt::format("{}: {} hole{} closed, {:.1f} % of the area",
-                             path,
+                             JoinedNames(a.clouds),
                              closed.filled,
                              closed.filled == 1 ? " is" : "s are",
                              100 * closed.filled_share));
@@ -117,9 +110,9 @@ std::optional<ClosedSurface> FacesOf(const FitSolidArguments& a) {
 }
 
 // The same for a solid; the refusal of an open surface says which command takes that.
-std::optional<ClosedSurface> FacesToClose(const FitSolidArguments& a) {
+std::optional<ClosedSurface> FacesToClose(const FitSolidArguments& a, const FitFiles& files) {
   try {
-    return FacesOf(a);
+    return FacesOf(a, files);
   } catch (const RefusedData& refusal) {
     if (refusal.remedy() != Remedy::kLeaveOpen) throw;
     throw RefusedData(refusal.what() + ("; 'batten fit surface " + ShellWord(a.clouds.front()) +
@@ -135,11 +128,9 @@ struct MeshPoints {
 };
 
 MeshPoints PointsOn(const ClosedSurface& faces, const PointCloud& vertices) {
-  constexpr Eigen::Index kEnough = 20000;  // for faces of a hundredth of the area
   TriangleSurface local = faces.surface;
   local.vertices.colwise() -= vertices.origin();
-  TriangleSamples samples =
-      SampleTriangles(local, SampleSpacing(local, std::max(kEnough, vertices.size())));
+  TriangleSamples samples = SamplesBesideVertices(local);
   Eigen::Matrix3Xd points(3, vertices.size() + samples.points.cols());
   points << vertices.points(), samples.points;
   return {PointCloud(std::move(points), vertices.origin()), std::move(samples.normals)};
@@ -161,12 +152,13 @@ void TakeFaces(const ClosedSurface& faces,
 
 // The layout of the user with the sharp edges of the faces, where these close.
 QuadMesh LayoutOnFaces(const FitSolidArguments& a,
+                       const FitFiles& files,
                        const QuadMesh& layout,
                        PointCloud& cloud,
                        SolidFitOptions& options) {
   std::optional<ClosedSurface> faces;
   try {
-    faces = FacesOf(a);
+    faces = FacesOf(a, files);
     CheckQuadMesh(layout);
   } catch (const RefusedData& refusal) {
     PrintWarning(std::string("sharp edges are not looked for: ") + refusal.what());
@@ -248,7 +240,7 @@ struct MeshOfFile {
 MeshOfFile ReadMesh(const FitSolidArguments& a, const FitFiles& files) {
   if (a.points == "vertices" || !a.quads.empty() || a.open || files.picked()) return {};
   try {
-    return {FacesOf(a), ""};
+    return {FacesOf(a, files), ""};
   } catch (const RefusedData& refusal) {
     return {std::nullopt, refusal.what()};
   }
@@ -297,10 +289,10 @@ int RunFitSolid(const FitSolidArguments& a) {
       return WriteFacetedSolid(a, files, *mesh_given.closed, cloud, "");
     }
     MeshPoints points = PointsOn(*mesh_given.closed, cloud);
-    files.TakePoints(points.cloud);
+    files.TakePoints(points.cloud, points.normals.cols());
     cloud = std::move(points.cloud);
     on = std::move(points.normals);
-    if (on.cols() > 0) demands.least_noise = kChordSpread * chord;
+    if (on.cols() > 0) demands.least_noise = ChordDeviation(mesh_given.closed->surface);
     if (mesh_given.closed->filled == 0) demands.volume = VolumeOf(mesh_given.closed->surface);
     if (!a.flags.quiet && on.cols() > 0)
       PrintNote(
@@ -311,7 +303,7 @@ int RunFitSolid(const FitSolidArguments& a) {
   } else if (kind == SolidKind::kFaceted) {
     files.Refuse("makes no solid of plane faces: " +
                  (mesh_given.refused.empty()
-                      ? std::string("it holds no faces (--kind auto fits points)")
+                      ? std::string("no faces count (--kind auto fits points)")
                       : mesh_given.refused));
   }
   const CadOutcome cad = RunCadSolid(a, kind, demands, files, cloud);
@@ -319,14 +311,11 @@ int RunFitSolid(const FitSolidArguments& a) {
     if (demands.least_noise > 0 && !a.flags.quiet)
       PrintNote(
           "round faces follow the chords of the mesh: its vertices lie farther out, most by " +
-          RoundedText(demands.least_noise / kChordSpread) + " at most");
+          RoundedText(ChordHeight(mesh_given.closed->surface)) + " at most");
     return *cad.code;
   }
   if (on.cols() > 0) {
-    // Of scans less than a quarter of the area is so, of what CAD programs write more than two
-    // fifths.
-    constexpr double kMostSparse = 1.0 / 3;
-    if (SparseShare(mesh_given.closed->surface) <= kMostSparse) {
+    if (!IsSparse(mesh_given.closed->surface)) {
       cloud = vertices;  // which stand for the surface, with their noise
       files.TakePoints(cloud);
       on.resize(3, 0);
@@ -344,10 +333,11 @@ int RunFitSolid(const FitSolidArguments& a) {
   const bool may_be_faceted = kind == SolidKind::kAuto && mesh_given.closed;
   std::optional<TriangleSurface> over;  // from which layouts are made
   if (!a.quads.empty()) {
-    layout = LayoutOnFaces(a, layout, cloud, options);
+    layout = LayoutOnFaces(a, files, layout, cloud, options);
   } else {
     const std::optional<ClosedSurface> faces =
-        mesh_given.closed ? mesh_given.closed : files.Explained([&] { return FacesToClose(a); });
+        mesh_given.closed ? mesh_given.closed
+                          : files.Explained([&] { return FacesToClose(a, files); });
     if (faces) TakeFaces(*faces, cloud, options, on);
     // Holes are closed smoothly beyond points, which triangles across them do not.
     const ClosedSurface closed = faces && !a.open ? *faces : SurfaceAbout(a, files, cloud);
@@ -423,14 +413,6 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
              ->capture_default_str()
              ->type_name("KIND"),
         {"auto", "cad", "organic", "faceted"});
-  Allow(*command
-             .add_option("--points",
-                         a->points,
-                         "What of a mesh counts: faces, its whole surface, or vertices, as if it "
-                         "held nothing else")
-             ->capture_default_str()
-             ->type_name("WHAT"),
-        {"faces", "vertices"});
   command
       .add_option(
           "--quads",
@@ -495,7 +477,7 @@ void AddFitSolidCommand(CLI::App& fit, Action& action) {
   GroupFitFlags(command);
   GroupFlags(command,
              "Which shape",
-             {"--kind", "--points", "--quads", "--faces", "--genus", "--open", "--every-face"});
+             {"--kind", "--quads", "--faces", "--genus", "--open", "--every-face"});
   GroupFlags(command, "What is written", {"--layout-out", "--mesh-out"});
   command.footer(
       "Examples:\n"

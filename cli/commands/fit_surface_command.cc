@@ -195,7 +195,7 @@ int RunFitSurface(const FitSurfaceArguments& a) {
     return RunGridFit(
         files, ToGridOptions(a.grid, a.grid_method, options), options.given_parameters);
   if (a.passes.any()) return RunPassedOver(files, a, std::move(options), a.passes);
-  const PointCloud& cloud = files.Read(options.given_parameters);
+  const PointCloud& cloud = files.Read(options.given_parameters, CloudFaces::kFlat);
   if (cloud.dimension() == 2) {
     files.Refuse(
         "holds points in the plane (two columns); a surface needs x y z, 'batten fit curve' takes "

@@ -176,10 +176,14 @@ std::vector<Doubt> FitReport::Doubts() const {
   }
   const double size = (input.box_max - input.box_min).norm();
   const double far = std::max(kFarInNoise * input.noise, kFarInSize * size);
-  if (size > 0 && error.max > std::max(far, error.tolerance.value_or(0))) {
+  // The triangles of a mesh hold no outliers.
+  const bool whole = input.mesh && input.mesh->sampled > 0;
+  const double missed = whole ? error_all.max : error.max;
+  if (size > 0 && missed > std::max(far, error.tolerance.value_or(0))) {
     all.push_back({"points_missed",
-                   "a point that counts is missed by " + RoundedText(error.max) + ", " +
-                       NumberText(std::round(1000 * error.max / size) / 10) +
+                   std::string(whole ? "a place of the mesh" : "a point that counts") +
+                       " is missed by " + RoundedText(missed) + ", " +
+                       NumberText(std::round(1000 * missed / size) / 10) +
                        " % of the points' size"});
   }
   return all;

@@ -63,8 +63,8 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
     system.leftCols(n) = reference.signs.asDiagonal() * jacobian(reference.points, Eigen::all);
     system.col(n).setConstant(-1);
     const Eigen::VectorXd right = -(reference.signs.asDiagonal() * residuals(reference.points));
-    const Eigen::MatrixXd inverse = InverseOf(system);
-    const Eigen::VectorXd found = inverse * right;
+    const SquareFactor factor(system);
+    const Eigen::VectorXd found = factor.Solve(right);
     if (!found.allFinite()) return best;
     const Eigen::VectorXd off = residuals + jacobian * found.head(n);
     Eigen::Index farthest = 0;
@@ -84,7 +84,7 @@ ChebyshevSolution SolveChebyshev(const Eigen::MatrixXd& jacobian,
     const double sign = off[farthest] < 0 ? -1 : 1;
     entering.head(n) = sign * jacobian.row(farthest).transpose();
     entering[n] = -1;
-    const Eigen::VectorXd shares = inverse.transpose() * entering;
+    const Eigen::VectorXd shares = factor.SolveTransposed(entering);
     Eigen::Index leaving = -1;
     double step = HUGE_VAL;
     for (Eigen::Index k = 0; k <= n; ++k) {

@@ -517,6 +517,14 @@ void RefuseBodiesInOneAnother(const Mesh& mesh, const MeshParts& parts) {
   }
 }
 
+Mesh MeshOf(const TriangleSurface& surface) {
+  Mesh mesh;
+  mesh.points.assign(surface.vertices.colwise().begin(), surface.vertices.colwise().end());
+  mesh.triangles.reserve(std::size_t(surface.triangles.cols()));
+  for (const auto t : surface.triangles.colwise()) mesh.triangles.push_back({t[0], t[1], t[2]});
+  return mesh;
+}
+
 TriangleSurface SurfaceOf(const Mesh& mesh) {
   TriangleSurface surface;
   surface.vertices.resize(3, Eigen::Index(mesh.points.size()));
@@ -542,15 +550,32 @@ RefusedData OpenSurface(int holes, double share) {
 
 using namespace internal;
 
+FaceSurface SurfaceOfFaces(const Eigen::Matrix3Xd& vertices,
+                           const std::vector<std::vector<int>>& faces) {
+  FaceSurface result;
+  JoinedPoints joined = JoinPoints(vertices, faces);
+  result.joined = joined.joined;
+  std::vector<Triangle> triangles = CutFaces(faces, joined, result.dropped);
+  Mesh mesh{std::move(joined.points), std::move(triangles)};
+  result.joined += WeldBorders(mesh, SinglePrecisionOf(vertices));
+  const HalfEdges edges = EdgesOf(mesh.triangles, mesh.points.size());
+  result.open_edges = int(BorderHalves(edges).size());
+  result.crowded_edges = int(edges.crowded.size());
+  result.surface = SurfaceOf(mesh);
+  return result;
+}
+
 ClosedSurface CloseSurface(const Eigen::Matrix3Xd& vertices,
                            const std::vector<std::vector<int>>& faces,
                            double most_filled) {
+  return CloseSurface(SurfaceOfFaces(vertices, faces), most_filled);
+}
+
+ClosedSurface CloseSurface(const FaceSurface& faces, double most_filled) {
   ClosedSurface closed;
-  JoinedPoints joined = JoinPoints(vertices, faces);
-  closed.joined = joined.joined;
-  std::vector<Triangle> triangles = CutFaces(faces, joined, closed.dropped);
-  Mesh mesh{std::move(joined.points), std::move(triangles)};
-  closed.joined += WeldBorders(mesh, SinglePrecisionOf(vertices));
+  closed.joined = faces.joined;
+  closed.dropped = faces.dropped;
+  Mesh mesh = MeshOf(faces.surface);
   HalfEdges edges = EdgesOf(mesh.triangles, mesh.points.size());
   PairCrowded(mesh, edges);
   MeshParts parts = TurnAlike(mesh.triangles, edges, closed.turned);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,11 @@ Eigen::Vector2d PlaceInTriangle(Eigen::Index k) {
 // An edge between two triangles: by what angle they turn, and twice their areas.
 struct EdgeTurn {
   double turn, length, one, other;
+  Eigen::Index triangle, beside;
 };
+
+constexpr double kFlat = 1e-3;                           // radians: less is rounding
+constexpr double kCrease = 25 * std::numbers::pi / 180;  // less is round
 
 std::vector<EdgeTurn> EdgeTurns(const TriangleSurface& surface) {
   const auto corner = [&](Eigen::Index h, Eigen::Index k) {
@@ -51,12 +56,65 @@ std::vector<EdgeTurn> EdgeTurns(const TriangleSurface& surface) {
     const double length =
         (surface.vertices.col(corner(h, 1)) - surface.vertices.col(corner(h, 0))).norm();
     if (!(length > 0)) continue;
-    turns.push_back({AngleBetween(one, other), length, one.norm(), other.norm()});
+    turns.push_back({AngleBetween(one, other), length, one.norm(), other.norm(), h / 3, twin / 3});
   }
   return turns;
 }
 
 constexpr double kPointsOfCorners = 0.5;  // a closed mesh has half as many vertices as triangles
+
+// Numbers the patches of triangles that edges of less than a crease join; returns how many.
+int SmoothPatches(const TriangleSurface& surface, std::vector<int>& patch) {
+  std::iota(patch.begin(), patch.end(), 0);
+  const auto root = [&](int t) {
+    while (patch[std::size_t(t)] != t) {
+      int& above = patch[std::size_t(t)];
+      t = above = patch[std::size_t(above)];
+    }
+    return t;
+  };
+  for (const EdgeTurn& edge : EdgeTurns(surface)) {
+    if (!(edge.turn < kCrease)) continue;
+    const int a = root(static_cast<int>(edge.triangle)), b = root(static_cast<int>(edge.beside));
+    patch[std::size_t(std::max(a, b))] = std::min(a, b);
+  }
+  int count = 0;
+  std::vector<int> number(patch.size(), -1);
+  for (std::size_t t = 0; t < patch.size(); ++t) {
+    int& own = number[std::size_t(root(static_cast<int>(t)))];
+    if (own < 0) own = count++;
+  }
+  std::vector<int> numbered(patch.size());
+  for (std::size_t t = 0; t < patch.size(); ++t)
+    numbered[t] = number[std::size_t(root(static_cast<int>(t)))];
+  patch = std::move(numbered);
+  return count;
+}
+
+// As many points on each triangle as it has cells more than its corners stand for.
+TriangleSamples SamplesOf(const TriangleSurface& surface, const Eigen::VectorXd& cells) {
+  std::vector<Eigen::Index> owners;
+  double due = 0;  // what is left of a point goes to the next triangle
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    if (!(cells[t] > kPointsOfCorners)) continue;
+    due += cells[t] - kPointsOfCorners;
+    for (; due >= 1; due -= 1) owners.push_back(t);
+  }
+  const auto count = static_cast<Eigen::Index>(owners.size());
+  TriangleSamples samples{
+      Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), Eigen::VectorXi(count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index t = owners[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d at = PlaceInTriangle(k);
+    const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t)),
+                          b = surface.vertices.col(surface.triangles(1, t)),
+                          c = surface.vertices.col(surface.triangles(2, t));
+    samples.points.col(k) = a + at[0] * (b - a) + at[1] * (c - a);
+    samples.normals.col(k) = NormalOf(surface, t).normalized();
+    samples.triangles[k] = static_cast<int>(t);
+  }
+  return samples;
+}
 
 }  // namespace
 
@@ -65,8 +123,6 @@ double SampleSpacing(const TriangleSurface& surface, Eigen::Index points) {
 }
 
 double ChordHeight(const TriangleSurface& surface) {
-  constexpr double kCrease = 25 * std::numbers::pi / 180;
-  constexpr double kFlat = 1e-3;  // radians: less is rounding
   constexpr double kShare = 0.95;
   std::vector<std::pair<double, double>> heights;  // and the area of each
   double area = 0;
@@ -87,7 +143,13 @@ double ChordHeight(const TriangleSurface& surface) {
   return 0;
 }
 
-double SparseShare(const TriangleSurface& surface) {
+double ChordDeviation(const TriangleSurface& surface) {
+  constexpr double kSpread = 0.2981423969999720;  // 2 / 3√5
+  return kSpread * ChordHeight(surface);
+}
+
+bool IsSparse(const TriangleSurface& surface) {
+  constexpr double kMostSparse = 1.0 / 3;  // level: between the two kinds
   constexpr double kLong = 3;  // level: of triangles whose edges are a spacing long few reach it
   const double longest = kLong * SampleSpacing(surface, surface.vertices.cols());
   double sparse = 0;
@@ -101,32 +163,61 @@ double SparseShare(const TriangleSurface& surface) {
     }
     if (edge > longest) sparse += NormalOf(surface, t).norm() / 2;
   }
-  return sparse / AreaOf(surface);
+  return sparse > kMostSparse * AreaOf(surface);
+}
+
+bool IsMostlyFlat(const TriangleSurface& surface) {
+  Eigen::VectorXd flat = Eigen::VectorXd::Zero(surface.triangles.cols());
+  for (const EdgeTurn& edge : EdgeTurns(surface)) {
+    if (edge.turn > kFlat) continue;
+    flat[edge.triangle] = edge.one;
+    flat[edge.beside] = edge.other;
+  }
+  return flat.sum() > AreaOf(surface);  // of twice the areas more than half
+}
+
+TriangleSamples SamplesBesideVertices(const TriangleSurface& surface) {
+  constexpr Eigen::Index kEnough = 20000;  // budget
+  constexpr double kOfPatch = 150;         // budget: what a surface of several numbers needs
+  const double spacing = SampleSpacing(surface, std::max(kEnough, surface.vertices.cols()));
+  std::vector<int> patch(std::size_t(surface.triangles.cols()));
+  const int patches = SmoothPatches(surface, patch);
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(patches), count = area;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    area[patch[std::size_t(t)]] += NormalOf(surface, t).norm() / 2;
+    count[patch[std::size_t(t)]] += 1;
+  }
+  const double least = std::min(kOfPatch, double(kEnough) / patches);
+  Eigen::VectorXd cells(surface.triangles.cols());
+  for (Eigen::Index t = 0; t < cells.size(); ++t) {
+    const int p = patch[std::size_t(t)];
+    const double wanted = (least + kPointsOfCorners * count[p]) / area[p];
+    cells[t] = NormalOf(surface, t).norm() / 2 * std::max(1 / (spacing * spacing), wanted);
+  }
+  return SamplesOf(surface, cells);
 }
 
 TriangleSamples SampleTriangles(const TriangleSurface& surface, double spacing) {
-  std::vector<Eigen::Index> owners;
-  double due = 0;  // what is left of a point goes to the next triangle
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    const double cells = NormalOf(surface, t).norm() / 2 / (spacing * spacing);
-    if (!(cells > kPointsOfCorners)) continue;
-    due += cells - kPointsOfCorners;
-    for (; due >= 1; due -= 1) owners.push_back(t);
-  }
-  const auto count = static_cast<Eigen::Index>(owners.size());
-  TriangleSamples samples{
+  Eigen::VectorXd cells(surface.triangles.cols());
+  for (Eigen::Index t = 0; t < cells.size(); ++t)
+    cells[t] = NormalOf(surface, t).norm() / 2 / (spacing * spacing);
+  return SamplesOf(surface, cells);
+}
+
+TriangleSamples MiddlesWithout(const TriangleSurface& surface, const TriangleSamples& samples) {
+  std::vector<bool> has(std::size_t(surface.triangles.cols()), false);
+  for (const int t : samples.triangles) has[std::size_t(t)] = true;
+  const auto count = std::count(has.begin(), has.end(), false);
+  TriangleSamples middles{
       Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), Eigen::VectorXi(count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index t = owners[static_cast<std::size_t>(k)];
-    const Eigen::Vector2d at = PlaceInTriangle(k);
-    const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t)),
-                          b = surface.vertices.col(surface.triangles(1, t)),
-                          c = surface.vertices.col(surface.triangles(2, t));
-    samples.points.col(k) = a + at[0] * (b - a) + at[1] * (c - a);
-    samples.normals.col(k) = NormalOf(surface, t).normalized();
-    samples.triangles[k] = static_cast<int>(t);
+  Eigen::Index k = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    if (has[std::size_t(t)]) continue;
+    middles.points.col(k) = surface.vertices(Eigen::all, surface.triangles.col(t)).rowwise().mean();
+    middles.normals.col(k) = NormalOf(surface, t).normalized();
+    middles.triangles[k++] = static_cast<int>(t);
   }
-  return samples;
+  return middles;
 }
 
 }  // namespace batten

@@ -34,6 +34,17 @@ Eigen::MatrixXd SquareSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& 
 
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& square) { return square.partialPivLu().inverse(); }
 
+SquareFactor::SquareFactor(const Eigen::MatrixXd& square)
+    : factor_(std::make_shared<const Eigen::PartialPivLU<Eigen::MatrixXd>>(square)) {}
+
+Eigen::VectorXd SquareFactor::Solve(const Eigen::VectorXd& right) const {
+  return factor_->solve(right);
+}
+
+Eigen::VectorXd SquareFactor::SolveTransposed(const Eigen::VectorXd& right) const {
+  return factor_->transpose().solve(right);
+}
+
 Eigen::MatrixXd SymmetricSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return SymmetricFactor(a).Solve(b);
 }

@@ -27,6 +27,17 @@ Eigen::MatrixXd SquareSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& 
 // The inverse of a square matrix, by elimination with row pivots; not finite where it is singular.
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& square);
 
+// Elimination with row pivots, kept. Not finite results where the matrix is singular.
+class SquareFactor {
+ public:
+  explicit SquareFactor(const Eigen::MatrixXd& square);
+  Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
+  Eigen::VectorXd SolveTransposed(const Eigen::VectorXd& right) const;
+
+ private:
+  std::shared_ptr<const Eigen::PartialPivLU<Eigen::MatrixXd>> factor_;
+};
+
 // X of A X = B, A symmetric and semidefinite, by LDLᵀ with pivots.
 Eigen::MatrixXd SymmetricSolution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 Eigen::Vector3d SymmetricSolution3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);

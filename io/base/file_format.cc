@@ -32,7 +32,7 @@ constexpr std::array kKnown{
     KnownWord{"step", FileFormat::kStep},  KnownWord{"stp", FileFormat::kStep},
     KnownWord{"iges", FileFormat::kIges},  KnownWord{"igs", FileFormat::kIges},
     KnownWord{"brep", FileFormat::kBrep},  KnownWord{"brp", FileFormat::kBrep},
-    KnownWord{"rle", FileFormat::kBrep},
+    KnownWord{"rle", FileFormat::kBrep},   KnownWord{"glb", FileFormat::kGlb},
 };
 
 struct UnsupportedWord {
@@ -46,7 +46,6 @@ constexpr std::array kUnsupported{
         "run `pdal translate scan.e57 scan.las`"},
     UnsupportedWord{"3dm", "export it as .step from Rhino"},
     UnsupportedWord{"g2", "export it as .step from a program that reads GoTools files"},
-    UnsupportedWord{"glb", "a mesh, which 'batten tessellate' only writes; use .step or .json"},
 };
 
 std::string Lower(std::string text) {
@@ -82,10 +81,10 @@ FileFormat FormatOfWord(const std::string& word, const std::string& subject) {
     throw UsageError(subject + ": ." + word +
                      " files are not supported: " + std::string(unsupported->advice));
   }
-  throw UsageError(
-      subject + ": unknown format '" + word +
-      "'; known are pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, iges and brep (say "
-      "which with --format, of an output with --output-format)");
+  throw UsageError(subject + ": unknown format '" + word +
+                   "'; known are pcd, ply, las, obj, stl, off, glb, text, xyz, csv, json, step, "
+                   "iges and brep (say "
+                   "which with --format, of an output with --output-format)");
 }
 
 }  // namespace
@@ -106,8 +105,8 @@ FileFormat FormatOf(const std::string& path, const std::string& format) {
   if (extension.empty()) {
     throw UsageError(path +
                      ": the name does not say the format; say it with --format, of an output with "
-                     "--output-format (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step, "
-                     "iges, brep)");
+                     "--output-format (pcd, ply, las, obj, stl, off, glb, text, xyz, csv, json, "
+                     "step, iges, brep)");
   }
   return FormatOfWord(extension, path);
 }
@@ -132,6 +131,8 @@ const char* FormatName(FileFormat format) {
       return "stl";
     case FileFormat::kOff:
       return "off";
+    case FileFormat::kGlb:
+      return "glb";
     case FileFormat::kJson:
       return "json";
     case FileFormat::kStep:
@@ -159,7 +160,7 @@ bool IsReadable(FileFormat) { return true; }
 
 bool IsWritable(FileFormat format) {
   return format != FileFormat::kLas && format != FileFormat::kObj && format != FileFormat::kStl &&
-         format != FileFormat::kOff;
+         format != FileFormat::kOff && format != FileFormat::kGlb;
 }
 
 }  // namespace batten

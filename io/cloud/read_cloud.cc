@@ -9,8 +9,10 @@
 #include "batten/io/file_format.h"
 #include "batten/io/read_error.h"
 #include "io/cloud/cloud_filter.h"
+#include "io/cloud/glb_vertices.h"
 #include "io/cloud/las_reader.h"
 #include "io/cloud/local_projection.h"
+#include "io/cloud/mesh_points.h"
 #include "io/cloud/obj_reader.h"
 #include "io/cloud/off_reader.h"
 #include "io/cloud/pcd_reader.h"
@@ -37,6 +39,8 @@ FileCloud ReadBody(ByteSource& source, FileFormat format, const CloudReadOptions
       return ReadStl(source, options);
     case FileFormat::kOff:
       return ReadOff(source, options);
+    case FileFormat::kGlb:
+      return ReadGlb(source, options);
     default:
       return ReadText(source, options);
   }
@@ -114,7 +118,18 @@ CloudFile ReadCloud(const std::vector<std::string>& paths, const CloudReadOption
   if (!local.remark.empty()) file.remarks.push_back(paths.front() + ": " + local.remark);
   file.projection_middle = local.middle;
   file.cloud = JoinParts(std::move(parts));
+  if (options.faces != CloudFaces::kIgnored) TakeFaces(paths, formats, options, file);
   return file;
+}
+
+std::optional<InputMesh> MeshIn(const CloudFile& file) {
+  if (!file.mesh) return std::nullopt;
+  const FaceSurface& faces = file.mesh->faces;
+  return InputMesh{.triangles = faces.surface.triangles.cols(),
+                   .welded = faces.joined,
+                   .open_edges = faces.open_edges,
+                   .non_manifold = faces.crowded_edges,
+                   .sampled = file.mesh->sampled};
 }
 
 }  // namespace batten

@@ -13,16 +13,13 @@
 
 #include "batten/io/read_error.h"
 #include "io/base/little_endian.h"
+#include "io/cloud/glb_words.h"
 
 namespace batten::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Words of the specification.
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A,
-                        kBinaryChunk = 0x004E4942;
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexData = 34962, kIndexData = 34963;
 constexpr Eigen::Index kMostShort = 65535;  // vertices: the index 65535 itself is reserved
 
@@ -215,8 +212,8 @@ class GlbScene {
           "more than the 4 GB a .glb can hold: raise --chord-tolerance, or write .ply");
     }
     std::string head;
-    for (const std::uint32_t word : {kMagic,
-                                     kVersion,
+    for (const std::uint32_t word : {kGlbMagic,
+                                     kGlbVersion,
                                      static_cast<std::uint32_t>(whole),
                                      static_cast<std::uint32_t>(text.size()),
                                      kJsonChunk}) {

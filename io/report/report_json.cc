@@ -34,6 +34,13 @@ Json Input(const InputSummary& input, const ReportContext& context) {
             {"origin", Vector(input.origin)},
             {"shift", Vector(context.shift)},
             {"unit", context.unit}};
+  if (input.mesh) {
+    json["mesh"] = {{"triangles", input.mesh->triangles},
+                    {"welded", input.mesh->welded},
+                    {"open_edges", input.mesh->open_edges},
+                    {"non_manifold", input.mesh->non_manifold},
+                    {"sampled", input.mesh->sampled}};
+  }
   if (input.thinned_to) json["thinned_to"] = *input.thinned_to;
   return json;
 }

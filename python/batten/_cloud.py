@@ -254,7 +254,7 @@ def from_file(points: Any) -> bool:
     return is_path(points) or isinstance(points, (list, tuple)) and len(points) > 0 and all(map(is_path, points))
 
 
-def cloud_of(name: str, points: Any, *, read_parameters: bool = False, **attributes: Any) -> Cloud:
+def cloud_of(name: str, points: Any, *, read_parameters: bool = False, faces: Optional[str] = None, **attributes: Any) -> Cloud:
     """A cloud from what users give: a Cloud, a path or several, or anything like an array."""
     given = {key: value for key, value in attributes.items() if value is not None}
     if from_file(points):
@@ -262,7 +262,7 @@ def cloud_of(name: str, points: Any, *, read_parameters: bool = False, **attribu
             raise ValueError(f"{', '.join(given)}: not beside a path; the file's own are taken")
         from ._files import read_cloud
 
-        return read_cloud(points, parameters=read_parameters)
+        return read_cloud(points, parameters=read_parameters, faces=faces)
     if isinstance(points, Cloud):
         if not given:
             return points

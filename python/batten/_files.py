@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Path, doubles, finite, is_path, number, path_bytes, plain
+from ._arrays import Path, doubles, finite, is_path, number, one_of, path_bytes, plain
 from ._cloud import Cloud, cloud_of
 from ._errors import ReadWarning
 from ._geometry import Geometry, _body_of, wrap_all
@@ -75,13 +75,14 @@ def read_cloud(
     format: str = "",
     columns: Optional[Mapping[str, Union[int, str]]] = None,
     parameters: bool = False,
+    faces: Optional[str] = None,
     where: Union[Mapping[str, float], Iterable[Tuple[str, float]], None] = None,
     las_classes: Sequence[int] = (),
     box: Optional[ArrayLike] = None,
     projection: Optional[str] = None,
     progress: Any = None,
 ) -> Cloud:
-    """Reads points: PCD, PLY, LAS, text of any name, and the vertices of OBJ, STL and OFF.
+    """Reads points: PCD, PLY, LAS, text of any name, and the vertices of OBJ, STL, OFF and GLB.
 
     Parameters
     ----------
@@ -93,6 +94,10 @@ def read_cloud(
         Roles x y z u v nx ny nz w red green blue to columns, by number from 1 or by name.
     parameters : bool
         Takes u and v by their names from PCD and PLY, too.
+    faces : {'sampled', 'flat', 'measured'}, optional
+        Of a mesh whose vertices do not stand for its surface also points on its triangles, after the vertices: 'sampled';
+        'flat': where all edges are flat or sharp, as fit_surface takes a path; 'measured': on long triangles of any mesh too,
+        as compare does.
     where : mapping of str to float, optional
         Only rows whose column holds exactly the value; all of them must.
     las_classes : sequence of int
@@ -123,6 +128,7 @@ def read_cloud(
         "format": str(format),
         "columns": {str(role): str(column) for role, column in (columns or {}).items()},
         "parameters": bool(parameters),
+        "faces": None if faces is None else one_of("faces", faces, ("sampled", "flat", "measured")),
         "where": [(str(column), float(value)) for column, value in rows],
         "las_classes": [int(one) for one in las_classes],
         "box": None if box is None else finite("box", box, 6).tolist(),

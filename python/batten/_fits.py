@@ -156,6 +156,7 @@ def fit_surface(
         "points",
         points,
         read_parameters=given_parameters is True,
+        faces=None if given_parameters is True else "flat",
         normals=normals,
         weights=weights,
         parameters=parameters,
@@ -909,7 +910,7 @@ def compare(
         shapes = read_geometry(cast(Path, geometry))
         names, geometry = shapes.names, shapes
     bodies = [_body_of("geometry", one) for one in ([geometry] if isinstance(geometry, Geometry) else _sequence("geometry", geometry))]
-    cloud = cloud_of("points", points)
+    cloud = cloud_of("points", points, faces="measured")
     options: Dict[str, Any] = {"tolerance": tolerance, "align": align, "certify": certify, "seed": seed, "threads": threads}
     if align is not None:
         one_of("align", align, ("best", "datum"))

@@ -31,6 +31,12 @@ CloudReadOptions ReadOptionsOf(const py::dict& values) {
   if (k.Has("columns"))
     options.columns = k.Value("columns").cast<std::map<std::string, std::string>>();
   k.Take("parameters", options.parameters);
+  if (k.Has("faces")) {
+    const std::string word = k.Word("faces");
+    if (word == "sampled") options.faces = CloudFaces::kSampled;
+    if (word == "flat") options.faces = CloudFaces::kFlat;
+    if (word == "measured") options.faces = CloudFaces::kMeasured;
+  }
   if (k.Has("projection")) {
     try {
       TakeProjection(k.Word("projection"), options);
@@ -67,6 +73,7 @@ PointsPtr Read(const std::vector<std::string>& paths,
       },
       progress);
   auto made = std::make_shared<Points>();
+  made->mesh = MeshIn(file);
   made->cloud = std::move(file.cloud);
   made->files = paths;
   made->points_in_file = file.points_in_file;

@@ -225,6 +225,7 @@ void Complete(Fit& fit, const Keywords& keywords, bool keeps_origin) {
   if (points.files.empty()) return;
   report.input.files = points.files;
   report.input.points = points.points_in_file - points.filtered;
+  report.input.mesh = points.mesh;
   report.input.non_finite = points.non_finite;
   report.seconds.read = points.read_seconds;
   report.seconds.total += points.read_seconds;

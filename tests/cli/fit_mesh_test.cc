@@ -139,13 +139,38 @@ TEST(FitMeshTest, InfoTellsWhatAMeshEncloses) {
           .contains("mesh"));
 }
 
-TEST(FitMeshTest, ComparisonsSayThatTheVerticesOfAMeshCount) {
+// Parts are found on the triangles of a mesh of eight vertices, and what lies between these is
+// compared too, unless vertices alone count.
+TEST(FitMeshTest, TrianglesCountInFitsAndComparisons) {
   TemporaryFolder folder;
-  const std::string stl = folder.With("bar.stl", Bar(4, 2).text()), bar = folder.File("bar.step");
+  const std::string stl = folder.With("bar.stl", Bar(4, 2).text()), bar = folder.File("bar.step"),
+                    report = folder.File("r.json");
+  const ProgramRun parts =
+      Batten({"fit", "parts", stl, "-o", folder.File("parts.step"), "--report", report});
+  EXPECT_EQ(parts.code, 0) << parts.err;
+  EXPECT_THAT(parts.err, HasSubstr("a mesh of 16 triangles; "));
+  const auto input = nlohmann::json::parse(folder.Text("r.json"))["input"];
+  EXPECT_EQ(input["mesh"]["triangles"], 16);
+  EXPECT_EQ(input["mesh"]["open_edges"], 0);
+  EXPECT_EQ(input["mesh"]["non_manifold"], 0);
+  EXPECT_GT(input["mesh"]["sampled"], 19000);
+  EXPECT_EQ(nlohmann::json::parse(folder.Text("r.json"))["faces"].size(), 6U);
   EXPECT_EQ(Batten({"fit", "solid", stl, "-o", bar, "--quiet"}).code, 0);
-  EXPECT_THAT(Batten({"compare", bar, stl}).err, HasSubstr("its vertices are compared, not what"));
-  const std::string points = folder.With("p.xyz", "0 0 0\n0 0 2\n");
-  EXPECT_THAT(Batten({"compare", bar, points}).err, Not(HasSubstr("its vertices are compared")));
+  // A sheet through the middle: no vertex is off the bar, and its triangles are.
+  StlBody sheet;
+  const auto compare = [&](const std::string& mesh, const std::string& points) {
+    EXPECT_EQ(Batten({"compare", bar, mesh, "--points", points, "--report", report}).code, 0);
+    return nlohmann::json::parse(folder.Text("r.json"));
+  };
+  sheet.Add({1, 0, 0}, {-1, 0, 0}, {1, 0, 2});
+  sheet.Add({-1, 0, 0}, {-1, 0, 2}, {1, 0, 2});
+  const std::string through = folder.With("through.stl", sheet.text());
+  const auto faces = compare(through, "faces"), vertices = compare(through, "vertices");
+  EXPECT_LT(vertices["error"]["max"], 1e-6);
+  EXPECT_EQ(vertices["input"]["points"], 4);
+  EXPECT_FALSE(vertices["input"].contains("mesh"));
+  EXPECT_NEAR(faces["error"]["max"], std::sqrt(0.5), 0.02);  // in the bar's middle
+  EXPECT_EQ(faces["input"]["mesh"]["open_edges"], 4);
 }
 
 // The genus that was asked for is that of the mesh too.

@@ -393,6 +393,26 @@ def polygons():
         body += b"".join(struct.pack(order + "BB3i", 7, 3, *face) for face in faces)
         save("polygons", "ply_" + form, b"p" + ply(form, 4, xyz, body, after=after))
         save("polygons", "ply_" + form + "_short", b"p" + ply(form, 4, xyz, body[:-2], after=after))
+    words = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "buffers": [{"byteLength": 60}],
+             "nodes": [{"children": [1], "scale": [2, 2, 2]}, {"mesh": 0, "rotation": [0, 0, 1, 0], "translation": [1, 0, 0]}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+             "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                           {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}]}
+    body = b"".join(struct.pack("<3f", *p) for p in corners) + bytes(k for face in faces for k in face)
+
+    def glb(document):
+        text = json.dumps(document).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<2I", len(text), 0x4E4F534A) + text + struct.pack("<2I", len(body), 0x004E4942) + body
+        return b"gglTF" + struct.pack("<2I", 2, 12 + len(chunks)) + chunks
+
+    save("polygons", "glb", glb(words))
+    strips = {"attributes": {"POSITION": 0}, "mode": 5}
+    fans = {"attributes": {"POSITION": 0}, "mode": 6, "indices": 1}
+    save("polygons", "glb_strips", glb({**words, "meshes": [{"primitives": [strips, fans]}]}))
+    save("polygons", "glb_promises", glb({**words, "accessors": [{**words["accessors"][0], "count": 2**63}, words["accessors"][1]]}))
+    save("polygons", "glb_ring", glb({**words, "nodes": [{"children": [1]}, {"children": [0], "mesh": 0}]}))
     save("polygons", "ply_promises", b"p" + ply("ascii", 2**63 - 1, xyz, rows(corners), after=after))
 
 

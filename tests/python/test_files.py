@@ -65,6 +65,22 @@ def test_las_and_the_data_of_the_project(tmp_path):
     assert len(two) == 2 * len(panel) and panel.info["fields"]
 
 
+def test_triangles_of_a_mesh_count_in_fits_and_comparisons_of_its_path(tmp_path):
+    path = tmp_path / "tile.obj"
+    path.write_text("v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nf 1 2 3 4\n")
+    assert len(batten.read_cloud(path)) == 4
+    sampled = batten.read_cloud(path, faces="sampled")
+    assert len(sampled) > 19000 and np.array_equal(sampled.points[:4], batten.read_cloud(path).points)
+    assert np.abs(sampled.points.mean(axis=0) - [2, 1.5, 0]).max() < 0.01
+    assert len(batten.fit_primitive(path, "plane").residuals) == 4
+    fit = batten.fit_surface(path)
+    mesh = fit.report["input"]["mesh"]
+    assert mesh["triangles"] == 2 and mesh["open_edges"] == 4 and mesh["sampled"] == len(sampled) - 4
+    assert len(batten.compare(fit.surface, path).distances) == len(sampled)
+    with pytest.raises(ValueError, match="faces"):
+        batten.read_cloud(path, faces="all")
+
+
 def test_columns_rows_and_boxes(tmp_path):
     path = tmp_path / "rows.csv"
     path.write_text("a,b,c,label\n1,2,3,1\n4,5,6,2\n7,8,9,1\nnan,1,1,1\n")

@@ -71,9 +71,19 @@ ErrorSummary Summarise(const Eigen::VectorXd& signed_distances,
                        std::optional<double> tolerance,
                        const Eigen::Array<bool, Eigen::Dynamic, 1>& mask = {});
 
+// A mesh among what was read.
+struct InputMesh {
+  Eigen::Index triangles = 0;
+  Eigen::Index welded = 0;        // vertices joined with another at their place
+  Eigen::Index open_edges = 0;    // of one triangle
+  Eigen::Index non_manifold = 0;  // edges of more than two
+  Eigen::Index sampled = 0;       // points on triangles that count beside the vertices
+};
+
 // The input of a fit: points read, and what preparation found.
 struct InputSummary {
   std::vector<std::string> files;
+  std::optional<InputMesh> mesh = std::nullopt;           // where faces were read
   Eigen::Index points = 0;                                // read, before anything was dropped
   Eigen::Index used = 0;                                  // inliers the fit uses
   Eigen::Index non_finite = 0;                            // dropped

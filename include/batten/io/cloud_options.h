@@ -25,6 +25,15 @@ enum class CloudProjection {
   kNone,     // they stay
 };
 
+// What of a mesh counts.
+enum class CloudFaces {
+  kIgnored,   // its vertices
+  kKept,      // the same; its faces are there too
+  kSampled,   // points on its triangles as well, where the vertices do not stand for these
+  kFlat,      // as kSampled, where every edge is flat or sharp
+  kMeasured,  // as kSampled, and on long triangles of any mesh
+};
+
 struct CloudReadOptions {
   // A format word as FormatOf takes it; empty: by extension. Needed for standard input.
   std::string format;
@@ -49,6 +58,11 @@ struct CloudReadOptions {
 
   // Only points of these classes (2 is ground); LAS files only, empty: all.
   std::vector<int> las_classes;
+
+  // Faces are read from regular files that MayHoldFaces; none are sampled, which a remark says,
+  // where rows are chosen (`where`, `columns`) or have weights or parameters, or degrees become
+  // metres.
+  CloudFaces faces = CloudFaces::kIgnored;
 
   // Only points inside, borders included. World coordinates, the data's units.
   std::optional<Eigen::AlignedBox3d> box;

@@ -17,16 +17,17 @@ enum class FileFormat {
   kObj,   // .obj: the vertices of a mesh; read only
   kStl,   // .stl: the same
   kOff,   // .off: the same
+  kGlb,   // .glb: the same, glTF 2.0 in binary form
   kJson,  // .json: geometry
   kStep,  // .step .stp: geometry
   kIges,  // .iges .igs: geometry
   kBrep,  // .brep .brp: geometry, as OpenCASCADE writes its shapes
 };
 
-// The format named by the word `format` (pcd, ply, las, obj, stl, off, text, xyz, csv, json, step,
-// iges, brep; any case) or, when that is empty, by the extension of the path. Throws UsageError
-// saying what to do where the word or extension is unknown or known but not supported, and where
-// the path
+// The format named by the word `format` (pcd, ply, las, obj, stl, off, glb, text, xyz, csv, json,
+// step, iges, brep; any case) or, when that is empty, by the extension of the path. Throws
+// UsageError saying what to do where the word or extension is unknown or known but not supported,
+// and where the path
 // "-" comes without a word.
 FileFormat FormatOf(const std::string& path, const std::string& format = "");
 

@@ -11,15 +11,20 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <sstream>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "batten/io/atomic_file.h"
 #include "batten/io/read_error.h"
 #include "geometry/mesh/point_numbers.h"
 #include "io/base/whole_file.h"
-#include "io/mesh/polygon_text.h"
+#include "io/cloud/glb_reader.h"
+#include "io/cloud/polygon_text.h"
 
 namespace batten {
 namespace internal {
@@ -388,6 +393,7 @@ PolygonMesh PolygonsOfText(std::string_view bytes,
                            const std::string& extension,
                            const std::string& path) {
   PolygonMesh mesh = extension == ".obj"   ? ReadObjPolygons(bytes, path)
+                     : extension == ".glb" ? PolygonsOfGlb(bytes, path)
                      : extension == ".off" ? ReadOffPolygons(bytes, path)
                      : extension == ".stl" ? ReadStlPolygons(bytes, path)
                                            : PlyPolygons(bytes, path).Read();
@@ -403,17 +409,43 @@ PolygonMesh PolygonsOfText(std::string_view bytes,
   return mesh;
 }
 
+namespace {
+
+bool HasFaceExtension(const std::string& path) {
+  const std::string extension = ExtensionOf(path);
+  return extension == ".obj" || extension == ".off" || extension == ".ply" || extension == ".stl" ||
+         extension == ".glb";
+}
+
+bool HeaderSaysFaces(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return true;
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  constexpr int kLongestHeader = 1000;  // lines
+  for (int k = 0; k < kLongestHeader && std::getline(file, line); ++k) {
+    if (line.rfind("end_header", 0) == 0) return false;
+    std::istringstream words(line);
+    std::string element, name;
+    long long count = 0;
+    if (words >> element >> name >> count && element == "element" && name == "face")
+      return count > 0;
+  }
+  return true;
+}
+
+}  // namespace
 }  // namespace internal
 
 using namespace internal;
 
 bool MayHoldFaces(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  return extension == ".obj" || extension == ".off" || extension == ".ply" || extension == ".stl";
+  return HasFaceExtension(path) && (ExtensionOf(path) != ".ply" || HeaderSaysFaces(path));
 }
 
 PolygonMesh ReadPolygons(const std::string& path) {
-  if (!MayHoldFaces(path)) throw UsageError(path + ": faces are read from .obj .off .ply .stl");
+  if (!HasFaceExtension(path))
+    throw UsageError(path + ": faces are read from .obj .off .ply .stl .glb");
   return PolygonsOfText(ReadWholeFile(path), ExtensionOf(path), path);
 }
 

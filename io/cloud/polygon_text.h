@@ -11,8 +11,8 @@ struct PolygonMesh;
 
 namespace batten::internal {
 
-// What ReadPolygons reads, of bytes in memory: `extension` is .obj, .off, .ply or .stl, and `path`
-// is what errors name.
+// What ReadPolygons reads, of bytes in memory: `extension` is .obj, .off, .ply, .stl or .glb, and
+// `path` is what errors name.
 PolygonMesh PolygonsOfText(std::string_view bytes,
                            const std::string& extension,
                            const std::string& path);
