@@ -89,7 +89,7 @@ TEST_F(CloudFormatsTest, SeveralFilesAreOneCloud) {
   EXPECT_THAT(run.out, HasSubstr(stl_ + " and 1 other to " + plane));
   const Json input = Json::parse(folder_.Text("r.json"))["input"];
   EXPECT_EQ(input["files"], (Json{stl_, obj_}));
-  EXPECT_EQ(input["points"], 8);
+  EXPECT_EQ(input["points"], 8 + input["mesh"]["sampled"].get<int>());
   ExpectRefusal({"info", plane, plane}, 2, "one such file at a time");
   ExpectRefusal({"convert", plane, plane, folder_.File("o.step")}, 2, "one such file at a time");
   ExpectRefusal({"info", stl_, plane}, 2, "geometry, not points");
