@@ -353,8 +353,8 @@ const PointCloud& FitFiles::Read(bool parameters, CloudFaces faces) {
   CloudReadOptions read = ToReadOptions(a_.cloud, a_.flags.quiet);
   if (word_is_geometry_) read.format.clear();
   read.parameters = parameters;
-  if (!a_.curves && !a_.vertices_alone && a_.points == "faces")
-    read.faces = cleaning_.statistical ? CloudFaces::kKept : faces;
+  if (!a_.curves && a_.points == "faces")
+    read.faces = cleaning_.statistical || a_.vertices_alone ? CloudFaces::kKept : faces;
   BeginReading(a_.clouds, a_.flags.quiet);
   file_ = ReadCloud(a_.clouds, read);
   TellRemarks(file_, a_.flags.quiet);

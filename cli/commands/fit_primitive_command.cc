@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 // batten fit primitive: points in, an exact line, circle, plane, sphere, cylinder, cone or torus
 // and its report out.
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 
+#include "batten/fitting/distances.h"
 #include "batten/fitting/fit_primitive.h"
+#include "batten/geometry/thread_pool.h"
+#include "batten/geometry/triangle_samples.h"
 #include "batten/io/read_error.h"
 #include "cli/arguments/fit_arguments.h"
 #include "cli/commands/commands.h"
@@ -15,6 +20,7 @@
 #include "cli/terminal/offered_words.h"
 #include "cli/terminal/parse_values.h"
 #include "cli/terminal/terminal.h"
+#include "geometry/numeric/number_text.h"
 
 namespace batten::internal {
 namespace {
@@ -49,6 +55,28 @@ PrimitiveFitOptions ToFitPrimitiveOptions(const FitPrimitiveArguments& a) {
   return WithWork(std::move(options), a);
 }
 
+// How far what lies between the vertices of a mesh is from the shape, most of it; 0 where its
+// chords explain that.
+double LeftBetweenVertices(const Geometry& geometry,
+                           const FaceSurface& faces,
+                           const Eigen::Vector3d& shift,
+                           int threads) {
+  const auto* surface = std::get_if<NurbsSurface>(&geometry);
+  if (surface == nullptr) return 0;
+  TriangleSurface local = faces.surface;
+  local.vertices.colwise() -= shift;
+  const TriangleSamples samples = SamplesBesideVertices(local);
+  if (samples.points.cols() == 0) return 0;
+  ThreadPool pool(threads);
+  Eigen::VectorXd far = DistancesTo(*surface, samples.points, pool).distances.cwiseAbs();
+  std::nth_element(far.begin(), far.begin() + far.size() / 2, far.end());
+  const double off = far[far.size() / 2];
+  const double size =
+      (local.vertices.rowwise().maxCoeff() - local.vertices.rowwise().minCoeff()).norm();
+  constexpr double kFar = 0.01;  // of the size, as points_missed
+  return off > std::max(kFar * size, ChordHeight(local)) ? off : 0;
+}
+
 int RunFitPrimitive(const FitPrimitiveArguments& a) {
   PrimitiveFitOptions options = ToFitPrimitiveOptions(a);
   FitFiles files(a);
@@ -68,6 +96,14 @@ int RunFitPrimitive(const FitPrimitiveArguments& a) {
   const Geometry geometry =
       std::visit([](const auto& shape) { return Geometry(shape); }, fit.geometry);
   if (HasForm(fit)) files.NoteForm(FormDeviationOf(fit, cloud, options.shift));
+  if (a.kind == "auto" && files.faces() != nullptr) {
+    const double off = LeftBetweenVertices(geometry, *files.faces(), options.shift, a.work.threads);
+    if (off > 0) {
+      fit.report.doubts.push_back({"points_missed",
+                                   "between its vertices half of the mesh is farther than " +
+                                       RoundedText(off) + " from the shape"});
+    }
+  }
   return files.Write({geometry}, fit.residuals, fit.parameters, fit.outliers, fit.report);
 }
 

@@ -173,6 +173,16 @@ TEST(FitMeshTest, TrianglesCountInFitsAndComparisons) {
   EXPECT_EQ(faces["input"]["mesh"]["open_edges"], 4);
 }
 
+// A tube's vertices are two rings, which many shapes pass through: what lies between them decides
+// whether the one that was chosen is right.
+TEST(FitMeshTest, APrimitiveThatLeavesTheTrianglesIsDoubtful) {
+  TemporaryFolder folder;
+  const std::string stl = folder.With("bar.stl", Bar(40, 5).text());
+  const ProgramRun run = Batten({"fit", "primitive", stl, "-o", folder.File("p.step")});
+  EXPECT_EQ(run.code, 4) << run.out;
+  EXPECT_THAT(run.out, HasSubstr("between its vertices half of the mesh is farther than"));
+}
+
 // The genus that was asked for is that of the mesh too.
 TEST(FitMeshTest, APolyhedronOfAnotherGenusIsRefused) {
   TemporaryFolder folder;
